@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The digests that every campaign checks, computed from AR-DIG by this implementation.
+"""Computes the digests that every campaign checks from AR-DIG by this implementation.
 
-The two grids are those that the comment in validation/common/golden.c describes.
+The two grids are described in the comment in validation/common/golden.c.
 
 Covers: AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5
 """

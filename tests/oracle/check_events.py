@@ -1,22 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes every case of dump_events again, in Python's integers and fractions, and compares to the bit.
+"""Computes every case of dump_events again, in Python's integers and fractions; the results must be bit-identical.
 
-Where the library has a matrix of integer products, one common divisor and 128
-bits, this has quaternions that turn vectors (q' v q / N) and fractions of any
-length; nothing is shared but the rules:
+The library uses a matrix of integer products, one common divisor and 128 bits; this program
+uses quaternions that rotate vectors (q' v q / N) and fractions of any length. The two have
+only the rules in common:
 
-    AR-SWEEP   how many poses an event has, and which
+    AR-SWEEP   the number of poses of an event, and the poses
     AR-MAP     steps, bases, far blocks; also that the coordinates used are
                within 23 / 2^20 of a tool voxel of the exact ones
-    AR-REM     which voxels a whole event takes and touches, and their sums
+    AR-REM     the voxels that a complete event removes and touches, and their sums
 
 Covers: AR-INT-3, AR-POSE-4, AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-3, AR-SWEEP-4, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-MAP-5, AR-MAP-6,
 AR-MAP-7, AR-REM-1, AR-REM-2, AR-REM-6, AR-CLS-1
 
 Usage: check_events.py [DUMPER] [COUNT]    (default: tests/oracle/dump_events, 2000)
-OST_TEST_SEED=N replays a run; OST_TEST_BACKENDS="ref cpu:isa=avx2" says who removes (tests/backends.h): the dumps of
-all must be the same text. Exit status 77 when there is no dumper.
+OST_TEST_SEED=N replays a run; OST_TEST_BACKENDS="ref cpu:isa=avx2" selects the backends (tests/backends.h): the dumps
+of all must be the same text. Exit status 77 without a dumper.
 """
 
 import math
@@ -32,7 +32,7 @@ SWEEP_MAX = 4096
 
 
 def rhe(value):
-    """Nearest, ties to even: what Python's own round does with fractions."""
+    """Nearest, ties to even, as Python's own round does for fractions."""
     return round(Fraction(value))
 
 
@@ -93,7 +93,7 @@ class Pose:
         return [rhe(c) + t for c, t in zip(turn(self.q, corner), self.t)]
 
     def coordinate(self, tool, point):
-        """The point of the bone's frame in the tool's grid, times 2^20, as fractions."""
+        """Returns a point of the bone's frame in the tool's grid, times 2^20, as fractions."""
         inside = turn_back(self.q, [p - t for p, t in zip(point, self.t)])
         return [UNIT * (c - corner) / tool.voxel for c, corner in zip(inside, tool.corner)]
 
@@ -125,7 +125,7 @@ def sweep_pose(a, b, k, n):
 
 
 class Map:
-    """AR-MAP of one pose; bases are remembered by block."""
+    """AR-MAP of one pose; bases are cached by block."""
 
     def __init__(self, pose, s, o, tool):
         self.pose, self.s, self.o, self.tool = pose, s, o, tool

@@ -5,9 +5,9 @@
     docs/arithmetic.md --its ```python block, as it stands--> spacings  |  equal for every text, and
     random lattices ---> texts ---> dump_lattices (src/io/text) ------> |  refused by both or by neither
 
-The texts are written with all the numbers of digits that occur in practice and without trailing zeros,
-with layers absent, with noise that fits a lattice or does not, with thirds of a millimetre, with exponents
-and with facts in comments. The oracle's own search for spacings (osteon_oracle.py) must agree as well.
+The texts have all numbers of digits that occur in practice, with and without trailing zeros, absent
+layers, noise that fits a lattice or does not, thirds of a millimetre, exponents, and facts in
+comments. The oracle's own search for spacings (osteon_oracle.py) must agree as well.
 
 Covers: AR-CT-3, AR-CT-4, AR-CT-7, AR-CT-8
 
@@ -33,7 +33,7 @@ MM = 10**9
 
 
 def pseudo_code():
-    """The names that the program in the text defines."""
+    """Returns the names that the program in the document defines."""
     root = os.environ.get("top_srcdir") or os.path.join(os.path.dirname(__file__), "..", "..")
     with open(os.path.join(root, "docs", "arithmetic.md"), encoding="utf-8") as file:
         text = file.read()
@@ -47,7 +47,7 @@ def pseudo_code():
 
 
 def written(rng, value, places, style):
-    """A coordinate (a Fraction of mm) with so many places, in one of the styles that texts have."""
+    """Returns a coordinate (a Fraction of mm) with this number of places, in one of the styles of CT texts."""
     scaled = oracle.rhe(value * 10**places)
     digits = f"{abs(scaled):0{places + 1}d}"
     text = f"{digits[:-places]}.{digits[-places:]}" if places else digits
@@ -75,7 +75,7 @@ def spacing(rng):
 
 
 def axis_coordinates(rng, step):
-    """The written coordinates of an axis, in any order, none twice."""
+    """Returns the written coordinates of an axis, in any order, without duplicates."""
     places = rng.choice([p for p in (0, 1, 2, 3, 3, 4, 4, 5, 6, 6, 7, 8, 9, 10, 12) if step > Fraction(4, 10**p) or rng.random() < 0.02])
     style = rng.choice(("plain", "plain", "stripped", "exponents"))
     start = Fraction(rng.choice((0, 0, rng.randrange(-10**6, 10**6))), 10 ** rng.randrange(3, 7))
@@ -89,7 +89,7 @@ def axis_coordinates(rng, step):
 
 
 def facts(rng, grid):
-    """Comments with facts: mostly true, now and then repeated, false or broken; grid is what the samples make, or None."""
+    """Returns comments with facts: mostly true, sometimes repeated, false or broken; grid is that of the samples, or None."""
     lines = []
     if grid is None or rng.random() < 0.6:
         return lines
@@ -111,7 +111,7 @@ def mm(pm):
 
 
 def random_text(rng, names):
-    """A text, each of whose axes has its coordinates somewhere."""
+    """Returns a text in which each axis' coordinates occur."""
     step = spacing(rng)
     axes = []
     for _ in range(3):
@@ -139,7 +139,7 @@ def random_text(rng, names):
 
 
 def expected(text, names):
-    """(dims, spacing, origin) by the program in the text; AR-CT-4 and AR-CT-8 by the oracle."""
+    """Returns (dims, spacing, origin) by the program in the document; AR-CT-4 and AR-CT-8 by the oracle."""
     given = oracle.given_spacing(text)
     found = [None] * 3
     for a in range(3):
@@ -156,7 +156,7 @@ def expected(text, names):
 
 
 def lattice(text, names):
-    """The line that dump_lattices prints of a text."""
+    """Returns the line that dump_lattices prints for a text."""
     dims, steps, origin = expected(oracle.Text(text), names)
     return " ".join(map(str, (*dims, *steps, *origin)))
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the built command on small generated inputs and compares every grid, count and digest with the oracle's.
 
-    CT text ---osteon import-----> BONE.nrrd, stages   |  all equal to the bit with
-    STL -------osteon voxelize---> TOOL.nrrd           |  what docs/arithmetic.md alone
-    path CSV --osteon ream-------> BONE2.nrrd, report  |  says (osteon_oracle*.py)
+    CT text ---osteon import-----> BONE.nrrd, stages   |  all bit-identical to the results
+    STL -------osteon voxelize---> TOOL.nrrd           |  of docs/arithmetic.md alone
+    path CSV --osteon ream-------> BONE2.nrrd, report  |  (osteon_oracle*.py)
 
 Covers: AR-LEN-2, AR-LEN-3, AR-LEN-4, AR-LEN-5, AR-GRID-2, AR-GRID-5, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,
 AR-PATH-4, AR-PATH-5, AR-PATH-6, AR-PATH-7, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
@@ -17,9 +17,9 @@ AR-REM-7, AR-REM-8, AR-CLS-1, AR-CLS-2, AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5, 
 AR-FILE-2, AR-FILE-3, AR-LAW-4, AR-LAW-7, AR-LAW-8, REQ-ORACLE
 
 Usage: check_pipeline.py [OSTEON]    (default: $OSTEON, else ./osteon)
-OST_TEST_SEED=N replays a run; OST_TEST_BACKENDS="ref cpu:isa=avx2" says who computes (tests/backends.h): every command
-runs on each of them, and all must print the same object, which holds the file's digest. Exit status 77 when there is
-nothing to run.
+OST_TEST_SEED=N replays a run; OST_TEST_BACKENDS="ref cpu:isa=avx2" selects the backends (tests/backends.h): every command
+runs on each of them, and all must print the same object, which contains the file's digest. Exit status 77 if there is
+no command to run.
 """
 
 import gzip
@@ -70,7 +70,7 @@ class Runner:
         return self.path(name)
 
     def run(self, *arguments):
-        """The JSON object of a verb, the same on every backend but for times; its status 3 means that a library is absent."""
+        """Returns the JSON object of a verb, which must be the same on every backend except for times; status 3 means that a library is missing."""
         objects = []
         for backend in BACKENDS:
             done = subprocess.run([self.program, *arguments, "--backend", backend, "--json"], capture_output=True, check=False)
@@ -91,7 +91,7 @@ class NotHere(Exception):
 
 
 def timeless(value):
-    """What of an object may not differ from run to run."""
+    """Returns the parts of an object that may not differ from run to run."""
     if isinstance(value, dict):
         return {key: timeless(item) for key, item in value.items() if key not in TIMES}
     return [timeless(item) for item in value] if isinstance(value, list) else value
@@ -101,7 +101,7 @@ def timeless(value):
 
 
 def blob(rng, dims):
-    """Densities with all classes, some inactive, some negative: an ellipsoid with noise."""
+    """Returns densities of all classes, some inactive, some negative: an ellipsoid with noise."""
     nx, ny, nz = dims
     out = []
     for k in range(nz):
@@ -113,7 +113,7 @@ def blob(rng, dims):
 
 
 def written(value, decimals, strip):
-    """A coordinate in mm (a Fraction) with so many decimals, without trailing zeros if asked."""
+    """Returns a coordinate in mm (a Fraction) with this number of decimals, optionally without trailing zeros."""
     scaled = oracle.rhe(value * 10**decimals)
     text = f"{abs(scaled):0{decimals + 1}d}"
     text = f"{text[:-decimals]}.{text[-decimals:]}"
@@ -123,7 +123,7 @@ def written(value, decimals, strip):
 
 
 def ct_text(rng, dims, spacing, start, decimals, strip=False, shuffle=False, absent=0.0, repeated=0, separator=" ", head=""):
-    """A CT text of a blob; decimals may be more than the spacing needs or fewer."""
+    """Returns a CT text of a blob; decimals may be more than the spacing needs, or fewer."""
     lines = []
     voxels = iter(blob(rng, dims))
     axes = [[written(Fraction(o) + n * Fraction(s), decimals, strip) for n in range(count)]
@@ -143,7 +143,7 @@ def ct_text(rng, dims, spacing, start, decimals, strip=False, shuffle=False, abs
 
 
 def check_import(runner, name, content, options=(), chunk=32, **how):
-    """osteon import against text -> rect -> cubic -> bone. Returns the oracle's bone and the file's name."""
+    """Compares osteon import with text -> rect -> cubic -> bone. Returns the oracle's bone and the file's name."""
     text = oracle.Text(content)
     rect, scatter = oracle.text_to_rect(text, how.get("spacing"), crop=how.get("crop"))
     rule = how.get("rule", "linear")
@@ -168,7 +168,7 @@ def check_import(runner, name, content, options=(), chunk=32, **how):
 
 
 def equal_file(name, path, grid, facts):
-    """A written NRRD against a grid."""
+    """Compares a written NRRD with a grid."""
     got, meta = files.read_nrrd(path)
     equal(f"{name}: dims of the file", got.dims, grid.dims)
     equal(f"{name}: spacing of the file", got.spacing, grid.spacing)
@@ -194,7 +194,8 @@ def imports(runner):
     check_import(runner, "tenths", ct_text(rng, (33, 12, 14), ("0.3", "0.3", "0.3"), ("0", "-57.34", "0"), 4, separator="\t"))
     check_import(runner, "given-in-text", ct_text(rng, (20, 10, 1), ("0.488281",) * 3, ("1", "1", "1"), 3,
                                                   head="# osteon spacing_mm: 0.488281 0.488281 2.5\r\n"))
-    # Written coarsely, but the text says what it is: the third of a voxel that rounding hides in the first layer is known.
+    # Written with few decimals, but the text has the spacing as a fact: the third of a voxel
+    # that rounding hides in the first layer is known.
     check_import(runner, "origin-in-text", ct_text(rng, (12, 10, 9), ("0.48828125",) * 3, ("0.02", "0", "0"), 1,
                                                    head="# osteon dims: 12 10 9\n# osteon spacing_mm: 0.48828125 0.48828125 0.48828125\n"
                                                         "# osteon origin_mm: 0.02 0 0\n"))
@@ -205,7 +206,8 @@ def imports(runner):
     for rule in ("nearest", "thesis"):
         check_import(runner, rule, ct_text(rng, (23, 11, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),
                      ("--cubic", "0.45", "--resample", rule), cubic=450000000, rule=rule)
-    # AR-GRID-5: a sample outside the part may lie anywhere between the layers, and may be there twice with two densities.
+    # AR-GRID-5: a sample outside the crop may be anywhere between the layers, and may be
+    # repeated with another density.
     content = ct_text(rng, (20, 12, 9), ("0.7", "0.9", "1.1"), ("1", "-2", "3"), 2, shuffle=True)
     content += "1.3 -2 3 5\n1 -2 3 31000\n"
     check_import(runner, "part", content, ("--crop", "4:17,2:11,1:7", "--spacing", "0.7,0.9,1.1"), spacing=(700000000, 900000000, 1100000000),
@@ -214,7 +216,7 @@ def imports(runner):
 
 
 def thresholds(runner):
-    """AR-DIG-1: thresholds that take the same voxels make equal bones with different digests."""
+    """AR-DIG-1: thresholds that select the same voxels make equal bones with different digests."""
     content = ct_text(runner.rng, (9, 8, 7), ("0.7",) * 3, ("0", "0", "0"), 1)
     content = "".join(line if not 119 <= float(line.split()[3]) <= 130 else line.rsplit(" ", 1)[0] + " 100\n"
                       for line in content.splitlines(keepends=True))
@@ -228,7 +230,7 @@ def thresholds(runner):
 
 
 def nifti(dims, spacing, origin, densities):
-    """A NIfTI-1 with an sform in float32; spacing and origin in LPS, so that x and y are negated."""
+    """Returns a NIfTI-1 with an sform in float32; spacing and origin are in LPS, so x and y are negated."""
     head = bytearray(352)
     struct.pack_into("<i", head, 0, 348)
     struct.pack_into("<8h", head, 40, 3, *dims, 1, 1, 1, 1)
@@ -250,7 +252,7 @@ def float32(value):
 
 
 def floats(runner):
-    """A CT as NIfTI, whose lengths are float32, against the oracle and against the NRRD of the same CT."""
+    """Compares a CT as NIfTI, whose lengths are float32, with the oracle and with the NRRD of the same CT."""
     rng, dims = runner.rng, (7, 6, 5)
     for name, spacing, origin in (("shoulder", ("0.841796875", "0.841796875", "5"), ("-198.912109375", "-117.8", "-159.03")),
                                   ("seventh-digit", ("0.4882812", "0.4882813", "0.625"), ("12.3", "-0.1", "431.217"))):
@@ -270,7 +272,8 @@ def floats(runner):
             out = runner.path(f"{name}-{kind}-bone.nrrd")
             runner.run("import", runner.path(f"{name}.{kind}"), "--cubic", spacing[0], "--out", out)
             equal_file(f"{name}.{kind}", out, bone, {"resample": "linear"})
-    # The same grid written with other digits of the same float32: equal, and said to be so only as far as a float32 goes.
+    # The same grid written with other digits of the same float32: equal, and reported as equal
+    # only to the precision of float32.
     coarse = runner.write("coarse.nrrd", open(runner.path("shoulder.nrrd"), encoding="ascii").read().replace("0.841796875", "0.8417969"))
     got = runner.run("diff", runner.path("shoulder.nii"), coarse)
     equal("two spellings of a float32", (got["equal"], got["rounded_geometry"]), (True, True))
@@ -285,7 +288,7 @@ def floats(runner):
 
 
 def tetrahedron(rng, size):
-    """Closed, outward or inward, on multiples of 1/8 mm: exact in any float."""
+    """Returns a closed tetrahedron, outward or inward, on multiples of 1/8 mm: exact in any float."""
     while True:
         points = [[Fraction(rng.randrange(-size * 8, size * 8 + 1), 8) for _ in range(3)] for _ in range(4)]
         edges = [[p - q for p, q in zip(point, points[0])] for point in points[1:]]
@@ -319,14 +322,14 @@ def stl(mesh):
 
 
 def as_read(mesh):
-    """What an STL of the mesh holds: three vertices a triangle, in picometres, equal ones joined."""
+    """Returns the contents of an STL of the mesh: three vertices per triangle, in picometres, equal ones merged."""
     points, triangles = mesh
     corners = [tuple(tools.vertex_pm(float(c)) for c in points[v]) for triangle in triangles for v in triangle]
     return tools.weld(corners, [(n, n + 1, n + 2) for n in range(0, len(corners), 3)])
 
 
 def check_voxelize(runner, name, mesh, voxel, rule="winding", noncutting=None):
-    """osteon voxelize against the oracle. Returns the oracle's tool and the file's name."""
+    """Compares osteon voxelize with the oracle. Returns the oracle's tool and the file's name."""
     tool = tools.Tool(as_read(mesh), oracle.length(Fraction(voxel)), as_read(noncutting) if noncutting else None, rule)
     out = runner.path(name + ".nrrd")
     options = ["--voxel", voxel, "--rule", rule]
@@ -358,14 +361,15 @@ def meshes(runner):
         check_voxelize(runner, f"on-centres-{rule}", on_centres, "0.5", rule)
     points, triangles = box([Fraction(-2)] * 3, [Fraction(2)] * 3)
     check_voxelize(runner, "leaking", (points, triangles[1:]), "0.5")
-    # A sliver of 1/1024 of 1/1000 of a voxel's width snaps to nothing: a tetrahedron on a far larger lattice.
+    # A sliver of 1/1024 of 1/1000 of a voxel's width is dropped by snapping: a tetrahedron on a
+    # far larger lattice.
     sliver = [[Fraction(0)] * 3, [Fraction(600)] + [Fraction(0)] * 2, [Fraction(0), Fraction(1, 128), Fraction(0)], [Fraction(0)] * 2 + [Fraction(1, 128)]]
     check_voxelize(runner, "sliver", join((sliver, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), box([Fraction(0)] * 3, [Fraction(600)] * 3)),
                    "60")
 
 
 def solid_set(runner, name, mesh, voxel):
-    """Solid voxels in world coordinates: their centres in picometres."""
+    """Returns the solid voxels in world coordinates: their centres in picometres."""
     out = runner.path(name + ".nrrd")
     got = runner.run("voxelize", runner.write(name + ".stl", stl(mesh)), "--voxel", voxel, "--out", out)
     equal(f"{name}: leaking_rows", got["leaking_rows"], 0)
@@ -376,7 +380,7 @@ def solid_set(runner, name, mesh, voxel):
 
 
 def laws(runner):
-    """AR-LAW-4, AR-LAW-7 and AR-LAW-8 on the command alone: no oracle, so no common mistake."""
+    """Tests AR-LAW-4, AR-LAW-7 and AR-LAW-8 on the command without the oracle, so that there is no common mistake."""
     points, triangles = tetrahedron(runner.rng, 3)
     whole = solid_set(runner, "law", (points, triangles), "0.5")
     equal("AR-LAW-8: faces reversed", solid_set(runner, "reversed", (points, [(a, c, b) for a, b, c in triangles]), "0.5"), whole)
@@ -384,7 +388,8 @@ def laws(runner):
     moved = [[c + d for c, d in zip(point, shift)] for point in points]
     equal("AR-LAW-4: a mesh moved by whole voxels", solid_set(runner, "moved", (moved, triangles), "0.5"),
           {tuple(c + int(d * MM) for c, d in zip(centre, shift)) for centre in whole})
-    # A box cut at x = 1/8, where no centre lies (they are at odd quarters): the halves' union is the box.
+    # A box cut at x = 1/8, where there is no centre (they are at odd quarters): the union of
+    # the halves is the box.
     low, high, cut = [Fraction(-2)] * 3, [Fraction(2)] * 3, Fraction(1, 8)
     halves = solid_set(runner, "left", box(low, [cut, *high[1:]]), "0.5") | solid_set(runner, "right", box([cut, *low[1:]], high), "0.5")
     equal("AR-LAW-7: two halves", halves, solid_set(runner, "box", box(low, high), "0.5"))
@@ -399,7 +404,7 @@ def decimal_of(value, places):
 
 
 def turned(rng, any_turn):
-    """A quaternion in nine places: within some degrees of none, or any with quarter turns among them."""
+    """Returns a quaternion in nine places: within some degrees of the identity, or any, with quarter turns among them."""
     if any_turn and rng.random() < 0.3:
         return rng.choice((("0.707106781", "0", "0", "0.707106781"), ("0", "1", "0", "0"), ("0.5", "-0.5", "0.5", "0.5")))
     spread = 0.55 if any_turn else 0.06
@@ -409,7 +414,7 @@ def turned(rng, any_turn):
 
 
 def path(rng, bone, ticks, step_mm, tool_count, any_turn, every_ms=1):
-    """A walk through the bone's middle; whole voxels now and then, so that borders are met."""
+    """Returns a path through the bone's middle; some steps are a multiple of a voxel, so that borders are met."""
     at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
     rows, tool = ["t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool"], 0
     for tick in range(ticks):
@@ -426,7 +431,7 @@ def path(rng, bone, ticks, step_mm, tool_count, any_turn, every_ms=1):
 
 
 def tracked_path(rng, bone, rows, metres):
-    """What a tracker saw: rows of 3.5 ms, some lost, some left out, with a jump; other columns among those that are read."""
+    """Returns the rows of a simulated tracker: every 3.5 ms, some lost, some omitted, with a jump, and with additional columns."""
     unit, places = ("m", 12) if metres else ("mm", 9)
     at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
     text, missing = [f"t_s,x_{unit},y_{unit},z_{unit},qw,qx,qy,qz,movement,tool" + (",lifted" if metres else "")], rng.randrange(3, rows)
@@ -445,7 +450,7 @@ def tracked_path(rng, bone, rows, metres):
 
 
 def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), contents=None, max_gap=None, rate=None, rpm=200, every_ms=1, **how):
-    """osteon ream against the oracle, on a copy of the bone."""
+    """Compares osteon ream with the oracle, on a copy of the bone."""
     left = oracle.Bone(bone, bone.threshold)
     if rate:
         how["period_ns"], options = events.period(rate), (*options, "--rate", rate)

@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Balls and ellipsoids at random places in CTs of random spacings: the bone must lie where the body lies.
+"""Balls and ellipsoids at random positions in CTs of random spacings: the bone's position must be the body's.
 
     body (mm) --partial volumes--> CT.nrrd --osteon import--> BONE.nrrd --> centroid, volume
 
 A CT voxel has 1000 times the part of its box that lies inside the body, and the threshold is 500, so that the bone's
 surface is where half a voxel is inside. By the linear rule
   centroid  lies within 0.05 of the CT's voxel on that axis (or of the cubic voxel where that is larger); voxels are
-            counted by their centres, which alone is off by some hundredths where a radius has ten of them; here it has twenty
+            counted by their centres, which alone causes an error of some hundredths for a radius of ten voxels; here it has twenty
   volume    is off by at most 3 (0.086 s / r) + (s / r)^2 + (c / r)^2 of itself, s the CT's largest spacing, c the cubic
             one, r the body's smallest radius. The first term: where a plane cuts a voxel in the part f, the half
             level lies (f - 1/2)(1 - f)/f from the plane, at most 0.086 of a voxel. The second: averaging over a box
             (variance s^2 / 12) and between voxels (at most s^2 / 4) moves a sphere's half level inwards by the variance
             over r, of which three r-ths are volume. The third: centres counted instead of volume.
-The centroid is so good because the parts f differ over a face and their 0.086 cancel. Where the cubic voxel is nearly the
-CT's they do not, and the worst is 0.086 of a voxel; such spacings are in the table and not in the test.
-The numbers come from the body's formula and from the file alone.
+The centroid is so exact because the parts f differ over a face and their 0.086 cancel. If the cubic voxel is nearly the
+CT's they do not cancel, and the worst error is 0.086 of a voxel; such spacings are in the table and not in the test.
+The expected values are computed from the body's formula and from the file alone.
 
 Covers: AR-CUB-1, AR-CUB-2
 
@@ -82,7 +82,7 @@ def write_nrrd(path, dims, spacing, origin, densities):
 
 
 def read_nrrd(path):
-    """(dims, spacing, origin, densities) of a file of osteon's."""
+    """Returns (dims, spacing, origin, densities) of a file written by osteon."""
     with open(path, "rb") as file:
         head, data = file.read().split(b"\n\n", 1)
     fields = dict(line.split(": ", 1) for line in head.decode().split("\n")[1:] if ": " in line)
@@ -125,7 +125,7 @@ class Placement:
         return out
 
     def errors(self, centre, radii, spacing, cubic, rule, ct=None):
-        """Per axis the centroid's error in voxels, and the volume's as a part."""
+        """Returns the centroid's error in voxels for each axis, and the volume's relative error."""
         path = os.path.join(self.folder, "ct.nrrd")
         if ct:
             write_nrrd(path, ct[0], spacing, ct[1], ct[2])
@@ -154,12 +154,12 @@ def lattice(rng, least=0.4):
 
 
 def beats(spacing, cubic):
-    """True where the cubic voxel is nearly the CT's, but not: the same part f is then met on all of a face."""
+    """Returns True if the cubic voxel is nearly but not exactly the CT's: the same part f then occurs all over a face."""
     return any(s != cubic and abs(s / cubic - 1) < 0.15 for s in spacing)
 
 
 def table(placement, rng, count):
-    """The three rules over the same CTs."""
+    """Compares the three rules over the same CTs."""
     off, volume = {rule: [] for rule in RULES}, {rule: [] for rule in RULES}
     mm = {rule: [] for rule in RULES}
     for number in range(count):
@@ -201,7 +201,8 @@ def main():
         if count:
             table(placement, rng, count)
             return 0
-        # Version 1 of the arithmetic had the first 2.46 mm (0.49 voxels) too high and the second 0.35 mm (0.44) off on each axis.
+        # In version 1 of the arithmetic the first was 2.46 mm (0.49 voxels) too high and the
+        # second 0.35 mm (0.44) off on each axis.
         placement.check("thick slices", [0, 0, 0], [12.5] * 3, [0.8, 0.8, 5], 0.8)
         placement.check("finer cubes", [0, 0, 0], [12.5] * 3, [0.8, 0.8, 0.8], 0.5)
         for number in range(4):

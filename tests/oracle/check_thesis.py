@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The numbers of docs/thesis-notes.md, recomputed: what the thesis' algorithms do when they are taken at their word.
+"""Computes the numbers of docs/thesis-notes.md again: the results of the thesis' algorithms implemented literally.
 
 Covers: AR-CUB-2, AR-TOOL-2, REQ-NOTES
 """
@@ -23,7 +23,7 @@ def f32(value):
 
 
 def literal_import(size, minimum, decimals, count):
-    """Alg. 2.4 as written: text to float, (p - min) / size in float, truncated. (layers left empty, layers met twice)"""
+    """Alg. 2.4 as written: text to float, (p - min) / size in float, truncated. Returns (empty layers, layers met twice)."""
     s, low = f32(float(size)), f32(float(minimum))
     met = Counter()
     for k in range(count):
@@ -38,7 +38,7 @@ def lost_layers():
              ("0.488281", "0", 6): 25, ("0.48828125", "0", 6): 6, ("0.47", "-57.34", 6): 32}
     for (size, minimum, decimals), lost in table.items():
         assert literal_import(size, minimum, decimals, 600) == (lost, lost), (size, minimum, decimals)
-        # The same positions through AR-CT-3 and AR-CT-4: every layer once.
+        # The same positions through AR-CT-3 and AR-CT-4: each layer occurs once.
         c = [rhe((Fraction(minimum) + k * Fraction(size)) * 10**decimals) * 10 ** (9 - decimals) for k in range(60)]
         axis = Axis(c, {10 ** (9 - decimals)})
         assert [rhe(Fraction(p - c[0], axis.spacing)) for p in c] == list(range(60))
@@ -63,7 +63,7 @@ def vacuous_choice():
 
 
 def intersection_box():
-    """Alg. 2.8 in two axes (the third adds nothing): a corner of the bone inside the tool, outside the box."""
+    """Alg. 2.8 in two axes (the third is not needed): a corner of the bone inside the tool, outside the box."""
     turn = ((Fraction(3, 5), Fraction(-4, 5)), (Fraction(4, 5), Fraction(3, 5)))
     back = tuple(zip(*turn))
 
@@ -89,7 +89,8 @@ def tables():
     # Chunk counts: 199 and 202 chunks of 32^3 int16, and 448 chunks of the grid before it is made cubic.
     assert [round(n * 65536 / 1e6, 2) for n in (202, 199, 99)] == [13.24, 13.04, 6.49]
     assert 8 * 8 * 7 == 448 and 256 * 256 * 224 == 448 * 32**3 and 8 * 8 * 14 == 896
-    # Bytes of text a voxel (Table 3.1), and bytes of text a millisecond of loading (Table 2.2).
+    # Bytes of text per voxel (Table 3.1), and bytes of text per millisecond of loading (Table
+    # 2.2).
     models = {"foam": (314 * 320 * 604, 764.1, 6930), "trabecular 2": (314 * 316 * 360, 1400, 13379),
               "trabecular 1": (156 * 156 * 313, 101.4, 936), "scapula": (256 * 234 * 201, 34.3, 295), "glenoid": (49 * 81 * 41, 3.7, 31)}
     per_voxel = {name: round(size * 1e6 / voxels, 1) for name, (voxels, size, _) in models.items()}

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Imports random NRRD volumes and compares the rect grid with what docs/arithmetic.md says of values and orientation.
+"""Imports random NRRD volumes and compares the rect grid with the rules of docs/arithmetic.md for values and orientation.
 
     NRRD (axes permuted, flipped, tilted; LPS, RAS, LAS; every type, in text and raw; some broken)
       ---osteon import---> digest of the rect grid, or status 2
@@ -37,7 +37,7 @@ SIGNS = {"LPS": (1, 1, 1), "RAS": (-1, -1, 1), "LAS": (1, -1, 1)}
 
 
 def orient(sizes, directions, origin):
-    """AR-FILE-5: (dims, spacing, origin, for every axis w the file's axis and whether it is flipped)."""
+    """AR-FILE-5: returns (dims, spacing, origin, for every axis w the file's axis and whether it is flipped)."""
     if any(abs(c) > 10**11 for d in directions for c in d):
         raise oracle.Refused("a voxel of more than 100 mm")
     (a, b, c), (d, e, f), (g, h, i) = directions
@@ -90,7 +90,7 @@ def mm(pm):
 
 
 def random_file(rng):
-    """(bytes, rect_of's arguments)."""
+    """Returns (bytes, rect_of's arguments)."""
     sizes = [rng.randrange(1, 7) for _ in range(3)]
     if rng.random() < 0.3:
         sizes[rng.randrange(3)] = rng.randrange(60, 90)
@@ -130,7 +130,7 @@ def random_file(rng):
 
 
 def case(rng, program, folder):
-    """A random file for random_cases.agree: the oracle's digest of its rect grid, and the command's."""
+    """Makes a random file for random_cases.agree: the oracle's digest of its rect grid, and the command's."""
     path, out = os.path.join(folder, "v.nrrd"), os.path.join(folder, "o.nrrd")
     content, arguments = random_file(rng)
     with open(path, "wb") as file:

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints what the library makes of seeded cases, for check_events.py to make
- * again in fractions: sweeps, maps, and whole removal events on small grids.
- * Reads nothing.  A case is a line of words, key=value, values in picometres
- * and Q30:
+ * Prints the library's results for seeded cases, which check_events.py computes again in
+ * fractions: sweeps, maps, and complete removal events on small grids. The program reads no
+ * input. A case is one line of key=value words, with values in picometres and Q30:
  *
  *   sweep  s= tool= a= b=               n= (0: refused) pose1= ... (three of them)
  *   map    s= o= tool= pose=            step= then block=x,y,z,near,base...
@@ -11,12 +10,12 @@
  *
  * Usage: dump_events SEED COUNT BACKEND
  *
- * Densities and tool classes are functions of the voxel's number and the
- * case's seed (mix below), so that grids need not be printed.
+ * Densities and tool classes are functions of the voxel's number and the case's seed (`mix`
+ * below), so that grids need not be printed.
  *
- * A third of the poses is random; the others are built for borders: the 24
- * turns of a cube by quaternions of several lengths, up to 1/1000 off, with
- * translations on multiples of half a voxel and of half a unit of 2^-20.
+ * A third of the poses is random. The others are constructed for borders: the 24 rotations of a
+ * cube by quaternions of several lengths, up to 1/1000 off, with translations at multiples of
+ * half a voxel and of half a unit of 2^-20.
  */
 #include <osteon/backend.h>
 
@@ -50,7 +49,10 @@ static void fail(const ost_error *err)
 
 /* ---------------------------------------------------------------- cases */
 
-/* Any direction: a point of the 4-ball times 2^30 over an integer root, so |q| is 1 to a few parts in a million. */
+/*
+ * Makes a random rotation: a point of the 4-ball times 2^30, divided by an integer root, so
+ * that |q| is 1 to a few parts in a million.
+ */
 static void random_turn(int32_t q[4])
 {
     int64_t c[4], n, root;
@@ -69,7 +71,10 @@ static void random_turn(int32_t q[4])
         q[a] = (int32_t)(c[a] * OST_Q30_ONE / root);
 }
 
-/* One of the 24 turns of a cube: one, two or four components of one magnitude, |q| at, just within or between the limits. */
+/*
+ * Makes one of the 24 rotations of a cube: one, two or four components of one magnitude, with
+ * |q| at, just within or between the limits.
+ */
 static void cube_turn(int32_t q[4])
 {
     /* 2^30 over 1, sqrt 2 and 2, times 0.999 (up), 1, 1.001 (down) */
@@ -89,7 +94,10 @@ static void cube_turn(int32_t q[4])
     }
 }
 
-/* Around t, by the style: anywhere, on multiples of half the unit, or on multiples of half a tool voxel. */
+/*
+ * Returns a pose around t, depending on the style: anywhere, at multiples of half the unit, or
+ * at multiples of half a tool voxel.
+ */
 static ost_pose make_pose(int style, ost_pm3 around, ost_pm spread, ost_pm tool_voxel)
 {
     int32_t q[4];
@@ -112,7 +120,7 @@ typedef struct sizes {
     ost_pm bone, tool;
 } sizes;
 
-/* Ratios 1, 2, 16 and the thesis', on round and on binary voxels. */
+/* Returns sizes with the ratios 1, 2, 16 and the thesis', for round and for binary voxels. */
 static sizes make_sizes(void)
 {
     static const sizes some[] = {
@@ -179,14 +187,14 @@ static void dump_sweep(void)
                               {pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, -s.tool * 3}};
     ost_pose a = make_pose((int)pick(0, 2), (ost_pm3){0, 0, 0}, OST_PM_PER_MM * 100, s.tool), b;
     switch (pick(0, 4)) {
-    case 0: /* any two poses: often a turn too sharp */
+    case 0: /* any two poses, often with too large a turn */
         b = make_pose((int)pick(0, 2), a.t, s.bone * 40, s.tool);
         break;
-    case 1: /* by whole halves of the bone's voxel along one axis: n is on its border */
+    case 1: /* a multiple of half a bone voxel along one axis, so that n is at its border */
         b = a;
         b.t.y += s.bone / 2 * pick(-5000, 5000) + pick(-1, 1);
         break;
-    case 2: /* an exact quarter turn, or just more */
+    case 2: /* an exact quarter turn, or slightly more */
         a.qw = OST_Q30_ONE;
         a.qx = a.qy = a.qz = 0;
         b = a;
@@ -218,7 +226,10 @@ static void dump_sweep(void)
 
 /* ------------------------------------------------------------------ maps */
 
-/* Everything as far off as the ranges of AR-MAP-7 allow: bone and pose at opposite ends of 16 m, |q| near 1.001. */
+/*
+ * Moves everything as far off as the ranges of AR-MAP-7 allow: bone and pose at opposite ends
+ * of 16 m, |q| near 1.001.
+ */
 static void go_to_the_limits(ost_geometry *g, ost_tool_geometry *tool, ost_pose *pose)
 {
     const ost_pm v = OST_SPACING_MAX;
@@ -247,7 +258,7 @@ static void dump_map(int style)
     ost_error err = {0};
     sizes s = make_sizes();
     ost_geometry g = {.dims = {256, 234, 428}, .spacing = {s.bone, s.bone, s.bone}};
-    if (s.bone > 10000 * UM) /* keep the grid within 8 m */
+    if (s.bone > 10000 * UM) /* keeps the grid within 8 m */
         g.dims = (ost_dims){40, 35, 30};
     bool round_origin = style != 0 && pick(0, 1);
     ost_pm unit = round_origin ? s.bone : 1;

@@ -5,8 +5,8 @@
     motor_table.py --print           writes src/core/motor_table.h
     motor_table.py [MOTOR_TABLE.H]   compares the numbers of that file, one by one
 
-pi is Machin's sum of two arctangents, a sine its Taylor series; no number is near a half, which is checked, so that the
-rounding is the same for every way to compute it.
+pi is Machin's sum of two arctangents, a sine its Taylor series. The program checks that no number is near a half, so that
+the rounding does not depend on the method.
 
 Covers: AR-MOTOR-3
 """

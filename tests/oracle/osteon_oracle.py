@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The arithmetic of osteon a second time: numbers, texts, grids, chunks, digests.
+"""A second implementation of the arithmetic of osteon: numbers, texts, grids, chunks, digests.
 
-Written from docs/arithmetic.md alone, in Python's integers and fractions, with
-no eye on speed: every rule is spelled the way the text spells it, and named by
-its identifier.  What this and the C library have in common is the text, so
-where they differ one of the two (or the text) is wrong.
+Written from docs/arithmetic.md alone, in Python's integers and fractions, without regard
+to speed: every rule is implemented as the document states it, and named by its identifier.
+This implementation and the C library have only the document in common, so where they
+differ one of the two (or the document) is wrong.
 
     osteon_oracle         numbers, text -> rect -> cubic -> bone, digests
     osteon_oracle_tool    mesh -> snapped mesh -> tool grid
     osteon_oracle_events  poses -> sweep -> map -> removal
     osteon_oracle_files   NRRD and STL files
 
-Run as a program it checks itself against the worked numbers of the text.
+Run as a program it checks itself against the examples of the document.
 """
 
 import collections
@@ -27,7 +27,7 @@ LENGTH_MAX = 8 * 10**12
 
 
 class Refused(Exception):
-    """An input that the text calls an error."""
+    """An input that is an error according to the document."""
 
 
 # ------------------------------------------------------------------ numbers
@@ -58,7 +58,7 @@ DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.(\d*))?|\.(\d+))(?:[eE]([+-]?\d+))?", re.
 
 @functools.lru_cache(maxsize=None)
 def decimal(text):
-    """AR-LEN-2: (exact value, places) of a whole text, or None."""
+    """AR-LEN-2: (exact value, places) of a complete text, or None."""
     match = DECIMAL.fullmatch(text)
     if not match:
         return None
@@ -105,7 +105,7 @@ def shortest_decimal(value, bits):
 
 
 def nearest_float(value, bits):
-    """The float32 or float64 nearest to a rational, ties to even, as a Fraction (no overflow wanted here)."""
+    """The float32 or float64 nearest to a rational, ties to even, as a Fraction (overflow is not handled)."""
     if value == 0:
         return Fraction(0)
     mantissa, least = (24, -149) if bits == 32 else (53, -1074)
@@ -160,7 +160,7 @@ class Grid:
 
 
 class Text:
-    """The samples of a CT text, what AR-CT-3 asks of each axis' coordinates, and the facts in its comments."""
+    """The samples of a CT text, the coordinates of each axis that AR-CT-3 needs, and the facts in its comments."""
 
     def __init__(self, content):
         self.samples, self.meta, self.own = [], {}, {}
@@ -404,7 +404,7 @@ def samples_digest(text):
 
 
 def axis_taps(n, s, c, rule):
-    """AR-CUB-2 to 4 along one axis: per cubic voxel the rect voxels that it takes, each with its weight (a Fraction)."""
+    """AR-CUB-2 to 4 along one axis: for each cubic voxel the rect voxels used, each with its weight (a Fraction)."""
     taps = []
     for i in range(ceil(Fraction(n * s, c))):
         if rule == "thesis":
@@ -529,7 +529,7 @@ def grid_digest(grid, kind):
 
 
 def self_check():
-    """The worked numbers of docs/arithmetic.md, sections 1 to 8 and 15."""
+    """Checks the examples of docs/arithmetic.md, sections 1 to 8 and 15."""
     assert [rhe(Fraction(n, 2)) for n in (5, 7, -5, -7)] == [2, 4, -2, -4]
     assert (floor(Fraction(-7, 2)), ceil(Fraction(-7, 2)), rhe(Fraction(-1, 3)), rhe(Fraction(-2, 3))) == (-4, -3, 0, -1)
 
@@ -546,11 +546,11 @@ def self_check():
     assert shortest_decimal(0.841796875, 32) == Fraction(431, 512) and shortest_decimal(-198.912109375, 32) == Fraction(-101843, 512)
     for value in ("0.4882812", "0.488281", "-117.8", "0.4"):
         assert shortest_decimal(struct.unpack("<f", struct.pack("<f", float(value)))[0], 32) == Fraction(value)
-    for value in (0.1, 1 / 3, 5e-324, 1.7976931348623157e308, 2.0**60, -57.34):  # repr is the same decimal
+    for value in (0.1, 1 / 3, 5e-324, 1.7976931348623157e308, 2.0**60, -57.34):  # repr gives the same decimal
         assert shortest_decimal(value, 64) == Fraction(repr(value))
     assert [floor(Fraction(i * 469999999, 10**9)) for i in (100, 200, 300, 400)] == [46, 93, 140, 187]
 
-    # AR-CT-3: every awkward lattice of the issue, at 4 and 6 decimals, comes back whole.
+    # AR-CT-3: every difficult lattice, at 4 and 6 decimals, is restored completely.
     for spacing in ("0.3", "0.032", "0.488281", "0.47", "0.48828125"):
         for start in ("0", "-57.34", "12.3456"):
             for decimals in (4, 6):

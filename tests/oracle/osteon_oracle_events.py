@@ -71,7 +71,7 @@ def sweep_pose(a, b, k, n):
 
 TURN = 6 * 10**10
 SPINS = motor_table.spins(motor_table.table())
-UNKNOWN = None  # AR-MOTOR-1: a speed that is not known
+UNKNOWN = None  # AR-MOTOR-1: an unknown speed
 
 
 class Motor:
@@ -81,7 +81,7 @@ class Motor:
         self.phase, self.time = 0, None
 
     def turn(self, t_ns, hand, rpm):
-        """The tool's pose of a tick."""
+        """Returns the tool's pose of a tick."""
         if self.time is not None and rpm:
             self.phase = (self.phase + rpm * (t_ns - self.time)) % TURN
         self.time = t_ns
@@ -92,7 +92,7 @@ class Motor:
 
 
 def ticks_of_rows(rows, rpm):
-    """AR-MOTOR-7: Rows of a hand as Rows of ticks, a hand's still."""
+    """AR-MOTOR-7: converts the rows of a device to the rows of ticks, which are still device poses."""
     before = None
     for row in rows:
         m = 1
@@ -140,7 +140,7 @@ class Map:
         return [base[0] + i * xx + j * yx + k * zx, base[1] + i * xy + j * yy + k * zy, base[2] + i * xz + j * yz + k * zz]
 
     def tool_class(self, voxel, tool):
-        """The class of the tool voxel over a bone voxel, 0 outside the tool."""
+        """Returns the class of the tool voxel over a bone voxel, 0 outside the tool."""
         x, y, z = self.used(voxel)
         x, y, z = x >> 20, y >> 20, z >> 20
         nx, ny, nz = tool.dims
@@ -213,7 +213,7 @@ class Session:
 
 class Row:
     def __init__(self, t_ns, tool, lifted, pose):
-        self.t_ns, self.tool, self.lifted, self.pose = t_ns, tool, lifted, pose  # pose is None: it has none
+        self.t_ns, self.tool, self.lifted, self.pose = t_ns, tool, lifted, pose  # None: a row without a pose
 
 
 def integer(text, least, most):
@@ -224,7 +224,7 @@ def integer(text, least, most):
 
 
 def read_rows(content):
-    """AR-PATH-1 to AR-PATH-3: the rows, and whether a column is called lifted."""
+    """AR-PATH-1 to AR-PATH-3: returns the rows, and whether a column is called `lifted`."""
     names, rows, first = None, [], True
     for line in content.splitlines():
         fields = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
@@ -254,7 +254,7 @@ def read_rows(content):
 
 
 def read_path(content, max_gap=None):
-    """AR-PATH-4, AR-PATH-5: [Row], each with a pose. max_gap: None, or (T in ns, D in pm), each None when it is off."""
+    """AR-PATH-4, AR-PATH-5: returns [Row], each with a pose. max_gap: None, or (T in ns, D in pm), each None if it is off."""
     rows, says = read_rows(content)
     ticks, lost = [], False
     for row in rows:
@@ -296,7 +296,7 @@ def join(paths, tool_count):
 
 
 def period(rate):
-    """AR-PATH-7, of a decimal in hertz."""
+    """AR-PATH-7, for a decimal in hertz."""
     u = rhe(decimal(rate)[0] * 10**6)
     if not 10**3 <= u <= 10**12:
         raise Refused(f"rate {rate}")
@@ -304,7 +304,7 @@ def period(rate):
 
 
 def self_check():
-    """The worked numbers of docs/arithmetic.md, sections 5 and 11 to 14."""
+    """Checks the examples of docs/arithmetic.md, sections 5 and 11 to 14."""
     from osteon_oracle import Bone, Grid
 
     def lifted(times):
@@ -350,7 +350,8 @@ def self_check():
 
     assert [class_of(d) for d in (1, 119, 120, 149, 150, 649, 650, 3000)] == [0, 0, 0, 0, 1, 1, 2, 2]
 
-    # A block of bone 1 mm a voxel, a tool of 4^3 voxels of 1 mm moved along x: what is left can be counted on fingers.
+    # A block of bone with voxels of 1 mm, and a tool of 4^3 voxels of 1 mm that moves along x:
+    # the remaining voxels are easily counted.
     mm = 10**9
     bone = Bone(Grid((20, 20, 20), (mm,) * 3, (0, 0, 0), [700] * 8000))
     box = Grid((4, 4, 4), (mm,) * 3, (-2 * mm,) * 3, [1] * 64)
@@ -360,7 +361,8 @@ def self_check():
     assert session.removed == 64
     session.tick(1, Pose((7 * mm - half, 2 * mm - half, 2 * mm - half), one))
     assert session.removed == 9 * 16 and session.poses == 1 + 10 and session.by_class == [0, 0, 144]
-    # On the border: a tool corner on voxel centres takes the low side and leaves the high one (half-open).
+    # On the border: a tool corner on voxel centres removes the voxels on the low side and not
+    # those on the high one (half-open).
     bone = Bone(Grid((8, 1, 1), (mm,) * 3, (0, 0, 0), [700] * 8))
     Session(bone, [box]).tick(0, Pose((4 * mm, 0, 0), one))
     assert bone.voxels == [700, 700, 0, 0, 0, 0, 700, 700]

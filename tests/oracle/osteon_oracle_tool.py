@@ -2,9 +2,9 @@
 """Mesh -> snapped mesh -> tool grid, by docs/arithmetic.md sections 9 and 10.
 
 The crossing of a row with a triangle's plane is computed as a fraction and
-compared with voxel centres, where the C code evaluates a determinant; and the
-ownership rule is checked here against the limit that it stands for, a point
-moved by (e, e^2) with e small.
+compared with voxel centres, where the C code evaluates a determinant. The
+ownership rule is checked here against the limit that it represents: a point
+moved by (e, e^2) with small e.
 """
 
 import hashlib
@@ -88,7 +88,7 @@ def owns(corners, y, z):
 
 
 def crossings(mesh):
-    """AR-VOX-1..3: for every owned row (j, k) a list of (first voxel of the crossing, delta)."""
+    """AR-VOX-1..3: returns for every owned row (j, k) a list of (first voxel of the crossing, delta)."""
     nx, ny, nz = mesh.geometry.dims
     half = Fraction(2**mesh.geometry.fraction_bits, 2)
     rows = {}
@@ -115,7 +115,7 @@ def crossings(mesh):
 
 
 def solid(mesh, rule="winding"):
-    """AR-VOX-4..6: ({(i, j, k)}, leaking rows)."""
+    """AR-VOX-4..6: returns ({(i, j, k)}, leaking rows)."""
     inside, leaking = set(), 0
     for (j, k), row in crossings(mesh).items():
         total = sum(delta for _, delta in row) if rule == "winding" else len(row) % 2
@@ -139,7 +139,7 @@ class Tool(Grid):
         self.snapped = [SnappedMesh(*mesh, self.geometry) for mesh in meshes]
         self.dropped = sum(mesh.dropped for mesh in self.snapped)
         self.leaking_rows = 0
-        for tool_class, mesh in reversed(list(enumerate(self.snapped, 1))):  # cutting last: it wins
+        for tool_class, mesh in reversed(list(enumerate(self.snapped, 1))):  # the cutting mesh is last, so it has priority
             inside, leaking = solid(mesh, rule)
             self.leaking_rows += leaking
             for at in inside:
@@ -150,7 +150,7 @@ class Tool(Grid):
 
 
 def self_check():
-    """The worked numbers of docs/arithmetic.md, sections 9, 10 and 15."""
+    """Checks the examples of docs/arithmetic.md, sections 9, 10 and 15."""
     mm = 10**9
     reamer = ([(-18 * mm, -18 * mm, 0), (17400000000, 18 * mm, 20300000000), (0, 0, 0)], [(0, 1, 2)])
     for voxel, corner, dims in ((mm, (-19, -19, -1), (38, 38, 23)), (750000000, (-18.75, -18.75, -0.75), (50, 50, 30)),
@@ -171,7 +171,8 @@ def self_check():
     second = [(0, 0), (2048, 0), (2048, 2048)]
     assert not owns(first, 512, 512) and owns(second, 512, 512)
 
-    # The rule is the limit of a point moved by (e, e^2): on every lattice point of random fans.
+    # The rule is the limit of a point moved by (e, e^2); tested on every lattice point of
+    # random fans.
     small = Fraction(1, 10**9)
     for fan in range(40):
         ring = [((fan * 7 + n * 5) % 9 - 4, (fan * 3 + n * n) % 9 - 4) for n in range(3)]
@@ -186,9 +187,9 @@ def self_check():
                             for (ay, az), (by, bz) in zip(ring, ring[1:] + ring[:1]))
                 assert owns(ring, y, z) == moved
 
-    leaky = Tool((corners, faces[:-2]), 500000000)  # no top: rows along x do not see it
+    leaky = Tool((corners, faces[:-2]), 500000000)  # without the top, which rows along x do not cross
     assert leaky.leaking_rows == 0
-    leaky = Tool((corners, faces[2:]), 500000000)  # no face x = 0
+    leaky = Tool((corners, faces[2:]), 500000000)  # without the face x = 0
     assert leaky.leaking_rows == 4 and not any(leaky.voxels)
     inverted = Tool((corners, [(a, c, b) for a, b, c in faces]), 500000000)
     assert inverted.voxels == cube.voxels

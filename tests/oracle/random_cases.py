@@ -18,7 +18,7 @@ def agree(cases, least, most):
     """Compares case by case; returns the exit status of the test.
 
     A case is (expected, got, shown): expected() returns the oracle's text or raises Refused, got is the program's
-    text, "refused" where it refused, and shown is the case for people. More than `least` and fewer than `most` cases
+    text, or "refused" if it refused, and shown is the case for people. More than `least` and fewer than `most` cases
     must be refused: otherwise they are no mixture, and the test shows little.
     """
     count = refused = 0

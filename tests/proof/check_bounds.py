@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Bounds of docs/arithmetic.md, section 18, that cbmc does not decide, by exact integers (AR-INT-3).
+"""Proves bounds of docs/arithmetic.md, section 18, that cbmc does not decide, by exact integers (AR-INT-3).
 
-Two kinds of proofs; docs/qualification/proofs.md lists them beside those of cbmc:
+There are two kinds of proofs; docs/qualification/proofs.md lists them together with those of cbmc:
 
-  expression  A C expression is read from its source as it stands there and evaluated with intervals:
-              each operand is an interval with the width of its C type, each operation gives the exact
-              interval of its results, and one that exceeds the width of its type, or a result that
-              exceeds the stated bound, is a failure. An expression that is not found in its source
-              is a failure: the proof then has to be read again.
+  expression  A C expression is read from its source without change and evaluated with intervals:
+              each operand is an interval with the width of its C type, and each operation gives the
+              exact interval of its results. A result that exceeds the width of its type or the
+              stated bound is a failure. An expression that is not found in its source is a failure
+              too: the proof must then be reviewed.
   argument    A short proof by hand whose finite part is computed here: an identity of polynomials of
               degree at most 4 in each variable is checked at 5 values of each, a function that is
               linear in each variable at the corners of its ranges, a root by exact comparison.
@@ -85,7 +85,7 @@ class Interval:
 
 
 class Cast:
-    """(type)x, which Python writes Cast(bits) ** x: a power binds like a cast."""
+    """(type)x, written Cast(bits) ** x in Python: a power has the precedence of a cast."""
 
     def __init__(self, bits):
         self.bits = bits
@@ -143,7 +143,7 @@ EXPRESSIONS = [
     ("AR-CUB-2", "src/cpu/ref/import.c", "(2 * i + 1) * cubic - rect",
      {"i": int64(0, 2**14 - 1), "cubic": int64(10**6, SPACING), "rect": int64(10**6, SPACING)}, 2**52),
     ("AR-CUB-2", "src/cpu/ref/import.c", "(n - index * d) << WEIGHT_BITS",
-     {"n - index * d": int64(0, 2 * SPACING), "WEIGHT_BITS": int32(15, 15)}, 2**53),  # a rest: below d
+     {"n - index * d": int64(0, 2 * SPACING), "WEIGHT_BITS": int32(15, 15)}, 2**53),  # a remainder: below d
     ("AR-VOX-1", "src/cpu/ref/voxelize.c", "u[Y] * v[Z] - u[Z] * v[Y]", dict.fromkeys(["u[Y]", "v[Z]", "u[Z]", "v[Y]"], EDGE), 2**41),
     ("AR-VOX-2", "src/cpu/ref/voxelize.c", "dy * (z - a[Z]) - dz * (y - a[Y])",
      {"dy": EDGE, "dz": EDGE, "z": int64(0, 2**20), "y": int64(0, 2**20), "a[Z]": VERTEX, "a[Y]": VERTEX}, 2**41),
@@ -180,7 +180,7 @@ EXPRESSIONS = [
 
 def expression_holds(rule, path, expression, ranges, bound, wide):
     require(expression in source(path), f"{path} does not hold this expression: read the proof again")
-    # A subexpression whose range is proved as a unit stands for a name.
+    # A subexpression whose range is proved separately is replaced by a name.
     text, known = expression, {}
     for name in sorted(ranges, key=len, reverse=True):
         bits, low, high = ranges[name]

@@ -3,7 +3,7 @@
 
 #include "core/divider.h"
 
-/* I and the shift of any divisor; the casts to 64 bits are meant to drop bits. */
+/* The inverse I and the shift of any divisor; the casts to 64 bits drop bits on purpose. */
 void divider_inverse(void)
 {
     const ost_i128 divisor = nondet_int128();
@@ -12,7 +12,7 @@ void divider_inverse(void)
     ASSERT(by.inverse >= INT64_C(1) << 62 && by.shift >= 0 && by.shift <= 105);
 }
 
-/* h and h I of |n| <= 2^46 D, restated: n / 2^46 stands for the product, which may exceed 128 bits. */
+/* h and h I for |n| <= 2^46 D, restated: n / 2^46 replaces the product, which may exceed 128 bits. */
 void divider_estimate(void)
 {
     const ost_divider by = {.divisor = nondet_int128(), .inverse = nondet_int64(), .shift = any32(0, 105)};

@@ -5,11 +5,14 @@
 
 #include "core/divider.h"
 
-/* Any quotient at all: check_bounds.py bounds what is divided. */
+/* Returns any quotient: check_bounds.py bounds the division. */
 #define ost_rhe_div128(n, d) nondet_int128()
 #include "core/map.c"
 
-/* base + sum of d step, every partial sum, for any base of a near block (AR-MAP-5): restated, it stands in loops of remove.c. */
+/*
+ * base + sum of d step, with every partial sum, for any base of a near block (AR-MAP-5);
+ * restated, since the code is in loops of remove.c.
+ */
 void map_coordinate(void)
 {
     const int64_t most = 29058992; /* floor(sqrt(3) * 2^24 + 3/2): check_bounds.py */
@@ -26,7 +29,7 @@ void map_coordinate(void)
     ASSERT(u > -(1 << 30));
 }
 
-/* A far block is false, and a near one's base fits int32, whatever the quotient. */
+/* A far block gives false, and the base of a near block fits int32, for any quotient. */
 void map_base(void)
 {
     ost_map map;

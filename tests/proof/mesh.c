@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proof.h"
 
-/* Contract of ost_rhe_div: |n| <= 2^62, and the quotient of the divisor at hand is at most dims * 2^f. */
+/* Contract of ost_rhe_div: |n| <= 2^62, and the quotient is at most dims * 2^f for the given divisor. */
 static int64_t quotient_most;
 
 static int64_t snap_quotient(int64_t n, int64_t d)
@@ -16,7 +16,7 @@ static int64_t snap_quotient(int64_t n, int64_t d)
 #include "core/mesh_snap.c"
 #undef ost_rhe_div
 
-/* Any vertex at all: p, 4096 voxels at most, up to 100 mm each, a corner within 8 m. */
+/* Any vertex p, at most 4096 voxels of at most 100 mm, and a corner within 8 m. */
 void mesh_snap(void)
 {
     const int32_t dim = any32(1, 4096);
@@ -37,7 +37,7 @@ void mesh_snap(void)
 #endif
 }
 
-/* Edges up to 2^20, products up to 2^40, which the source states with a spare bit. */
+/* Edges up to 2^20, products up to 2^40, which the source documents with a spare bit. */
 void mesh_area(void)
 {
     int32_t p[3][3];

@@ -8,7 +8,7 @@ static ost_pose any_pose(int64_t limit)
     return (ost_pose){.qw = (int32_t)any64(limit), .qx = (int32_t)any64(limit), .qy = (int32_t)any64(limit), .qz = (int32_t)any64(limit)};
 }
 
-/* P < U < 2^36 and 4096 P < 2^48; the table's entry is of the quarter. */
+/* P < U < 2^36 and 4096 P < 2^48; the table's entry belongs to the quarter. */
 void motor_spin(void)
 {
     ost_motor motor = {.phase = nondet_int64()};
@@ -28,7 +28,7 @@ void motor_advance(void)
     ASSERT(motor.phase >= 0 && motor.phase < OST_MOTOR_TURN);
 }
 
-/* |q| <= 1.001 * 2^30, |C|, |S| <= 2^30: each sum below 2^62, which leaves room in int64. */
+/* |q| <= 1.001 * 2^30 and |C|, |S| <= 2^30: each sum is below 2^62 and fits int64. */
 void motor_component(void)
 {
     const int64_t q = INT64_C(1074815566), sc = INT64_C(1) << 30; /* 1.001 * 2^30 + 1 */
@@ -51,7 +51,7 @@ void motor_turned(void)
     (void)turns_too_far(&a, &b);
 }
 
-/* (r + bit)^2 of any N below 2^62 and the root, which is below 2^31. */
+/* (r + bit)^2 for any N below 2^62, and the root, which is below 2^31. */
 void motor_root(void)
 {
     const int64_t n = nondet_int64();

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Shared by the proofs of ranges (AR-INT-3), which cbmc reads and no compiler
- * builds.  A harness includes a source of src, gives one of its functions any
- * input within the documented range, and asserts the bound that
- * docs/arithmetic.md states; cbmc adds the checks of overflow and conversion.
- * A callee with a proof of its own may be replaced by its contract: any result
- * within its bound, and an assertion of its range of inputs.
+ * Definitions for the proofs of ranges (AR-INT-3), which cbmc reads and no compiler builds. A
+ * harness includes a source of src, calls one of its functions with any input within the
+ * documented range, and asserts the bound that docs/arithmetic.md states; cbmc adds the checks
+ * of overflow and conversion. A callee with a proof of its own may be replaced by its contract:
+ * any result within its bound, and an assertion of its range of inputs.
  *
  * With WIDE defined the range has one bit more, and the proof must fail.
  */
@@ -52,7 +51,7 @@ static inline int32_t any32(int32_t low, int32_t high)
     return value;
 }
 
-/* Messages decide nothing. */
+/* Messages have no effect on results. */
 ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...)
 {
     (void)err, (void)format;

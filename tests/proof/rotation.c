@@ -11,7 +11,10 @@ static ost_pose any_pose(void)
                       .qz = (int32_t)any64(QUATERNION)};
 }
 
-/* N and every entry, of any quaternion that ost_rotation_fits accepts: all sums of AR-POSE-4 are exact in int64. */
+/*
+ * N and every entry, for any quaternion that ost_rotation_fits accepts: all sums of AR-POSE-4
+ * are exact in int64.
+ */
 void rotation(void)
 {
     const ost_pose pose = any_pose();

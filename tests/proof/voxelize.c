@@ -23,7 +23,10 @@ void voxelize_edge(void)
     BOUNDED(e, INT64_C(1) << 41);
 }
 
-/* K and every partial sum below 2^63 (D of AR-VOX-3 is K turned round), and the quotient's terms. */
+/*
+ * K and every partial sum are below 2^63 (D of AR-VOX-3 is K with the opposite sign), and so
+ * are the quotient's terms.
+ */
 void voxelize_plane(void)
 {
     int32_t a[3], b[3], c[3];
