@@ -21,7 +21,7 @@ run 0 import ct.nrrd --compress --out small2.nrrd
 cmp -s small1.nrrd small2.nrrd || fail "a compressed file holds more than its grid"
 run 0 diff bone.nrrd small1.nrrd
 
-# A bone keeps its own threshold when it is imported again.
+# The threshold of a bone does not change when the bone is imported again.
 run 0 import ct.nrrd --threshold 400 --out dense.nrrd
 run 0 import dense.nrrd --out dense2.nrrd
 cmp -s dense.nrrd dense2.nrrd || fail "a bone at 400 HU is another when imported again"

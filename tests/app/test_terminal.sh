@@ -25,7 +25,7 @@ clean() {
         LC_ALL=C grep -q '^QZX' $stream && fail "$1: a newline of the name on $stream"
     done
 }
-# shows ARGUMENT...: runs osteon, whatever its status
+# shows ARGUMENT...: runs osteon with any exit status and checks its output
 shows() {
     "$osteon" "$@" >out 2>err </dev/null
     status=$?

@@ -68,8 +68,8 @@ static void a_pose_is_turned_about_its_own_axis(void **state)
 }
 
 /*
- * A motor that is off or has an unknown speed keeps its phase; times from one end of int64 to
- * the other do not overflow.
+ * The phase does not change while a motor is off or has an unknown speed; times from one end of
+ * int64 to the other do not overflow.
  */
 static void a_phase_is_exact(void **state)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reports add up; density classes are read and refused.
+ * Reports are summed correctly; density classes are parsed, and invalid ones refused.
  * Covers: AR-REM-6, AR-CLS-1, AR-CLS-2
  */
 #include "harness.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares removal tick after tick with the reference, for every instruction set of this
+ * Compares the removal of each tick with the reference, for every instruction set of this
  * machine and several thread counts: after each tick the report and every voxel are equal.
  * These tests examine the state that an event leaves in the bone and in the backend: slow and
  * fast motion, stops, reversals, turns on the spot, sweeps, collisions in between, alternating

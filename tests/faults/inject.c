@@ -3,7 +3,7 @@
  * Fault injection: a library for LD_PRELOAD that lets one call of the process fail.
  *
  *   OST_FAIL_ALLOC=K   the K-th of malloc, calloc, realloc, posix_memalign, aligned_alloc,
- *                      memalign, strdup and whatever else of libc allocates by these
+ *                      memalign, strdup and all functions of libc that allocate by these
  *   OST_FAIL_OPEN=K    the K-th of open, openat, creat, fopen, opendir and their variants
  *   OST_FAIL_READ=K    the K-th of read and pread
  *   OST_FAIL_FROM=1    the K-th call and all later ones of that kind fail
@@ -17,8 +17,8 @@
  *
  * A call is counted once, on the thread that makes it; K begins with 1, and 0 fails nothing.
  * Allocations by C++ code (operator new) are never counted: an exception through C ends the
- * process, whatever the caller does.  The counts go on in a child that a fork makes,
- * and begin anew in a program that it executes: the K-th call of each process fails.
+ * process, whatever the caller does.  The counts continue in a child that a fork makes, and restart
+ * in a program that it executes: the K-th call of each process fails.
  */
 /* The functions below are redefined, so libc's headers may not redirect them. */
 #undef _FORTIFY_SOURCE

@@ -341,7 +341,7 @@ static void labels_take_the_nearest(void **state)
     assert_int_equal(rule_of(path, &linear, "linear"), OST_RESAMPLE_LINEAR);
 }
 
-/* A bone whose voxels are unchanged keeps the facts about the CT from which it was made. */
+/* If a bone is imported without changing its voxels, the facts about its CT are preserved. */
 static void a_kept_bone_keeps_its_rule(void **state)
 {
     (void)state;

@@ -168,7 +168,7 @@ static void rows_far_apart_are_a_gap(void **state)
     static const gap_case cases[] = {
         /* The example of docs/arithmetic.md: intervals of 3.5 ms, and one of 98. */
         {"", {0}, 6, {0, 3.5, 7, 10.5, 108.5, 112}, {0}, {[4] = true}},
-        /* Intervals of one second are unchanged; ten times that is no gap yet, and more is one. */
+        /* With intervals of one second, ten seconds are no gap yet, and more than ten are one. */
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000}, {0}, {false}},
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000.001}, {0}, {[4] = true}},
         {"", {0}, 2, {0, 60000}, {0, 300}, {false}},

@@ -518,7 +518,7 @@ static void kernels_agree(void **state)
         }
         size_t size = 0, begins[LINES];
         char *text_at = bytes;
-        /* The bytes after the end look like more of the same text, or do not. */
+        /* The bytes after the end are newlines, or digits that could continue the text. */
         memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', ROOM + OST_TEXT_MARGIN);
         for (int i = 0; i < LINES; i++) {
             lengths[i] = (uint8_t)rng_range(&rng, 1, OST_TEXT_COLUMN_MAX);

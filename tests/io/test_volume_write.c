@@ -104,7 +104,7 @@ static void facts_keep_their_order(void **state)
     make_volume(&v, &g, &rng);
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
         assert_ok(ost_meta_set(&v.meta, keys[k], values[k], &err));
-    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err)); /* keeps the first position */
+    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err)); /* the position of the first is unchanged */
     for (size_t f = 0; f < sizeof formats / sizeof formats[0]; f++) {
         if (!HAS_NIFTI && strstr(formats[f], ".nii"))
             continue;

@@ -43,7 +43,7 @@ for signal in INT:2 TERM:15 HUP:1; do
     nothing_left "SIG$signal"
 done
 
-# SIGKILL runs no handler. Workers end nevertheless, and traces have no name; the unfinished
+# SIGKILL runs no handler. The workers end anyway, and traces have no name; the unfinished
 # folder remains, under a name that shows its state.
 "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
 pid=$!

@@ -103,7 +103,7 @@ static void a_failure_is_no_absence(void **state)
     scene_free(&s);
 }
 
-/* Each tool first meets a bone of a quarter of the tool's voxel; its spacing must be allowed for a bone. */
+/* The first bone that each tool cuts has a quarter of the tool's voxel size, which must be an allowed spacing. */
 static void the_finest_tools_are_performed(void **state)
 {
     static const int numbers[] = {9, 17, 27, 36}; /* with seed 1 their tools have voxels below 4 * OST_SPACING_MIN */

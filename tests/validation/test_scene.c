@@ -199,7 +199,7 @@ static void reach_has_what_it_is_for(void **state)
             const ost_dims bar = s.tools[3].cutting.grid.dims;
             assert_true(bar.x > 64 && bar.x <= 128 && bar.y % 64 == 3 && bar.z % 64 == 3 &&
                         s.tools[3].noncutting.triangle_count > 0);
-            /* of the first chunk along x, and of the second */
+            /* greatest and least density of the first chunk along x, and of the second */
             int32_t most[2] = {0}, least[2] = {INT16_MAX, INT16_MAX};
             for (size_t n = 0; n < s.sample_count; n++) {
                 const int part = (int32_t)(n % (size_t)d.x) >= s.chunk_size;
