@@ -363,7 +363,7 @@ ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err)
 {
     ost_status status;
     mesh_plain whole;
-    ost_memory_stream body = {NULL};
+    ost_memory_stream body = {.bytes = NULL};
     ply *p = calloc(1, sizeof *p);
     if (!p || !(p->out = ost_memory_stream_open(&body))) {
         status = no_memory(in, err);
