@@ -55,11 +55,12 @@ void bench_store_rows(const bench_row_store *rows, size_t count);
 /* How a copy stores: by the C library's memcpy, or bypassing the caches. */
 typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
 
-/* Writes `bytes` bytes of out from in, which is read again from its start when it ends. If in is
-   longer than out, the remaining bytes of in are read as well. */
+/* Copies in to out, starting again at the beginning of in each time its end is reached, until
+   `bytes` bytes of out are written. If in is longer than out, the remaining bytes of in are read as
+   well; returns a sum over them. */
 uint64_t bench_copy_bytes(bench_copy how, uint8_t *out, size_t bytes, const uint8_t *in, size_t in_bytes, int threads);
 
-/* Reads every byte, 64 per step. */
+/* Reads every byte, 64 per step, and returns a sum over them. */
 uint64_t bench_read_bytes(const uint8_t *in, size_t bytes, int threads);
 
 /* ---------------------------------------------------------------------- text */

@@ -252,7 +252,7 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
     return status;
 }
 
-/* stores: NULL for rows that are not compared with it. */
+/* stores: times of the event's stores alone (bench_store_rows), a lower bound that is added to the row; NULL: none. */
 static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline, bench_series *stores)
 {
     bench_row *row = bench_row_add(r->table, name, "us", r->threads);

@@ -28,7 +28,7 @@ static void draw_lattice(scene *s, draw *d)
     s->duplicates = (ost_duplicates)draw_between(d, 0, 3);
 }
 
-/* Makes a bone for poses and paths. Its CT is cubic, so that the size of the bone is known. */
+/* Makes a bone for cases with ticks. The CT's spacings equal the bone's, so that the bone's size is known. */
 static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
 {
     draw_lattice(s, d);

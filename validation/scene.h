@@ -36,18 +36,18 @@ typedef struct scene {
     ost_duplicates duplicates;
     ost_pm cubic;
     ost_resample resample;
-    int32_t slices; /* slices per call of a CT that is uploaded and has one sample per lattice point; 0: samples */
+    int32_t slices; /* slices per call if a CT with one sample per lattice point is uploaded; 0: it is sent as samples */
     int chunk_size;
     int32_t threshold;
 
     int tool_count;
     scene_tool tools[SCENE_TOOLS_MAX];
 
-    /* The ticks. Without ticks the case ends with the tools. Without samples the bone's grid is rect, and only the
-       steps are made. */
+    /* The ticks. If there are none, the case ends after the tools. If there are no samples, the bone's grid is rect,
+       and only the steps (steps_record.h) are computed. */
     ost_world_options world;
     ost_path path;
-    ost_path hand;    /* rows of a device from which a motor of hand_rpm made path; empty: there are none */
+    ost_path hand;    /* poses of the hand from which path was computed with a motor of hand_rpm; empty without a motor */
     int32_t hand_rpm;
     int collide_every; /* n: the backend also collides before every n-th tick; 0: never */
 
@@ -57,8 +57,8 @@ typedef struct scene {
 ost_status scene_make(const plan_case *c, scene *out, ost_error *err);
 void scene_free(scene *s);
 void scene_tool_free(scene_tool *tool);
-/* Applies a motor to the path, whose rows are a device's: path becomes the tool's poses, and the rows move to
-   s->hand. */
+/* Applies a motor to s->path, whose rows are poses of the hand: moves these rows to s->hand and sets s->path to the
+   tool's poses. */
 ost_status scene_turn(scene *s, int32_t rpm, ost_error *err);
 
 /* Computes the SHA-256 of all members, field by field in a fixed form; the evidence names it as the case's input. */

@@ -15,13 +15,13 @@ ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err
 /* Makes static event `number`: a bone without void voxels, one tool, one pose. */
 ost_status scene_static(scene *s, int number, ost_error *err);
 
-/* Makes grids, meshes and ticks for a case of the steps alone. */
+/* Makes grids, meshes and ticks for a case of the family PLAN_STEPS: sweep, map, motor and snapping, without voxels. */
 ost_status scene_steps(scene *s, draw *d, int number, ost_error *err);
 
 /* Makes case `number` of the family PLAN_REACH (scene_reach.c). */
 ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
 
-/* Make two kinds of that family (scene_lone.c): chunks with one column of active voxels; a bone without any. */
+/* Make two kinds of cases of PLAN_REACH (scene_lone.c): chunks with one column of active voxels; a bone without any. */
 ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err);
 ost_status scene_emptied(int kind, scene *s, draw *d, ost_error *err);
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Inputs of cases that consist of the steps alone (steps_record.h), without a
- * voxel: situations that are rare in random cases with a bone.
+ * Makes the inputs of cases that test only sweep, map, motor and snapping
+ * (steps_record.h), without a voxel: situations that are rare in random cases
+ * with a bone.
  *
  *   even cases   lengths are multiples of a unit that is odd against the
  *                tool's voxel of 2^21 units, so that steps of the map, bases of
  *                blocks and snapped vertices are halves of a unit, ties
  *   odd cases    any picometre; grids at the ends of the range of 8 m
- *   every third  rows of a device that a motor turns
+ *   every third  the path is poses of the hand, to which a motor adds its rotation
  *
  * The distance between two ticks is an integer number of half voxels, or one
  * picometre more or less, so that the equality in AR-SWEEP-2 is decisive.
@@ -111,9 +112,9 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         const ost_pm off = draw_between(d, 0, 3) ? 0 : draw_between(d, -1, 1);
         t_ns += draw_between(d, 1, hand ? 90000000 : 3000000);
         *tick = (ost_tick){.t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = hand ? OST_RPM_HAND : OST_RPM_ON};
-        const bool wide = tick->tool == 1; /* few poses of this tool: a rotation moves its corners far */
+        const bool wide = tick->tool == 1; /* rotated little: a rotation moves this tool's corners far */
         const bool straight = i % 4 == 1 || i % 4 == 2;
-        if (straight) { /* not turned against the last tick: only the distance decides the number of poses */
+        if (straight) { /* not rotated since the last tick: the distance alone decides the number of poses */
             const int64_t n = draw_between(d, 1, 12);
             at[draw_between(d, 0, 2)] += i % 8 == 6 ? 0 : n * s->cubic / 2 + off; /* a distance of 0 gives one pose */
         } else {
@@ -122,7 +123,7 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
             for (int a = 0; a < 3; a++)
                 at[a] = (a == 0 ? middle.x : a == 1 ? middle.y : middle.z) + drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
         }
-        if (!hand && !wide && (i % 8 == 4 || i % 8 == 5)) /* no turn, then a quarter: equality in AR-SWEEP-3 */
+        if (!hand && !wide && (i % 8 == 4 || i % 8 == 5)) /* 0, then 90 degrees, the limit of AR-SWEEP-3 */
             memcpy(q, i % 8 == 4 ? upright : quarter, sizeof q);
         if (status == OST_OK)
             status = ost_pose_from_doubles(none, q, &tick->pose, err);

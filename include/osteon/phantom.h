@@ -55,9 +55,9 @@ typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_T
 typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } ost_tool_part;
 
 typedef struct ost_tool_options {
-    ost_pm diameter; /* reamer 36 mm, peg 6 mm, burr 6 mm */
-    ost_pm length;   /* reamer head 20.3 mm, peg 30 mm, burr shaft 20 mm */
-    int segments;    /* around the axis; 0 = 96 */
+    ost_pm diameter; /* default: reamer 36 mm, peg 6 mm, burr 6 mm */
+    ost_pm length;   /* default: reamer head 20.3 mm, peg 30 mm, burr shaft 20 mm */
+    int segments;    /* number of segments around the axis; default: 96 */
     ost_tool_part part;
 } ost_tool_options;
 

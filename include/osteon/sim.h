@@ -51,7 +51,7 @@ OST_API ost_status ost_world_reserve(ost_world *world, ost_error *err);
 
 typedef struct ost_step_result {
     bool removal;               /* the tick was an event */
-    bool boxes_meet;            /* the oriented boxes intersect at one of its poses */
+    bool boxes_meet;            /* the oriented boxes of bone and tool intersect at one or more poses of the sweep */
     int pose_count;             /* number of poses of the sweep; 0 without an event */
     int32_t chunk_lo[3];        /* half-open range of chunks that the event can change; empty if no boxes intersect */
     int32_t chunk_hi[3];

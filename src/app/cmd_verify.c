@@ -138,7 +138,7 @@ static ost_status check_signatures(app_state *app, const signature_args *args, c
     return status;
 }
 
-/* Returns the words about signatures for the last line. */
+/* Returns the part of the last line that is about signatures. */
 static const char *about_signatures(const app_state *app, const signature_args *args)
 {
     const size_t n = json_array_size(json_object_get(app->result, "signatures"));

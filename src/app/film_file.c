@@ -367,7 +367,7 @@ ost_status film_file_again(film_file *f, ost_error *err)
         f->frames += status == OST_OK;
         return status;
     }
-    /* A hard link needs no space. */
+    /* A repeated frame is a hard link to the previous file, which needs no space; if that fails, it is written again. */
     char before[NAME], name[NAME];
     snprintf(before, sizeof before, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames - 1);
     snprintf(name, sizeof name, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames);

@@ -39,11 +39,12 @@ typedef struct replay {
 ost_status replay_open(const app_state *app, ost_session *session, const char *name, const session_setup *setup, replay *out, ost_error *err);
 void replay_close(replay *r);
 
-/* Replays from the first tick on: up to count ticks, or if compare is true until one differs. */
+/* Replays at most count ticks, starting with the first one. If compare is true, stops after the first tick
+   whose result differs from the recorded one. */
 ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err);
 
-/* Returns true if the latest tick of r has the recorded result of tick, which may come from another
-   replay. */
+/* Returns true if the result of r's latest tick is equal to the one recorded in tick. tick may come from
+   another replay. */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick);
 
 /* The first difference between two bones of one session, in the order of chunks and then of voxels. */

@@ -73,7 +73,7 @@ void say_json(const char *text)
         if (code == '\n' || ost_code_point_is_printable(code))
             fwrite(text, 1, bytes, stdout);
         else
-            /* only within a string: jansson writes such characters nowhere else */
+            /* jansson writes such characters only within strings, where JSON allows this escape */
             printf("\\u%04x", (unsigned)(code < 0 ? 0xfffd : code));
     }
     putchar('\n');

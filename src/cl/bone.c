@@ -176,9 +176,9 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 typedef struct slices {
     int32_t z0, z1;
     const int16_t *voxels; /* NULL: the slices of a grid on the device, from slice 0 */
-    cl_mem slab;           /* buffer of step slices, or the grid's store */
-    cl_mem layers;         /* slice numbers in the slab, from element first on; first < 0: the slab's own order */
-    int32_t first, weights; /* weights >= 0: first element of layers with the weights of the slices that follow these */
+    cl_mem slab;           /* buffer of `step` slices, or the grid's store */
+    cl_mem layers;         /* slice k is slice layers[first + k - z0] of the slab; if first < 0, it is slice k - z0 */
+    int32_t first, weights; /* weights >= 0: layers[weights + k - z0] is the weight of the slab's next slice in slice k */
     int32_t step;
 } slices;
 
@@ -245,7 +245,7 @@ static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, 
     return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store, row_words, columns_of(bone), (size_t)(z1 - z0), args, ARGS, err);
 }
 
-/* Counts the active voxels of all slots below used; count has that many elements. */
+/* Sets count[i] to the number of active voxels in slot i, for all i < bone->used. */
 static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
 {
     cl_backend *b = backend_of(bone);

@@ -10,8 +10,8 @@
 /* Returns the name, such as "CL_OUT_OF_RESOURCES"; "an unknown error" for a code that is not listed. */
 const char *ost_cl_error_name(cl_int code);
 
-/* Sets the message for the user and returns the status of the code. device is the device's name, call the OpenCL
-   function, what the object concerned ("kernel ost_remove") or "". */
+/* Sets the user's message and returns the status that corresponds to the code. `device` is the device's name, `call` is
+   the name of the OpenCL function that failed, and `what` is the object concerned ("kernel ost_remove") or "". */
 ost_status ost_cl_fail(ost_error *err, const char *device, cl_int code, const char *call, const char *what);
 
 #endif

@@ -130,7 +130,8 @@ static void approach_place(haptic_instance *m, const double to[3])
         m->at[a] += length > STEP_M ? d[a] * STEP_M / length : d[a];
 }
 
-/* Turns along the shorter way; q and -q are the same orientation. */
+/* Rotates the tool toward `to` by the fraction FOLLOW of the angle, at most by TURN, along the shorter arc: q and -q are
+   the same orientation. */
 static void approach_turn(haptic_instance *m, const double to[4])
 {
     double cosine = 0, n = 0;
@@ -154,7 +155,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     double to[3], toward[4];
     take_pose(&hand->pose, to, toward);
     if (hand->tool != m->tool || lifted) {
-        /* A tool that is taken up or put down elsewhere is at its new pose at once. */
+        /* A tool that is taken up or put down elsewhere is at its new pose at once, without intermediate steps. */
         memcpy(m->at, to, sizeof m->at);
         memcpy(m->q, toward, sizeof m->q);
         m->tool = hand->tool;

@@ -304,10 +304,10 @@ void ost_operation_keys(ost_operation *operation, uint32_t held)
 }
 
 /*
- * Maps the device's pose in *pose to the hand's pose.  They are equal until the
- * action clutch or home is used for the first time.  Sets *put if the tool is
- * moved to another position.  Returns false while the action clutch is held; the
- * hand stays where it is then.
+ * Converts *pose from the device's pose to the hand's.  The two are equal until
+ * OST_ACTION_CLUTCH or OST_ACTION_HOME occurs for the first time.  Sets *put if
+ * OST_ACTION_HOME moves the tool to the home pose.  Returns false while
+ * OST_ACTION_CLUTCH is held; the hand's pose does not change then.
  */
 static bool hand_of(ost_operation *o, uint32_t held, uint32_t pressed, ost_pose *pose, bool *put)
 {

@@ -289,8 +289,8 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 }
 
 /*
- * Returns given if it is not 0, else the greater of least and factor times the median. The median is computed only
- * if some pair exceeds least.
+ * Sets *out to given if it is not 0, otherwise to the greater of least and factor times the median of `of` over all
+ * pairs of adjacent ticks. The median is computed only if a pair exceeds least.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given, ost_i128 least, int factor,
                            ost_i128 *out, ost_error *err)

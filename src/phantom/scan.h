@@ -34,14 +34,14 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err);
 ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error *err);
 
 /*
- * Calls block for boxes lo <= (i, j, k) < hi of about mm of the anatomy.  Together they are the
- * grid, each voxel once.
+ * Calls block for boxes lo <= (i, j, k) < hi that are about `mm` millimetres of the anatomy wide.
+ * The boxes partition the grid.
  */
 void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]), void *user);
 
 /*
- * Returns the share of a voxel on the inner side of a surface at signed distance d, blurred over
- * `width`: partial volume.
+ * Returns the partial volume: the part of a voxel that lies inside a surface. d is the signed distance
+ * from the surface, negative inside. The result falls from 1 to 0 between d = -0.75 width and 0.75 width.
  */
 static inline double ost_scan_cover(double d, double width)
 {

@@ -290,7 +290,7 @@ static void ends_loops(void **state)
     assert_non_null(strstr(err.text, "ends a loop after 61503 turns"));
 }
 
-/* Each opened backend has its own kernel set: one device runs both at the same time, each with its own kernels. */
+/* Two backends on one device, open at the same time, use different kernel sets, each with kernels of its own. */
 static void both_sets(void **state)
 {
     (void)state;

@@ -106,7 +106,7 @@ static void an_uploaded_bone_too(void **state)
     ost_bone_info info;
     assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err));
     assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
-    ct.geometry.spacing.z = ct.geometry.spacing.x; /* a bone is cubic; this makes the phantom flatter */
+    ct.geometry.spacing.z = ct.geometry.spacing.x; /* a bone needs equal spacings; the phantom becomes flatter */
     for (int n = 16; n <= 64; n *= 2) {
         assert_ok(ost_bone_create(backend, &ct.geometry, n, 120, &bone, &err));
         assert_ok(ost_bone_upload(bone, 0, ct.geometry.dims.z, ct.voxels, &err));

@@ -29,12 +29,13 @@ static int by_place(const void *a, const void *b)
     return memcmp(x->at, y->at, sizeof x->at);
 }
 
-/* Sorts the blocks. Blocks that have become empty may be present or not. */
+/* Sorts the blocks by position. */
 static void sort_blocks(ost_surface *s)
 {
     qsort(s->slot, (size_t)s->used, sizeof *s->slot, by_place);
 }
 
+/* Compares two surfaces. A block that has become empty may be present in one of them only. */
 static void assert_same_surface(ost_surface *a, ost_surface *b)
 {
     int32_t i = 0, j = 0;

@@ -255,7 +255,7 @@ static void units_are_believed_or_guessed(void **state)
     (void)state;
     static bytes b;
     static const struct {
-        const char *scale; /* of the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
+        const char *scale; /* the mesh is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
         ost_unit unit;
         int64_t pm;       /* 0: refused */
         const char *says; /* text of the error if refused */

@@ -62,7 +62,7 @@ typedef struct hit {
     double depth; /* along forward, in voxels */
 } hit;
 
-/* Returns the first voxel on the ray of pixel (x, y), which may be fractions. */
+/* Returns the first voxel that the ray through pixel (x, y) hits. x and y need not be integers. */
 static hit walk(const ost_volume *v, const ost_eye *e, double x, double y)
 {
     const int dims[3] = {v->geometry.dims.x, v->geometry.dims.y, v->geometry.dims.z};

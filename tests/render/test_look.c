@@ -28,8 +28,8 @@ static size_t index_of(int i, int j, int k)
 }
 
 /*
- * Makes a bone of many densities, with rounded corners and pores; in after, a rod has cut its
- * way out of it.
+ * Makes a bone of many densities, with rounded corners and pores. *after is the same bone, from
+ * which a cylinder along x is cut, from i = 46 to the end.
  */
 static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
 {

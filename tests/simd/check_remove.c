@@ -175,7 +175,7 @@ static int by_number(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Copies the parts into one list of int32, sorted from `from` on. */
+/* Copies the cubes of mixed to out and sorts those from index `from` on by number. */
 static void listed(const ost_cubes *mixed, size_t from, part *out)
 {
     for (size_t i = 0; i < mixed->count; i++)
@@ -319,7 +319,8 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
     return (size_t)(found < MIXED_MAX ? found : MIXED_MAX);
 }
 
-/* Returns a coordinate at which a voxel of the brick passes from one tool voxel to the next, or a few units from it. */
+/* Returns a coordinate of the brick on axis a, at or below u, that puts one of its voxels on the border between two
+   tool voxels or at most 200 units from it. */
 static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 {
     static const int32_t beside[] = {0, -1, 1, 127, -128, 128, -129};

@@ -135,7 +135,7 @@ static void sweep_and_motor_of_the_text(void **state)
     ost_path_free(&rows);
 }
 
-/* The table of section 9, and the cube of section 10. */
+/* Checks the table of section 9 and the example of the cube, both of docs/arithmetic.md. */
 static void grid_of_the_text(void **state)
 {
     (void)state;
@@ -179,7 +179,7 @@ static void grid_of_the_text(void **state)
     assert_int_equal(cubic.dims.x, 256);
 }
 
-/* AR-REM-7, AR-MOTOR-5 and AR-MOTOR-6 by hand. */
+/* Checks AR-REM-7, AR-MOTOR-5 and AR-MOTOR-6 against results computed by hand. */
 static void events_by_hand(void **state)
 {
     (void)state;

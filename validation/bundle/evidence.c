@@ -274,7 +274,7 @@ static bool makes_steps(const json_t *cases, const char *backend)
     return false;
 }
 
-/* Makes sentences about what the campaign does not show although a reader might think so. */
+/* Returns sentences about what the campaign does not show, although a reader might expect it. */
 static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t refused, json_int_t compared)
 {
     json_t *list = json_array();

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Mistakes that all backends have in common cannot be found by comparing them
- * with each other.  These checks compare the reference with results that are
- * known without any program:
+ * with each other.  These checks compare the reference with results that do not
+ * depend on any program:
  *
  *   golden     small grids, worked out by hand from docs/arithmetic.md
  *   volume     bodies whose volume is given by a formula

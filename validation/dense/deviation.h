@@ -8,16 +8,16 @@
  * of the kind's units (calls, samples, voxels, chunks, triangles ...) on average;
  * one_in 0 and 1 mean everywhere.
  *
- * The record has two first positions.
+ * The record counts two kinds of effects and stores the first position of each:
  *   acted     a value inside the algorithm became different from the right one;
  *             recorded by the code of the mistake itself
  *   changed   a voxel of the call's result, or a line of its report, became
  *             different from the right one; recorded by the backend, which runs
  *             the stage a second time on the same input without the mistake
- * An injection that never acted was not triggered: the mistake found no value
- * that it could change, or was drawn nowhere.  One that acted and changed nothing
- * has survived; the table lists when that can happen.  What it changed first is
- * what a comparison with any right backend must find first.
+ * If acted is 0, the mistake was not triggered: no unit was drawn, or no drawn unit
+ * had a value that could change.  If acted is not 0 but changed is 0, the mistake
+ * survived; the table lists when that can happen.  A comparison with any right
+ * backend must find first_changed as its first difference.
  *
  * The causes marked F are documented in the literature or were measured on a
  * device, those marked T are the thesis' own text (docs/thesis-notes.md), those
@@ -270,9 +270,10 @@ const char *deviation_stage_name(deviation_stage stage);
 
 /*
  * A position.  voxel and leaf (of 32^3, as in a digest) are -1 if the position is
- * not a voxel (a line of the report, a complete call); chunk is that of the bone,
- * -1 if there is none.  Of several in one call it has the least voxel in the order
- * of AR-GRID-2, and the least leaf and chunk, each independently.
+ * not a voxel (a line of the report, a complete call); chunk is the bone's chunk,
+ * -1 if there is none.  If one call has several positions, the least voxel in the
+ * order of AR-GRID-2, the least leaf and the least chunk are stored, each
+ * independently of the others.
  */
 typedef struct deviation_place {
     deviation_stage stage;

@@ -256,7 +256,7 @@ typedef struct ost_cl_tiles {
  *   ost_tool_reach(tool, from, to)   dims.x, dims.y, dims.z; three launches, axis 0, 1, 2
  *
  *   tool   const ost_cl_tool[1]
- *   from   const uchar[voxels]: classes (axis 0), else the last launch's result;  to  uchar[voxels], another buffer
+ *   from   const uchar[voxels]: the classes for axis 0, then the previous launch's result;  to  uchar[voxels], not from
  *
  * Each item writes its own cell.
  *

@@ -107,8 +107,8 @@ static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
     const long e2 = (t->a[1] - t->c[1]) * (z - t->c[2]) - (t->a[2] - t->c[2]) * (y - t->c[1]);
     if (e0 < 0 || e1 < 0 || e2 < 0 || (e0 == 0 && !t->on0) || (e1 == 0 && !t->on1) || (e2 == 0 && !t->on2))
         return -1;
-    /* It crosses within its bounds, so the result is one of their centres or the next one. It is found by halving,
-       since 64-bit division is slow. */
+    /* The crossing lies within the triangle's bounds, so the result is one of the centres i_first to i_last or the
+       next one. Bisection finds it, since 64-bit division is slow. */
     const long crossing = t->nx * t->a[0] - t->ny * (y - t->a[1]) - t->nz * (z - t->a[2]) - t->nx * (width / 2); /* times nx, from centre 0 */
     int least = t->i_first, most = t->i_last + 1;
     while (least < most) {

@@ -32,7 +32,7 @@ static inline __m512i rounded15(__m512i sum)
         OST_WEIGHT_BITS);
 }
 
-/* Unpacking and packing both work within quarters of a register, so the results are in the order of a and b. */
+/* Unpacking and packing both work within 128-bit lanes, so the results are in the order of a and b. */
 static inline __m512i blended(__m512i a, __m512i b, __m512i weights)
 {
     return _mm512_packs_epi32(rounded15(_mm512_madd_epi16(_mm512_unpacklo_epi16(a, b), weights)),

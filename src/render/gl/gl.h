@@ -34,11 +34,11 @@ typedef struct ost_gl_variant {
     bool order;       /* near blocks first */
     bool occlusion;   /* only cells of 8^3 voxels that no others hide; needs frustum, no true_depth, OST_GL_COMPACT */
     bool tiles;       /* OpenGL computes the depths of tiles for occlusion even if it is software, as on a graphics card */
-    bool tight;       /* the cube's own rectangle, cut to the frame; else the square about its bounding sphere */
-    bool lines;       /* coverage by three linear inequalities; else the slabs of the thesis */
-    bool true_depth;  /* written by the fragment shader; else the squared distance of the voxel's centre */
-    bool bricks;      /* 4^3 voxels a point, traversed by the shader; needs tight, no facing, OST_GL_COMPACT or OST_GL_FORWARD */
-    bool choose;      /* bricks where voxels are small on the screen */
+    bool tight;       /* a point covers its cube's bounding rectangle, clipped to the frame; else its sphere's square */
+    bool lines;       /* three linear inequalities decide if a pixel is covered; else the slab test of the thesis */
+    bool true_depth;  /* the fragment shader writes the depth; else it is the squared distance of the voxel's centre */
+    bool bricks;      /* a point is 4^3 voxels that the shader traverses; needs tight, no facing, OST_GL_COMPACT or OST_GL_FORWARD */
+    bool choose;      /* draws bricks if voxels are small on the screen, else single voxels */
     ost_gl_target target;
 } ost_gl_variant;
 

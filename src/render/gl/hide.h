@@ -28,9 +28,9 @@ bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int numb
 /* Sets gl->wanted to the cells that were visible in the last frame. */
 void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l);
 /*
- * Called when the wanted cells are drawn.  Sets gl->wanted to the cells that are
- * missing, and *missing to true if there are any.  May change the framebuffer,
- * the viewport and the program.
+ * Called after the wanted cells were drawn.  Sets gl->wanted to the cells that were
+ * not drawn although they may be visible, and *missing to true if there are any.
+ * May change the framebuffer, the viewport and the program.
  */
 ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err);
 

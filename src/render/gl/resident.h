@@ -19,7 +19,7 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_F
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    uint32_t look_first, look_granules; /* the run of looks, for bricks */
+    uint32_t look_first, look_granules; /* position and size of the looks; only for bricks */
     uint64_t bricks[8];   /* the bricks of 4^3 voxels with a point: bit x | y << 3 of word z */
     uint64_t cells;       /* the cells of 8^3 voxels with a point: bit x | y << 2 | z << 4 */
     uint64_t hidden;      /* cells that were hidden at the last search (hide.h) */
@@ -30,7 +30,7 @@ typedef struct ost_gl_resident {
     uint64_t last;              /* number of the last frame that used it */
     ost_gl_run *run[OST_GL_FORMS]; /* owned; one for every slot */
     int32_t runs[OST_GL_FORMS];
-    int pause;                  /* number of frames without a search for hidden cells (hide.c) */
+    int pause;                  /* number of frames until the next search for hidden cells (hide.c) */
     GLuint mesh;
     uint64_t mesh_version;      /* sum of the versions of its blocks */
     uint32_t mesh_vertices;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A frame: draws a surface as seen by a camera, into planes and then into colours.
+ * Draws a frame: surfaces as seen by a camera, into planes (splat.h) that then become colours.
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *

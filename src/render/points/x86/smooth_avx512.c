@@ -41,7 +41,7 @@ void ost_field_densities_avx512(uint64_t row, uint64_t near, const int16_t densi
     }
 }
 
-/* one + three + five, 2 (two + three), 4 (four + five): weights 1 2 3 4 5 from the ends to the middle. */
+/* Sums nine values with the weights 1 2 3 4 5 4 3 2 1, as (one + three + five) + 2 (two + three) + 4 (four + five). */
 #define SUM(TYPE, PREFIX, LOAD, AT)                                                                                                 \
     const TYPE one = PREFIX##_add_epi16(LOAD(AT(0)), LOAD(AT(8))), two = PREFIX##_add_epi16(LOAD(AT(1)), LOAD(AT(7)));              \
     const TYPE three = PREFIX##_add_epi16(LOAD(AT(2)), LOAD(AT(6))), four = PREFIX##_add_epi16(LOAD(AT(3)), LOAD(AT(5)));           \
