@@ -40,10 +40,11 @@ OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume
                                       ost_picture *out, ost_error *err);
 
 /*
- * Draws an orthographic view of the active voxels: first hit along the ray,
- * shaded by the density's gradient with ambient occlusion, bone #e3dac9.  The
- * surface bared by voxels that were removed since `before` (may be NULL) is tinted.
- * direction: from the eye into the scene, in the bone's frame; up likewise.
+ * Draws a view of the active voxels, which must be cubes, as osteon render does (render.h), with a
+ * scale bar and the patient's directions.  The surface bared by voxels that were removed since
+ * `before` (may be NULL) is coloured by its depth below the earlier surface, with a legend.
+ * direction: from the eye into the scene, in the bone's frame; up likewise.  The angle of view is 45
+ * degrees; lengths are exact in the plane through the centre.
  */
 typedef struct ost_view_options {
     double direction[3];  /* 0 0 0 = anterior to posterior (0 1 0) in LPS */
@@ -51,7 +52,11 @@ typedef struct ost_view_options {
     int32_t threshold;    /* 0 = 120 */
     int width, height;    /* 0, 0 = 800, 800 */
     double centre_mm[3];  /* used when extent_mm > 0 */
-    double extent_mm;     /* height of the view; 0 = the entire bone */
+    double extent_mm;     /* height of the view in the plane through the centre; 0 = the entire bone */
+    bool tool;            /* the volume is a tool: drawn as steel */
+    bool unoriented;      /* the directions of the axes in the patient are not known: none are drawn */
+    bool no_legend;       /* neither legend nor scale nor directions are drawn */
+    int threads;          /* 0 = one for each processor */
 } ost_view_options;
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
                                     ost_picture *out, ost_error *err);

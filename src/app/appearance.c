@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "app/implant.h"
-#include "render/legend.h"
+#include "render/marks.h"
 #include "render/vector.h"
 #include "window/window.h"
 
@@ -227,24 +227,25 @@ ost_legend appearance_legend_of(const appearance *a)
     return (ost_legend){a->colouring, a->viewer->ground.scale_mm, a->viewer->ground.has_face, a->clip != CLIP_NONE};
 }
 
-ost_status appearance_legend(appearance *a, ost_error *err)
+ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented, ost_error *err)
 {
-    enum { NARROW = 480, EDGE = 12, LINE = 46 };
-    const ost_frame *f = &a->viewer->frame;
-    const double unit = f->height > 540 ? (double)f->height / 720 : 0.75;
-    const ost_legend legend = appearance_legend_of(a);
-    const ost_sheet sheet = ost_frame_sheet(f);
-    if (f->width < NARROW || (a->colouring == OST_COLOUR_BONE && a->clip == CLIP_NONE))
-        return OST_OK;
+    const ost_sheet sheet = ost_frame_sheet(&a->viewer->frame);
+    const double unit = ost_marks_unit(sheet.height);
+    ost_marks marks = {.legend = appearance_legend_of(a)};
+    double back[3];
+    if (orbit)
+        marks.mm_per_pixel = orbit->distance / (OST_VIEW_FOCAL * sheet.height);
+    if (orbit && oriented)
+        ost_orbit_frame(orbit, marks.right, marks.up, back);
     if (!a->lettering || unit != a->unit) {
         ost_lettering_free(a->lettering);
         a->lettering = NULL;
-        ost_status status = ost_lettering_create(9.5 * unit, &a->lettering, err);
+        ost_status status = ost_lettering_create(OST_MARKS_LETTER * unit, &a->lettering, err);
         if (status != OST_OK)
             return status;
         a->unit = unit;
     }
-    ost_legend_draw(&legend, a->lettering, &sheet, (int)(EDGE * unit), f->height - (int)(LINE * unit), unit);
+    ost_marks_draw(&marks, a->lettering, &sheet, unit);
     return OST_OK;
 }
 

@@ -21,6 +21,7 @@ typedef enum ghost_kind { GHOST_NONE, GHOST_IMPLANT, GHOST_TOOL } ghost_kind;
 
 typedef struct appearance_options {
     int colour;             /* an ost_colouring */
+    bool colour_given;
     int ghost;              /* a ghost_kind */
     const char *clip_text;
     option_decimal shift, turn;
@@ -34,8 +35,8 @@ typedef struct appearance_options {
 } appearance_options;
 
 #define APPEARANCE_OPTIONS(a)                                                                                                             \
-    {.name = "colour", .kind = OPTION_CHOICE, .out = &(a).colour, .value = "bone|class|depth|density",                                    \
-     .help = "what was cut, by its density class, by how deep it lay, by\nits density (default: as bone)"},                               \
+    {.name = "colour", .kind = OPTION_CHOICE, .out = &(a).colour, .given = &(a).colour_given, .value = "bone|class|depth|density",                                    \
+     .help = "what was cut, by its density class, by how deep it lay, by\nits density (default: as bone; render --before: by depth)"},                               \
     {.name = "clip", .kind = OPTION_TEXT, .out = &(a).clip_text, .value = "plan|across|axial|coronal|sagittal|X,Y,Z,NX,NY,NZ",            \
      .help = "a plane with the CT's densities, what lies before it taken away:\nalong the glenoid's axis upright or across, through its face's\n" \
              "centre, or through a point (the side that N points to goes)"},                                                              \
@@ -45,7 +46,7 @@ typedef struct appearance_options {
      .help = "to be seen through: an implant, or the tool, at the planned depth"},                                                        \
     {.name = "overlay", .kind = OPTION_LIST, .out = &(a).overlays, .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis",             \
      .help = "lines for understanding; may repeat"},                                                                                      \
-    {.name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend, .help = "no legend of the colours"}
+    {.name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend, .help = "no legend, scale or directions over the picture"}
 
 ost_status appearance_check(const app_state *app, appearance_options *options, ost_error *err);
 
@@ -71,9 +72,8 @@ ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_su
 void appearance_free(appearance *a); /* a may be zeroed */
 
 ost_legend appearance_legend_of(const appearance *a);
-/* Draws the legend at the lower left of the viewer's frame, above a line of text there. Does
-   nothing if the frame is too narrow. */
-ost_status appearance_legend(appearance *a, ost_error *err);
+/* Draws the legend over the viewer's frame; with an orbit, also a scale bar and, if oriented, the patient's directions. */
+ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented, ost_error *err);
 
 /*
  * Handles a key: C colours, X clip plane, Shift X its other side, G ghost, O overlays, K voxels

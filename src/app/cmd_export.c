@@ -11,27 +11,23 @@
 #include <math.h>
 #include <string.h>
 
+#include "app/frame_size.h"
 #include "app/load.h"
 #include "app/progress.h"
-#include "app/ream_path.h"
 #include "app/result.h"
 #include "app/say.h"
 #include "app/session_info.h"
+#include "app/view.h"
 #include "io/surface.h"
 
 typedef struct export_args {
     const char *bone, *out, *before;
     bool slices, compress, voxels;
-    int view; /* index in VIEWS */
-    bool view_given;
-    int64_t size, threshold, decimals;
+    view_options view;
+    int64_t threshold, decimals;
     bool threshold_given;
     target_options target;
-    ost_pm extent;
 } export_args;
-
-#define VIEWS "anterior|posterior|lateral|medial|superior|inferior|glenoid"
-enum { VIEW_ANTERIOR, VIEW_POSTERIOR, VIEW_LATERAL, VIEW_MEDIAL, VIEW_SUPERIOR, VIEW_INFERIOR, VIEW_GLENOID };
 
 static ost_status export_surface(const app_state *app, const export_args *args, const loaded_volume *in, ost_error *err)
 {
@@ -80,59 +76,52 @@ static ost_status voxel_at(const app_state *app, const export_args *args, const 
     return OST_OK;
 }
 
-static ost_status view_options(const app_state *app, const export_args *args, const loaded_volume *in, ost_view_options *out, ost_error *err)
+static ost_status draw_view(const app_state *app, const export_args *args, loaded_volume *in, loaded_volume *before, ost_picture *out,
+                            ost_error *err)
 {
-    /* Directions into the scene, in LPS, for a right shoulder: its lateral side is the patient's
-       right, -x. */
-    static const double direction[][3] = {{0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, -1}, {0, 0, 1}};
-    ost_side side;
-    double axis[3];
-    bool has_axis, left = false;
-    ost_status status = target_side(&args->target, &in->volume.meta, args->bone, &side, err);
-    if (status == OST_OK)
-        status = ost_axis_from_meta(&in->volume.meta, axis, &has_axis, err);
-    if (status == OST_OK && (args->view == VIEW_LATERAL || args->view == VIEW_MEDIAL)) {
-        if (has_axis)
-            status = ost_glenoid_side(axis, side, &left, err);
-        else if (side == OST_SIDE_UNKNOWN)
-            return usage_error(app, err, "%s: the side is not set: pass --side left or --side right", args->bone);
-        else
-            left = side == OST_SIDE_LEFT;
-    }
-    if (status != OST_OK)
-        return status;
-    int pixels = args->size ? (int)args->size : 800;
-    *out = (ost_view_options){.threshold = in->threshold, .width = pixels, .height = pixels};
-    out->up[2] = 1;
-    if (args->view != VIEW_GLENOID) {
-        memcpy(out->direction, direction[args->view], sizeof out->direction);
-        if (left)
-            out->direction[0] = -out->direction[0];
-        if (args->view == VIEW_SUPERIOR || args->view == VIEW_INFERIOR) {
-            out->up[1] = -1;
-            out->up[2] = 0;
-        }
-        if (args->target.at_given) {
-            out->centre_mm[0] = ost_pm_to_mm(args->target.at.x);
-            out->centre_mm[1] = ost_pm_to_mm(args->target.at.y);
-            out->centre_mm[2] = ost_pm_to_mm(args->target.at.z);
-            out->extent_mm = args->extent ? ost_pm_to_mm(args->extent) : 60;
-        }
-        return OST_OK;
-    }
     ost_glenoid glenoid;
-    status = target_find(app, &args->target, &in->volume.meta, args->bone, &glenoid, err);
+    ost_view_subject subject;
+    ost_view_options options = {.width = 800, .height = 800, .threads = (int)app->threads, .tool = in->kind == LOAD_TOOL,
+                                .unoriented = !view_oriented(&in->volume.meta)};
+    double right[3], back[3];
+    ost_status status = args->view.size ? frame_size(app, args->view.size, &options.width, &options.height, err) : OST_OK;
+    if (status == OST_OK)
+        status = loaded_to_bone(app, args->bone, in, err);
+    if (status == OST_OK && args->before)
+        status = loaded_to_bone(app, args->before, before, err);
+    if (status == OST_OK)
+        status = view_subject(app, &args->view, &args->target, &in->volume.meta, &in->volume.geometry, args->bone, &glenoid, &subject, err);
     if (status != OST_OK)
         return status;
-    memcpy(out->direction, glenoid.axis, sizeof out->direction);
-    out->centre_mm[0] = ost_pm_to_mm(glenoid.at.x);
-    out->centre_mm[1] = ost_pm_to_mm(glenoid.at.y);
-    out->centre_mm[2] = ost_pm_to_mm(glenoid.at.z);
-    out->extent_mm = args->extent ? ost_pm_to_mm(args->extent) : 60;
-    return OST_OK;
+    view_fit(&args->target, args->before ? &before->volume : &in->volume, in->threshold, &subject);
+    const ost_orbit orbit = view_orbit(&args->view, &subject, NULL);
+    ost_orbit_frame(&orbit, right, options.up, back);
+    for (int a = 0; a < 3; a++)
+        options.direction[a] = -back[a];
+    memcpy(options.centre_mm, orbit.at, sizeof options.centre_mm);
+    options.extent_mm = orbit.distance / OST_VIEW_FOCAL;
+    options.threshold = in->threshold;
+    return ost_picture_view(&in->volume, args->before ? &before->volume : NULL, &options, out, err);
 }
 
-static ost_status export_picture(const app_state *app, const export_args *args, const loaded_volume *in, ost_error *err)
+static ost_status draw_slices(const app_state *app, const export_args *args, const loaded_volume *in, const ost_volume *before, ost_picture *out,
+                              ost_error *err)
+{
+    ost_slices_options options = {.threshold = in->threshold};
+    int height = 0;
+    ost_status status = voxel_at(app, args, &in->volume.geometry, options.at, err);
+    if (status == OST_OK && args->view.size)
+        status = frame_size(app, args->view.size, &options.pixels, &height, err);
+    if (status == OST_OK && height != options.pixels)
+        return usage_error(app, err, "--size %s: slices have one size: that of the longest side, in pixels", args->view.size);
+    if (in->kind == LOAD_TOOL) {
+        options.level = 1;
+        options.width = 3;
+    }
+    return status == OST_OK ? ost_picture_slices(&in->volume, before, &options, out, err) : status;
+}
+
+static ost_status export_picture(const app_state *app, const export_args *args, loaded_volume *in, ost_error *err)
 {
     loaded_volume before = {0};
     ost_picture picture = {0};
@@ -142,22 +131,10 @@ static ost_status export_picture(const app_state *app, const export_args *args, 
         if (status == OST_OK && !ost_geometry_equal(&before.volume.geometry, &in->volume.geometry))
             status = ost_fail(err, OST_ERR_INPUT, "%s and %s have other dims, spacing or origin", args->before, args->bone);
     }
-    const ost_volume *old = args->before ? &before.volume : NULL;
-    if (status == OST_OK && args->view_given) {
-        ost_view_options options;
-        status = view_options(app, args, in, &options, err);
-        if (status == OST_OK)
-            status = ost_picture_view(&in->volume, old, &options, &picture, err);
-    } else if (status == OST_OK) {
-        ost_slices_options options = {.threshold = in->threshold, .pixels = (int)args->size};
-        if (in->kind == LOAD_TOOL) {
-            options.level = 1;
-            options.width = 3;
-        }
-        status = voxel_at(app, args, &in->volume.geometry, options.at, err);
-        if (status == OST_OK)
-            status = ost_picture_slices(&in->volume, old, &options, &picture, err);
-    }
+    if (status == OST_OK && args->view.view_given)
+        status = draw_view(app, args, in, &before, &picture, err);
+    else if (status == OST_OK)
+        status = draw_slices(app, args, in, args->before ? &before.volume : NULL, &picture, err);
     if (status == OST_OK)
         status = ost_picture_write_png(args->out, &picture, err);
     if (status == OST_OK) {
@@ -186,9 +163,9 @@ static ost_status export_volume(const app_state *app, const export_args *args, c
 static ost_status check_args(app_state *app, const export_args *args, ost_error *err)
 {
     bool png = ends_with(args->out, "png");
-    if (!png && (args->slices || args->view_given || args->before || args->size || args->target.at_given))
+    if (!png && (args->slices || args->view.view_given || args->before || args->view.size || args->target.at_given))
         return usage_error(app, err, "--slices, --view, --before, --at and --size are for .png, not for %s", args->out);
-    if (args->slices && args->view_given)
+    if (args->slices && args->view.view_given)
         return usage_error(app, err, "--slices or --view, not both");
     if (args->decimals && !ends_with(args->out, "txt"))
         return usage_error(app, err, "--decimals is for .txt, not for %s", args->out);
@@ -208,16 +185,16 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "threshold", .kind = OPTION_INTEGER, .out = &args.threshold, .given = &args.threshold_given, .value = "HU", .min = 1, .max = 32767,
          .help = "bone at this density or more (default: the bone's own, else 120)"},
         {.name = "slices", .kind = OPTION_FLAG, .out = &args.slices, .help = ".png: axial, coronal and sagittal slice (default)"},
-        {.name = "view", .kind = OPTION_CHOICE, .out = &args.view, .given = &args.view_given, .value = VIEWS, .help = ".png: the surface from there"},
-        {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE", .help = ".png: colour what was removed since this bone"},
-        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z", .help = ".png: slices through, or view around, this point"},
+        VIEW_OPTION(args.view, ".png: the surface as osteon render draws it, in this direction"),
+        VIEW_EXTENT_OPTION(args.view),
+        {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE", .help = ".png: the bone before removal: colour what was removed since then"},
+        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z", .help = ".png: slices through, or view of, this point"},
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
-         .help = "of --view glenoid: the direction into the bone"},
+         .help = "direction into the bone there (default: the file's)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
          .help = "of the body (default: the file's, else the axis determines it)"},
-        {.name = "extent", .kind = OPTION_LENGTH, .out = &args.extent, .value = "MM", .help = "height of a view around a point (default: 60)"},
-        {.name = "size", .kind = OPTION_INTEGER, .out = &args.size, .value = "PIXELS", .min = 16, .max = 8192,
-         .help = ".png: side of a view (default: 800) or of a slice (default: 480)"},
+        {.name = "size", .kind = OPTION_TEXT, .out = &args.view.size, .value = "WxH",
+         .help = ".png: of a view in pixels (default: 800x800), or one number, the longest\nside of a slice (default: 480)"},
         {.name = "decimals", .kind = OPTION_INTEGER, .out = &args.decimals, .value = "N", .min = 1, .max = 9,
          .help = "digits after the point in a .txt (default: as many as it takes)"},
         {.name = "voxels", .kind = OPTION_FLAG, .out = &args.voxels,
@@ -234,7 +211,7 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
         .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A text is\n"
                  "taken as the bone that osteon import makes of it.",
         .example = "  osteon export reamed.nrrd --out reamed.stl\n"
-                   "  osteon export reamed.nrrd --before scapula.nrrd --view glenoid --out reamed.png\n"
+                   "  osteon export reamed.nrrd --before scapula.nrrd --view en-face --out reamed.png\n"
                    "  osteon export today.session --out today.mcap",
     };
     ost_status status;

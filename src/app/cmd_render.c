@@ -20,15 +20,16 @@
 #include "app/ream_path.h"
 #include "app/result.h"
 #include "app/say.h"
+#include "app/view.h"
 #include "core/clock.h"
 #include "render/viewer.h"
-#include "render/views.h"
 
 enum { PLANNED_UM = 3000, PLANNED_UM_MAX = 20000 };
 
 typedef struct render_args {
-    const char *bone, *before, *tool, *pose_text, *size, *out;
-    int view, style, renderer, width, height;
+    const char *bone, *before, *tool, *pose_text, *out;
+    int style, renderer, width, height;
+    view_options view;
     double depth_mm;
     option_decimal depth;
     appearance_options look;
@@ -73,13 +74,15 @@ static ost_status parse_pose(const app_state *app, render_args *args, ost_error 
 
 static ost_status check_args(app_state *app, render_args *args, ost_error *err)
 {
-    ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
+    ost_status status = frame_size(app, args->view.size, &args->width, &args->height, err);
     if (status == OST_OK && args->pose_text && !args->tool)
         return usage_error(app, err, "--pose %s: of which --tool?", args->pose_text);
     if (status == OST_OK && args->pose_text)
         status = parse_pose(app, args, err);
     if (status == OST_OK)
         status = appearance_check(app, &args->look, err);
+    if (args->before && !args->look.colour_given)
+        args->look.colour = OST_COLOUR_DEPTH;
     if (status == OST_OK && args->look.colour == OST_COLOUR_DEPTH && !args->before)
         return usage_error(app, err, "--colour depth: below which surface? give the bone as it was with --before");
     int64_t um = PLANNED_UM;
@@ -138,16 +141,14 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
 {
     ost_glenoid glenoid;
     ost_camera camera;
-    ost_status status = target_find(app, &args->target, &d->imported.meta, args->bone, &glenoid, err);
-    const bool known = status == OST_OK;
-    if (!known && status != OST_ERR_USAGE)
-        return status;
-    *err = (ost_error){0};
-    status = ost_live_create(d->bone, &d->live, err);
+    ost_status status = ost_live_create(d->bone, &d->live, err);
     if (status != OST_OK)
         return status;
     const ost_geometry *g = ost_live_geometry(d->live);
-    status = ost_viewer_init(&d->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, (int)app->threads, err);
+    status = view_subject(app, &args->view, &args->target, &d->imported.meta, g, args->bone, &glenoid, &d->subject, err);
+    const bool known = d->subject.has_face;
+    if (status == OST_OK)
+        status = ost_viewer_init(&d->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, (int)app->threads, err);
     if (status != OST_OK)
         return status;
     if (args->renderer != RENDERER_POINTS)
@@ -159,8 +160,8 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
         status = add_tool(args, d, &glenoid, known, err);
     if (status != OST_OK)
         return status;
-    d->subject = ost_view_subject_make(g, &glenoid.at, known ? glenoid.axis : NULL, known && glenoid.left);
-    const ost_orbit orbit = ost_view_orbit((ost_view_name)args->view, &d->subject, d->tool ? &d->viewer.state.pose : NULL);
+    view_fit(&args->target, &d->viewer.ground.volume, d->viewer.ground.threshold, &d->subject);
+    const ost_orbit orbit = view_orbit(&args->view, &d->subject, d->tool ? &d->viewer.state.pose : NULL);
     double eye[3], q[4];
     status = ost_orbit_camera(&orbit, args->width, args->height, &camera, err);
     if (status != OST_OK)
@@ -179,7 +180,7 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
         status = ost_viewer_draw(&d->viewer, &camera, err);
     d->draw_ms = (double)(ost_clock_ns() - begin) * 1e-6;
     if (status == OST_OK && !args->look.no_legend)
-        status = appearance_legend(&d->look, err);
+        status = appearance_marks(&d->look, &orbit, view_oriented(&d->imported.meta), err);
     if (status == OST_OK)
         status = ost_picture_init(&d->picture, args->width, args->height, err);
     if (status != OST_OK)
@@ -219,15 +220,15 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
     target_options *t = &args.target;
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE.png", .help = "the picture", .required = true},
-        {.name = "view", .kind = OPTION_CHOICE, .out = &args.view, .value = "operator|en-face|lateral|anterior|posterior|superior|tool|whole",
-         .help = "where to look from (default: operator)"},
-        {.name = "size", .kind = OPTION_TEXT, .out = &args.size, .value = "WxH", .help = "in pixels (default: 1280x720)"},
+        VIEW_OPTION(args.view, "direction of view (default: operator)"),
+        VIEW_EXTENT_OPTION(args.view),
+        {.name = "size", .kind = OPTION_TEXT, .out = &args.view.size, .value = "WxH", .help = "in pixels (default: 1280x720)"},
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
          .help = "lit by the surface's normals (default), or the thesis' flat\nfaces"},
         {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|gl|thesis",
          .help = "the processor (default), OpenGL, or the thesis' way of using it,\nevery voxel a point: docs/rendering.md"},
         {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE",
-         .help = "the bone as it was: what is missing since then is what was cut\n(default: not known, and all of the surface is coloured)"},
+         .help = "the bone before removal: the surface bared since then is coloured by\ndepth, or as --colour says (default: not known, and --colour is for\nthe entire surface)"},
         APPEARANCE_OPTIONS(args.look),
         {.name = "planned", .kind = OPTION_DECIMAL, .out = &args.depth, .value = "MM", .help = "planned depth at the glenoid's centre (default: 3)"},
         {.name = "tool", .kind = OPTION_TEXT, .out = &args.tool, .value = "TOOL", .help = "a tool to be seen with it: a mesh, a tool grid, builtin:reamer"},

@@ -26,7 +26,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "headless", .kind = OPTION_FLAG, .out = &args.headless, .help = "without a window"},
         {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .given = &args.renderer_given, .value = "none|null|points|gl|thesis",
          .help = "who draws meanwhile: points, the bone's surface by the processor; gl,\nthe same by OpenGL; thesis, OpenGL as the thesis uses it, every\nvoxel a point; null, follows the bone and draws nothing\n(default: points in a window, else none)"},
-        {.name = "view", .kind = OPTION_CHOICE, .out = &args.view, .value = "operator|en-face|lateral|anterior|posterior|superior|tool|whole",
+        {.name = "view", .kind = OPTION_CHOICE, .out = &args.view, .value = OST_VIEW_NAMES,
          .help = "where it looks from (default: operator)"},
         {.name = "size", .kind = OPTION_TEXT, .out = &args.size, .value = "WxH", .help = "of the window or the frames, in pixels (default: 1280x720)"},
         {.name = "fps", .kind = OPTION_INTEGER, .out = &args.fps, .min = 0, .max = 1000, .value = "N",

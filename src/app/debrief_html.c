@@ -32,7 +32,7 @@ static const char head[] =
     "td.n,th.n{text-align:right}td.n,td.a{white-space:nowrap}\n"
     "figure{margin:0 0 .6em}figcaption{font-size:.85em}img,svg{max-width:100%;height:auto;display:block}svg text{font:3px system-ui,sans-serif;fill:var(--ink)}\n"
     ".cols{display:grid;gap:0 1.8em}.main{grid-template-columns:minmax(0,1.65fr) minmax(0,1fr)}.two{grid-template-columns:minmax(0,1.15fr) minmax(0,1fr)}\n"
-    ".pics{grid-template-columns:minmax(0,2.6fr) minmax(0,1fr)}\n"
+    ".pics{grid-template-columns:minmax(0,2fr) minmax(0,1fr)}\n"
     "@media screen and (max-width:50em){.cols{grid-template-columns:minmax(0,1fr)}}\n"
     "@page{size:A4;margin:9mm}\n"
     "@media print{.main{grid-template-columns:minmax(0,2.2fr) minmax(0,1fr)}body{margin:0;padding:0;max-width:none;font-size:8.3px;line-height:1.25}h2{margin:.7em 0 .2em}figure,tr,.verdict{break-inside:avoid}"

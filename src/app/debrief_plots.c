@@ -228,7 +228,7 @@ static ost_status cut_out(const ost_volume *in, const ost_pm3 *centre, ost_volum
 static ost_status slices(const debrief *d, const ost_volume *after, int threshold, ost_picture *image, ost_error *err)
 {
     ost_volume now = {0}, then = {0};
-    ost_slices_options how = {.threshold = threshold, .pixels = 300};
+    ost_slices_options how = {.threshold = threshold, .pixels = 480};
     ost_status status = cut_out(after, &d->plan.at, &now, err);
     if (status == OST_OK)
         status = cut_out(&d->before, &d->plan.at, &then, err);
@@ -250,7 +250,7 @@ static ost_status slices(const debrief *d, const ost_volume *after, int threshol
 void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, int threshold)
 {
     ost_picture image = {0};
-    ost_view_options view = {.threshold = threshold, .width = 360, .height = 360, .extent_mm = 60,
+    ost_view_options view = {.threshold = threshold, .width = 440, .height = 440, .extent_mm = 60,
                              .centre_mm = {ost_pm_to_mm(d->plan.at.x), ost_pm_to_mm(d->plan.at.y), ost_pm_to_mm(d->plan.at.z)}};
     memcpy(view.direction, d->plan.axis, sizeof view.direction);
     if (p->status != OST_OK)
@@ -261,7 +261,7 @@ void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, i
         picture(p, &image, "CT through the plan's centre: axial, coronal, sagittal; what was removed is orange.");
     ost_picture_free(&image);
     if (status == OST_OK && (status = ost_picture_view(after, &d->before, &view, &image, p->err)) == OST_OK)
-        picture(p, &image, "The glenoid as the tool sees it; bared bone is tinted.");
+        picture(p, &image, "The glenoid along the planned axis; bared bone is coloured by its depth below the old surface.");
     ost_picture_free(&image);
     html_text(p, "</div>\n");
     p->status = p->status == OST_OK ? status : p->status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Parses frame sizes such as "1280x720". */
+/* Parses frame sizes such as "1280x720", or "800" for a square. */
 #ifndef OST_APP_FRAME_SIZE_H
 #define OST_APP_FRAME_SIZE_H
 

@@ -428,6 +428,30 @@ static ost_status load_text_volume(const app_state *app, const char *name, loade
     return status;
 }
 
+ost_status loaded_to_bone(const app_state *app, const char *name, loaded_volume *v, ost_error *err)
+{
+    const ost_geometry *g = &v->volume.geometry;
+    const ct_options ct = {.chunk = 1, .resample = -1, .threshold = v->threshold};
+    ost_backend *backend = NULL;
+    ost_bone *bone = NULL;
+    ost_import_result result;
+    ost_volume voxels = {0};
+    if (v->kind != LOAD_CT || (g->spacing.x == g->spacing.y && g->spacing.x == g->spacing.z))
+        return OST_OK;
+    ost_status status = backend_choose(app, &backend, err);
+    if (status == OST_OK)
+        status = load_bone(app, backend, name, &ct, false, &bone, &result, err);
+    if (status == OST_OK)
+        status = bone_to_volume(bone, &result.meta, &voxels, err);
+    if (status == OST_OK) {
+        ost_volume_free(&v->volume);
+        v->volume = voxels;
+    }
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    return status;
+}
+
 ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
     *out = (loaded_volume){.kind = LOAD_CT, .threshold = THRESHOLD};

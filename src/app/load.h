@@ -113,6 +113,9 @@ typedef struct loaded_volume {
    Free with ost_volume_free(&out->volume). */
 ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err);
 
+/* Imports a CT whose voxels are no cubes, as osteon import does; leaves anything else as it is. */
+ost_status loaded_to_bone(const app_state *app, const char *name, loaded_volume *volume, ost_error *err);
+
 /* Copies a bone's voxels into host memory. */
 ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err);
 

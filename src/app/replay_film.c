@@ -58,7 +58,7 @@ static ost_status draw(replay_film *f, ost_error *err)
     facts.plain = true;
     if (!f->options->look.no_legend)
         facts.legend = appearance_legend_of(&f->look);
-    facts.mm_per_pixel = orbit.distance / (1.2071 * height);
+    facts.mm_per_pixel = orbit.distance / (OST_VIEW_FOCAL * height);
     ost_orbit_frame(&orbit, facts.right, facts.up, back);
     sim_hud_draw(f->hud, &sheet, &facts);
     film_frame(f->film, f->t_ns, sheet.pixels, sheet.stride, width, height);

@@ -21,7 +21,7 @@ typedef struct replay_film_options {
 /* Rows for a verb's table of options. */
 #define REPLAY_FILM_OPTIONS(f)                                                                                                            \
     VIDEO_OPTIONS((f).video),                                                                                                             \
-    {.name = "view", .kind = OPTION_CHOICE, .out = &(f).view, .value = "operator|en-face|lateral|anterior|posterior|superior|tool|whole", \
+    {.name = "view", .kind = OPTION_CHOICE, .out = &(f).view, .value = OST_VIEW_NAMES, \
      .help = "of the video: where it looks from (default: operator)"},                                                                   \
     {.name = "size", .kind = OPTION_TEXT, .out = &(f).size, .value = "WxH", .help = "of the video, in pixels (default: 1280x720)"},        \
     {.name = "style", .kind = OPTION_CHOICE, .out = &(f).style, .value = "smooth|faces",                                                  \

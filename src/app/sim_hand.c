@@ -24,7 +24,7 @@ void sim_hand_drag(sim_hand *hand, const ost_orbit *orbit, double dx, double dy,
     ost_orbit_frame(orbit, right, up, back);
     for (int a = 0; a < 3; a++)
         depth -= (hand->at[a] - orbit->at[a]) * back[a];
-    const double mm = fmax(depth, 1) / (1.2071 * height);
+    const double mm = fmax(depth, 1) / (OST_VIEW_FOCAL * height);
     for (int a = 0; a < 3; a++)
         hand->at[a] += mm * (dx * right[a] - dy * up[a]);
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "app/say.h"
-#include "render/canvas.h"
+#include "render/marks.h"
 
 enum { WHITE = 0xf4f1ee, PALE = 0xb9b2aa, GREEN = 0x8fce7a, AMBER = 0x4fb4f2, RED = 0x5a5af0, PANEL = 0x0e0c0a, BACK = 0x1c1816, BAR = 0x4a423a };
 enum { SHADE = 150, LINE = 220 };
@@ -284,45 +284,6 @@ static const char *foot_text(const sim_hud_facts *f)
     return f->message ? f->message : f->help || f->plain ? "" : "F1: mouse and keys";
 }
 
-/* ------------------------------------------------------------- scale, edges */
-
-/* Returns the greatest length that fits, in mm: 1, 2 or 5 times a power of ten. */
-static double scale_length(const sim_hud *h, double mm_per_pixel)
-{
-    const double room = px(h, 150) * mm_per_pixel;
-    double length = 0;
-    for (double decade = 0.01; decade < 1e4; decade *= 10)
-        for (int step = 1; step <= 5; step += step == 1 ? 1 : 3)
-            length = step * decade <= room ? step * decade : length;
-    return length;
-}
-
-static void draw_scale(const sim_hud *h, const ost_sheet *s, const sim_hud_box *box, double mm_per_pixel)
-{
-    const double length = scale_length(h, mm_per_pixel);
-    char text[SAY_TEXT];
-    if (!(length > 0))
-        return;
-    const int width = (int)(length / mm_per_pixel), x = box->x + box->width - width - px(h, 4), y = box->y + box->height - px(h, 6);
-    snprintf(text, sizeof text, "%g mm", length);
-    const int letters = ost_lettering_width(h->plain, text), at = x + (width - letters) / 2;
-    ost_sheet_box(s, x, y, width, px(h, 2), PALE, 256);
-    ost_sheet_box(s, x, y - px(h, 5), px(h, 2), px(h, 7), PALE, 256);
-    ost_sheet_box(s, x + width - px(h, 2), y - px(h, 5), px(h, 2), px(h, 7), PALE, 256);
-    ost_lettering_draw(h->plain, s, at + letters > box->x + box->width ? box->x + box->width - letters : at, y - px(h, 10), text, PALE);
-}
-
-/* Computes the anatomical direction of an edge (0 left, 1 right, 2 upper, 3 lower), as on a radiograph. */
-static void edge_letters(const sim_hud_facts *f, int edge, char letters[4])
-{
-    double d[3];
-    for (int a = 0; a < 3; a++)
-        d[a] = edge == 0 ? -f->right[a] : edge == 1 ? f->right[a] : edge == 2 ? f->up[a] : -f->up[a];
-    letters[0] = '\0';
-    if (d[0] != 0 || d[1] != 0 || d[2] != 0)
-        ost_orientation_letters(d, letters);
-}
-
 /* --------------------------------------------------------------------- layout */
 
 static bool apart(const sim_hud_box *a, const sim_hud_box *b)
@@ -384,7 +345,7 @@ sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const si
     }
     for (int e = 0; e < 4; e++) {
         char letters[4];
-        edge_letters(f, e, letters);
+        ost_edge_letters(f->right, f->up, e, letters);
         if (!letters[0])
             continue;
         const int w = ost_lettering_width(h->plain, letters) + px(h, 8), t = px(h, PLAIN + 10);
@@ -417,11 +378,12 @@ void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_fact
     if (l.legend.width)
         ost_legend_draw(&facts->legend, hud->plain, sheet, l.legend.x, l.legend.y + l.legend.height, hud->unit);
     if (l.scale.width)
-        draw_scale(hud, sheet, &l.scale, facts->mm_per_pixel);
+        ost_scale_bar(hud->plain, sheet, l.scale.x + l.scale.width - px(hud, 4), l.scale.y + l.scale.height - px(hud, 4), false,
+                      px(hud, 150), facts->mm_per_pixel, hud->unit, PALE);
     for (int e = 0; e < 4; e++)
         if (l.edge[e].width) {
             char letters[4];
-            edge_letters(facts, e, letters);
+            ost_edge_letters(facts->right, facts->up, e, letters);
             ost_sheet_box(sheet, l.edge[e].x, l.edge[e].y, l.edge[e].width, l.edge[e].height, PANEL, SHADE);
             ost_lettering_draw(hud->plain, sheet, l.edge[e].x + px(hud, 5), l.edge[e].y + l.edge[e].height - px(hud, 5), letters, PALE);
         }

@@ -126,7 +126,7 @@ ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
         if (status == OST_OK)
             status = ost_viewer_draw(&show->viewer, &camera, err);
         if (status == OST_OK && show->args->headless && !show->args->hud && !show->args->look.no_legend)
-            status = appearance_legend(&show->look, err);
+            status = appearance_marks(&show->look, NULL, false, err);
     }
     return status;
 }
@@ -152,7 +152,7 @@ static ost_status write_over(sim_show *show, ost_error *err)
     f.timings = show->args->timings;
     if (!show->args->look.no_legend)
         f.legend = appearance_legend_of(&show->look);
-    f.mm_per_pixel = show->orbit.distance / (1.2071 * sheet.height);
+    f.mm_per_pixel = show->orbit.distance / (OST_VIEW_FOCAL * sheet.height);
     ost_orbit_frame(&show->orbit, f.right, f.up, back);
     sim_hud_draw(show->hud, &sheet, &f);
     return OST_OK;

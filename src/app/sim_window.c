@@ -365,7 +365,7 @@ static void take_facts(sim_window *w, int height, double now)
     f->pedal = viewer->has_state && viewer->state.rpm != 0;
     w->stale = w->stale || (f->message && now >= w->message_until);
     f->message = now < w->message_until ? w->message : NULL;
-    f->mm_per_pixel = w->camera.orbit.distance / (1.2071 * height);
+    f->mm_per_pixel = w->camera.orbit.distance / (OST_VIEW_FOCAL * height);
     ost_orbit_frame(&w->camera.orbit, f->right, f->up, back);
 }
 

@@ -76,7 +76,7 @@ void ost_legend_draw(const ost_legend *legend, const ost_lettering *lettering, c
     snprintf(white, sizeof white, "%d HU", OST_WINDOW_WHITE);
     snprintf(middle, sizeof middle, "%d", (OST_WINDOW_WHITE + OST_WINDOW_BLACK) / 2);
     if (legend->colouring == OST_COLOUR_DEPTH)
-        bar(&p, "below the old surface", ost_scale_colour, false, (const char *const[3]){"0", half, last});
+        bar(&p, "depth below the old surface", ost_scale_colour, false, (const char *const[3]){"0", half, last});
     if (legend->colouring == OST_COLOUR_DENSITY)
         bar(&p, "density", ost_scale_colour, true, (const char *const[3]){black, middle, white});
     if (legend->window && !by_class)

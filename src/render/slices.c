@@ -11,9 +11,13 @@
  * between voxel centres.  The colour of removed bone is blended in the same way,
  * so a voxel at the border of a cut is visible as a voxel.
  */
+#include <stdlib.h>
 #include <string.h>
 
-#include "render/canvas.h"
+#include <osteon/picture.h>
+
+#include "render/marks.h"
+#include "render/points/frame.h"
 
 typedef struct plane {
     int across, down, through; /* axes */
@@ -91,8 +95,10 @@ static void middle(const source *s, int at[3])
 }
 
 enum { GAP = 8, OVER = 2 }; /* pixels between panels; samples for each pixel and axis */
+enum { LEAST_SIDE = 120 };  /* pixels of a panel's shorter side, below which there is no room for letters */
+enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
-static void panel(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height, ost_picture *out)
+static void panel(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height, const ost_sheet *sheet)
 {
     static const double tint[3] = {0xe8, 0x4a, 0x27};
     for (int y = 0; y < height; y++)
@@ -108,42 +114,50 @@ static void panel(const source *s, const plane *p, int through, double mm_per_pi
                 for (int c = 0; c < 3; c++)
                     sum[c] += 255 * grey + removed * (0.35 * 255 * grey + 0.65 * tint[c] - 255 * grey);
             }
-            uint8_t *rgb = out->rgb + 3 * ((size_t)y * (size_t)out->width + (size_t)(x0 + x));
+            uint32_t colour = 0;
             for (int c = 0; c < 3; c++)
-                rgb[c] = (uint8_t)(sum[c] / (OVER * OVER) + 0.5);
+                colour |= (uint32_t)(sum[c] / (OVER * OVER) + 0.5) << (8 * c);
+            sheet->pixels[(size_t)y * (size_t)sheet->stride + (size_t)(x0 + x)] = colour;
         }
 }
 
-static void annotate(const plane *p, const char *title, int x0, int width, int height, int scale, ost_picture *out)
+/* Draws a word on a darker ground, so that it is legible on bone. y: baseline. */
+static void word(const ost_sheet *sheet, const ost_lettering *letters, int x, int y, double unit, const char *text)
 {
-    static const ost_rgb ink = {0xc9, 0xd4, 0xe0};
-    int margin = 3 * scale;
-    ost_canvas_text(out, x0 + width - margin - ost_canvas_text_width(title, scale), height - margin - OST_GLYPH_HEIGHT * scale, scale, ink,
-                    title);
-    for (int side = 0; side < 4; side++) {
-        double direction[3] = {0, 0, 0};
-        direction[side < 2 ? p->across : p->down] = (side % 2 ? -1.0 : 1.0) * (side >= 2 && p->down_is_minus ? -1.0 : 1.0);
-        char letters[4];
-        ost_orientation_letters(direction, letters);
-        int wide = ost_canvas_text_width(letters, scale), high = OST_GLYPH_HEIGHT * scale;
-        int x = side == 0 ? width - margin - wide : side == 1 ? margin : (width - wide) / 2;
-        int y = side < 2 ? (height - high) / 2 : side == 2 ? height - margin - high : margin;
-        ost_canvas_text(out, x0 + x, y, scale, ink, letters);
+    const int edge = (int)(3 * unit + 0.5), high = (int)(OST_MARKS_LETTER * unit);
+    ost_sheet_box(sheet, x - edge, y - high - edge, ost_lettering_width(letters, text) + edge, high + 2 * edge, BACK, 190);
+    ost_lettering_draw(letters, sheet, x, y, text, INK);
+}
+
+static void annotate(const plane *p, const ost_lettering *letters, const char *title, int x0, int width, int height, double unit,
+                     const ost_sheet *sheet)
+{
+    double right[3] = {0, 0, 0}, up[3] = {0, 0, 0};
+    const int margin = (int)(6 * unit), high = (int)(OST_MARKS_LETTER * unit);
+    right[p->across] = 1;
+    up[p->down] = p->down_is_minus ? 1 : -1;
+    word(sheet, letters, x0 + width - margin - ost_lettering_width(letters, title), height - margin, unit, title);
+    for (int edge = 0; edge < 4; edge++) {
+        char text[4];
+        ost_edge_letters(right, up, edge, text);
+        const int wide = ost_lettering_width(letters, text);
+        const int x = edge == 0 ? margin : edge == 1 ? width - margin - wide : (width - wide) / 2;
+        const int y = edge == 2 ? margin + high : edge == 3 ? height - margin : (height + high) / 2;
+        word(sheet, letters, x0 + x, y, unit, text);
     }
 }
 
 /* Draws short ticks at the panel's edges where the other two planes cut it. */
-static void ticks(const source *s, const plane *p, const int at[3], double mm_per_pixel, int x0, int width, int height, ost_picture *out)
+static void ticks(const source *s, const plane *p, const int at[3], double mm_per_pixel, int x0, int width, int height, const ost_sheet *sheet)
 {
-    static const ost_rgb ink = {0xf0, 0xb4, 0x3c};
     int a = (int)((at[p->across] + 0.5) * s->spacing[p->across] / mm_per_pixel);
     double b = (at[p->down] + 0.5) * s->spacing[p->down];
     int down = (int)((p->down_is_minus ? s->n[p->down] * s->spacing[p->down] - b : b) / mm_per_pixel);
     int length = width / 24 + 4;
-    ost_canvas_rect(out, x0 + a, 0, 1, length, ink, 0.9);
-    ost_canvas_rect(out, x0 + a, height - length, 1, length, ink, 0.9);
-    ost_canvas_rect(out, x0, down, length, 1, ink, 0.9);
-    ost_canvas_rect(out, x0 + width - length, down, length, 1, ink, 0.9);
+    ost_sheet_box(sheet, x0 + a, 0, 1, length, TICK, 230);
+    ost_sheet_box(sheet, x0 + a, height - length, 1, length, TICK, 230);
+    ost_sheet_box(sheet, x0, down, length, 1, TICK, 230);
+    ost_sheet_box(sheet, x0 + width - length, down, length, 1, TICK, 230);
 }
 
 ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before, const ost_slices_options *options, ost_picture *out,
@@ -187,17 +201,34 @@ ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before
         total += width[i];
         tallest = height[i] > tallest ? height[i] : tallest;
     }
-    ost_status status = ost_picture_init(out, total, tallest, err);
-    if (status != OST_OK)
-        return status;
-    ost_canvas_rect(out, 0, 0, total, tallest, (ost_rgb){0x16, 0x1a, 0x20}, 1);
     static const char *const titles[3] = {"AXIAL", "CORONAL", "SAGITTAL"};
-    int scale = tallest >= 900 ? 3 : tallest >= 300 ? 2 : 1;
-    for (int i = 0, x0 = 0; i < 3; x0 += width[i] + GAP, i++) {
-        panel(&s, &PLANES[i], at[PLANES[i].through], mm_per_pixel, x0, width[i], height[i], out);
-        ticks(&s, &PLANES[i], at, mm_per_pixel, x0, width[i], height[i], out);
-        annotate(&PLANES[i], titles[i], x0, width[i], height[i], scale, out);
+    const double unit = ost_marks_unit((int)(2.2 * tallest));
+    ost_lettering *letters = NULL;
+    ost_sheet sheet = {.stride = total, .width = total, .height = tallest};
+    ost_status status = ost_picture_init(out, total, tallest, err);
+    if (status == OST_OK)
+        status = ost_lettering_create(OST_MARKS_LETTER * unit, &letters, err);
+    if (status == OST_OK && !(sheet.pixels = malloc((size_t)total * (size_t)tallest * sizeof *sheet.pixels)))
+        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a picture of %d x %d pixels", total, tallest);
+    if (status == OST_OK) {
+        ost_sheet_box(&sheet, 0, 0, total, tallest, BACK, 256);
+        for (int i = 0, x0 = 0; i < 3; x0 += width[i] + GAP, i++) {
+            const bool roomy = width[i] >= LEAST_SIDE && height[i] >= LEAST_SIDE;
+            panel(&s, &PLANES[i], at[PLANES[i].through], mm_per_pixel, x0, width[i], height[i], &sheet);
+            ticks(&s, &PLANES[i], at, mm_per_pixel, x0, width[i], height[i], &sheet);
+            if (roomy)
+                annotate(&PLANES[i], letters, titles[i], x0, width[i], height[i], unit, &sheet);
+            if (roomy && i == 0) {
+                const int margin = (int)(6 * unit), high = (int)(26 * unit);
+                ost_sheet_box(&sheet, margin / 2, height[0] - margin / 2 - high, width[0] / 3 + margin, high, BACK, 190);
+                ost_scale_bar(letters, &sheet, margin, height[0] - margin, true, width[0] / 3, mm_per_pixel, unit, INK);
+            }
+        }
+        ost_colours_copy(sheet.pixels, sheet.stride, out);
+    } else {
+        ost_picture_free(out);
     }
-    ost_canvas_scale_bar(out, 3 * scale, height[0] - 3 * scale, width[0] / 3, mm_per_pixel, scale, (ost_rgb){0xc9, 0xd4, 0xe0});
-    return OST_OK;
+    free(sheet.pixels);
+    ost_lettering_free(letters);
+    return status;
 }

@@ -8,6 +8,7 @@ ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_sty
 {
     memset(viewer, 0, sizeof *viewer);
     viewer->style = style;
+    viewer->paint = OST_PAINT_BONE;
     viewer->threads = threads;
     ost_status status = ost_isa_choose(isa, &viewer->isa, err);
     ost_palette_make(OST_COLOUR_BONE, viewer->palette);
@@ -175,7 +176,7 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
     viewer->frame.style = viewer->style;
     ost_overlay_scene *scene = &viewer->scene;
     const ost_eye eye = ost_eye_make(camera, &viewer->bone.geometry);
-    ost_frame_thing things[2] = {{.surface = &viewer->bone, .eye = eye, .paint = OST_PAINT_BONE, .palette = viewer->palette}};
+    ost_frame_thing things[2] = {{.surface = &viewer->bone, .eye = eye, .paint = viewer->paint, .palette = viewer->palette}};
     int count = 1;
     const ost_live_state *s = &viewer->state;
     scene->bone = &viewer->bone;

@@ -37,6 +37,7 @@ typedef struct ost_viewer {
     ost_isa isa;
     int threads;
     ost_style style;
+    ost_paint paint;     /* of the bone; OST_PAINT_BONE after ost_viewer_init */
     ost_frame frame;     /* has the size of the last draw */
     ost_live_state state;
     bool has_state;      /* the tool is drawn at the pose in state */

@@ -7,10 +7,7 @@
 #include "render/vector.h"
 
 static const double STEEPEST = 1.55;            /* radians; limits the elevation so that up remains up */
-static const double FOCAL = 1.2071067811865475; /* focal length for a height of 1: 0.5 / tan(45 degrees / 2) */
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
-
-const char *const ost_view_names[OST_VIEW_COUNT] = {"operator", "en-face", "lateral", "anterior", "posterior", "superior", "tool", "whole"};
 
 ost_view_subject ost_view_subject_make(const ost_geometry *g, const ost_pm3 *at, const double *axis, bool left)
 {
@@ -28,6 +25,47 @@ ost_view_subject ost_view_subject_make(const ost_geometry *g, const ost_pm3 *at,
         s.face[2] = 1e-9 * (double)at->z;
     }
     return s;
+}
+
+void ost_active_box(const ost_volume *volume, int32_t threshold, int32_t lo[3], int32_t hi[3])
+{
+    const ost_dims d = volume->geometry.dims;
+    const int16_t *row = volume->voxels;
+    const int32_t middle[3] = {d.x / 2, d.y / 2, d.z / 2};
+    lo[0] = d.x, lo[1] = d.y, lo[2] = d.z;
+    hi[0] = hi[1] = hi[2] = 0;
+    for (int32_t k = 0; k < d.z; k++)
+        for (int32_t j = 0; j < d.y; j++, row += d.x) {
+            int32_t first = 0, last = d.x - 1;
+            while (first < d.x && row[first] < threshold)
+                first++;
+            if (first == d.x)
+                continue;
+            while (row[last] < threshold)
+                last--;
+            const int32_t from[3] = {first, j, k}, to[3] = {last + 1, j + 1, k + 1};
+            for (int a = 0; a < 3; a++) {
+                lo[a] = from[a] < lo[a] ? from[a] : lo[a];
+                hi[a] = to[a] > hi[a] ? to[a] : hi[a];
+            }
+        }
+    for (int a = 0; a < 3 && hi[2] == 0; a++)
+        lo[a] = hi[a] = middle[a];
+}
+
+void ost_view_subject_fit(ost_view_subject *s, const ost_volume *volume, int32_t threshold)
+{
+    const ost_geometry *g = &volume->geometry;
+    const double origin[3] = {ost_pm_to_mm(g->origin.x), ost_pm_to_mm(g->origin.y), ost_pm_to_mm(g->origin.z)};
+    const double step[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
+    int32_t lo[3], hi[3];
+    double longest = 0;
+    ost_active_box(volume, threshold, lo, hi);
+    for (int a = 0; a < 3; a++) {
+        s->middle[a] = origin[a] + 0.5 * step[a] * (lo[a] + hi[a] - 1);
+        longest = fmax(longest, step[a] * (hi[a] - lo[a]));
+    }
+    s->size = longest > 0 ? longest : s->size;
 }
 
 /*
@@ -63,9 +101,11 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
     switch (view) {
     case OST_VIEW_EN_FACE: break;
     case OST_VIEW_LATERAL: return from(at, (double[3]){side, 0, 0}, near);
+    case OST_VIEW_MEDIAL: return from(s->middle, (double[3]){-side, 0, 0}, 1.5 * s->size);
     case OST_VIEW_ANTERIOR: return from(at, (double[3]){0, -1, 0}, near);
     case OST_VIEW_POSTERIOR: return from(at, (double[3]){0, 1, 0}, near);
     case OST_VIEW_SUPERIOR: return from(at, (double[3]){0, 0, 1}, near);
+    case OST_VIEW_INFERIOR: return from(s->middle, (double[3]){0, 0, -1}, 1.5 * s->size);
     case OST_VIEW_WHOLE: return from(s->middle, (double[3]){back[0], back[1] - 0.7, back[2] + 0.25}, 1.5 * s->size);
     case OST_VIEW_TOOL:
     case OST_VIEW_OPERATOR:
@@ -98,7 +138,7 @@ void ost_orbit_turn(ost_orbit *o, double dx, double dy, int height)
 void ost_orbit_shift(ost_orbit *o, double dx, double dy, int height)
 {
     double right[3], up[3], back[3];
-    const double mm = o->distance / (FOCAL * height);
+    const double mm = o->distance / (OST_VIEW_FOCAL * height);
     ost_orbit_frame(o, right, up, back);
     for (int a = 0; a < 3; a++)
         o->at[a] += mm * (dy * up[a] - dx * right[a]);
@@ -112,7 +152,7 @@ void ost_orbit_near(ost_orbit *o, double steps)
 ost_status ost_orbit_camera(const ost_orbit *o, int width, int height, ost_camera *out, ost_error *err)
 {
     double right[3], up[3], back[3], eye[3];
-    *out = (ost_camera){.focal_milli = (int32_t)(FOCAL * 1000 * height), .width = width, .height = height};
+    *out = (ost_camera){.focal_milli = (int32_t)(OST_VIEW_FOCAL * 1000 * height), .width = width, .height = height};
     ost_orbit_frame(o, right, up, back);
     for (int a = 0; a < 3; a++)
         eye[a] = o->at[a] + o->distance * back[a];

@@ -2,11 +2,12 @@
 /*
  * Camera positions by the names that surgeons use, and cameras moved by hand.
  *
- *   en-face     onto the glenoid's face, along its axis
- *   lateral     from the patient's side      anterior, posterior, superior   likewise
  *   operator    over the surgeon's shoulder: the face, seen past the tool
+ *   en-face     onto the glenoid's face, along its axis
+ *   lateral, anterior, posterior, superior   the glenoid from there
+ *   medial, inferior   the entire bone from there, since it hides the glenoid
  *   tool        along the tool, from behind
- *   whole       the entire bone
+ *   whole       the entire bone, obliquely
  *
  * A camera moved by hand orbits a point: by azimuth and elevation over the
  * horizon (the plane across the body), and by its distance.  The point can be
@@ -17,23 +18,29 @@
 
 #include <osteon/render.h>
 
+/* Focal length of every view for a picture of height 1: 0.5 / tan(45 degrees / 2). */
+#define OST_VIEW_FOCAL 1.2071067811865475
+
 typedef enum ost_view_name {
     OST_VIEW_OPERATOR,
     OST_VIEW_EN_FACE,
     OST_VIEW_LATERAL,
+    OST_VIEW_MEDIAL,
     OST_VIEW_ANTERIOR,
     OST_VIEW_POSTERIOR,
     OST_VIEW_SUPERIOR,
+    OST_VIEW_INFERIOR,
     OST_VIEW_TOOL,
     OST_VIEW_WHOLE,
     OST_VIEW_COUNT
 } ost_view_name;
 
-extern const char *const ost_view_names[OST_VIEW_COUNT]; /* "operator", "en-face", ... */
+/* The names, in the order of the enumeration, as the choices of an option. */
+#define OST_VIEW_NAMES "operator|en-face|lateral|medial|anterior|posterior|superior|inferior|tool|whole"
 
 /* The objects in view, in the bone's frame and millimetres. */
 typedef struct ost_view_subject {
-    double middle[3], size;  /* middle and longest side of the bone's grid */
+    double middle[3], size;  /* middle and longest side of the bone, or of its grid */
     bool has_face;           /* face and inward are known */
     double face[3], inward[3]; /* the glenoid: its centre; the direction into the bone, a unit vector */
     bool left;               /* the bone is from the left side of the body */
@@ -47,6 +54,11 @@ typedef struct ost_orbit {
 
 /* at, axis: position and axis of the glenoid; axis is NULL if they are not known. */
 ost_view_subject ost_view_subject_make(const ost_geometry *bone, const ost_pm3 *at, const double *axis, bool left);
+
+/* Computes the box lo <= v < hi of the voxels at or above the threshold; lo = hi = the grid's middle if there are none. */
+void ost_active_box(const ost_volume *volume, int32_t threshold, int32_t lo[3], int32_t hi[3]);
+/* Sets middle and size from that box, so that views of the entire bone do not depend on the air around it. */
+void ost_view_subject_fit(ost_view_subject *subject, const ost_volume *volume, int32_t threshold);
 
 /* Returns the orbit of a view. tool: the tool's pose for the view along it; if NULL, the operator's view is used. */
 ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, const ost_pose *tool);

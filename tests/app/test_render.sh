@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # osteon render: pictures without a display, with the same bytes from every backend, instruction
 # set and number of threads, and for a bone in any format.
-# Covers: REQ-RENDER-SAME
+# Covers: REQ-RENDER-SAME, REQ-VIEWS
 . "${srcdir:-.}/tests/app/lib.sh"
 
 run 0 phantom glenoid --out ct.nrrd
@@ -16,7 +16,8 @@ if ! "$osteon" devices | grep -q '^  png *yes'; then
     finish
 fi
 pose=10,20,30,0.5,0.5,0.5,0.5
-for view in operator en-face lateral anterior posterior superior tool whole; do
+views="operator en-face lateral medial anterior posterior superior inferior whole"
+for view in $views tool; do
     run 0 render bone.nrrd --tool builtin:reamer --view $view --size 240x160 --out $view.png --threads 1 --json
     has renderer width height surface_voxels time_ms file_sha256
     first=$(value file_sha256)
@@ -25,7 +26,7 @@ for view in operator en-face lateral anterior posterior superior tool whole; do
     unset OSTEON_ISA
     check "$view, by the scalar loops" "$(value file_sha256)" "$first"
 done
-check "views that differ" "$(for v in operator en-face lateral anterior posterior superior whole; do cat $v.png | cksum; done | sort -u | wc -l | tr -d ' ')" 7
+check "views that differ" "$(for v in $views; do cat $v.png | cksum; done | sort -u | wc -l | tr -d ' ')" 9
 run 0 render bone.nrrd --size 240x160 --backend ref --chunk 64 --style faces --out ref.png --json
 first=$(value file_sha256)
 run 0 render bone.nrrd --size 240x160 --chunk 16 --style faces --out cpu.png --json
@@ -44,6 +45,25 @@ else
     refuse 3 "" render bone.nrrd --size 240x160 --renderer gl --out gl.png
 fi
 
+# Both verbs have the same views; export's is the mean of 2 x 2 samples, on any grid of a CT.
+for verb in render export; do
+    refuse 2 "expected operator, en-face, lateral, medial, anterior, posterior, superior, inferior, tool or whole" \
+        $verb bone.nrrd --out a.png --view glenoid
+    refuse 2 "--size 5x5x5: expected" $verb bone.nrrd --out a.png --view whole --size 5x5x5
+    run 0 $verb bone.nrrd --view en-face --extent 60 --size 300x200 --out first.png --json
+    check "$verb's size" "$(value width) $(value height)" "300 200"
+    first=$(value file_sha256)
+    export OSTEON_ISA=scalar
+    run 0 $verb bone.nrrd --view en-face --extent 60 --size 300x200 --threads 1 --out again.png --json
+    unset OSTEON_ISA
+    check "$verb, by the scalar loops" "$(value file_sha256)" "$first"
+    run 0 $verb ct.nrrd --view lateral --size 64 --out square.png --json
+    check "$verb's square" "$(value width) $(value height)" "64 64"
+done
+run 0 import ct.nrrd --cubic 1 --out coarse.nrrd
+run 0 export coarse.nrrd --slices --size 100 --out slices.png --json
+refuse 2 "slices have one size" export coarse.nrrd --slices --size 100x90 --out slices.png
+
 # Cut surfaces, planes, ghosts and lines: each is visible, and the same on other instruction
 # sets.
 refuse 2 "below which surface" render bone.nrrd --out a.png --colour depth
@@ -54,10 +74,11 @@ refuse 2 "goes with --clip plan" render bone.nrrd --out a.png --clip axial --cli
 refuse 2 "did you mean chunks" render bone.nrrd --out a.png --overlay chunk
 refuse 2 "of which --tool" render bone.nrrd --out a.png --ghost tool
 run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --out cut.nrrd
-run 0 render cut.nrrd --before bone.nrrd --size 240x160 --out plain.png --json
+run 0 render cut.nrrd --before bone.nrrd --size 240x160 --colour bone --out plain.png --json
 plain=$(cksum <plain.png)
-for shown in "--colour class" "--colour depth" "--colour density" "--clip plan --clip-turn 30" "--clip across --colour class --clip-shift 1.5" \
-    "--clip -147.5,-18,54,1,0,0.5" "--ghost implant" "--overlay axis" "--overlay chunks --overlay boxes"; do
+for shown in "--colour class" "--colour depth" "--colour density" "--colour bone --clip plan --clip-turn 30" "--clip across --colour class --clip-shift 1.5" \
+    "--colour bone --clip -147.5,-18,54,1,0,0.5" "--colour bone --ghost implant" "--colour bone --overlay axis" \
+    "--colour bone --overlay chunks --overlay boxes" "--colour bone --no-legend" "--colour bone --extent 50"; do
     # shellcheck disable=SC2086
     run 0 render cut.nrrd --before bone.nrrd --size 240x160 $shown --out shown.png --json
     first=$(value file_sha256)

@@ -1,17 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Pictures without a display: the positions of objects in them, and their encoding as PNG. */
+#include <math.h>
 #include <unistd.h>
 
 #include "harness.h"
 
 #include "config.h"
-#include "render/canvas.h"
+
+#include <osteon/picture.h>
+#include <osteon/render.h>
+
+#include "render/marks.h"
+#include "render/views.h"
 
 /*
  * Returns a ball of 1000 HU, radius 8 mm, in a box of 24 x 20 x 16 mm, voxels of 0.5 x 0.5 x 1
  * mm; bitten: its front (y < 10 mm) is removed.
  */
-static ost_volume ball(bool bitten)
+static ost_volume ball_of_slices(bool bitten)
 {
     ost_error err = {0};
     ost_volume v;
@@ -62,39 +68,79 @@ static void test_letters(void **state)
     assert_string_equal(l, "RPS");
 }
 
+static const uint32_t INK = 0xffffff;
+
+static ost_lettering *letters(void)
+{
+    ost_error err = {0};
+    ost_lettering *l;
+    assert_ok(ost_lettering_create(8, &l, &err));
+    return l;
+}
+
 /*
  * The bar is the greatest 1, 2 or 5 times a power of ten that fits: 60 pixels of 0.5 mm hold 20
- * mm, 40 pixels.
+ * mm, 40 pixels.  Its ends stand up at both sides.
  */
 static void test_scale_bar(void **state)
 {
     (void)state;
-    ost_error err = {0};
-    ost_picture p;
-    assert_ok(ost_picture_init(&p, 100, 40, &err));
-    ost_canvas_scale_bar(&p, 10, 35, 60, 0.5, 1, (ost_rgb){255, 255, 255});
-    int lit = 0;
-    for (int x = 0; x < 100; x++)
-        lit += pixel(&p, x, 34)[0] == 255;
-    assert_int_equal(lit, 40);
-    assert_int_equal(pixel(&p, 10, 34)[0], 255);
-    assert_int_equal(pixel(&p, 49, 34)[0], 255);
-    ost_picture_free(&p);
+    uint32_t pixels[40 * 100] = {0};
+    const ost_sheet sheet = {pixels, 100, 100, 40, NULL};
+    ost_lettering *l = letters();
+    for (int from_left = 0; from_left < 2; from_left++) {
+        const int x0 = from_left ? 10 : 50;
+        memset(pixels, 0, sizeof pixels);
+        ost_scale_bar(l, &sheet, from_left ? 10 : 90, 35, from_left, 60, 0.5, 1, INK);
+        int lit = 0;
+        for (int x = 0; x < 100; x++)
+            lit += pixels[100 * 34 + x] == INK;
+        assert_int_equal(lit, 40);
+        for (int x = 0; x < 40; x += 39) {
+            assert_int_equal(pixels[100 * 34 + x0 + x], INK);
+            assert_int_equal(pixels[100 * 30 + x0 + x], INK);
+        }
+        assert_int_equal(pixels[100 * 30 + x0 + 20], 0);
+        assert_int_equal(pixels[100 * 35 + x0], 0);
+    }
+    ost_scale_bar(l, &sheet, 10, 10, true, 60, 0, 1, INK); /* a scale that is not known draws nothing */
+    assert_int_equal(pixels[100 * 9 + 10], 0);
+    ost_lettering_free(l);
 }
 
-/* Drawing across every edge changes nothing outside the picture. */
+/* Drawing across every edge changes nothing outside the sheet, which is 8 x 8 within 16 x 24 pixels. */
 static void test_clipping(void **state)
 {
     (void)state;
-    ost_error err = {0};
-    ost_picture p;
-    assert_ok(ost_picture_init(&p, 8, 8, &err));
+    uint32_t pixels[24 * 16] = {0};
+    const ost_sheet sheet = {pixels + 8 * 16, 16, 8, 8, NULL};
+    ost_lettering *l = letters();
     for (int y = -20; y < 20; y += 3)
         for (int x = -20; x < 20; x += 3) {
-            ost_canvas_text(&p, x, y, 2, (ost_rgb){9, 9, 9}, "A0.m?");
-            ost_canvas_rect(&p, x, y, 100, 1, (ost_rgb){9, 9, 9}, 0.5);
+            ost_lettering_draw(l, &sheet, x, y, "A0.m?", INK);
+            ost_sheet_box(&sheet, x, y, 100, 1, INK, 128);
+            ost_scale_bar(l, &sheet, x, y, true, 60, 0.5, 1, INK);
         }
-    ost_picture_free(&p);
+    for (int y = 0; y < 24; y++)
+        for (int x = 0; x < 16; x++)
+            if (y < 8 || y >= 16 || x >= 8)
+                assert_int_equal(pixels[16 * y + x], 0);
+    ost_lettering_free(l);
+}
+
+/* Letters at the edges: those of the radiological axial slice, R at the left and A at the top. */
+static void test_edges(void **state)
+{
+    (void)state;
+    const double right[3] = {1, 0, 0}, up[3] = {0, -1, 0}, none[3] = {0, 0, 0};
+    static const char *const expected[4] = {"R", "L", "A", "P"};
+    for (int edge = 0; edge < 4; edge++) {
+        char l[4];
+        ost_edge_letters(right, up, edge, l);
+        assert_string_equal(l, expected[edge]);
+        ost_edge_letters(none, none, edge, l);
+        assert_string_equal(l, "");
+    }
 }
 
 /*
@@ -105,7 +151,7 @@ static void test_slices(void **state)
 {
     (void)state;
     ost_error err = {0};
-    ost_volume whole = ball(false), cut = ball(true);
+    ost_volume whole = ball_of_slices(false), cut = ball_of_slices(true);
     ost_picture p;
     ost_slices_options o = {.at = {-1, -1, -1}, .pixels = 48};
     assert_ok(ost_picture_slices(&whole, NULL, &o, &p, &err));
@@ -134,7 +180,7 @@ static void test_slices_of_volumes_that_do_not_match(void **state)
 {
     (void)state;
     ost_error err = {0};
-    ost_volume a = ball(false), b = ball(false);
+    ost_volume a = ball_of_slices(false), b = ball_of_slices(false);
     ost_picture p;
     b.geometry.spacing.x *= 2;
     assert_int_equal(ost_picture_slices(&a, &b, NULL, &p, &err), OST_ERR_USAGE);
@@ -144,37 +190,149 @@ static void test_slices_of_volumes_that_do_not_match(void **state)
 }
 
 /*
- * From the front: bone in the middle, background in the corner, lit from above; a cut front is
- * red, the back is not.
+ * Returns a ball of 1000 HU, radius 8 mm, in the middle of 24^3 mm, voxels of 0.5 mm; bitten: its
+ * front (y < -4 mm) is removed.  The origin is such that the middle is at (0, 0, 0).
+ */
+static ost_volume cubes(bool bitten)
+{
+    ost_error err = {0};
+    ost_volume v;
+    const ost_pm s = OST_PM_PER_MM / 2, o = -24 * s + s / 2;
+    const ost_geometry g = {{48, 48, 48}, {s, s, s}, {o, o, o}};
+    assert_ok(ost_volume_init(&v, &g, &err));
+    for (int k = 0; k < 48; k++)
+        for (int j = 0; j < 48; j++)
+            for (int i = 0; i < 48; i++) {
+                const double x = 0.5 * i - 11.75, y = 0.5 * j - 11.75, z = 0.5 * k - 11.75;
+                v.voxels[i + 48 * (j + 48 * k)] = x * x + y * y + z * z < 64 && !(bitten && y < -4) ? 1000 : 0;
+            }
+    return v;
+}
+
+static bool is_bone(const ost_picture *p, int x, int y)
+{
+    return pixel(p, x, y)[0] > 0x16 + 24; /* brighter than the background, 0x16181c */
+}
+
+/*
+ * The silhouette of a ball of radius r in front of a camera at the distance d is a circle whose
+ * radius in the plane through its centre is r d / sqrt(d^2 - r^2).  The extent of 40 mm is the
+ * height of that plane, so d = 40 mm x 1.2071 = 48.28 mm and the radius is 8.112 mm, 40.6 of 200
+ * pixels.  Voxels stick out of the ball by up to one of them, 2.5 pixels.
+ */
+static void test_view_silhouette(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume ball = cubes(false);
+    ost_picture p;
+    for (int axis = 0; axis < 6; axis++) {
+        ost_view_options o = {.width = 240, .height = 200, .extent_mm = 40, .no_legend = true};
+        o.direction[axis / 2] = axis % 2 ? 1 : -1;
+        assert_ok(ost_picture_view(&ball, NULL, &o, &p, &err));
+        for (int y = 0; y < p.height; y++)
+            for (int x = 0; x < p.width; x++) {
+                const double r = hypot(x + 0.5 - 120, y + 0.5 - 100);
+                if (r < 40.6 - 2.5)
+                    assert_true(is_bone(&p, x, y));
+                if (r > 40.6 + 2.5)
+                    assert_false(is_bone(&p, x, y));
+            }
+        ost_picture_free(&p);
+    }
+    ost_volume_free(&ball);
+}
+
+/*
+ * From the front: warm bone in the middle, lit from the upper left; a bared front has the colour of its
+ * depth, the back has not; without an extent all of the bone is in the picture and fills most of it.
  */
 static void test_view(void **state)
 {
     (void)state;
     ost_error err = {0};
-    ost_volume whole = ball(false), cut = ball(true);
+    ost_volume ball = cubes(false), cut = cubes(true);
     ost_picture p;
-    ost_view_options o = {.width = 60, .height = 60};
-    assert_ok(ost_picture_view(&whole, NULL, &o, &p, &err));
-    const uint8_t *bone = pixel(&p, 30, 30), *corner = pixel(&p, 57, 3);
-    assert_true(bone[0] > bone[2] + 10);   /* #e3dac9 is warm */
-    assert_true(corner[2] >= corner[0] && corner[0] > 200);
-    assert_true(pixel(&p, 24, 16)[0] > pixel(&p, 36, 48)[0]);
+    ost_view_options o = {.width = 200, .height = 200, .no_legend = true};
+    assert_ok(ost_picture_view(&ball, NULL, &o, &p, &err));
+    assert_true(pixel(&p, 100, 100)[0] > pixel(&p, 100, 100)[2] + 10); /* #e3dac9 is warm */
+    assert_true(pixel(&p, 80, 60)[0] > pixel(&p, 120, 150)[0] + 20);
+    assert_true(is_bone(&p, 100, 36) && is_bone(&p, 36, 100));
+    for (int i = 0; i < 200; i++)
+        assert_true(!is_bone(&p, i, 0) && !is_bone(&p, i, 199) && !is_bone(&p, 0, i) && !is_bone(&p, 199, i));
     ost_picture_free(&p);
 
-    assert_ok(ost_picture_view(&cut, &whole, &o, &p, &err));
-    const uint8_t *bared = pixel(&p, 30, 30);
-    assert_true(bared[0] > bared[1] + 40);
+    /* 3.75 mm below the pole, the scale of 10 mm is green, which bone never is. */
+    assert_ok(ost_picture_view(&cut, &ball, &o, &p, &err));
+    const uint8_t *bared = pixel(&p, 100, 100);
+    assert_true(bared[1] > bared[0] + 20 && bared[1] > bared[2]);
     ost_picture_free(&p);
     o.direction[1] = -1;
-    assert_ok(ost_picture_view(&cut, &whole, &o, &p, &err));
-    const uint8_t *back = pixel(&p, 30, 30);
-    assert_true(back[0] < back[1] + 30);
+    assert_ok(ost_picture_view(&cut, &ball, &o, &p, &err));
+    const uint8_t *back = pixel(&p, 100, 100);
+    assert_true(back[0] >= back[1] && back[1] > back[2]);
     ost_picture_free(&p);
 
     o.up[1] = 3;
     assert_int_equal(ost_picture_view(&cut, NULL, &o, &p, &err), OST_ERR_USAGE);
-    ost_volume_free(&whole);
+    o = (ost_view_options){.width = OST_FRAME_MAX + 1};
+    assert_int_equal(ost_picture_view(&cut, NULL, &o, &p, &err), OST_ERR_RANGE);
+    ost_volume flat = ball_of_slices(false);
+    assert_int_equal(ost_picture_view(&flat, NULL, NULL, &p, &err), OST_ERR_RANGE);
+    ost_volume_free(&flat);
+    ost_volume_free(&ball);
     ost_volume_free(&cut);
+}
+
+/*
+ * The marks: a scale bar at the lower right, exact in the plane through the centre; letters at the
+ * edges, which a tool and a file of unknown orientation do not have; a legend with `before` only.
+ */
+static void test_view_marks(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume ball = cubes(false), cut = cubes(true);
+    for (int k = 0; k < 4; k++) { /* a bone; one of unknown orientation; a tool; a bone with the one before */
+        ost_view_options o = {.width = 600, .height = 600, .extent_mm = 60, .unoriented = k == 1, .tool = k == 2};
+        ost_picture p;
+        int bar = 0, letter = 0, legend = 0;
+        assert_ok(ost_picture_view(k == 3 ? &cut : &ball, k == 3 ? &ball : NULL, &o, &p, &err));
+        for (int x = 300; x < 600; x++) /* unit 5 / 6: the foot 10 pixels above the picture's, 2 x 5 / 6 thick */
+            bar += pixel(&p, x, 600 - 10 - 1)[0] > 0xe0;
+        assert_int_equal(bar, 100); /* 10 mm of 60 mm in 600 pixels: 20 mm would be longer than 150 x 5 / 6 */
+        for (int y = 280; y < 320; y++)
+            for (int x = 0; x < 40; x++)
+                letter += pixel(&p, x, y)[0] > 0x50;
+        assert_true(k == 1 || k == 2 ? letter == 0 : letter >= 8);
+        for (int y = 500; y < 600; y++)
+            for (int x = 0; x < 200; x++)
+                legend += pixel(&p, x, y)[0] > 0x80;
+        assert_true(k == 3 ? legend > 500 : legend == 0);
+        ost_picture_free(&p);
+    }
+    ost_volume_free(&ball);
+    ost_volume_free(&cut);
+}
+
+/* The box of the ball's voxels, whose centres are at most 8 mm from the middle: 16 voxels of 0.5 mm on both sides. */
+static void test_active_box(void **state)
+{
+    (void)state;
+    ost_volume ball = cubes(false);
+    int32_t lo[3], hi[3];
+    ost_view_subject s = {.size = 1};
+    ost_active_box(&ball, 1000, lo, hi);
+    ost_view_subject_fit(&s, &ball, 1000);
+    for (int a = 0; a < 3; a++) {
+        assert_int_equal(lo[a], 24 - 16);
+        assert_int_equal(hi[a], 24 + 16);
+        assert_true(fabs(s.middle[a]) < 1e-9);
+    }
+    assert_true(fabs(s.size - 16) < 1e-9);
+    ost_active_box(&ball, 1001, lo, hi); /* no voxel */
+    assert_true(lo[0] == 24 && hi[0] == 24);
+    ost_volume_free(&ball);
 }
 
 /* Without an active voxel there is only background, in every direction of view. */
@@ -187,12 +345,13 @@ static void test_view_of_nothing(void **state)
     ost_picture p;
     assert_ok(ost_volume_init(&v, &g, &err));
     ost_view_options o = {.direction = {0, 0, -1}, .width = 16, .height = 16};
-    assert_ok(ost_picture_view(&v, NULL, &o, &p, &err));
-    assert_true(pixel(&p, 8, 5)[0] > 200);
-    ost_picture_free(&p);
-    v.voxels[0] = 500;
-    assert_ok(ost_picture_view(&v, NULL, &o, &p, &err));
-    ost_picture_free(&p);
+    for (int full = 0; full < 2; full++) {
+        v.voxels[0] = (int16_t)(500 * full);
+        assert_ok(ost_picture_view(&v, NULL, &o, &p, &err));
+        assert_int_equal(is_bone(&p, 8, 8), full);
+        assert_false(is_bone(&p, 0, 0));
+        ost_picture_free(&p);
+    }
     ost_volume_free(&v);
 }
 
@@ -252,7 +411,9 @@ int main(void)
         cmocka_unit_test(test_sizes),  cmocka_unit_test(test_letters),
         cmocka_unit_test(test_scale_bar), cmocka_unit_test(test_clipping),
         cmocka_unit_test(test_slices), cmocka_unit_test(test_slices_of_volumes_that_do_not_match),
-        cmocka_unit_test(test_view),   cmocka_unit_test(test_view_of_nothing),
+        cmocka_unit_test(test_edges),  cmocka_unit_test(test_view_silhouette),
+        cmocka_unit_test(test_view),   cmocka_unit_test(test_view_marks),
+        cmocka_unit_test(test_view_of_nothing), cmocka_unit_test(test_active_box),
         cmocka_unit_test(test_png),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -181,10 +181,14 @@ static void views_look_where_they_say(void **state)
             assert_true(dot > 0.9999);
         if (i == OST_VIEW_LATERAL)
             assert_true(back[0] > 0.9999);
+        if (i == OST_VIEW_MEDIAL)
+            assert_true(back[0] < -0.9999);
         if (i == OST_VIEW_ANTERIOR)
             assert_true(back[1] < -0.9999);
-        if (i != OST_VIEW_WHOLE)
-            assert_true(fabs(o.at[0] - 30) < 1e-9);
+        if (i == OST_VIEW_INFERIOR)
+            assert_true(back[2] < -0.999); /* STEEPEST */
+        const bool all = i == OST_VIEW_WHOLE || i == OST_VIEW_MEDIAL || i == OST_VIEW_INFERIOR;
+        assert_true(fabs(o.at[0] - (all ? 0 : 30)) < 1e-9);
     }
     /* Along a tool that works toward -y, from behind it. */
     const ost_pose tool = {.t = {5 * MM, 6 * MM, 7 * MM}, .qw = 759250125, .qx = -759250125};

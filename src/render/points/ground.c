@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core/conditions.h"
+#include "render/marks.h"
 
 enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
 /* docs/metrics.md defines PLATE_MM. */
@@ -16,19 +17,9 @@ static double voxel_mm(const ost_ground *g)
     return 1e-9 * (double)g->volume.geometry.spacing.x;
 }
 
-/* Returns the greatest 1, 2 or 5 times a power of ten that is at most `most`; most is 1e-3 or more. */
-static double round_down(double most)
-{
-    double out = 1e-3;
-    for (double decade = 1e-3; decade <= most; decade *= 10)
-        for (int step = 1; step <= 5; step += step == 1 ? 1 : 3)
-            out = step * decade <= most * (1 + 1e-9) ? step * decade : out;
-    return out;
-}
-
 static void make_levels(ost_ground *g)
 {
-    g->scale_mm = round_down((OST_DEPTH_REACH - 0.5) * voxel_mm(g));
+    g->scale_mm = ost_round_down((OST_DEPTH_REACH - 0.5) * voxel_mm(g));
     for (int i = 0; i <= OST_DEPTH_FAR; i++) {
         const int step = (int)((sqrt(i) - 0.5) * voxel_mm(g) / g->scale_mm * (OST_SCALE - 1) + 0.5);
         g->level[i] = (uint8_t)(OST_PAINT_LIT + (step < 0 ? 0 : step > OST_SCALE - 1 ? OST_SCALE - 1 : step));
