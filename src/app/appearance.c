@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "app/implant.h"
+#include "core/vector.h"
 #include "render/marks.h"
-#include "render/vector.h"
 #include "window/window.h"
 
 enum { TEXT = 160 };

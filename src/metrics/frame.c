@@ -12,20 +12,9 @@
 
 #include <math.h>
 
+#include "core/vector.h"
+
 #define DEG (180 / 3.14159265358979323846)
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static bool unit(double v[3])
-{
-    const double size = sqrt(dot(v, v));
-    for (int a = 0; a < 3; a++)
-        v[a] /= size;
-    return size > 1;
-}
 
 bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
 {
@@ -34,12 +23,12 @@ bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
     const double down[3] = {ost_pm_to_mm(low->x - from->x), ost_pm_to_mm(low->y - from->y), ost_pm_to_mm(low->z - from->z)};
     for (int a = 0; a < 3; a++)
         out->lateral[a] = lateral[a];
-    if (!plan->landmarks || !unit(out->lateral))
+    if (!plan->landmarks || !(ost_vector_unit(out->lateral, 0) > 1))
         return false;
-    const double along = dot(down, out->lateral);
+    const double along = ost_vector_dot(down, out->lateral);
     for (int a = 0; a < 3; a++)
         out->superior[a] = along * out->lateral[a] - down[a];
-    if (!unit(out->superior))
+    if (!(ost_vector_unit(out->superior, 2) > 1))
         return false;
     /* Lateral x superior points to the back on a right shoulder, and to the front on a left one. */
     const double side = plan->left ? -1 : 1, *l = out->lateral, *s = out->superior;
@@ -50,7 +39,7 @@ bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
 
 void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg, double *superior_deg)
 {
-    const double lateral = -dot(inward, frame->lateral);
-    *retroversion_deg = atan2(-dot(inward, frame->posterior), lateral) * DEG;
-    *superior_deg = atan2(-dot(inward, frame->superior), lateral) * DEG;
+    const double lateral = -ost_vector_dot(inward, frame->lateral);
+    *retroversion_deg = atan2(-ost_vector_dot(inward, frame->posterior), lateral) * DEG;
+    *superior_deg = atan2(-ost_vector_dot(inward, frame->superior), lateral) * DEG;
 }

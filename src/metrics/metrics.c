@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/vector.h"
 #include "metrics/fit.h"
 #include "metrics/frame.h"
 #include "metrics/rim.h"
@@ -35,25 +36,6 @@ typedef struct work {
     size_t floor_count;
 } work;
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void unit(double v[3])
-{
-    const double size = sqrt(dot(v, v));
-    for (int a = 0; a < 3; a++)
-        v[a] /= size;
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *err)
 {
     const ost_geometry *g = &k->before->geometry, *h = &k->after->geometry;
@@ -62,7 +44,7 @@ static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *e
         return ost_fail(err, OST_ERR_USAGE, "metrics need the same grid before and after");
     if (g->spacing.x != g->spacing.y || g->spacing.x != g->spacing.z)
         return ost_fail(err, OST_ERR_USAGE, "metrics need a grid of cubic voxels");
-    if (!(dot(k->plan->axis, k->plan->axis) > 0) || !isfinite(dot(k->plan->axis, k->plan->axis)) || !(k->plan->depth_mm >= 0))
+    if (!(ost_vector_dot(k->plan->axis, k->plan->axis) > 0) || !isfinite(ost_vector_dot(k->plan->axis, k->plan->axis)) || !(k->plan->depth_mm >= 0))
         return ost_fail(err, OST_ERR_USAGE, "a plan needs an axis and a depth");
     k->spacing = ost_pm_to_mm(g->spacing.x);
     const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z}, at[3] = {k->plan->at.x, k->plan->at.y, k->plan->at.z};
@@ -73,12 +55,12 @@ static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *e
         k->dims[a] = dims[a];
         k->frame.w[a] = k->plan->axis[a];
     }
-    unit(k->frame.w);
+    ost_vector_unit(k->frame.w, 2);
     /* v points as far up as possible, or to the front if the axis is vertical. */
     const double up[3] = {0, fabs(k->frame.w[2]) > 0.9 ? -1 : 0, fabs(k->frame.w[2]) > 0.9 ? 0 : 1};
-    cross(up, k->frame.w, k->frame.u);
-    unit(k->frame.u);
-    cross(k->frame.w, k->frame.u, k->frame.v);
+    ost_vector_cross(up, k->frame.w, k->frame.u);
+    ost_vector_unit(k->frame.u, 2);
+    ost_vector_cross(k->frame.w, k->frame.u, k->frame.v);
     bool drill = false;
     for (int i = 0; motion && i < motion->tool_count; i++)
         drill |= motion->tools[i].kind == OST_METRICS_DRILL;
@@ -198,7 +180,7 @@ static void mark_cells(work *k)
                 const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
                                      k->origin[2] + z * k->spacing - k->frame.at[2]};
                 const int half = (int)ceil(k->spacing / OST_METRICS_PITCH_MM / 2);
-                const long u = lrint(dot(p, k->frame.u) / OST_METRICS_PITCH_MM) + MAP / 2, v = lrint(dot(p, k->frame.v) / OST_METRICS_PITCH_MM) + MAP / 2;
+                const long u = lrint(ost_vector_dot(p, k->frame.u) / OST_METRICS_PITCH_MM) + MAP / 2, v = lrint(ost_vector_dot(p, k->frame.v) / OST_METRICS_PITCH_MM) + MAP / 2;
                 for (long b = v - half; b <= v + half; b++)
                     for (long a = u - half; a <= u + half; a++)
                         if (a >= 0 && b >= 0 && a < MAP && b < MAP)
@@ -261,7 +243,7 @@ static void fit_floor(work *k)
         return;
     double square = 0, contact = 0;
     for (size_t i = 0; i < k->floor_count; i++) {
-        const double *p = k->floor[i], d[3] = {p[0] - c[0], p[1] - c[1], p[2] - c[2]}, gap = sqrt(dot(d, d)) - radius;
+        const double *p = k->floor[i], d[3] = {p[0] - c[0], p[1] - c[1], p[2] - c[2]}, gap = sqrt(ost_vector_dot(d, d)) - radius;
         square += gap * gap;
         contact += fabs(gap) <= fmax(OST_METRICS_CONTACT_UM * 1e-3, 0.6 * k->spacing);
         gaps[i] = gap;
@@ -321,7 +303,7 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
                     continue;
                 const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
                                      k->origin[2] + z * k->spacing - k->frame.at[2]};
-                const double u = dot(p, k->frame.u), v = dot(p, k->frame.v), w = dot(p, k->frame.w);
+                const double u = ost_vector_dot(p, k->frame.u), v = ost_vector_dot(p, k->frame.v), w = ost_vector_dot(p, k->frame.w);
                 const bool on_map = fabs(u) <= reach && fabs(v) <= reach;
                 const int cell = on_map ? (int)lrint(u / OST_METRICS_PITCH_MM) + MAP / 2 + MAP * ((int)lrint(v / OST_METRICS_PITCH_MM) + MAP / 2) : 0;
                 if (on_map && was >= HARD_HU) {
@@ -366,7 +348,7 @@ static double wall_of(const work *k)
                     continue;
                 const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
                                      k->origin[2] + z * k->spacing - k->frame.at[2]};
-                if (!is_drilled(k, i) || dot(p, k->frame.w) < ENTRY_MM)
+                if (!is_drilled(k, i) || ost_vector_dot(p, k->frame.w) < ENTRY_MM)
                     continue;
                 for (int dz = -reach; dz <= reach; dz++)
                     for (int dy = -reach; dy <= reach; dy++)

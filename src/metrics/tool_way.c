@@ -12,12 +12,9 @@
 
 #include <math.h>
 
-#define DEG (180 / 3.14159265358979323846)
+#include "core/vector.h"
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+#define DEG (180 / 3.14159265358979323846)
 
 static const ost_metrics_tool *cutting_tool(const ost_metrics_motion *motion, const ost_motion *tick)
 {
@@ -27,7 +24,7 @@ static const ost_metrics_tool *cutting_tool(const ost_metrics_motion *motion, co
 static double depth_of(const ost_motion *tick, const ost_plan_frame *frame)
 {
     const double p[3] = {tick->mm[0] - frame->at[0], tick->mm[1] - frame->at[1], tick->mm[2] - frame->at[2]};
-    return dot(p, frame->w);
+    return ost_vector_dot(p, frame->w);
 }
 
 ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame, double window_mm)
@@ -51,20 +48,20 @@ ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_
             way.axis[a] += t->axis[a];
         }
     }
-    const double size = sqrt(dot(way.axis, way.axis));
+    const double size = sqrt(ost_vector_dot(way.axis, way.axis));
     if (ticks == 0 || !(size > 0))
         return (ost_tool_way){0};
     for (int a = 0; a < 3; a++) {
         way.axis[a] /= size;
         tip[a] /= (double)ticks;
     }
-    const double along = dot(way.axis, frame->w), s = along > 0.01 ? dot(tip, frame->w) / along : 0;
+    const double along = ost_vector_dot(way.axis, frame->w), s = along > 0.01 ? ost_vector_dot(tip, frame->w) / along : 0;
     const double entry[3] = {tip[0] - s * way.axis[0], tip[1] - s * way.axis[1], tip[2] - s * way.axis[2]};
     /* Uses the sine where it is small: a cosine near 1 loses the precision of small angles. */
-    const double across[2] = {dot(way.axis, frame->u), dot(way.axis, frame->v)};
+    const double across[2] = {ost_vector_dot(way.axis, frame->u), ost_vector_dot(way.axis, frame->v)};
     way.cut = true;
     way.tilt_deg = atan2(sqrt(across[0] * across[0] + across[1] * across[1]), along) * DEG;
-    way.entry_mm = sqrt(dot(entry, frame->u) * dot(entry, frame->u) + dot(entry, frame->v) * dot(entry, frame->v));
+    way.entry_mm = sqrt(ost_vector_dot(entry, frame->u) * ost_vector_dot(entry, frame->u) + ost_vector_dot(entry, frame->v) * ost_vector_dot(entry, frame->v));
     return way;
 }
 
@@ -87,7 +84,7 @@ static void mark_cylinder(const ost_motion *t, const ost_metrics_tool *tool, con
         for (int32_t y = lo[1]; y < hi[1]; y++)
             for (int32_t x = lo[0]; x < hi[0]; x++) {
                 const double p[3] = {origin[0] + x * s - t->mm[0], origin[1] + y * s - t->mm[1], origin[2] + z * s - t->mm[2]};
-                const double along = dot(p, t->axis), square = dot(p, p) - along * along;
+                const double along = ost_vector_dot(p, t->axis), square = ost_vector_dot(p, p) - along * along;
                 if (along <= s / 2 && along >= -length && square <= radius * radius)
                     mark[x + dims[0] * (y + (int64_t)dims[1] * z)] = 1;
             }

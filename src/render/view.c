@@ -11,8 +11,8 @@
 
 #include <osteon/picture.h>
 
+#include "core/vector.h"
 #include "render/marks.h"
-#include "render/vector.h"
 #include "render/viewer.h"
 #include "render/views.h"
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/vector.h"
+#include "core/vector.h"
 
 static const double STEEPEST = 1.55;            /* radians; limits the elevation so that up remains up */
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */

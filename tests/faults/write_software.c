@@ -41,7 +41,7 @@ static json_t *tools(void)
 {
     return json_pack("{s:{s:s, s:s, s:s}, s:{s:s, s:s, s:s, s:{s:s}}, s:[o, o]}", /**/
                      "program", "version", "1.0", "sha256", "00", "distribution", "debian", /**/
-                     "build", "compiler", "gcc 14", "commit", "0", "source_date", "2026-01-01T00:00:00Z", "headers", "cglm", "0.9", /**/
+                     "build", "compiler", "gcc 14", "commit", "0", "source_date", "2026-01-01T00:00:00Z", "headers", "embree", "4.3", /**/
                      "libraries", library("libz.so.1", "zlib1g", "1:1.3", true), library("libnone.so", "", "", false));
 }
 

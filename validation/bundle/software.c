@@ -139,10 +139,7 @@ static const known *compiler_of(const char *text)
 /* Returns the row of a library by its name in pkg-config. */
 static const known *headers_of(const char *name)
 {
-    static const known cglm = {"", "cglm", "R. Aslantas and cglm contributors", "MIT", "", "", "https://github.com/recp/cglm/issues"};
     char soname[64];
-    if (strcmp(name, "cglm") == 0)
-        return &cglm;
     snprintf(soname, sizeof soname, "%s%.40s.so", strncmp(name, "lib", 3) == 0 ? "" : "lib", strcmp(name, "zlib") == 0 ? "z" : name);
     return known_of(soname);
 }

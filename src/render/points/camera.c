@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "core/rotation.h"
-#include "render/vector.h"
+#include "core/vector.h"
 
 /* Near plane in voxels: no detail of the bone is as small. */
 static const float NEAR = 0.25f;
@@ -82,14 +82,9 @@ ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, co
 
 /* ------------------------------------------------------------------- aim */
 
-static bool unit(double v[3])
+static bool is_direction(double length)
 {
-    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    if (!(length > 1e-12) || !isfinite(length))
-        return false;
-    for (int a = 0; a < 3; a++)
-        v[a] /= length;
-    return true;
+    return length > 1e-12 && isfinite(length);
 }
 
 ost_status ost_camera_look(const double from_mm[3], const double at_mm[3], const double up[3], ost_camera *camera, ost_error *err)
@@ -98,7 +93,7 @@ ost_status ost_camera_look(const double from_mm[3], const double at_mm[3], const
     for (int a = 0; a < 3; a++)
         back[a] = from_mm[a] - at_mm[a];
     ost_vector_cross(up, back, right);
-    if (!unit(back) || !unit(right))
+    if (!is_direction(ost_vector_unit(back, 2)) || !is_direction(ost_vector_unit(right, 0)))
         return ost_fail(err, OST_ERR_RANGE, "a camera needs two different points, and an up that does not point along its view");
     ost_vector_cross(back, right, above);
     const double columns[3][3] = {{right[0], right[1], right[2]}, {above[0], above[1], above[2]}, {back[0], back[1], back[2]}};

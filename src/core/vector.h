@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Vectors in doubles, for cameras and views.  Pixels are computed with separate
- * float operations in a fixed order (points/splat.h).
+ * Vectors in doubles, for cameras, views and metrics; they decide no voxel.  Pixels are computed with
+ * separate float operations in a fixed order (render/points/splat.h).
  */
-#ifndef OST_RENDER_VECTOR_H
-#define OST_RENDER_VECTOR_H
+#ifndef OST_CORE_VECTOR_H
+#define OST_CORE_VECTOR_H
 
 #include <math.h>
 
@@ -21,12 +21,13 @@ static inline void ost_vector_cross(const double a[3], const double b[3], double
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Scales v to length 1; a zero vector becomes the unit vector of the given axis. */
-static inline void ost_vector_unit(double v[3], int axis)
+/* Scales v to length 1; a zero vector becomes the unit vector of the given axis.  Returns the length that v had. */
+static inline double ost_vector_unit(double v[3], int axis)
 {
     const double length = sqrt(ost_vector_dot(v, v));
     for (int a = 0; a < 3; a++)
         v[a] = length > 0 ? v[a] / length : a == axis;
+    return length;
 }
 
 #endif
