@@ -34,7 +34,8 @@ typedef struct ost_slices_options {
     int32_t at[3];        /* voxel; -1 = the middle of the grid, or of the removed voxels if before is given */
     int32_t threshold;    /* active at or above; 0 = 120 */
     int level, width;     /* 0, 0 = 400, 1800 */
-    int pixels;           /* pixels of the longer side of one slice; 0 = 480 */
+    int pixels;           /* pixels of the longest side of a slice; 0 = 480 */
+    bool unoriented;      /* the directions of the axes in the patient are not known: none are drawn */
 } ost_slices_options;
 OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before, const ost_slices_options *options,
                                       ost_picture *out, ost_error *err);

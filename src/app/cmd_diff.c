@@ -135,7 +135,7 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
     int chunk = 1;
     const operand operands[] = {{"A", &name_a, "which two grids?"}, {"B", &name_b, "which second grid?"}, {0}};
     const option options[] = {
-        {.name = "html", .kind = OPTION_TEXT, .out = &html, .value = "FILE", .help = "write a page with slices, a chunk map and the voxels"},
+        {.name = "html", .kind = OPTION_TEXT, .out = &html, .value = "FILE", .help = "write a page with slices, a view of the surface where most differs, a\nchunk map and the voxels"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &limit, .value = "N", .min = 0, .max = 100000,
          .help = "how many voxels to name (default: 10)"},
         {.name = "chunk", .kind = OPTION_CHOICE, .out = &chunk, .value = "16|32|64", .help = "chunks to count in (default: 32)"},

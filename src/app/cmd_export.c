@@ -107,7 +107,7 @@ static ost_status draw_view(const app_state *app, const export_args *args, loade
 static ost_status draw_slices(const app_state *app, const export_args *args, const loaded_volume *in, const ost_volume *before, ost_picture *out,
                               ost_error *err)
 {
-    ost_slices_options options = {.threshold = in->threshold};
+    ost_slices_options options = {.threshold = in->threshold, .unoriented = in->kind == LOAD_TOOL || !view_oriented(&in->volume.meta)};
     int height = 0;
     ost_status status = voxel_at(app, args, &in->volume.geometry, options.at, err);
     if (status == OST_OK && args->view.size)

@@ -79,8 +79,14 @@ bool diff_is_folder(const char *path);
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
 
 /* diff_picture.c: draws the three slices of `busiest`, with the differences in colour over the
-   densities of A and B. */
+   densities of A. */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out, ost_error *err);
+/* Draws the surface of B around `busiest`, along the glenoid's axis if B's file has it, else toward the
+   bone's middle. Needs diff_has_view: both are bones or CTs on one grid of cubes, and B lacks voxels of A. */
+ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out, ost_error *err);
+bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);
+/* Returns true if the directions of its axes in the patient are not known. */
+bool diff_unoriented(const loaded_volume *in);
 
 /* diff_html.c: writes one self-contained page. */
 ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a, const loaded_volume *b,

@@ -48,11 +48,22 @@ static void slices(html_page *p, const loaded_volume *in, const diff_result *r, 
     ost_picture picture = {0};
     const ost_slices_options options = {
         .at = {r->busiest[0], r->busiest[1], r->busiest[2]}, .threshold = in->threshold, .level = in->kind == LOAD_TOOL ? 1 : 0,
-        .width = in->kind == LOAD_TOOL ? 3 : 0, .pixels = 420};
+        .width = in->kind == LOAD_TOOL ? 3 : 0, .pixels = 420, .unoriented = diff_unoriented(in)};
     if (p->status == OST_OK)
         p->status = ost_picture_slices(&in->volume, NULL, &options, &picture, p->err);
     if (p->status == OST_OK)
         figure(p, &picture, caption);
+    ost_picture_free(&picture);
+}
+
+static void view(html_page *p, const loaded_volume *a, const loaded_volume *b, const diff_result *r)
+{
+    ost_picture picture = {0};
+    if (p->status != OST_OK || !diff_has_view(a, b, r))
+        return;
+    p->status = diff_view(a, b, r, &picture, p->err);
+    if (p->status == OST_OK)
+        figure(p, &picture, "Surface of B where most differs; what A has and B has not is coloured by its depth below the surface of A");
     ost_picture_free(&picture);
 }
 
@@ -76,6 +87,7 @@ static void pictures(html_page *p, const loaded_volume *a, const loaded_volume *
             html_text(p, "<p class=\"key\"><i style=\"background:#d63c34\"></i>removed<i style=\"background:#2678d6\"></i>added"
                     "<i style=\"background:#e6a01e\"></i>changed<i style=\"background:#965abe\"></i>below the threshold</p>\n");
             figure(p, &picture, "Difference");
+            view(p, a, b, r);
             slices(p, a, r, "A");
             slices(p, b, r, "B");
         }

@@ -7,14 +7,13 @@
  *     x ->                x ->                y ->
  *     y down              z up                z up
  *
- * All three have one scale and square pixels.  Densities are interpolated
- * between voxel centres.  The colour of removed bone is blended in the same way,
- * so a voxel at the border of a cut is visible as a voxel.
+ * All three have one scale and square pixels.  Colours are interpolated between
+ * voxel centres, so a voxel at the border of a cut is visible as a voxel.
  */
-#include <stdlib.h>
-#include <string.h>
+#include "render/slices.h"
 
-#include <osteon/picture.h>
+#include <math.h>
+#include <stdlib.h>
 
 #include "render/marks.h"
 #include "render/points/frame.h"
@@ -27,92 +26,52 @@ typedef struct plane {
 static const plane PLANES[3] = {{0, 1, 2, false}, {0, 2, 1, true}, {1, 2, 0, true}};
 
 typedef struct source {
-    const ost_volume *now, *before;
-    int32_t threshold;
+    const ost_slices_paint *paint;
     int n[3];
     double spacing[3];
-    double black, white; /* HU */
 } source;
-
-static size_t element(const source *s, const int v[3])
-{
-    return (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]);
-}
-
-/*
- * Computes the grey in [0, 1] and the removed share at (a, b) voxels in the plane; returns false
- * outside the grid.
- */
-static bool sample(const source *s, const plane *p, int through, double a, double b, double *grey, double *removed)
-{
-    int na = s->n[p->across], nb = s->n[p->down];
-    if (a < -0.5 || b < -0.5 || a > na - 0.5 || b > nb - 0.5)
-        return false;
-    a = a < 0 ? 0 : a > na - 1 ? na - 1 : a;
-    b = b < 0 ? 0 : b > nb - 1 ? nb - 1 : b;
-    int i = (int)a, j = (int)b;
-    double fa = a - i, fb = b - j;
-    *grey = *removed = 0;
-    for (int c = 0; c < 4; c++) {
-        int v[3];
-        v[p->across] = i + (c & 1) < na ? i + (c & 1) : na - 1;
-        v[p->down] = j + (c >> 1) < nb ? j + (c >> 1) : nb - 1;
-        v[p->through] = through;
-        double weight = (c & 1 ? fa : 1 - fa) * (c >> 1 ? fb : 1 - fb);
-        size_t at = element(s, v);
-        double hu = s->now->voxels[at];
-        bool gone = false;
-        if (s->before && s->now->voxels[at] < s->threshold && s->before->voxels[at] >= s->threshold) {
-            gone = true;
-            hu = s->before->voxels[at]; /* the earlier density, visible through the colour */
-        }
-        double g = (hu - s->black) / (s->white - s->black);
-        *grey += weight * (g < 0 ? 0 : g > 1 ? 1 : g);
-        *removed += gone ? weight : 0;
-    }
-    return true;
-}
-
-/* Computes the middle of the grid, or of the voxels that were removed. */
-static void middle(const source *s, int at[3])
-{
-    int lo[3] = {s->n[0], s->n[1], s->n[2]}, hi[3] = {-1, -1, -1};
-    if (s->before)
-        for (int k = 0; k < s->n[2]; k++)
-            for (int j = 0; j < s->n[1]; j++)
-                for (int i = 0; i < s->n[0]; i++) {
-                    int v[3] = {i, j, k};
-                    size_t e = element(s, v);
-                    if (s->before->voxels[e] < s->threshold || s->now->voxels[e] >= s->threshold)
-                        continue;
-                    for (int a = 0; a < 3; a++) {
-                        lo[a] = v[a] < lo[a] ? v[a] : lo[a];
-                        hi[a] = v[a] > hi[a] ? v[a] : hi[a];
-                    }
-                }
-    for (int a = 0; a < 3; a++)
-        at[a] = hi[a] >= 0 ? (lo[a] + hi[a]) / 2 : s->n[a] / 2;
-}
 
 enum { GAP = 8, OVER = 2 }; /* pixels between panels; samples for each pixel and axis */
 enum { LEAST_SIDE = 120 };  /* pixels of a panel's shorter side, below which there is no room for letters */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
+/* Adds the colour at (a, b) voxels in the plane to sum; outside the grid it is black. */
+static void add_sample(const source *s, const plane *p, int through, double a, double b, double sum[3])
+{
+    const int na = s->n[p->across], nb = s->n[p->down];
+    if (a < -0.5 || b < -0.5 || a > na - 0.5 || b > nb - 0.5)
+        return;
+    if (s->paint->by_voxel) {
+        a = floor(a + 0.5);
+        b = floor(b + 0.5);
+    }
+    a = a < 0 ? 0 : a > na - 1 ? na - 1 : a;
+    b = b < 0 ? 0 : b > nb - 1 ? nb - 1 : b;
+    const int i = (int)a, j = (int)b;
+    for (int corner = 0; corner < 4; corner++) {
+        const double weight = (corner & 1 ? a - i : 1 - (a - i)) * (corner >> 1 ? b - j : 1 - (b - j));
+        double rgb[3];
+        int v[3];
+        if (!(weight > 0))
+            continue;
+        v[p->across] = i + (corner & 1);
+        v[p->down] = j + (corner >> 1);
+        v[p->through] = through;
+        s->paint->colour(s->paint->user, (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]), rgb);
+        for (int c = 0; c < 3; c++)
+            sum[c] += weight * rgb[c];
+    }
+}
+
 static void panel(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height, const ost_sheet *sheet)
 {
-    static const double tint[3] = {0xe8, 0x4a, 0x27};
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             double sum[3] = {0, 0, 0};
             for (int k = 0; k < OVER * OVER; k++) {
-                double across = (x + (k % OVER + 0.5) / OVER) * mm_per_pixel, down = (y + (k / OVER + 0.5) / OVER) * mm_per_pixel;
-                double a = across / s->spacing[p->across] - 0.5, b = down / s->spacing[p->down] - 0.5;
-                if (p->down_is_minus)
-                    b = s->n[p->down] - 1 - b;
-                double grey = 0, removed = 0;
-                sample(s, p, through, a, b, &grey, &removed);
-                for (int c = 0; c < 3; c++)
-                    sum[c] += 255 * grey + removed * (0.35 * 255 * grey + 0.65 * tint[c] - 255 * grey);
+                const double across = (x + (k % OVER + 0.5) / OVER) * mm_per_pixel, down = (y + (k / OVER + 0.5) / OVER) * mm_per_pixel;
+                const double a = across / s->spacing[p->across] - 0.5, b = down / s->spacing[p->down] - 0.5;
+                add_sample(s, p, through, a, p->down_is_minus ? s->n[p->down] - 1 - b : b, sum);
             }
             uint32_t colour = 0;
             for (int c = 0; c < 3; c++)
@@ -129,7 +88,7 @@ static void word(const ost_sheet *sheet, const ost_lettering *letters, int x, in
     ost_lettering_draw(letters, sheet, x, y, text, INK);
 }
 
-static void annotate(const plane *p, const ost_lettering *letters, const char *title, int x0, int width, int height, double unit,
+static void annotate(const plane *p, const ost_lettering *letters, const char *title, bool oriented, int x0, int width, int height, double unit,
                      const ost_sheet *sheet)
 {
     double right[3] = {0, 0, 0}, up[3] = {0, 0, 0};
@@ -137,7 +96,7 @@ static void annotate(const plane *p, const ost_lettering *letters, const char *t
     right[p->across] = 1;
     up[p->down] = p->down_is_minus ? 1 : -1;
     word(sheet, letters, x0 + width - margin - ost_lettering_width(letters, title), height - margin, unit, title);
-    for (int edge = 0; edge < 4; edge++) {
+    for (int edge = 0; edge < 4 && oriented; edge++) {
         char text[4];
         ost_edge_letters(right, up, edge, text);
         const int wide = ost_lettering_width(letters, text);
@@ -160,48 +119,26 @@ static void ticks(const source *s, const plane *p, const int at[3], double mm_pe
     ost_sheet_box(sheet, x0 + width - length, down, length, 1, TICK, 230);
 }
 
-ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before, const ost_slices_options *options, ost_picture *out,
-                              ost_error *err)
+ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixels, const ost_slices_paint *paint, ost_picture *out,
+                           ost_error *err)
 {
-    static const ost_slices_options defaults = {.at = {-1, -1, -1}};
-    const ost_slices_options *o = options ? options : &defaults;
-    memset(out, 0, sizeof *out);
-    if (!volume->voxels)
-        return ost_fail(err, OST_ERR_USAGE, "slices need a volume with voxels");
-    if (before && (!before->voxels || !ost_geometry_equal(&volume->geometry, &before->geometry)))
-        return ost_fail(err, OST_ERR_USAGE, "the volume before and the one after must have the same dims, spacing and origin");
-    const ost_geometry *g = &volume->geometry;
-    int level = o->level, window = o->width;
-    if (level == 0 && window == 0)
-        level = 400, window = 1800;
-    if (window < 1)
-        return ost_fail(err, OST_ERR_USAGE, "a window of %d HU: expected at least 1", window);
-
-    source s = {volume, before, o->threshold > 0 ? o->threshold : 120, {g->dims.x, g->dims.y, g->dims.z},
-                {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)},
-                level - 0.5 * window, level + 0.5 * window};
-    int at[3];
-    middle(&s, at);
+    static const char *const titles[3] = {"AXIAL", "CORONAL", "SAGITTAL"};
+    const source s = {paint, {g->dims.x, g->dims.y, g->dims.z}, {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)}};
     double longest = 0;
     for (int a = 0; a < 3; a++) {
-        if (o->at[a] >= s.n[a])
-            return ost_fail(err, OST_ERR_RANGE, "slice %d along %c: the volume has voxels 0 to %d", o->at[a], "xyz"[a], s.n[a] - 1);
-        if (o->at[a] >= 0)
-            at[a] = o->at[a];
-        longest = s.n[a] * s.spacing[a] > longest ? s.n[a] * s.spacing[a] : longest;
+        if (at[a] < 0 || at[a] >= s.n[a])
+            return ost_fail(err, OST_ERR_RANGE, "slice %d along %c: the volume has voxels 0 to %d", at[a], "xyz"[a], s.n[a] - 1);
+        longest = fmax(longest, s.n[a] * s.spacing[a]);
     }
-    double mm_per_pixel = longest / (o->pixels > 0 ? o->pixels : 480);
+    const double mm_per_pixel = longest / (pixels > 0 ? pixels : 480);
     int width[3], height[3], total = 2 * GAP, tallest = 1;
     for (int i = 0; i < 3; i++) {
         const plane *p = &PLANES[i];
-        width[i] = (int)(s.n[p->across] * s.spacing[p->across] / mm_per_pixel + 0.5);
-        height[i] = (int)(s.n[p->down] * s.spacing[p->down] / mm_per_pixel + 0.5);
-        width[i] = width[i] < 1 ? 1 : width[i];
-        height[i] = height[i] < 1 ? 1 : height[i];
+        width[i] = (int)fmax(1, s.n[p->across] * s.spacing[p->across] / mm_per_pixel + 0.5);
+        height[i] = (int)fmax(1, s.n[p->down] * s.spacing[p->down] / mm_per_pixel + 0.5);
         total += width[i];
         tallest = height[i] > tallest ? height[i] : tallest;
     }
-    static const char *const titles[3] = {"AXIAL", "CORONAL", "SAGITTAL"};
     const double unit = ost_marks_unit((int)(2.2 * tallest));
     ost_lettering *letters = NULL;
     ost_sheet sheet = {.stride = total, .width = total, .height = tallest};
@@ -217,7 +154,7 @@ ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before
             panel(&s, &PLANES[i], at[PLANES[i].through], mm_per_pixel, x0, width[i], height[i], &sheet);
             ticks(&s, &PLANES[i], at, mm_per_pixel, x0, width[i], height[i], &sheet);
             if (roomy)
-                annotate(&PLANES[i], letters, titles[i], x0, width[i], height[i], unit, &sheet);
+                annotate(&PLANES[i], letters, titles[i], !paint->unoriented, x0, width[i], height[i], unit, &sheet);
             if (roomy && i == 0) {
                 const int margin = (int)(6 * unit), high = (int)(26 * unit);
                 ost_sheet_box(&sheet, margin / 2, height[0] - margin / 2 - high, width[0] / 3 + margin, high, BACK, 190);
@@ -231,4 +168,70 @@ ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before
     free(sheet.pixels);
     ost_lettering_free(letters);
     return status;
+}
+
+/* ------------------------------------------------------------- densities */
+
+typedef struct densities {
+    const ost_volume *now, *before;
+    int32_t threshold;
+    double black, white; /* HU */
+} densities;
+
+static bool is_removed(const densities *d, size_t v)
+{
+    return d->before && d->now->voxels[v] < d->threshold && d->before->voxels[v] >= d->threshold;
+}
+
+/* Computes the grey of a density; a removed voxel is tinted, and its earlier density is visible through the tint. */
+static void colour_of(const void *user, size_t voxel, double rgb[3])
+{
+    static const double tint[3] = {0xe8, 0x4a, 0x27};
+    const densities *d = user;
+    const bool removed = is_removed(d, voxel);
+    const double hu = removed ? d->before->voxels[voxel] : d->now->voxels[voxel];
+    const double grey = 255 * fmin(1, fmax(0, (hu - d->black) / (d->white - d->black)));
+    for (int c = 0; c < 3; c++)
+        rgb[c] = removed ? 0.35 * grey + 0.65 * tint[c] : grey;
+}
+
+/* Computes the middle of the removed voxels, or of the grid if there are none. */
+static void middle(const densities *d, int32_t at[3])
+{
+    const ost_dims n = d->now->geometry.dims;
+    const int32_t size[3] = {n.x, n.y, n.z};
+    int32_t lo[3] = {n.x, n.y, n.z}, hi[3] = {-1, -1, -1};
+    for (int64_t e = 0; d->before && e < ost_dims_count(n); e++)
+        if (is_removed(d, (size_t)e)) {
+            const int32_t v[3] = {(int32_t)(e % n.x), (int32_t)(e / n.x % n.y), (int32_t)(e / n.x / n.y)};
+            for (int a = 0; a < 3; a++) {
+                lo[a] = v[a] < lo[a] ? v[a] : lo[a];
+                hi[a] = v[a] > hi[a] ? v[a] : hi[a];
+            }
+        }
+    for (int a = 0; a < 3; a++)
+        at[a] = hi[a] >= 0 ? (lo[a] + hi[a]) / 2 : size[a] / 2;
+}
+
+ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before, const ost_slices_options *options, ost_picture *out,
+                              ost_error *err)
+{
+    static const ost_slices_options defaults = {.at = {-1, -1, -1}};
+    const ost_slices_options *o = options ? options : &defaults;
+    const bool usual = o->level == 0 && o->width == 0;
+    const int level = usual ? 400 : o->level, window = usual ? 1800 : o->width;
+    const densities d = {volume, before, o->threshold > 0 ? o->threshold : 120, level - 0.5 * window, level + 0.5 * window};
+    const ost_slices_paint paint = {.colour = colour_of, .user = &d, .unoriented = o->unoriented};
+    int32_t at[3];
+    *out = (ost_picture){0};
+    if (!volume->voxels)
+        return ost_fail(err, OST_ERR_USAGE, "slices need a volume with voxels");
+    if (before && (!before->voxels || !ost_geometry_equal(&volume->geometry, &before->geometry)))
+        return ost_fail(err, OST_ERR_USAGE, "the volume before and the one after must have the same dims, spacing and origin");
+    if (window < 1)
+        return ost_fail(err, OST_ERR_USAGE, "a window of %d HU: expected at least 1", window);
+    middle(&d, at);
+    for (int a = 0; a < 3; a++)
+        at[a] = o->at[a] >= 0 ? o->at[a] : at[a];
+    return ost_slices_draw(&volume->geometry, at, o->pixels, &paint, out, err);
 }

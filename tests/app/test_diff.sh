@@ -97,7 +97,11 @@ grep -q '</html>' page.html || fail "the page has no end"
 grep -qE 'src="(http|file|/)' page.html && fail "the page needs other files"
 check "voxels in the page" "$(grep -c ' mm</td>.*<td>removed</td>' page.html)" 5
 if "$osteon" devices | grep -q '^  png *yes'; then
+    check "pictures in the page" "$(grep -c 'data:image/png;base64,' page.html)" 4
+    run 1 diff hole.nrrd a.nrrd --html page.html # nothing is removed, so there is no view of it
     check "pictures in the page" "$(grep -c 'data:image/png;base64,' page.html)" 3
+    run 0 diff peg.nrrd peg.nrrd --html page.html
+    check "pictures in the page of a tool" "$(grep -c 'data:image/png;base64,' page.html)" 3
 fi
 run 0 diff a.nrrd a.nrrd --html page.html
 refuse 2 '.html' diff a.nrrd a.nrrd --html page.pdf
