@@ -56,9 +56,9 @@ static void share_of(size_t bytes, int part, int parts, size_t *begin, size_t *e
 
 static void copy_share(bench_copy how, uint8_t *out, size_t begin, size_t end, const uint8_t *in, size_t in_bytes)
 {
-    const size_t whole = in_bytes / 64 * 64;
+    const size_t aligned_bytes = in_bytes / 64 * 64;
     for (size_t at = begin; at < end;) {
-        size_t from = at % whole, run = whole - from < end - at ? whole - from : end - at, lines = run / 64 * 64;
+        size_t from = at % aligned_bytes, run = aligned_bytes - from < end - at ? aligned_bytes - from : end - at, lines = run / 64 * 64;
         if (how == BENCH_COPY_STREAM && lines)
             copy_stream(out + at, in + from, lines);
         else

@@ -10,10 +10,10 @@ bool bench_baseline_runs(char *reason, size_t size)
     snprintf(reason, size, "%s", "");
 #if defined __x86_64__
     uint32_t needs = bench_native_needs;
-    int place = 0;
+    int bit = 0;
     __builtin_cpu_init();
 #define CHECK(id, name)                                                                                                      \
-    if (needs >> place++ & 1 && !__builtin_cpu_supports(name)) {                                                             \
+    if (needs >> bit++ & 1 && !__builtin_cpu_supports(name)) {                                                               \
         snprintf(reason, size, "the baselines were built with -march=native on a processor with " name ", which this one lacks"); \
         return false;                                                                                                        \
     }

@@ -6,7 +6,7 @@
 
 #include "core/file.h"
 
-size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t room)
+size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t capacity)
 {
     FILE *file;
     (void)ost_file_stream(path, &file, NULL, NULL);
@@ -14,7 +14,7 @@ size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities
     int density;
     if (!file)
         return 0;
-    while (count < room &&
+    while (count < capacity &&
            fscanf(file, "%f %f %f %d", &positions[3 * count], &positions[3 * count + 1], &positions[3 * count + 2], &density) == 4)
         densities[count++] = (int16_t)density;
     fclose(file);

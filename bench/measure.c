@@ -251,18 +251,18 @@ const char *bench_isa(const bench_options *options)
 
 ost_status bench_backend(const bench_options *options, int threads, ost_backend **out, ost_error *err)
 {
-    char spec[256], rest[200] = "";
+    char spec[256], remainder[200] = "";
     const char *given = strchr(options->backend, ':');
     if (!is_cpu(options->backend))
         return ost_backend_open(options->backend, out, err);
     /* All options except threads=, which the row determines. */
     for (const char *at = given ? given + 1 : ""; *at;) {
-        size_t length = strcspn(at, ","), used = strlen(rest);
+        size_t length = strcspn(at, ","), used = strlen(remainder);
         if (strncmp(at, "threads=", 8) != 0)
-            snprintf(rest + used, sizeof rest - used, ",%.*s", (int)length, at);
+            snprintf(remainder + used, sizeof remainder - used, ",%.*s", (int)length, at);
         at += length + (at[length] == ',');
     }
-    snprintf(spec, sizeof spec, "cpu:threads=%d%s", threads, rest);
+    snprintf(spec, sizeof spec, "cpu:threads=%d%s", threads, remainder);
     return ost_backend_open(spec, out, err);
 }
 

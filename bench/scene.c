@@ -63,10 +63,10 @@ ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_
     pose.t.x += shift;
     pose.t.y += shift;
     pose.t.z += shift;
-    return status == OST_OK ? bench_scene_place(scene, &pose, err) : status;
+    return status == OST_OK ? bench_scene_set_pose(scene, &pose, err) : status;
 }
 
-ost_status bench_scene_place(bench_scene *scene, const ost_pose *pose, ost_error *err)
+ost_status bench_scene_set_pose(bench_scene *scene, const ost_pose *pose, ost_error *err)
 {
     const ost_box box = ost_box_of_tool(&scene->tool.geometry);
     scene->pose = *pose;
@@ -271,7 +271,7 @@ static void count_bricks(bench_work *work, const int16_t *chunk, int32_t n)
         for (int32_t y = 0; y < n; y += 4)
             for (int32_t x = 0; x < n; x += 4) {
                 const int removed = removed_of_brick(chunk, n, x, y, z);
-                work->whole_bricks += removed == 64;
+                work->complete_bricks += removed == 64;
                 work->mixed_bricks += removed > 0 && removed < 64;
             }
 }

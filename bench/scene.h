@@ -43,7 +43,7 @@ typedef struct bench_scene {
    bone's far corner does not depend on it. */
 ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err);
 /* Moves the tool to a pose. */
-ost_status bench_scene_place(bench_scene *scene, const ost_pose *pose, ost_error *err);
+ost_status bench_scene_set_pose(bench_scene *scene, const ost_pose *pose, ost_error *err);
 void bench_scene_free(bench_scene *scene);
 
 /* Returns the slices [z0, z0 + count) of the full bone, to be freed by free; NULL without memory. */
@@ -74,7 +74,7 @@ int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scen
 typedef struct bench_work {
     /* rows of 32 densities, one cache line each; for chunks of 32^3 only, else 0 */
     int64_t changed_rows;
-    int64_t whole_bricks, mixed_bricks;  /* bricks of 4^3 voxels: all removed, some removed */
+    int64_t complete_bricks, mixed_bricks; /* bricks of 4^3 voxels: all removed, some removed */
     bench_row_store *rows;               /* owned */
 } bench_work;
 

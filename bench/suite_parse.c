@@ -49,8 +49,8 @@ static char *put_mm(char *at, int64_t nm)
     }
     at += sprintf(at, "%d", (int)(nm / 1000000));
     *at++ = '.';
-    for (int64_t digit = 100000, rest = nm % 1000000; digit; digit /= 10)
-        *at++ = (char)('0' + rest / digit % 10);
+    for (int64_t digit = 100000, remainder = nm % 1000000; digit; digit /= 10)
+        *at++ = (char)('0' + remainder / digit % 10);
     *at++ = ' ';
     return at;
 }

@@ -268,8 +268,8 @@ static ost_status add_row(removal *r, const char *name, bench_series *ours, benc
     bench_row_extra(row, "removed_voxels", r->removed);
     if (r->baseline)
         bench_row_extra(row, "baseline_different_voxels", r->differs);
-    if (r->work.whole_bricks + r->work.mixed_bricks) {
-        bench_row_extra(row, "whole_bricks", (double)r->work.whole_bricks);
+    if (r->work.complete_bricks + r->work.mixed_bricks) {
+        bench_row_extra(row, "whole_bricks", (double)r->work.complete_bricks);
         bench_row_extra(row, "mixed_bricks", (double)r->work.mixed_bricks);
     }
     if (r->work.changed_rows && stores) {
@@ -361,7 +361,7 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
 }
 
 /* Adds a row that cannot be measured, with the reason. */
-static ost_status say_why(bench_table *table, const bench_options *options, const char *name, const char *reason, ost_error *err)
+static ost_status add_not_run(bench_table *table, const bench_options *options, const char *name, const char *reason, ost_error *err)
 {
     bench_row *row;
     if (!bench_wanted(options, name))
@@ -389,9 +389,9 @@ static ost_status bone_sizes(const bench_options *options, bench_table *table, o
             if (options->quick)
                 continue;
             snprintf(reason, sizeof reason, "two bones of %d^3 voxels take %.1f GB; less is free here", sides[i], bytes * 1e-9);
-            status = say_why(table, options, fresh, reason, err);
+            status = add_not_run(table, options, fresh, reason, err);
             if (status == OST_OK)
-                status = say_why(table, options, steady, reason, err);
+                status = add_not_run(table, options, steady, reason, err);
             continue;
         }
         status = bench_scene_init(&scene, OST_TOOL_REAMER, OST_PM_PER_MM / 2, sides[i], err);

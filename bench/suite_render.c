@@ -18,7 +18,7 @@
 #include <osteon/sim.h>
 
 #include "render/points/frame.h"
-#include "render/points/ground.h"
+#include "render/points/uncut.h"
 #include "render/points/renew.h"
 
 enum { REPEAT = 101, WIDTH = 1280, HEIGHT = 720, THRESHOLD = 120, DIRTY = 20 };
@@ -81,14 +81,14 @@ static ost_status take_all(ost_surface *s, ost_error *err)
         uint32_t *points = realloc(b->points, ((size_t)count + 1) * sizeof *points);
         if (!points)
             return ost_fail(err, OST_ERR_MEMORY, "no memory for %u points", (unsigned)count);
-        uint32_t *looks = realloc(b->looks, ((size_t)count + 1) * sizeof *looks);
-        if (looks)
-            b->looks = looks;
+        uint32_t *shades = realloc(b->shades, ((size_t)count + 1) * sizeof *shades);
+        if (shades)
+            b->shades = shades;
         b->points = points;
-        if (!looks)
+        if (!shades)
             return ost_fail(err, OST_ERR_MEMORY, "no memory for %u points", (unsigned)count);
-        memset(looks, 0, ((size_t)count + 1) * sizeof *looks);
-        b->count = b->room = count;
+        memset(shades, 0, ((size_t)count + 1) * sizeof *shades);
+        b->count = b->capacity = count;
         s->points += count;
         for (uint32_t row = 0; row < OST_BLOCK_ROWS; row++)
             for (uint32_t left = b->occupancy[row]; left; left &= left - 1)
@@ -121,7 +121,7 @@ static ost_status camera_of(const show *s, const view *v, ost_camera *camera)
         from[a] = (v->glenoid ? face : middle)[a] - scale * v->distance_mm * axis[a] / length;
     /* vertical field of view: 45 degrees */
     *camera = (ost_camera){.focal_milli = 869117, .width = WIDTH, .height = HEIGHT};
-    return ost_camera_look(from, v->glenoid ? face : middle, up, camera, s->err);
+    return ost_camera_look_at(from, v->glenoid ? face : middle, up, camera, s->err);
 }
 
 static bool same(const ost_frame *a, const ost_frame *b)
@@ -257,7 +257,7 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
 /* ------------------------------------------------------- lists and looks */
 
 /* The parts of a block that are made again. */
-typedef enum renewal { RENEW_LIST, RENEW_LOOKS, RENEW_ALL, RENEWALS } renewal;
+typedef enum renewal { RENEW_LIST, RENEW_SHADES, RENEW_ALL, RENEWALS } renewal;
 
 static int32_t spoil(ost_surface *s, renewal what)
 {
@@ -266,8 +266,8 @@ static int32_t spoil(ost_surface *s, renewal what)
     for (int32_t i = 0; i < s->used; i += step, count++) {
         ost_surface_block *b = s->slot[i];
         b->dirty = true;
-        b->unlisted = what != RENEW_LOOKS;
-        b->anew = what != RENEW_LIST;
+        b->unlisted = what != RENEW_SHADES;
+        b->remade = what != RENEW_LIST;
         b->unmeasured = what == RENEW_ALL;
     }
     return count;
@@ -309,10 +309,10 @@ static bool ream_block(const ost_surface_block *b, const double at[3], double ra
         const double y = OST_BLOCK * b->at[1] + row % OST_BLOCK - at[1], z = OST_BLOCK * b->at[2] + row / OST_BLOCK - at[2];
         const double left = radius * radius - y * y - z * z, first = OST_BLOCK * b->at[0] - at[0];
         uint32_t gone = 0;
-        for (int x = 0; x < OST_BLOCK && left >= 0 && b->whole[row]; x++)
+        for (int x = 0; x < OST_BLOCK && left >= 0 && b->occupied[row]; x++)
             gone |= (uint32_t)((first + x) * (first + x) <= left) << x;
-        words[row] = b->whole[row] & ~gone;
-        any |= words[row] != b->whole[row];
+        words[row] = b->occupied[row] & ~gone;
+        any |= words[row] != b->occupied[row];
     }
     return any;
 }
@@ -325,7 +325,7 @@ static ost_status add_reaming(show *s, bench_table *table)
     static const double RADIUS_MM = 20, STEP_MM = 1.5 / 60;
     static const char *const name = "render/scapula/ream";
     ost_surface surface = {0};
-    ost_ground ground = {0};
+    ost_uncut reference = {0};
     ost_volume before = {0};
     bench_series series = {0};
     uint64_t blocks = 0, changed = 0;
@@ -336,7 +336,7 @@ static ost_status add_reaming(show *s, bench_table *table)
     ost_status status = ost_volume_init(&before, g, s->err);
     if (status == OST_OK) {
         memcpy(before.voxels, s->bone.voxels, (size_t)g->dims.x * (size_t)g->dims.y * (size_t)g->dims.z * sizeof *before.voxels);
-        status = ost_ground_init(&ground, &before, THRESHOLD, &classes, NULL, NULL, s->err);
+        status = ost_uncut_init(&reference, &before, THRESHOLD, &classes, NULL, NULL, s->err);
     }
     if (status == OST_OK)
         status = ost_surface_init(&surface, g, s->err);
@@ -345,8 +345,8 @@ static ost_status add_reaming(show *s, bench_table *table)
     if (status == OST_OK)
         status = ost_surface_set_volume(&surface, &s->bone, THRESHOLD, s->err);
     if (status == OST_OK)
-        status = ost_surface_set_ground(&surface, &ground, s->err);
-    surface.keep_fresh = true;
+        status = ost_surface_set_uncut(&surface, &reference, s->err);
+    surface.shows_contact = true;
     const ost_pm at[3] = {s->glenoid.at.x - g->origin.x, s->glenoid.at.y - g->origin.y, s->glenoid.at.z - g->origin.z};
     const double mm = 1e-9 * (double)g->spacing.x, scale = s->options->quick ? 0.25 : 1;
     const int pictures = bench_repeat(s->options, PICTURES);
@@ -384,7 +384,7 @@ static ost_status add_reaming(show *s, bench_table *table)
     }
     bench_series_free(&series);
     ost_surface_free(&surface);
-    ost_ground_free(&ground);
+    ost_uncut_free(&reference);
     ost_volume_free(&before);
     return bench_row_not_run(s->options, table, &name, 1, "us", 1, status, s->err);
 }
@@ -424,7 +424,7 @@ ost_status bench_render(const bench_options *options, bench_table *table, ost_er
     if (status == OST_OK)
         status = add_renewal(&s, table, RENEW_LIST);
     if (status == OST_OK)
-        status = add_renewal(&s, table, RENEW_LOOKS);
+        status = add_renewal(&s, table, RENEW_SHADES);
     if (status == OST_OK)
         status = add_renewal(&s, table, RENEW_ALL);
     if (status == OST_OK)

@@ -27,7 +27,7 @@ typedef struct view {
 } view;
 
 /* close: the reamer fills the frame. */
-static const view views[] = {{"whole", OST_VIEW_WHOLE, 0}, {"en-face", OST_VIEW_EN_FACE, 0}, {"operator", OST_VIEW_OPERATOR, 0}, {"close", OST_VIEW_EN_FACE, 38}};
+static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0}, {"en-face", OST_VIEW_EN_FACE, 0}, {"operator", OST_VIEW_OPERATOR, 0}, {"close", OST_VIEW_EN_FACE, 38}};
 
 /* ------------------------------------------------------------------- stages */
 
@@ -48,10 +48,10 @@ static uint32_t facing(const ost_surface_block *block, uint32_t slot, const uint
     return count;
 }
 
-static void tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *out)
+static void tint(const ost_light *light, const uint32_t *shade, uint32_t count, uint32_t *out)
 {
     const int64_t begin = bench_now();
-    clocked.tint(light, look, count, out);
+    clocked.tint(light, shade, count, out);
     clocked.ns[TINTS] += bench_now() - begin;
 }
 
@@ -97,7 +97,7 @@ typedef struct cut {
     ost_world *world;
     ost_live *live;
     ost_viewer viewer; /* its frame is drawn incrementally */
-    ost_frame whole;
+    ost_frame redrawn;
     ost_path path;
     size_t at;         /* index in the path */
     ost_view_subject subject;
@@ -106,7 +106,7 @@ typedef struct cut {
 static void close_cut(cut *c)
 {
     ost_viewer_free(&c->viewer);
-    ost_frame_free(&c->whole);
+    ost_frame_free(&c->redrawn);
     ost_path_free(&c->path);
     ost_live_free(c->live);
     ost_world_free(c->world);
@@ -144,7 +144,7 @@ static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *gl
     if (status == OST_OK)
         status = ost_viewer_add_tool(&c->viewer, &c->scene.tool, c->err);
     if (status == OST_OK)
-        status = ost_frame_init(&c->whole, WIDTH, HEIGHT, OST_STYLE_SMOOTH, isa, 1, c->err);
+        status = ost_frame_init(&c->redrawn, WIDTH, HEIGHT, OST_STYLE_SMOOTH, isa, 1, c->err);
     ost_viewer_follow(&c->viewer, c->live);
     c->subject = ost_view_subject_make(g, &glenoid->at, glenoid->axis, glenoid->left);
     return status;
@@ -174,8 +174,8 @@ static ost_status go_on(cut *c, bool *removed)
 static void exchange(cut *c)
 {
     const ost_frame other = c->viewer.frame;
-    c->viewer.frame = c->whole;
-    c->whole = other;
+    c->viewer.frame = c->redrawn;
+    c->redrawn = other;
 }
 
 /* Draws the viewer's frame; with stages, a clock around every inner loop measures its stages. */
@@ -210,7 +210,7 @@ static bool same(const ost_frame *a, const ost_frame *b)
 }
 
 typedef struct figures {
-    bench_series kept, whole, other;
+    bench_series kept, redrawn, other;
     double stages[2][STAGES]; /* of the incremental and the complete frame, ms */
     int staged, frames;
     uint64_t cells, stale, chunks;
@@ -238,13 +238,13 @@ static ost_status draw_both(cut *c, const ost_camera *camera, figures *f, bool s
     f->stale += cells_in(&c->viewer.frame.stale);
     memset(clocked.ns, 0, sizeof clocked.ns);
     exchange(c);
-    status = draw(c, camera, stages, stages ? &f->other : &f->whole);
+    status = draw(c, camera, stages, stages ? &f->other : &f->redrawn);
     exchange(c);
     for (int i = 0; i < STAGES && stages; i++)
         f->stages[1][i] += (double)clocked.ns[i] / 1e6;
     f->staged += stages;
     f->frames++;
-    f->equal = f->equal && same(&c->viewer.frame, &c->whole);
+    f->equal = f->equal && same(&c->viewer.frame, &c->redrawn);
     return status;
 }
 
@@ -283,7 +283,7 @@ static void add_row(bench_row *row, figures *f)
         {"kept_points_ms", "kept_tints_ms", "kept_splat_ms", "kept_hidden_ms", "kept_resolve_ms", "kept_merge_ms"},
         {"whole_points_ms", "whole_tints_ms", "whole_splat_ms", "whole_hidden_ms", "whole_resolve_ms", "whole_merge_ms"}};
     bench_row_ours(row, &f->kept);
-    bench_row_baseline(row, &f->whole, "the same frame drawn whole");
+    bench_row_baseline(row, &f->redrawn, "the same frame drawn whole");
     bench_row_extra(row, "p99_ms", bench_series_at(&f->kept, 0.99) / 1e6);
     bench_row_extra(row, "drawn_share", (double)f->cells / f->frames / (WIDTH / OST_CELL_WIDTH * HEIGHT / OST_CELL_HEIGHT));
     bench_row_extra(row, "put_back_share", (double)f->stale / f->frames / (WIDTH / OST_CELL_WIDTH * HEIGHT / OST_CELL_HEIGHT));
@@ -330,7 +330,7 @@ ost_status bench_kept(const bench_options *options, bench_table *table, const os
         if (row && f.equal)
             add_row(row, &f);
         bench_series_free(&f.kept);
-        bench_series_free(&f.whole);
+        bench_series_free(&f.redrawn);
         bench_series_free(&f.other);
         const char *const names[] = {name};
         status = bench_row_not_run(options, table, names, 1, "ms", 1, status, err);

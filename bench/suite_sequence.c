@@ -51,7 +51,7 @@ static ost_status prepare(sequence_run *s)
         return ost_fail(s->err, OST_ERR_MEMORY, "no memory for a sequence of %d ticks", s->count);
     status = bench_path_make(&s->scene, s->count, &s->ticks, s->err);
     for (int i = 0; i < s->count && status == OST_OK; i++) {
-        status = bench_scene_place(&s->scene, &s->ticks[i].pose, s->err);
+        status = bench_scene_set_pose(&s->scene, &s->ticks[i].pose, s->err);
         s->maps[i] = s->scene.map;
         s->boxes[i] = s->scene.box;
     }
@@ -174,7 +174,7 @@ static ost_status run_thesis(sequence_run *s, bench_series *means, double *chunk
     *chunks = 0;
     for (int i = THESIS_EVERY / 2; i < s->count && status == OST_OK; i += THESIS_EVERY) {
         bench_thesis thesis;
-        status = bench_scene_place(&s->scene, &s->ticks[i].pose, s->err);
+        status = bench_scene_set_pose(&s->scene, &s->ticks[i].pose, s->err);
         if (status == OST_OK)
             status = bench_thesis_init(&thesis, &s->scene, CHUNK, s->err);
         if (status != OST_OK)

@@ -178,7 +178,7 @@ static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
 }
 
 /* Allocates the memory for our bits. */
-static ost_status make_room(voxelize *v)
+static ost_status reserve_output(voxelize *v)
 {
     const ost_dims d = v->mesh.grid.dims;
     if (v->backend->ops != &ost_backend_cpu)
@@ -200,7 +200,7 @@ static ost_status measure(const bench_options *options, bench_table *table, cons
     if (status == OST_OK)
         status = bench_backend(options, options->threads, &v.backend, err);
     if (status == OST_OK)
-        status = make_room(&v);
+        status = reserve_output(&v);
     if (status == OST_OK)
         status = verify(&v);
     if (status == OST_OK && v.equal)

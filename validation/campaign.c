@@ -9,28 +9,28 @@
 
 /* Returns true if a worker of this backend is running. There is at most one at a time, so that the remaining time of
    the backend is defined and a device has only one user. */
-static bool busy(const runner *r, int whom)
+static bool busy(const runner *r, int subject_index)
 {
     for (int i = 0; i < r->running; i++)
-        if (r->slots[i].whom == whom)
+        if (r->slots[i].subject_index == subject_index)
             return true;
     return false;
 }
 
 /* Chooses the next worker to start; returns false if nothing can be started until a worker ends. */
-static bool choose(runner *r, int *number, int *whom)
+static bool choose(runner *r, int *number, int *subject_index)
 {
     /* The next reference is started first, because all other backends wait for it. */
     if (r->begun < r->batches && r->begun < r->done + ALIVE && !busy(r, 0)) {
         *number = r->begun;
-        *whom = 0;
+        *subject_index = 0;
         return true;
     }
     for (*number = r->done; *number < r->begun; ++*number) {
         const batch *b = batch_of(r, *number);
         /* Devices are last in the list and take longest, so they are started first. */
-        for (*whom = r->c->subjects->count - 1; b->ready && *whom > 0; --*whom)
-            if (b->tasks[*whom].from < b->end && !b->tasks[*whom].running && !busy(r, *whom))
+        for (*subject_index = r->c->subjects->count - 1; b->ready && *subject_index > 0; --*subject_index)
+            if (b->tasks[*subject_index].from < b->end && !b->tasks[*subject_index].running && !busy(r, *subject_index))
                 return true;
     }
     return false;
@@ -57,14 +57,14 @@ static ost_status run_all(runner *r, ost_error *err)
 {
     ost_status status = OST_OK;
     while (r->done < r->batches && status == OST_OK) {
-        int number, whom, which;
-        if (r->running < r->c->jobs && choose(r, &number, &whom)) {
-            if (whom == 0)
+        int number, subject_index, which;
+        if (r->running < r->c->jobs && choose(r, &number, &subject_index)) {
+            if (subject_index == 0)
                 status = batch_begin(r, err);
             if (status == OST_OK)
-                status = dump_of(r->c, whom) ? dump_to_results(r, batch_of(r, number), whom, err)
-                                             : runner_start(r, number, whom, err);
-            if (!dump_of(r->c, whom))
+                status = dump_of(r->c, subject_index) ? dump_to_results(r, batch_of(r, number), subject_index, err)
+                                             : runner_start(r, number, subject_index, err);
+            if (!dump_of(r->c, subject_index))
                 continue;
         }
         if (r->running) {
@@ -110,7 +110,7 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
     if (status == OST_OK)
         status = dumps_check(out, err);
     if (status == OST_OK) /* the traces of all workers, those of the references, and a reserve */
-        status = scratch_room(cut_batches(&r) * (uint64_t)(out->jobs + ALIVE), err);
+        status = scratch_check_space(cut_batches(&r) * (uint64_t)(out->jobs + ALIVE), err);
     if (status == OST_OK)
         status = run_all(&r, err);
     for (int i = 0; i < r.running; i++) {

@@ -65,7 +65,7 @@ typedef struct campaign_options {
     void *user;
     /* Called for each difference while both traces exist, in the order of the backends and cases of a batch; c->results
        has the difference. May be NULL. */
-    void (*differs)(void *keeper, const struct campaign *c, int case_index, int whom, const trace *got, compare_range in_got);
+    void (*differs)(void *keeper, const struct campaign *c, int case_index, int subject_index, const trace *got, compare_range in_got);
     void *keeper;
     /* Called when cases [first, first + count) are judged; the reference's trace of them is freed afterwards.
        May be NULL. */

@@ -29,20 +29,20 @@ ost_status batch_begin(runner *r, ost_error *err)
     return OST_OK;
 }
 
-ost_status batch_keep_trace(batch *b, int whom, int from, int judged, trace *got, ost_error *err)
+ost_status batch_store_trace(batch *b, int subject_index, int from, int judged, trace *got, ost_error *err)
 {
-    kept_trace *keep = malloc(sizeof *keep);
-    if (!keep)
+    stored_trace *stored = malloc(sizeof *stored);
+    if (!stored)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of traces");
-    *keep = (kept_trace){whom, from, judged, *got, b->kept};
+    *stored = (stored_trace){subject_index, from, judged, *got, b->stored_traces};
     *got = (trace){0};
-    b->kept = keep;
+    b->stored_traces = stored;
     return OST_OK;
 }
 
 void batch_free(batch *b)
 {
-    for (kept_trace *k = b->kept, *next; k; k = next) {
+    for (stored_trace *k = b->stored_traces, *next; k; k = next) {
         next = k->next;
         trace_free(&k->got);
         free(k);
@@ -68,8 +68,8 @@ static void show_differences(runner *r, const batch *b)
     campaign *c = r->c;
     for (int s = 1; s < c->subjects->count; s++)
         for (int i = b->first; i < b->end; i++)
-            for (const kept_trace *k = b->kept; k; k = k->next) {
-                if (k->whom != s || i < k->from || i >= k->from + k->judged || verdict_of(c, i, s)->verdict != CASE_DIFFERS)
+            for (const stored_trace *k = b->stored_traces; k; k = k->next) {
+                if (k->subject_index != s || i < k->from || i >= k->from + k->judged || verdict_of(c, i, s)->verdict != CASE_DIFFERS)
                     continue;
                 const compare_range range = compare_find(&k->got, (uint32_t)i);
                 case_result *one = verdict_of(c, i, s);

@@ -10,9 +10,9 @@
 #include "validation/dump.h"
 #include "validation/scratch.h"
 
-const char *dump_of(const campaign *c, int whom)
+const char *dump_of(const campaign *c, int subject_index)
 {
-    const char *spec = c->subjects->subjects[whom].spec;
+    const char *spec = c->subjects->subjects[subject_index].spec;
     return strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0 ? spec + strlen(SUBJECT_DUMP) : NULL;
 }
 
@@ -35,7 +35,7 @@ ost_status dumps_check(const campaign *c, ost_error *err)
     return OST_OK;
 }
 
-ost_status dump_to_results(runner *r, batch *b, int whom, ost_error *err)
+ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *err)
 {
     campaign *c = r->c;
     char name[SCRATCH_NAME];
@@ -50,16 +50,16 @@ ost_status dump_to_results(runner *r, batch *b, int whom, ost_error *err)
         return status;
     }
     scratch_name(fd, name);
-    status = dump_trace(dump_of(c, whom), c->plan, b->first, b->end, &b->reference, c->ranges, name, compared, err);
+    status = dump_trace(dump_of(c, subject_index), c->plan, b->first, b->end, &b->reference, c->ranges, name, compared, err);
     if (status == OST_OK)
         status = trace_open(name, &got, err);
     close(fd);
     for (int i = b->first; i < b->end && status == OST_OK; i++) {
-        case_result *one = verdict_of(c, i, whom);
+        case_result *one = verdict_of(c, i, subject_index);
         bool differs = false;
         int judged;
         if (compared[i])
-            status = results_judge(r, b, whom, &got, i, i + 1, &judged, &differs, err);
+            status = results_judge(r, b, subject_index, &got, i, i + 1, &judged, &differs, err);
         else {
             one->verdict = CASE_NOT_RUN;
             r->finished++;
@@ -69,9 +69,9 @@ ost_status dump_to_results(runner *r, batch *b, int whom, ost_error *err)
             snprintf(one->text, sizeof one->text, "%llu of %zu records are in the dump; reports never are",
                      (unsigned long long)compared[i], c->ranges[i].count - 1);
     }
-    b->tasks[whom].from = b->end;
+    b->tasks[subject_index].from = b->end;
     if (status == OST_OK && any)
-        status = batch_keep_trace(b, whom, b->first, b->end - b->first, &got, err);
+        status = batch_store_trace(b, subject_index, b->first, b->end - b->first, &got, err);
     trace_free(&got);
     free(compared);
     return status;

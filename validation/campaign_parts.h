@@ -16,11 +16,11 @@
 #include "validation/verdict.h"
 
 /* A worker's trace with at least one difference; it is freed with its batch. */
-typedef struct kept_trace {
-    int whom, from, judged;
+typedef struct stored_trace {
+    int subject_index, from, judged;
     trace got;
-    struct kept_trace *next;
-} kept_trace;
+    struct stored_trace *next;
+} stored_trace;
 
 /* The cases of a batch that a backend has yet to complete. */
 typedef struct task {
@@ -34,12 +34,12 @@ typedef struct batch {
     trace reference;
     int given;         /* with options->apart the descriptor of that trace, for the other backends' workers; else -1 */
     task *tasks;      /* owned; one per subject */
-    kept_trace *kept;
+    stored_trace *stored_traces;
 } batch;
 
 typedef struct slot {
     worker w;
-    int batch, whom, trace; /* trace: the descriptor of its trace */
+    int batch, subject_index, trace; /* trace: the descriptor of its trace */
 } slot;
 
 enum { ALIVE = 2 }; /* open batches at a time: the one that is compared, and the next one, whose reference runs */
@@ -64,7 +64,7 @@ batch *batch_of(runner *r, int number);
 /* Opens the next batch and creates its tasks. Cases of backends that are not available are judged as not run. */
 ost_status batch_begin(runner *r, ost_error *err);
 /* Takes ownership of a trace in which cases of a backend differ, and leaves *got empty. */
-ost_status batch_keep_trace(batch *b, int whom, int from, int judged, trace *got, ost_error *err);
+ost_status batch_store_trace(batch *b, int subject_index, int from, int judged, trace *got, ost_error *err);
 /* Returns true if every task of an open batch is done. */
 bool batch_is_done(const runner *r, const batch *b);
 /* Ends the oldest batch: calls options->differs for each difference, then options->done, and frees the traces. */
@@ -74,7 +74,7 @@ void batch_free(batch *b);
 /* ---- campaign_worker.c */
 
 /* Starts a worker for a backend's remaining cases in a batch. */
-ost_status runner_start(runner *r, int number, int whom, ost_error *err);
+ost_status runner_start(runner *r, int number, int subject_index, ost_error *err);
 /* Reads the trace of the worker in slot `which`, which ended as *end says, and frees the slot. */
 ost_status runner_ended(runner *r, int which, const worker_result *end, ost_error *err);
 
@@ -83,18 +83,18 @@ ost_status runner_ended(runner *r, int which, const worker_result *end, ost_erro
 /* Enters the results of the reference. Fails if the reference did not finish, since nothing can be compared then. */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
 /* Enters the verdicts of a backend's trace and, if its worker ended prematurely, of the case in which it ended. */
-ost_status results_of_subject(runner *r, batch *b, int whom, trace *got, const worker_result *end, ost_error *err);
+ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end, ost_error *err);
 /* Judges cases [from, until) of a backend's trace; *judged receives the number of them that the trace has complete. */
-ost_status results_judge(runner *r, const batch *b, int whom, const trace *got, int from, int until, int *judged, bool *differs,
+ost_status results_judge(runner *r, const batch *b, int subject_index, const trace *got, int from, int until, int *judged, bool *differs,
                          ost_error *err);
 
 /* ---- campaign_dump.c */
 
 /* Returns the folder of a subject that is a dump, NULL for any other subject. */
-const char *dump_of(const campaign *c, int whom);
+const char *dump_of(const campaign *c, int subject_index);
 /* Checks that every dump was made of this campaign's cases. */
 ost_status dumps_check(const campaign *c, ost_error *err);
 /* Enters the verdicts of a batch from a dump, which needs no worker. */
-ost_status dump_to_results(runner *r, batch *b, int whom, ost_error *err);
+ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *err);
 
 #endif

@@ -9,9 +9,9 @@
 
 /* Stores the digest of a backend's results of case i, computed from its own trace, and the digest's lines if they
    differ from the reference's. */
-static ost_status keep_digests(runner *r, int i, int whom, const trace *got, ost_error *err)
+static ost_status store_digests(runner *r, int i, int subject_index, const trace *got, ost_error *err)
 {
-    case_result *one = verdict_of(r->c, i, whom);
+    case_result *one = verdict_of(r->c, i, subject_index);
     const ost_status status = digests_of_case(got, compare_find(got, (uint32_t)i), &one->lines, &one->made, err);
     if (status != OST_OK)
         return status;
@@ -24,33 +24,33 @@ static ost_status keep_digests(runner *r, int i, int whom, const trace *got, ost
 }
 
 /* Stores the times of the cases from `from` on, which are in the second to last record of a complete trace. */
-static void keep_seconds(const runner *r, int whom, const trace *got, int from)
+static void store_seconds(const runner *r, int subject_index, const trace *got, int from)
 {
     uint64_t count;
     const uint8_t *words;
-    const trace_record *times = got->whole && got->count > 1 ? &got->records[got->count - 2] : NULL;
+    const trace_record *times = got->complete && got->count > 1 ? &got->records[got->count - 2] : NULL;
     if (!times || times->stage != TRACE_END || times->item != TRACE_TIMES || !trace_words(times, &count, &words))
         return;
     for (uint64_t k = 0; k < count && from + (int)k < r->c->plan->count; k++)
-        verdict_of(r->c, from + (int)k, whom)->seconds = 1e-6 * (double)trace_word_at(words, k);
+        verdict_of(r->c, from + (int)k, subject_index)->seconds = 1e-6 * (double)trace_word_at(words, k);
 }
 
-ost_status results_judge(runner *r, const batch *b, int whom, const trace *got, int from, int until, int *judged, bool *differs,
+ost_status results_judge(runner *r, const batch *b, int subject_index, const trace *got, int from, int until, int *judged, bool *differs,
                          ost_error *err)
 {
     ost_status status = OST_OK;
-    *judged = verdict_judge(r->c, &b->reference, whom, got, from, until, differs);
+    *judged = verdict_judge(r->c, &b->reference, subject_index, got, from, until, differs);
     r->finished += *judged;
     for (int i = from; i < from + *judged && status == OST_OK; i++)
-        status = keep_digests(r, i, whom, got, err);
+        status = store_digests(r, i, subject_index, got, err);
     return status;
 }
 
 /* Gives all remaining cases of a backend in a batch the verdict of its permanent failure. */
-static void give_up(runner *r, batch *b, int whom)
+static void give_up(runner *r, batch *b, int subject_index)
 {
-    for (; b->tasks[whom].from < b->end; b->tasks[whom].from++, r->finished++)
-        *verdict_of(r->c, b->tasks[whom].from, whom) = r->last_words[whom];
+    for (; b->tasks[subject_index].from < b->end; b->tasks[subject_index].from++, r->finished++)
+        *verdict_of(r->c, b->tasks[subject_index].from, subject_index) = r->last_words[subject_index];
 }
 
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err)
@@ -63,9 +63,9 @@ ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_re
                         end->end == WORKER_LATE ? "it took too long; --limit gives more time"
                         : end->text[0]          ? end->text
                                                 : "it ended without a word");
-    if (!got->whole)
+    if (!got->complete)
         return ost_fail(err, OST_ERR_INTERNAL, "the reference's trace is not whole");
-    keep_seconds(r, 0, got, b->first);
+    store_seconds(r, 0, got, b->first);
     b->reference = *got;
     *got = (trace){0};
     b->ready = true;
@@ -90,32 +90,32 @@ ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_re
     return status;
 }
 
-ost_status results_of_subject(runner *r, batch *b, int whom, trace *got, const worker_result *end, ost_error *err)
+ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end, ost_error *err)
 {
-    task *t = &b->tasks[whom];
+    task *t = &b->tasks[subject_index];
     bool differs;
     int judged;
     const int from = t->from;
-    ost_status status = results_judge(r, b, whom, got, from, b->end, &judged, &differs, err);
+    ost_status status = results_judge(r, b, subject_index, got, from, b->end, &judged, &differs, err);
     if (status != OST_OK)
         return status;
-    keep_seconds(r, whom, got, from);
+    store_seconds(r, subject_index, got, from);
     t->from += judged;
-    if (differs && batch_keep_trace(b, whom, from, judged, got, err) != OST_OK)
+    if (differs && batch_store_trace(b, subject_index, from, judged, got, err) != OST_OK)
         return err->status;
     if (t->from == b->end)
         return OST_OK;
     /* The worker ended in this case. */
-    case_result *one = verdict_of(r->c, t->from, whom);
+    case_result *one = verdict_of(r->c, t->from, subject_index);
     verdict_of_end(end, one);
     t->from++;
     r->finished++;
     if (end->end != WORKER_CRASHED) { /* no time is left, or the backend would fail again */
-        r->gone[whom] = true;
-        r->last_words[whom] = *one;
+        r->gone[subject_index] = true;
+        r->last_words[subject_index] = *one;
         for (int n = r->done; n < r->begun; n++)
             if (batch_of(r, n)->ready)
-                give_up(r, batch_of(r, n), whom);
+                give_up(r, batch_of(r, n), subject_index);
     }
     return OST_OK;
 }

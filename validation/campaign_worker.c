@@ -14,20 +14,20 @@
 
 enum { CAMPAIGN_WORDS = 24 }; /* arguments of a worker's command line */
 
-ost_status runner_start(runner *r, int number, int whom, ost_error *err)
+ost_status runner_start(runner *r, int number, int subject_index, ost_error *err)
 {
     const plan *p = r->c->plan;
     batch *b = batch_of(r, number);
     slot *s = &r->slots[r->running];
     char seed[32], shard[32], first[16], end[16], tier[16], trace_path[32], given[64];
-    const char *words[CAMPAIGN_WORDS] = {r->o->program, "validate", "--worker", r->c->subjects->subjects[whom].spec,
+    const char *words[CAMPAIGN_WORDS] = {r->o->program, "validate", "--worker", r->c->subjects->subjects[subject_index].spec,
                                          "--trace",     trace_path, "--tier",   tier,
                                          "--seed",      seed,       "--shard",  shard,
                                          "--from",      first,      "--to",     end};
     size_t n = 16;
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)p->seed);
     snprintf(shard, sizeof shard, "%d/%d", p->shard, p->shards);
-    snprintf(first, sizeof first, "%d", b->tasks[whom].from);
+    snprintf(first, sizeof first, "%d", b->tasks[subject_index].from);
     snprintf(end, sizeof end, "%d", b->end);
     snprintf(tier, sizeof tier, "%s", plan_tier_name(p->tier));
     snprintf(trace_path, sizeof trace_path, "/dev/fd/%d", WORKER_TRACE);
@@ -37,7 +37,7 @@ ost_status runner_start(runner *r, int number, int whom, ost_error *err)
     }
     if (p->user)
         words[n++] = "--user";
-    if (b->given >= 0 && whom > 0) {
+    if (b->given >= 0 && subject_index > 0) {
         snprintf(given, sizeof given, "/proc/%lld/fd/%d", (long long)getpid(), b->given);
         words[n++] = "--given";
         words[n++] = given;
@@ -45,8 +45,8 @@ ost_status runner_start(runner *r, int number, int whom, ost_error *err)
     char *argv[CAMPAIGN_WORDS];
     for (size_t i = 0; i < CAMPAIGN_WORDS; i++)
         argv[i] = (char *)(uintptr_t)words[i];
-    const double left = r->o->limit_s - r->c->seconds[whom];
-    *s = (slot){.batch = number, .whom = whom};
+    const double left = r->o->limit_s - r->c->seconds[subject_index];
+    *s = (slot){.batch = number, .subject_index = subject_index};
     ost_status status = scratch_file(&s->trace, err);
     if (status != OST_OK)
         return status;
@@ -55,10 +55,10 @@ ost_status runner_start(runner *r, int number, int whom, ost_error *err)
         close(s->trace);
         return status;
     }
-    b->tasks[whom].running = true;
+    b->tasks[subject_index].running = true;
     r->running++;
     if (r->o->show)
-        r->o->show(r->o->user, r->c->subjects->subjects[whom].spec,
+        r->o->show(r->o->user, r->c->subjects->subjects[subject_index].spec,
                    (double)r->finished / ((double)p->count * r->c->subjects->count));
     return OST_OK;
 }
@@ -71,7 +71,7 @@ static void count_bytes(runner *r)
         bytes += fstat(r->slots[i].trace, &info) == 0 ? (uint64_t)info.st_size : 0;
     for (int n = r->done; n < r->begun; n++) {
         bytes += batch_of(r, n)->reference.size;
-        for (const kept_trace *k = batch_of(r, n)->kept; k; k = k->next)
+        for (const stored_trace *k = batch_of(r, n)->stored_traces; k; k = k->next)
             bytes += k->got.size;
     }
     if (bytes > r->c->trace_bytes)
@@ -97,7 +97,7 @@ static ost_status resources_left(const char *spec, const worker_result *end, ost
 }
 
 /* Fails if the disk is full, which must not be counted as a difference. */
-static ost_status room_left(const worker_result *end, ost_error *err)
+static ost_status check_space_left(const worker_result *end, ost_error *err)
 {
     static const int full[] = {ENOSPC, EDQUOT, EFBIG};
     for (size_t i = 0; i < sizeof full / sizeof full[0] && end->end == WORKER_FAILED; i++)
@@ -117,25 +117,25 @@ ost_status runner_ended(runner *r, int which, const worker_result *end, ost_erro
     trace got = {0};
     ost_error unread = {0};
     r->slots[which] = r->slots[--r->running];
-    r->c->seconds[s.whom] += end->seconds;
-    b->tasks[s.whom].running = false;
+    r->c->seconds[s.subject_index] += end->seconds;
+    b->tasks[s.subject_index].running = false;
     scratch_name(s.trace, name);
     const ost_status readable = trace_open(name, &got, &unread);
-    if (s.whom == 0 && r->o->apart)
+    if (s.subject_index == 0 && r->o->apart)
         b->given = s.trace;
     else
         close(s.trace); /* the mapping remains valid until it is unmapped */
     if (readable != OST_OK)
         got = (trace){0};
-    ost_status status = room_left(end, err);
+    ost_status status = check_space_left(end, err);
     if (status == OST_OK)
-        status = resources_left(r->c->subjects->subjects[s.whom].spec, end, err);
+        status = resources_left(r->c->subjects->subjects[s.subject_index].spec, end, err);
     if (status == OST_OK && (unread.status == OST_ERR_MEMORY || unread.status == OST_ERR_IO))
         status = ost_fail(err, unread.status, "%s", unread.text);
-    if (status == OST_OK && got.whole)
-        status = paths_add(&r->c->paths[s.whom], &got.records[got.count - 1], err);
+    if (status == OST_OK && got.complete)
+        status = paths_add(&r->c->paths[s.subject_index], &got.records[got.count - 1], err);
     if (status == OST_OK)
-        status = s.whom == 0 ? results_of_reference(r, b, &got, end, err) : results_of_subject(r, b, s.whom, &got, end, err);
+        status = s.subject_index == 0 ? results_of_reference(r, b, &got, end, err) : results_of_subject(r, b, s.subject_index, &got, end, err);
     trace_free(&got);
     return status;
 }

@@ -34,7 +34,7 @@ static int32_t voxel_at(const trace_block_view *b, size_t i)
     return v;
 }
 
-static bool same_place(const trace_block_view *a, const trace_block_view *b)
+static bool same_location(const trace_block_view *a, const trace_block_view *b)
 {
     return memcmp(a->lo, b->lo, sizeof a->lo) == 0 && memcmp(&a->dims, &b->dims, sizeof a->dims) == 0 && a->voxel_bytes == b->voxel_bytes;
 }
@@ -79,24 +79,24 @@ static int order(const trace_block_view *a, const trace_block_view *b)
 enum { LEAF_BYTES = 2 * OST_LEAF * OST_LEAF * OST_LEAF };
 
 /* Copies the part of a complete grid's block that a leaf covers. Returns false if the leaf is not inside the grid. */
-static bool cut_leaf(const trace_block_view *whole, const trace_block_view *place, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
+static bool cut_leaf(const trace_block_view *block, const trace_block_view *location, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
-    *out = *place;
+    *out = *location;
     out->voxels = leaf;
-    if (whole->voxel_bytes != 2 || whole->lo[0] || whole->lo[1] || whole->lo[2] || place->dims.x > OST_LEAF || place->dims.y > OST_LEAF ||
-        place->dims.z > OST_LEAF || place->lo[0] < 0 || place->lo[1] < 0 || place->lo[2] < 0 || place->lo[0] + place->dims.x > whole->dims.x ||
-        place->lo[1] + place->dims.y > whole->dims.y || place->lo[2] + place->dims.z > whole->dims.z)
+    if (block->voxel_bytes != 2 || block->lo[0] || block->lo[1] || block->lo[2] || location->dims.x > OST_LEAF || location->dims.y > OST_LEAF ||
+        location->dims.z > OST_LEAF || location->lo[0] < 0 || location->lo[1] < 0 || location->lo[2] < 0 || location->lo[0] + location->dims.x > block->dims.x ||
+        location->lo[1] + location->dims.y > block->dims.y || location->lo[2] + location->dims.z > block->dims.z)
         return false;
     uint8_t *to = leaf;
-    const size_t row = 2 * (size_t)place->dims.x;
-    for (int32_t k = 0; k < place->dims.z; k++)
-        for (int32_t j = 0; j < place->dims.y; j++, to += row)
-            memcpy(to, whole->voxels + 2 * ((size_t)place->lo[0] + (size_t)whole->dims.x * ((size_t)(place->lo[1] + j) + (size_t)whole->dims.y * (size_t)(place->lo[2] + k))), row);
+    const size_t row = 2 * (size_t)location->dims.x;
+    for (int32_t k = 0; k < location->dims.z; k++)
+        for (int32_t j = 0; j < location->dims.y; j++, to += row)
+            memcpy(to, block->voxels + 2 * ((size_t)location->lo[0] + (size_t)block->dims.x * ((size_t)(location->lo[1] + j) + (size_t)block->dims.y * (size_t)(location->lo[2] + k))), row);
     return true;
 }
 
 /* Finds the contents of a leaf before record `at` of a case: those in the latest earlier record that contains it. */
-static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *place, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
+static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *location, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
     while (at-- > 0) {
         const trace_record *r = &t->records[range.first + at];
@@ -104,8 +104,8 @@ static bool leaf_before(const trace *t, compare_range range, size_t at, const tr
         trace_block_view b;
         while ((r->stage == TRACE_TICK || r->stage == TRACE_CHUNKS) && trace_next_block(r, &walk, &b)) {
             if (r->stage == TRACE_CHUNKS)
-                return cut_leaf(&b, place, leaf, out);
-            if (same_place(&b, place)) {
+                return cut_leaf(&b, location, leaf, out);
+            if (same_location(&b, location)) {
                 *out = b;
                 return true;
             }
@@ -124,7 +124,7 @@ static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *
     bool has_a = trace_next_block(r, &at_ref, &a), has_b = trace_next_block(g, &at_got, &b), paired = true;
     while (has_a || has_b) {
         const int which = !has_a ? 1 : !has_b ? -1 : order(&a, &b);
-        if (which == 0 && same_place(&a, &b))
+        if (which == 0 && same_location(&a, &b))
             compare_block(&a, &b, out);
         else if (which < 0 && r->stage == TRACE_TICK && leaf_before(got, in_got, at, &a, leaf, &other))
             compare_block(&a, &other, out);
@@ -194,7 +194,7 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
         out->kind = b->stage == TRACE_FAILED ? COMPARE_MISSING : COMPARE_SHAPE;
         return;
     }
-    if (b->flags & TRACE_STANDS_IN || (a->body_bytes == b->body_bytes && memcmp(a->body, b->body, a->body_bytes) == 0))
+    if (b->flags & TRACE_STAND_IN || (a->body_bytes == b->body_bytes && memcmp(a->body, b->body, a->body_bytes) == 0))
         return;
     if (a->stage == TRACE_FAILED) {
         out->kind = compare_words(a, b, out) ? COMPARE_WORD : COMPARE_EQUAL;

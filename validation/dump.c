@@ -253,7 +253,7 @@ static void changed_leaves(maker *m)
     memcpy(m->state, m->next, 2 * (size_t)ost_dims_count(d));
 }
 
-static ost_status keep_bone(maker *m, const trace_block_view *b, const int16_t *got, ost_error *err)
+static ost_status store_bone(maker *m, const trace_block_view *b, const int16_t *got, ost_error *err)
 {
     const size_t bytes = 2 * (size_t)ost_dims_count(b->dims);
     m->dims = b->dims;
@@ -268,14 +268,14 @@ static ost_status keep_bone(maker *m, const trace_block_view *b, const int16_t *
 }
 
 /* Writes the record of a stage that has one complete grid. */
-static ost_status make_whole(maker *m, const trace_record *r, const char *name, ost_error *err)
+static ost_status make_complete(maker *m, const trace_record *r, const char *name, ost_error *err)
 {
     size_t at = 0;
     trace_block_view b;
     bool there = false;
     if (!trace_next_block(r, &at, &b)) { /* an import that was refused has no grid */
         copy_words(m->w, r);
-        trace_flags(m->w, TRACE_STANDS_IN);
+        trace_flags(m->w, TRACE_STAND_IN);
         return OST_OK;
     }
     const size_t bytes = (size_t)ost_dims_count(b.dims) * b.voxel_bytes;
@@ -287,13 +287,13 @@ static ost_status make_whole(maker *m, const trace_record *r, const char *name, 
         memcpy(voxels, b.voxels, bytes);
     if (status == OST_OK) {
         copy_words(m->w, r);
-        trace_flags(m->w, there ? TRACE_NO_WORDS : TRACE_STANDS_IN);
+        trace_flags(m->w, there ? TRACE_NO_WORDS : TRACE_STAND_IN);
         void *to = trace_block(m->w, b.lo, b.dims, b.voxel_bytes);
         if (to)
             memcpy(to, voxels, bytes);
         m->compared += there;
         if (r->stage == TRACE_CHUNKS)
-            status = keep_bone(m, &b, (const int16_t *)(const void *)voxels, err);
+            status = store_bone(m, &b, (const int16_t *)(const void *)voxels, err);
     }
     free(voxels);
     return status;
@@ -314,7 +314,7 @@ static ost_status make_tick(maker *m, const trace_record *r, const char *name, o
     if (!there)
         memcpy(m->next, m->ref, 2 * (size_t)ost_dims_count(m->dims));
     copy_words(m->w, r);
-    trace_flags(m->w, there ? TRACE_NO_WORDS : TRACE_STANDS_IN);
+    trace_flags(m->w, there ? TRACE_NO_WORDS : TRACE_STAND_IN);
     changed_leaves(m);
     m->compared += there;
     return OST_OK;
@@ -331,11 +331,11 @@ static ost_status make_case(maker *m, const trace *ref, compare_range range, uin
         if (r->stage == TRACE_TICK)
             status = make_tick(m, r, name, err);
         else if (is_grid(r->stage))
-            status = make_whole(m, r, name, err);
+            status = make_complete(m, r, name, err);
         else { /* stages that have only reports */
             copy_words(m->w, r);
             copy_blocks(m->w, r);
-            trace_flags(m->w, TRACE_STANDS_IN);
+            trace_flags(m->w, TRACE_STAND_IN);
         }
         if (status == OST_OK)
             status = trace_end(m->w, err);

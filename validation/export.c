@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 #include "validation/dump.h"
-#include "validation/leftover.h"
+#include "validation/signal_cleanup.h"
 #include "validation/scene.h"
 
 enum { PATH = 4096 };
@@ -178,7 +178,7 @@ ost_status export_cases(const char *folder, const plan *p, ost_error *err)
     char seed[32];
     if (mkdir(folder, 0777) != 0)
         return ost_fail(err, OST_ERR_IO, "%s: %s", folder, strerror(errno));
-    leftover_folder(folder);
+    signal_cleanup_folder(folder);
     json_t *list = json_array();
     ost_status status = OST_OK;
     for (int i = 0; i < p->count && status == OST_OK; i++)
@@ -191,8 +191,8 @@ ost_status export_cases(const char *folder, const plan *p, ost_error *err)
                           err);
     json_decref(list);
     if (status == OST_OK)
-        leftover_folder_gone(folder);
+        signal_cleanup_folder_gone(folder);
     else
-        leftover_folder_remove(folder);
+        signal_cleanup_folder_remove(folder);
     return status;
 }

@@ -48,7 +48,7 @@ static bool words_differ(const trace_record *a, const trace_record *b)
     return !trace_words(a, &n, &x) || !trace_words(b, &m, &y) || n != m || memcmp(x, y, 8 * (size_t)n) != 0;
 }
 
-static ost_status keep_bones(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err)
+static ost_status store_bones(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err)
 {
     const size_t bytes = (size_t)ost_dims_count(a->dims) * 2;
     const trace_block_view *views[2] = {a, b};
@@ -67,14 +67,14 @@ static ost_status one_record(margin_walk *w, const trace_record *a, const trace_
 {
     trace_block_view x, y;
     margin_stage *m = &w->out->of[a->stage];
-    const bool tool = a->stage == TRACE_TOOL, whole = tool || a->stage == TRACE_RECT || a->stage == TRACE_CUBIC || a->stage == TRACE_CHUNKS;
-    if (!(b->flags & TRACE_STANDS_IN)) {
+    const bool tool = a->stage == TRACE_TOOL, grid = tool || a->stage == TRACE_RECT || a->stage == TRACE_CUBIC || a->stage == TRACE_CHUNKS;
+    if (!(b->flags & TRACE_STAND_IN)) {
         m->records++;
         m->reports += !(b->flags & (TRACE_NO_WORDS | TRACE_BOUNDS)) && words_differ(a, b);
     }
     if (a->stage == TRACE_TICK)
         return margin_tick(w, a, b, err);
-    if (!whole)
+    if (!grid)
         return OST_OK;
     if (!one_block(a, tool ? 1 : 2, &x) || !one_block(b, tool ? 1 : 2, &y) || !same_dims(x.dims, y.dims) || (tool && a->item >= (uint32_t)w->s->tool_count))
         return ost_fail(err, OST_ERR_INPUT, "stage %s: the grids have not the same size", trace_stage_name(a->stage));
@@ -91,7 +91,7 @@ static ost_status one_record(margin_walk *w, const trace_record *a, const trace_
     }
     if (a->stage == TRACE_CHUNKS) {
         margin_chunks(w, &x, &y);
-        return keep_bones(w, &x, &y, err);
+        return store_bones(w, &x, &y, err);
     }
     w->tool[0][a->item] = x;
     w->tool[1][a->item] = y;

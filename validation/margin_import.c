@@ -89,7 +89,7 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
         meet_sample(&w->s->rect, &w->s->samples[i], list, count);
     for (size_t i = 0; i < count; i++) {
         int32_t at[3];
-        margin_place(a->dims, list[i].voxel, at);
+        margin_position(a->dims, list[i].voxel, at);
         /* Either a sample with the other backend's value entered the voxel, or all its samples left and it is empty. */
         if (list[i].enter >= 0)
             margin_decided(m, (uint64_t)list[i].enter, 0, at);
@@ -113,9 +113,9 @@ typedef struct source {
 static source source_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
     source x = {.tap = resample_at(i, cubic, rect, n, rule)};
-    const int64_t rest = x.tap.top - ost_floor_div(x.tap.top, x.tap.bottom) * x.tap.bottom;
-    x.down = (int64_t)((ost_i128)rest * MARGIN_ONE / x.tap.bottom);
-    x.up = (int64_t)((ost_i128)(x.tap.bottom - rest) * MARGIN_ONE / x.tap.bottom);
+    const int64_t remainder = x.tap.top - ost_floor_div(x.tap.top, x.tap.bottom) * x.tap.bottom;
+    x.down = (int64_t)((ost_i128)remainder * MARGIN_ONE / x.tap.bottom);
+    x.up = (int64_t)((ost_i128)(x.tap.bottom - remainder) * MARGIN_ONE / x.tap.bottom);
     return x;
 }
 
@@ -155,7 +155,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
         int32_t at[3];
         if (margin_value16(a, i) == got)
             continue;
-        margin_place(a->dims, i, at);
+        margin_position(a->dims, i, at);
         source s[3];
         int64_t best = -1;
         for (int x = 0; x < 3; x++)

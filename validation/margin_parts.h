@@ -42,7 +42,7 @@ static inline size_t margin_at(ost_dims d, int32_t x, int32_t y, int32_t z)
     return (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
 }
 
-static inline void margin_place(ost_dims d, size_t i, int32_t at[3])
+static inline void margin_position(ost_dims d, size_t i, int32_t at[3])
 {
     at[0] = (int32_t)(i % (size_t)d.x);
     at[1] = (int32_t)(i / (size_t)d.x % (size_t)d.y);

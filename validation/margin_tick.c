@@ -169,7 +169,7 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         int16_t value[2];
     } change;
     change *changes = NULL;
-    size_t count = 0, room = 0;
+    size_t count = 0, capacity = 0;
     for (int side = 0; side < 2; side++) {
         size_t walk_at = 0;
         trace_block_view block;
@@ -179,14 +179,14 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
             const size_t n = (size_t)ost_dims_count(block.dims);
             for (size_t i = 0; i < n; i++) {
                 int32_t in[3];
-                margin_place(block.dims, i, in);
+                margin_position(block.dims, i, in);
                 const size_t at = margin_at(w->dims, block.lo[0] + in[0], block.lo[1] + in[1], block.lo[2] + in[2]);
                 const int16_t value = (int16_t)margin_value16(&block, i);
                 if (value == w->bone[side][at])
                     continue;
-                if (count == room) {
-                    room = room ? 2 * room : 256;
-                    change *grown = realloc(changes, room * sizeof *grown);
+                if (count == capacity) {
+                    capacity = capacity ? 2 * capacity : 256;
+                    change *grown = realloc(changes, capacity * sizeof *grown);
                     if (!grown) {
                         free(changes);
                         return ost_fail(err, OST_ERR_MEMORY, "no memory for a tick's changes");
@@ -205,13 +205,13 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
            value of side 0 and is skipped unless both old values were equal to it. */
         if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
             continue;
-        int32_t place_at[3];
-        margin_place(w->dims, at, place_at);
+        int32_t position_at[3];
+        margin_position(w->dims, at, position_at);
         if (!made) {
             maps = maps_of(w, tick, poses);
             made = true;
         }
-        judge_voxel(w, tick, maps, poses, place_at, w->bone[0][at] == 0 && was[0] != 0, w->bone[1][at] == 0 && was[1] != 0);
+        judge_voxel(w, tick, maps, poses, position_at, w->bone[0][at] == 0 && was[0] != 0, w->bone[1][at] == 0 && was[1] != 0);
     }
     for (size_t i = 0; i < count && w->apart; i++) /* the next tick starts from the reference's bone */
         w->bone[1][changes[i].at] = w->bone[0][changes[i].at];

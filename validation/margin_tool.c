@@ -154,7 +154,7 @@ void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const
             margin_other(m, &m->unmeasured);
             continue;
         }
-        margin_place(a->dims, i, at);
+        margin_position(a->dims, i, at);
         const int64_t one = INT64_C(1) << bits;
         const vector p = {(2 * (int64_t)at[0] + 1) * one, (2 * (int64_t)at[1] + 1) * one, (2 * (int64_t)at[2] + 1) * one};
         bool had = nearest_surface(&tool->cutting, p, &tests, false, &best);

@@ -22,7 +22,7 @@
 #include "validation/trace.h"
 
 /* Greatest number of voxels for which the bone is downloaded completely after every tick (perform_tick.c). */
-enum { PERFORM_WHOLE = 1 << 18 };
+enum { PERFORM_ALL_VOXELS = 1 << 18 };
 
 /* Called for every record that was written; the parameter may be NULL. */
 typedef void perform_watch(void *user, trace_stage stage, uint32_t item);

@@ -15,7 +15,7 @@ ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, os
 ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err)
 {
     trace_begin(p->w, stage, p->case_index, item);
-    trace_flags(p->w, TRACE_STANDS_IN);
+    trace_flags(p->w, TRACE_STAND_IN);
     return perform_end_record(p, stage, item, err);
 }
 

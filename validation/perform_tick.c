@@ -6,13 +6,13 @@
 #include <string.h>
 
 /*
- * A bone of up to PERFORM_WHOLE voxels is downloaded completely after each tick.
+ * A bone of up to PERFORM_ALL_VOXELS voxels is downloaded completely after each tick.
  * Of a larger one the slices that the event could reach are downloaded, and the
- * complete bone every WHOLE_EVERY ticks and at the end; a change outside of the
+ * complete bone every ALL_VOXELS_EVERY ticks and at the end; a change outside of the
  * event's reach shows only then.  For a million voxels the download takes nine
  * tenths of a tick's time, on a device more.
  */
-enum { WHOLE_EVERY = 32 };
+enum { ALL_VOXELS_EVERY = 32 };
 
 /* The second implementation runs events only up to this number of voxels times ticks: a thousand voxels take about a
    microsecond. */
@@ -173,8 +173,8 @@ static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool
 {
     const ost_tick *tick = &p->path.ticks[i];
     const ost_world *world = p->world;
-    const bool anew = tick->tool != world->clock.tool || tick->lifted || world->options.sweep_off;
-    const ost_pose from = anew ? tick->pose : world->tools[tick->tool].input.event;
+    const bool restarts = tick->tool != world->clock.tool || tick->lifted || world->options.sweep_off;
+    const ost_pose from = restarts ? tick->pose : world->tools[tick->tool].input.event;
     ost_error why = {0};
     const ost_status stepped = ost_world_step(p->world, tick, r, &why);
     *refused = stepped == OST_ERR_RANGE; /* a jump that is too long is a result; any other error is a failure */
@@ -227,7 +227,7 @@ ost_status perform_tick(performer *p, size_t i, ost_error *err)
     }
     record_report(p, r.report);
     int32_t z0 = 0, z1 = d.z;
-    if (ost_dims_count(d) > PERFORM_WHOLE && (i + 1) % WHOLE_EVERY != 0 && !p->second) {
+    if (ost_dims_count(d) > PERFORM_ALL_VOXELS && (i + 1) % ALL_VOXELS_EVERY != 0 && !p->second) {
         const int32_t size = p->s->chunk_size;
         z0 = r.chunk_lo[2] * size / OST_LEAF * OST_LEAF;
         z1 = (r.chunk_hi[2] * size + OST_LEAF - 1) / OST_LEAF * OST_LEAF;

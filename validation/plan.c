@@ -49,29 +49,29 @@ static int count_of(int f, plan_tier tier, const char *only)
 
 ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user, plan *out, ost_error *err)
 {
-    int room = user ? user->count : 0;
+    int capacity = user ? user->count : 0;
     for (int f = 0; f < PLAN_FAMILIES; f++)
-        room += count_of(f, tier, only);
+        capacity += count_of(f, tier, only);
     *out = (plan){.tier = tier, .seed = seed, .shard = shard, .shards = shards, .only = only, .user = user ? user->store : NULL};
-    out->cases = malloc((size_t)room * sizeof *out->cases);
+    out->cases = malloc((size_t)capacity * sizeof *out->cases);
     if (!out->cases)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a plan of %d cases", room);
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a plan of %d cases", capacity);
     for (int f = 0; f < PLAN_FAMILIES; f++)
         for (int n = 0; n < count_of(f, tier, only); n++) {
             plan_case c = {.family = (plan_family)f, .number = n, .tier = tier, .seed = seed};
             snprintf(c.id, sizeof c.id, "%s/%d", families[f].name, n);
             if (only && strncmp(c.id, only, strlen(only)) != 0)
                 continue;
-            if (out->whole++ % shards == shard - 1)
+            if (out->total++ % shards == shard - 1)
                 out->cases[out->count++] = c;
         }
     for (int n = 1; user && n <= user->count; n++) {
         plan_case c = {.family = PLAN_USER, .number = n, .tier = tier, .seed = seed, .store = user->store};
         snprintf(c.id, sizeof c.id, "%s/%d", families[PLAN_USER].name, n);
-        if ((!only || strncmp(c.id, only, strlen(only)) == 0) && out->whole++ % shards == shard - 1)
+        if ((!only || strncmp(c.id, only, strlen(only)) == 0) && out->total++ % shards == shard - 1)
             out->cases[out->count++] = c;
     }
-    if (!out->whole) {
+    if (!out->total) {
         plan_free(out);
         return ost_fail(err, OST_ERR_USAGE, "no case of tier %s begins with '%s'", plan_tier_name(tier), only);
     }

@@ -75,7 +75,7 @@ typedef struct plan {
     const struct user_store *user; /* the user's own cases, borrowed; NULL if there are none */
     int count;
     plan_case *cases; /* owned; case k of the complete list belongs to shard 1 + k mod shards */
-    int whole;        /* number of cases of all shards together */
+    int total;        /* number of cases of all shards together */
 } plan;
 
 const char *plan_tier_name(plan_tier tier);

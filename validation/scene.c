@@ -153,7 +153,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     dims.y = (int32_t)draw_between(d, 18, 40);
     dims.z = (int32_t)draw_between(d, 12, 30);
     s->rect.dims = dims;
-    while (cubic_voxels(s) > PERFORM_WHOLE) /* so that every tick's bone is downloaded completely */
+    while (cubic_voxels(s) > PERFORM_ALL_VOXELS) /* so that every tick's bone is downloaded completely */
         s->cubic *= 2;
     status = scene_ct(s, d, dims, err);
     s->batch = (size_t)draw_between(d, 500, 20000);
@@ -300,7 +300,7 @@ void scene_free(scene *s)
     for (int i = 0; i < s->tool_count; i++)
         scene_tool_free(&s->tools[i]);
     ost_path_free(&s->path);
-    ost_path_free(&s->hand);
+    ost_path_free(&s->handle_path);
     *s = (scene){0};
 }
 
@@ -315,11 +315,11 @@ void scene_tool_free(scene_tool *tool)
 ost_status scene_turn(scene *s, int32_t rpm, ost_error *err)
 {
     ost_motor motor = {0};
-    ost_status status = ost_path_init(&s->hand, s->path.count, err);
+    ost_status status = ost_path_init(&s->handle_path, s->path.count, err);
     if (status != OST_OK)
         return status;
-    memcpy(s->hand.ticks, s->path.ticks, s->path.count * sizeof *s->path.ticks);
-    s->hand_rpm = rpm;
+    memcpy(s->handle_path.ticks, s->path.ticks, s->path.count * sizeof *s->path.ticks);
+    s->handle_rpm = rpm;
     return ost_motor_path(&s->path, rpm, &motor, err);
 }
 

@@ -47,8 +47,8 @@ typedef struct scene {
        and only the steps (steps_record.h) are computed. */
     ost_world_options world;
     ost_path path;
-    ost_path hand;    /* poses of the hand from which path was computed with a motor of hand_rpm; empty without a motor */
-    int32_t hand_rpm;
+    ost_path handle_path; /* poses of the hand from which path was computed with a motor of handle_rpm; empty without a motor */
+    int32_t handle_rpm;
     int collide_every; /* n: the backend also collides before every n-th tick; 0: never */
 
     ost_digest digest; /* digest of the members above if scene_digest was called; it goes into the trace */

@@ -34,7 +34,7 @@ static ost_pm3 centre_of(const ost_geometry *g, int32_t x, int32_t y, int32_t z)
     return (ost_pm3){g->origin.x + g->spacing.x * x, g->origin.y + g->spacing.y * y, g->origin.z + g->spacing.z * z};
 }
 
-static ost_status room_for_voxels(scene *s, ost_error *err)
+static ost_status reserve_voxels(scene *s, ost_error *err)
 {
     const size_t voxels = (size_t)ost_dims_count(s->rect.dims);
     s->samples = malloc(voxels * sizeof *s->samples);
@@ -59,12 +59,12 @@ ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err)
     s->resample = (ost_resample[]){OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST}[kind % 2];
     s->chunk_size = CHUNK;
     s->threshold = THRESHOLD;
-    ost_status status = room_for_voxels(s, err);
+    ost_status status = reserve_voxels(s, err);
     for (int32_t z = 0; z < SLICES && status == OST_OK; z++)
         for (int32_t y = 0; y < HIGH; y++)
             for (int32_t x = 0; x < WIDE; x++) {
-                const int32_t chunk = x / CHUNK, place = chunk == CHUNK ? LAST - 1 : chunk;
-                const bool on = x % CHUNK == place && y == chunk % HIGH && z == (chunk % 5 == 4 ? 2 : 1);
+                const int32_t chunk = x / CHUNK, index = chunk == CHUNK ? LAST - 1 : chunk;
+                const bool on = x % CHUNK == index && y == chunk % HIGH && z == (chunk % 5 == 4 ? 2 : 1);
                 add_sample(s, x, y, z, on ? draw_between(d, 800, 32767) : draw_between(d, -1000, THRESHOLD - 1));
             }
     if (status == OST_OK)
@@ -82,7 +82,7 @@ ost_status scene_emptied(int kind, scene *s, draw *d, ost_error *err)
     s->cubic = cube;
     s->chunk_size = 16;
     s->threshold = THRESHOLD;
-    ost_status status = room_for_voxels(s, err);
+    ost_status status = reserve_voxels(s, err);
     for (int32_t z = 0; z < SIDE && status == OST_OK; z++)
         for (int32_t y = 0; y < SIDE; y++)
             for (int32_t x = 0; x < SIDE; x++)

@@ -35,7 +35,7 @@ static ost_tick *next_tick(scene *s, int32_t tool)
     return tick;
 }
 
-static ost_status room_for_ticks(scene *s, size_t count, ost_error *err)
+static ost_status reserve_ticks(scene *s, size_t count, ost_error *err)
 {
     const ost_status status = ost_path_init(&s->path, count, err);
     s->path.count = 0;
@@ -127,7 +127,7 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     if (status == OST_OK)
         status = scene_add_bar(s, (ost_dims){257, 3, 5}, 0, 350 * UM, err);
     if (status == OST_OK)
-        status = room_for_ticks(s, 4, err);
+        status = reserve_ticks(s, 4, err);
     for (int i = 0; i < 4 && status == OST_OK; i++) {
         ost_pose *pose = &next_tick(s, i == 3)->pose;
         /* From one end to the other, over the last rows and slices. */
@@ -216,7 +216,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
             }
     s->world.classes = classes_of(kind);
     const ost_dims rods[3] = {{61, 1, 2}, {3, 59, 1}, {2, 3, 63}};
-    ost_status status = room_for_ticks(s, 3 * ROD_TICKS + 2, err);
+    ost_status status = reserve_ticks(s, 3 * ROD_TICKS + 2, err);
     for (int32_t t = 0; t < 3 && status == OST_OK; t++) {
         status = scene_add_bar(s, rods[t], 0, 250 * UM, err);
         if (status == OST_OK)
@@ -306,7 +306,7 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
     if (status == OST_OK)
         status = scene_add_bar(s, (ost_dims){33, 9, 17}, 0, cube / 2, err);
     if (status == OST_OK)
-        status = room_for_ticks(s, 6, err);
+        status = reserve_ticks(s, 6, err);
     if (status != OST_OK)
         return status;
     /* The plates lie 16 to 20 voxels from the tool's middle on either side; they do not reach the last rows and the

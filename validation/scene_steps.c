@@ -100,7 +100,7 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
     static const double none[3] = {0, 0, 0}, upright[4] = {1, 0, 0, 0},
                         quarter[4] = {0.70710678118654752440, 0, 0.70710678118654752440, 0};
     const ost_geometry *g = &s->rect;
-    const bool hand = number % 3 == 2;
+    const bool handle_path = number % 3 == 2;
     const ost_pm3 middle = {g->origin.x + g->dims.x / 2 * s->cubic, g->origin.y + g->dims.y / 2 * s->cubic,
                             g->origin.z + g->dims.z / 2 * s->cubic};
     double q[4] = {1, 0, 0, 0};
@@ -110,8 +110,8 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
     for (int i = 0; i < TICKS && status == OST_OK; i++) {
         ost_tick *tick = &s->path.ticks[i];
         const ost_pm off = draw_between(d, 0, 3) ? 0 : draw_between(d, -1, 1);
-        t_ns += draw_between(d, 1, hand ? 90000000 : 3000000);
-        *tick = (ost_tick){.t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = hand ? OST_RPM_HAND : OST_RPM_ON};
+        t_ns += draw_between(d, 1, handle_path ? 90000000 : 3000000);
+        *tick = (ost_tick){.t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = handle_path ? OST_RPM_OF_DEVICE : OST_RPM_ON};
         const bool wide = tick->tool == 1; /* rotated little: a rotation moves this tool's corners far */
         const bool straight = i % 4 == 1 || i % 4 == 2;
         if (straight) { /* not rotated since the last tick: the distance alone decides the number of poses */
@@ -119,11 +119,11 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
             at[draw_between(d, 0, 2)] += i % 8 == 6 ? 0 : n * s->cubic / 2 + off; /* a distance of 0 gives one pose */
         } else {
             const double last[4] = {q[0], q[1], q[2], q[3]};
-            turn_on(d, wide ? 0.01 : i % 8 == 7 && !hand ? 1.2 : 0.1, last, q);
+            turn_on(d, wide ? 0.01 : i % 8 == 7 && !handle_path ? 1.2 : 0.1, last, q);
             for (int a = 0; a < 3; a++)
                 at[a] = (a == 0 ? middle.x : a == 1 ? middle.y : middle.z) + drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
         }
-        if (!hand && !wide && (i % 8 == 4 || i % 8 == 5)) /* 0, then 90 degrees, the limit of AR-SWEEP-3 */
+        if (!handle_path && !wide && (i % 8 == 4 || i % 8 == 5)) /* 0, then 90 degrees, the limit of AR-SWEEP-3 */
             memcpy(q, i % 8 == 4 ? upright : quarter, sizeof q);
         if (status == OST_OK)
             status = ost_pose_from_doubles(none, q, &tick->pose, err);
@@ -135,7 +135,7 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
             *p = (ost_pose){p->t, -p->qw, -p->qx, -p->qy, -p->qz};
         }
     }
-    return status == OST_OK && hand ? scene_turn(s, (int32_t)draw_between(d, 1, 600), err) : status;
+    return status == OST_OK && handle_path ? scene_turn(s, (int32_t)draw_between(d, 1, 600), err) : status;
 }
 
 ost_status scene_steps(scene *s, draw *d, int number, ost_error *err)

@@ -9,7 +9,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#include "validation/leftover.h"
+#include "validation/signal_cleanup.h"
 
 static const char *base_folder(void)
 {
@@ -30,7 +30,7 @@ ost_status scratch_make(char path[SCRATCH_PATH], ost_error *err)
         path[0] = '\0';
         return status;
     }
-    leftover_folder(path);
+    signal_cleanup_folder(path);
     return OST_OK;
 }
 
@@ -39,7 +39,7 @@ void scratch_remove(const char *path)
     if (!*path)
         return;
     rmdir(path);
-    leftover_folder_gone(path);
+    signal_cleanup_folder_gone(path);
 }
 
 ost_status scratch_file(int *fd, ost_error *err)
@@ -65,7 +65,7 @@ void scratch_name(int fd, char name[SCRATCH_NAME])
     snprintf(name, SCRATCH_NAME, "/proc/self/fd/%d", fd);
 }
 
-ost_status scratch_room(uint64_t bytes, ost_error *err)
+ost_status scratch_check_space(uint64_t bytes, ost_error *err)
 {
     struct statvfs space;
     if (statvfs(base_folder(), &space) != 0)

@@ -26,6 +26,6 @@ ost_status scratch_file(int *fd, ost_error *err);
 void scratch_name(int fd, char name[SCRATCH_NAME]);
 
 /* Returns OST_ERR_IO if fewer than `bytes` are free; the error line names the folder, the free and the needed size. */
-ost_status scratch_room(uint64_t bytes, ost_error *err);
+ost_status scratch_check_space(uint64_t bytes, ost_error *err);
 
 #endif

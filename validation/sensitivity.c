@@ -44,14 +44,14 @@ static void watch(void *user, trace_stage stage, uint32_t item)
     }
 }
 
-static ost_status run_one(ost_backend *backend, const scene *s, const char *path, perform_watch *look, void *user, trace *out, ost_error *err)
+static ost_status run_one(ost_backend *backend, const scene *s, const char *path, perform_watch *watcher, void *user, trace *out, ost_error *err)
 {
     trace_writer *w;
     ost_error why;
     ost_status status = trace_create(path, &w, err);
     if (status != OST_OK)
         return status;
-    status = perform(backend, s, 0, w, look, user, &why, err);
+    status = perform(backend, s, 0, w, watcher, user, &why, err);
     if (status == OST_OK) {
         trace_begin(w, TRACE_END, 1, 0);
         status = trace_end(w, err);
@@ -71,7 +71,7 @@ static bool is_located(const witness *w, const compare_difference *d)
         return false;
     if (d->stage == TRACE_UPLOAD)
         return true;
-    const deviation_place *first = &w->record.first_changed;
+    const deviation_position *first = &w->record.first_changed;
     if (d->kind == COMPARE_VOXEL)
         return memcmp(d->voxel, first->voxel, sizeof d->voxel) == 0;
     if (d->kind == COMPARE_WORD)

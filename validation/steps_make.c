@@ -91,7 +91,7 @@ void steps_meshes_free(ost_snapped_mesh meshes[2], bool own)
 
 ost_status steps_path_of(bool second, const scene *s, ost_path *out, bool *own, ost_error *err)
 {
-    *own = second && s->hand.count > 0;
+    *own = second && s->handle_path.count > 0;
     *out = s->path;
-    return *own ? steps_motor_path(&s->hand, s->hand_rpm, out, err) : OST_OK;
+    return *own ? steps_motor_path(&s->handle_path, s->handle_rpm, out, err) : OST_OK;
 }

@@ -16,7 +16,7 @@
 
 #include "validation/bundle/limits.h"
 #include "validation/bundle/suite.h"
-#include "validation/leftover.h"
+#include "validation/signal_cleanup.h"
 
 #define RUN_TEST "tests/run-test"
 enum { SLOTS = 16, BLOCK = 1 << 16, WAIT_MS = 50 };
@@ -25,7 +25,7 @@ extern char **environ;
 
 typedef struct running {
     pid_t pid;   /* process id, which is also the id of its process group */
-    int said;    /* read end of a pipe from its output; -1: closed */
+    int output_fd; /* read end of a pipe from its output; -1: closed */
     size_t number;
     double begun;
     json_int_t bytes;
@@ -115,8 +115,8 @@ static ost_status start(runner *r, size_t number, ost_error *err)
         ost_hasher_close(t->hasher, NULL, NULL);
         return ost_fail(err, OST_ERR_IO, "%s cannot be started: %s", r->program, strerror(failed));
     }
-    leftover_worker(t->pid);
-    t->said = ends[0];
+    signal_cleanup_worker(t->pid);
+    t->output_fd = ends[0];
     r->count++;
     return OST_OK;
 }
@@ -131,7 +131,7 @@ static void stop(running *t, const char *why)
 
 /* ----------------------------------------------------------------- reading */
 
-static void keep_line(running *t, const char *bytes, ssize_t count)
+static void store_line(running *t, const char *bytes, ssize_t count)
 {
     for (ssize_t i = 0; i < count; i++) {
         if (bytes[i] == '\n') {
@@ -153,19 +153,19 @@ static ost_status read_output(running *t, ost_error *err)
 {
     char block[BLOCK];
     ost_status status = OST_OK;
-    while (status == OST_OK && t->said >= 0 && !*t->stopped) {
-        const ssize_t n = read(t->said, block, sizeof block);
+    while (status == OST_OK && t->output_fd >= 0 && !*t->stopped) {
+        const ssize_t n = read(t->output_fd, block, sizeof block);
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK))
             break;
         if (n <= 0) {
-            close(t->said);
-            t->said = -1;
+            close(t->output_fd);
+            t->output_fd = -1;
             break;
         }
         t->bytes += n;
-        keep_line(t, block, n);
+        store_line(t, block, n);
         status = ost_hasher_add(t->hasher, block, (size_t)n, err);
         if (t->bytes > SUITE_OUTPUT_MAX)
             stop(t, "output");
@@ -199,10 +199,10 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
     ost_digest digest = {{0}};
     const json_int_t code = WIFSIGNALED(state) ? -(json_int_t)WTERMSIG(state) : (json_int_t)WEXITSTATUS(state);
     ost_status status = read_output(t, err); /* the output before its end */
-    if (t->said >= 0)
-        close(t->said);
+    if (t->output_fd >= 0)
+        close(t->output_fd);
     const ost_status closed = ost_hasher_close(t->hasher, &digest, status == OST_OK ? err : NULL);
-    leftover_worker_gone(t->pid);
+    signal_cleanup_worker_gone(t->pid);
     status = status == OST_OK ? closed : status;
     const char *result = suite_result(code, t->stopped);
     json_t *row = json_pack("{s:s,s:s,s:I,s:I,s:s,s:f}", "test", json_string_value(json_array_get(r->tests, t->number)),
@@ -245,7 +245,7 @@ static ost_status listen_to_all(runner *r, ost_error *err)
     struct pollfd polled[SLOTS];
     ost_status status = OST_OK;
     for (int i = 0; i < r->count; i++)
-        polled[i] = (struct pollfd){.fd = *r->slots[i].stopped ? -1 : r->slots[i].said, .events = POLLIN};
+        polled[i] = (struct pollfd){.fd = *r->slots[i].stopped ? -1 : r->slots[i].output_fd, .events = POLLIN};
     if (poll(polled, (nfds_t)r->count, WAIT_MS) < 0 && errno != EINTR)
         return ost_fail(err, OST_ERR_IO, "waiting for tests: %s", strerror(errno));
     for (int i = 0; i < r->count && status == OST_OK; i++) {
@@ -276,10 +276,10 @@ static ost_status run_all(runner *r, ost_error *err)
         running *t = &r->slots[i];
         stop(t, "time");
         waitpid(t->pid, NULL, 0);
-        leftover_worker_gone(t->pid);
+        signal_cleanup_worker_gone(t->pid);
         ost_hasher_close(t->hasher, NULL, NULL);
-        if (t->said >= 0)
-            close(t->said);
+        if (t->output_fd >= 0)
+            close(t->output_fd);
     }
     return status;
 }

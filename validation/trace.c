@@ -97,7 +97,7 @@ struct trace_writer {
     FILE *file;
     char *path;
     uint8_t *buffer;
-    size_t used, room;
+    size_t used, capacity;
     size_t blocks_at; /* offset of the number of blocks; 0 while words are added */
     uint64_t words, blocks;
     bool no_memory;
@@ -105,15 +105,15 @@ struct trace_writer {
 
 static uint8_t *more(trace_writer *w, size_t bytes)
 {
-    if (w->room - w->used < bytes) {
-        const size_t room = (w->used + bytes) * 2;
-        uint8_t *grown = realloc(w->buffer, room);
+    if (w->capacity - w->used < bytes) {
+        const size_t capacity = (w->used + bytes) * 2;
+        uint8_t *grown = realloc(w->buffer, capacity);
         if (!grown) {
             w->no_memory = true;
             return NULL;
         }
         w->buffer = grown;
-        w->room = room;
+        w->capacity = capacity;
     }
     uint8_t *at = w->buffer + w->used;
     w->used += bytes;
@@ -236,7 +236,7 @@ static uint32_t u32_at(const uint8_t *p)
 
 static ost_status index_records(const char *path, trace *t, ost_error *err)
 {
-    size_t room = 0;
+    size_t capacity = 0;
     for (size_t at = 0; t->size - at >= HEAD;) {
         const uint8_t *head = t->bytes + at;
         const uint64_t body = u64_at(head + 16);
@@ -244,16 +244,16 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
             return ost_fail(err, OST_ERR_INPUT, "%s: offset %zu: no record of a trace begins here", path, at);
         if (body > t->size - at - HEAD)
             return OST_OK; /* its writer was stopped within a record */
-        if (t->count == room) {
-            room = room ? 2 * room : 1024;
-            trace_record *grown = realloc(t->records, room * sizeof *grown);
+        if (t->count == capacity) {
+            capacity = capacity ? 2 * capacity : 1024;
+            trace_record *grown = realloc(t->records, capacity * sizeof *grown);
             if (!grown)
-                return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu records", path, room);
+                return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu records", path, capacity);
             t->records = grown;
         }
         t->records[t->count++] = (trace_record){(trace_stage)u32_at(head + 4), u32_at(head + 8), u32_at(head + 12), head + HEAD, body, u64_at(head + HEAD - 8)};
         at += HEAD + body;
-        t->whole = t->records[t->count - 1].stage == TRACE_END && at == t->size;
+        t->complete = t->records[t->count - 1].stage == TRACE_END && at == t->size;
     }
     return OST_OK;
 }

@@ -80,7 +80,7 @@ void trace_flags(trace_writer *w, uint64_t flags);
  * the missing data. The flags mark these records, and they are not compared.
  */
 /* TRACE_MADE: the backend made the record itself; it was not passed to it. */
-enum { TRACE_STANDS_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
+enum { TRACE_STAND_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
 
 /*
  * docs/arithmetic.md prescribes no box and no range of chunks (AR-REM-5).  In a
@@ -111,7 +111,7 @@ typedef struct trace {
     size_t size;
     size_t count;
     trace_record *records; /* owned */
-    bool whole;            /* true if TRACE_END is the last record and nothing follows it */
+    bool complete;         /* true if TRACE_END is the last record and nothing follows it */
 } trace;
 
 /* Maps and indexes a trace. A file that ends within a record is read up to that record. */

@@ -30,7 +30,7 @@ typedef struct part {
 
 typedef struct entry {
     scene head; /* the members of the scene; its pointers are not valid */
-    uint64_t samples, samples_at, ticks, ticks_at, hand, hand_at;
+    uint64_t samples, samples_at, ticks, ticks_at, handle_path, hand_at;
     part parts[SCENE_TOOLS_MAX][2];
 } entry;
 
@@ -154,10 +154,10 @@ ost_status user_case_end(user_store *u, const scene *head, ost_error *err)
             *(k ? &e->head.tools[t].noncutting : &e->head.tools[t].cutting) = (ost_snapped_mesh){.fraction_bits = 0};
             e->head.tools[t].raw[k] = (ost_mesh){.vertex_count = 0};
         }
-    e->head.hand = (ost_path){.count = 0};
-    e->hand = head->hand.count;
+    e->head.handle_path = (ost_path){.count = 0};
+    e->handle_path = head->handle_path.count;
     if (status == OST_OK)
-        status = add_array(u, head->hand.ticks, head->hand.count, sizeof *head->hand.ticks, &e->hand_at, err);
+        status = add_array(u, head->handle_path.ticks, head->handle_path.count, sizeof *head->handle_path.ticks, &e->hand_at, err);
     if (status == OST_OK)
         status = add_array(u, head->path.ticks, head->path.count, sizeof *head->path.ticks, &e->ticks_at, err);
     u->head->count++;
@@ -194,22 +194,22 @@ static bool lies_within(const user_store *u, uint64_t at, uint64_t count, uint64
     return at % 8 == 0 && at >= sizeof(store_head) && at <= u->size && count <= (u->size - at) / each;
 }
 
-static bool entry_is_whole(const user_store *u, const entry *e)
+static bool entry_is_complete(const user_store *u, const entry *e)
 {
-    bool whole =
+    bool complete =
         e->head.tool_count >= 0 && e->head.tool_count <= SCENE_TOOLS_MAX &&
         (!e->samples || (e->head.batch > 0 && lies_within(u, e->samples_at, e->samples, sizeof(ost_sample)))) &&
         (!e->ticks || lies_within(u, e->ticks_at, e->ticks, sizeof(ost_tick))) &&
-        (!e->hand || lies_within(u, e->hand_at, e->hand, sizeof(ost_tick)));
-    for (int t = 0; whole && t < e->head.tool_count; t++)
-        for (int k = 0; whole && k < 2; k++) {
+        (!e->handle_path || lies_within(u, e->hand_at, e->handle_path, sizeof(ost_tick)));
+    for (int t = 0; complete && t < e->head.tool_count; t++)
+        for (int k = 0; complete && k < 2; k++) {
             const part *p = &e->parts[t][k];
-            whole = (!p->raw_vertices || lies_within(u, p->raw_vertices_at, p->raw_vertices, sizeof(ost_pm3))) &&
+            complete = (!p->raw_vertices || lies_within(u, p->raw_vertices_at, p->raw_vertices, sizeof(ost_pm3))) &&
                     (!p->raw_triangles || lies_within(u, p->raw_triangles_at, p->raw_triangles, 3 * sizeof(uint32_t))) &&
                     (!p->vertices || lies_within(u, p->vertices_at, p->vertices, 3 * sizeof(int32_t))) &&
                     (!p->triangles || lies_within(u, p->triangles_at, p->triangles, 3 * sizeof(uint32_t)));
         }
-    return whole;
+    return complete;
 }
 
 ost_status user_store_open(int fd, user_store **out, ost_error *err)
@@ -226,11 +226,11 @@ ost_status user_store_open(int fd, user_store **out, ost_error *err)
     ost_status status = map_all(u, err);
     if (status != OST_OK)
         return status;
-    bool whole = u->head->magic == MAGIC && u->head->bytes == u->size && u->head->entry_bytes == (int32_t)sizeof(entry) && u->head->count >= 0 &&
+    bool complete = u->head->magic == MAGIC && u->head->bytes == u->size && u->head->entry_bytes == (int32_t)sizeof(entry) && u->head->count >= 0 &&
                  u->head->count <= USER_CASES_MAX;
-    for (int i = 0; whole && i < u->head->count; i++)
-        whole = entry_is_whole(u, &u->head->entries[i]);
-    return whole ? OST_OK : ost_fail(err, OST_ERR_INPUT, "--user is for workers: descriptor %d has no inputs of this program", fd);
+    for (int i = 0; complete && i < u->head->count; i++)
+        complete = entry_is_complete(u, &u->head->entries[i]);
+    return complete ? OST_OK : ost_fail(err, OST_ERR_INPUT, "--user is for workers: descriptor %d has no inputs of this program", fd);
 }
 
 void user_store_free(user_store *u)
@@ -305,7 +305,7 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
         out->tools[t].cutting = out->tools[t].noncutting = (ost_snapped_mesh){.fraction_bits = 0};
         out->tools[t].raw[0] = out->tools[t].raw[1] = (ost_mesh){.vertex_count = 0};
     }
-    out->path = out->hand = (ost_path){0};
+    out->path = out->handle_path = (ost_path){0};
     out->lent = true;
     out->sample_count = e->samples;
     out->samples = e->samples ? (ost_sample *)(void *)(u->map + e->samples_at) : NULL;
@@ -316,7 +316,7 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
                 status = read_raw(u, &e->parts[t][k], &out->tools[t].raw[k], err);
     if (status == OST_OK)
         status = read_path(u, e->ticks, e->ticks_at, &out->path, err);
-    return status == OST_OK ? read_path(u, e->hand, e->hand_at, &out->hand, err) : status;
+    return status == OST_OK ? read_path(u, e->handle_path, e->hand_at, &out->handle_path, err) : status;
 }
 
 /*

@@ -11,9 +11,9 @@ const char *case_verdict_name(case_verdict verdict)
     return names[verdict];
 }
 
-case_result *verdict_of(campaign *c, int case_index, int whom)
+case_result *verdict_of(campaign *c, int case_index, int subject_index)
 {
-    return &c->results[(size_t)case_index * (size_t)c->subjects->count + (size_t)whom];
+    return &c->results[(size_t)case_index * (size_t)c->subjects->count + (size_t)subject_index];
 }
 
 static uint64_t bytes_of(const trace *t, compare_range r)
@@ -25,7 +25,7 @@ static uint64_t bytes_of(const trace *t, compare_range r)
 }
 
 /* Stores the error line of a stage that failed. */
-static void tell_failed(const trace_record *failed, case_result *one)
+static void describe_failure(const trace_record *failed, case_result *one)
 {
     size_t at = 0;
     trace_block_view block;
@@ -49,7 +49,7 @@ margins *verdict_margins(const campaign *c, int i, const trace *got, compare_ran
     return NULL;
 }
 
-int verdict_judge(campaign *c, const trace *reference, int whom, const trace *got, int from, int until, bool *differs)
+int verdict_judge(campaign *c, const trace *reference, int subject_index, const trace *got, int from, int until, bool *differs)
 {
     int judged = 0;
     size_t at = 0;
@@ -58,16 +58,16 @@ int verdict_judge(campaign *c, const trace *reference, int whom, const trace *go
         const compare_range range = compare_next(got, &at, (uint32_t)i);
         /* The case is complete if the next case began or the list ended. */
         const bool last = range.count && range.first + range.count == got->count;
-        if (!range.count || (last && !got->whole))
+        if (!range.count || (last && !got->complete))
             break;
-        case_result *one = verdict_of(c, i, whom);
+        case_result *one = verdict_of(c, i, subject_index);
         compare_case(reference, c->ranges[i], got, range, &one->difference);
         one->verdict = one->difference.kind == COMPARE_EQUAL ? CASE_EQUAL : CASE_DIFFERS;
         if (one->verdict == CASE_DIFFERS && got->records[range.first + range.count - 1].stage == TRACE_FAILED &&
             one->difference.kind == COMPARE_MISSING)
             one->verdict = CASE_FAILED;
         if (one->verdict == CASE_FAILED)
-            tell_failed(&got->records[range.first + range.count - 1], one);
+            describe_failure(&got->records[range.first + range.count - 1], one);
         *differs |= one->verdict == CASE_DIFFERS;
         c->records += one->difference.records;
         for (size_t k = 0; k < range.count; k++)

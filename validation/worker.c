@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "validation/dense/dense.h"
-#include "validation/leftover.h"
+#include "validation/signal_cleanup.h"
 #include "validation/paths.h"
 #include "validation/perform.h"
 #include "validation/subjects.h"
@@ -98,7 +98,7 @@ ost_status worker_program(char path[], size_t size, ost_error *err)
 ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double limit_s, worker *out, ost_error *err)
 {
     int ends[2];
-    *out = (worker){.pid = -1, .said = -1, .limit_s = limit_s, .begun = now_s()};
+    *out = (worker){.pid = -1, .stderr_fd = -1, .limit_s = limit_s, .begun = now_s()};
     if (pipe2(ends, O_CLOEXEC) != 0)
         return ost_fail(err, OST_ERR_IO, "no pipe for a worker: %s", strerror(errno));
     /* There may be more threads than cores, so a waiting thread must release its core. */
@@ -124,8 +124,8 @@ ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double li
         close(ends[0]);
         return ost_fail(err, OST_ERR_IO, "%s cannot be started: %s", argv[0], strerror(failed));
     }
-    leftover_worker(out->pid);
-    out->said = ends[0];
+    signal_cleanup_worker(out->pid);
+    out->stderr_fd = ends[0];
     return OST_OK;
 }
 
@@ -149,11 +149,11 @@ static void listen_to(worker *w, const char *bytes, ssize_t count)
 static ost_status reap(worker *w, bool late, worker_result *out, ost_error *err)
 {
     int state = 0;
-    close(w->said);
+    close(w->stderr_fd);
     while (waitpid(w->pid, &state, 0) < 0)
         if (errno != EINTR)
             return ost_fail(err, OST_ERR_IO, "waiting for a worker: %s", strerror(errno));
-    leftover_worker_gone(w->pid);
+    signal_cleanup_worker_gone(w->pid);
     *out = (worker_result){.end = WORKER_DONE, .seconds = now_s() - w->begun};
     memcpy(out->text, w->text, sizeof out->text);
     if (late)
@@ -175,7 +175,7 @@ ost_status worker_wait_any(worker *const workers[], int count, int *which, worke
         double left = 1000;
         for (int i = 0; i < count; i++) {
             const double own = workers[i]->limit_s - (now_s() - workers[i]->begun);
-            polled[i] = (struct pollfd){.fd = workers[i]->said, .events = POLLIN};
+            polled[i] = (struct pollfd){.fd = workers[i]->stderr_fd, .events = POLLIN};
             if (own <= 0) {
                 *which = i;
                 kill(workers[i]->pid, SIGKILL);
@@ -190,7 +190,7 @@ ost_status worker_wait_any(worker *const workers[], int count, int *which, worke
             char bytes[1024];
             if (!polled[i].revents)
                 continue;
-            const ssize_t n = read(workers[i]->said, bytes, sizeof bytes);
+            const ssize_t n = read(workers[i]->stderr_fd, bytes, sizeof bytes);
             if (n < 0 && errno == EINTR)
                 continue;
             if (n <= 0) { /* the worker's end of the pipe closes however it ends */

@@ -39,7 +39,7 @@ typedef struct worker_result {
 
 typedef struct worker {
     pid_t pid;
-    int said;        /* read end of a pipe from its stderr */
+    int stderr_fd;   /* read end of a pipe from its stderr */
     double begun, limit_s;
     bool complete;   /* true if the line in text has ended */
     size_t used;

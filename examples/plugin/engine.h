@@ -60,7 +60,7 @@ int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *ma
 #if defined __GNUC__
 __attribute__((format(printf, 3, 4)))
 #endif
-int32_t say(ost_plugin_error *error, int32_t status, const char *format, ...);
+int32_t plugin_fail(ost_plugin_error *error, int32_t status, const char *format, ...);
 /* Copies the value of key= in options, "" if it is absent. Returns false if it does not fit. */
 int option(const char *options, const char *key, char *value, size_t size);
 

@@ -47,10 +47,10 @@ int32_t engine_open(const char *options, engine **out, ost_plugin_error *error)
     char contract[8];
     if (!option(options, "contract", contract, sizeof contract) || (contract[0] && strcmp(contract, "on") != 0 && strcmp(contract, "off") != 0) ||
         (options[0] && strncmp(options, "contract=", 9) != 0))
-        return say(error, OST_PLUGIN_USAGE, "'%.60s': the one option is contract=on or contract=off", options);
+        return plugin_fail(error, OST_PLUGIN_USAGE, "'%.60s': the one option is contract=on or contract=off", options);
     *out = calloc(1, sizeof **out);
     if (!*out)
-        return say(error, OST_PLUGIN_MEMORY, "no memory");
+        return plugin_fail(error, OST_PLUGIN_MEMORY, "no memory");
     (*out)->fused = strcmp(contract, "on") == 0;
     return OST_PLUGIN_OK;
 }
@@ -92,7 +92,7 @@ int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, i
 {
     int *count = calloc((size_t)grid->dims[0], sizeof *count);
     if (!count)
-        return say(error, OST_PLUGIN_MEMORY, "no memory for a row of %d voxels", grid->dims[0]);
+        return plugin_fail(error, OST_PLUGIN_MEMORY, "no memory for a row of %d voxels", grid->dims[0]);
     for (int k = 0; k < grid->dims[2]; k++)
         for (int j = 0; j < grid->dims[1]; j++) {
             uint8_t *row = solid + (size_t)grid->dims[0] * ((size_t)j + (size_t)grid->dims[1] * (size_t)k);

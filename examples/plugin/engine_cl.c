@@ -94,7 +94,7 @@ static int32_t end(launch *l, const char *what, ost_plugin_error *error)
             clReleaseMemObject(l->buffer[a]);
     if (l->kernel)
         clReleaseKernel(l->kernel);
-    return l->code == CL_SUCCESS ? OST_PLUGIN_OK : say(error, OST_PLUGIN_FAILED, "OpenCL error %d at kernel %s", (int)l->code, what);
+    return l->code == CL_SUCCESS ? OST_PLUGIN_OK : plugin_fail(error, OST_PLUGIN_FAILED, "OpenCL error %d at kernel %s", (int)l->code, what);
 }
 
 /* -------------------------------------------------------------------- choice */
@@ -115,11 +115,11 @@ static int32_t find_device(const char *options, cl_device_id *device, ost_plugin
     cl_uint platform, wanted, count = 0;
     if (!option(options, "platform", platform_text, sizeof platform_text) || !option(options, "device", device_text, sizeof device_text) ||
         !number(platform_text, &platform) || !number(device_text, &wanted))
-        return say(error, OST_PLUGIN_USAGE, "'%.100s': platform= and device= are small numbers", options);
+        return plugin_fail(error, OST_PLUGIN_USAGE, "'%.100s': platform= and device= are small numbers", options);
     if (clGetPlatformIDs(64, platforms, &count) != CL_SUCCESS || platform >= count)
-        return say(error, OST_PLUGIN_UNAVAILABLE, "no OpenCL platform %u here; Debian has one for CPUs: pocl-opencl-icd", (unsigned)platform);
+        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE, "no OpenCL platform %u here; Debian has one for CPUs: pocl-opencl-icd", (unsigned)platform);
     if (clGetDeviceIDs(platforms[platform], CL_DEVICE_TYPE_ALL, 64, devices, &count) != CL_SUCCESS || wanted >= count)
-        return say(error, OST_PLUGIN_UNAVAILABLE, "OpenCL platform %u has no device %u", (unsigned)platform, (unsigned)wanted);
+        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE, "OpenCL platform %u has no device %u", (unsigned)platform, (unsigned)wanted);
     *device = devices[wanted];
     return OST_PLUGIN_OK;
 }
@@ -133,14 +133,14 @@ static int32_t build_options(const char *options, char out[128], ost_plugin_erro
         for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
             fits = fits || strncmp(at, known[i], strlen(known[i])) == 0;
         if (!fits)
-            return say(error, OST_PLUGIN_USAGE, "'%.60s': options are contract=on|off, fast=mad|relaxed, platform=N, device=N", at);
+            return plugin_fail(error, OST_PLUGIN_USAGE, "'%.60s': options are contract=on|off, fast=mad|relaxed, platform=N, device=N", at);
         at += strcspn(at, ",");
         at += *at == ',';
     }
     if (!option(options, "contract", contract, sizeof contract) || (contract[0] && strcmp(contract, "on") != 0 && strcmp(contract, "off") != 0))
-        return say(error, OST_PLUGIN_USAGE, "contract= is on or off");
+        return plugin_fail(error, OST_PLUGIN_USAGE, "contract= is on or off");
     if (!option(options, "fast", fast, sizeof fast) || (fast[0] && strcmp(fast, "mad") != 0 && strcmp(fast, "relaxed") != 0))
-        return say(error, OST_PLUGIN_USAGE, "fast= is mad or relaxed");
+        return plugin_fail(error, OST_PLUGIN_USAGE, "fast= is mad or relaxed");
     snprintf(out, 128, "-cl-std=CL1.2%s%s", strcmp(contract, "off") == 0 ? " -DTHESIS_CONTRACT_OFF" : "",
              strcmp(fast, "mad") == 0       ? " -cl-mad-enable"
              : strcmp(fast, "relaxed") == 0 ? " -cl-fast-relaxed-math"
@@ -161,7 +161,7 @@ int32_t engine_open(const char *options, engine **out, ost_plugin_error *error)
         return status;
     engine *e = calloc(1, sizeof *e);
     if (!e)
-        return say(error, OST_PLUGIN_MEMORY, "no memory");
+        return plugin_fail(error, OST_PLUGIN_MEMORY, "no memory");
     e->context = clCreateContext(NULL, 1, &device, NULL, NULL, &code);
     e->queue = e->context ? clCreateCommandQueue(e->context, device, 0, &code) : NULL;
     e->program = e->queue ? clCreateProgramWithSource(e->context, 1, &text, NULL, &code) : NULL;
@@ -170,7 +170,7 @@ int32_t engine_open(const char *options, engine **out, ost_plugin_error *error)
         if (e->program)
             clGetProgramBuildInfo(e->program, device, CL_PROGRAM_BUILD_LOG, sizeof log - 1, log, NULL);
         engine_close(e);
-        return say(error, OST_PLUGIN_UNAVAILABLE, "OpenCL error %d; the program cannot be built with %s: %s", (int)code, how, log);
+        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE, "OpenCL error %d; the program cannot be built with %s: %s", (int)code, how, log);
     }
     *out = e;
     return OST_PLUGIN_OK;

@@ -162,9 +162,9 @@ int32_t example_steps(ost_plugin_instance *self, const ost_plugin_steps *in, ost
     for (int k = 1; k <= n; k++) {
         const ost_plugin_pose pose = n == 1 ? *in->to : pose_between(in->from, in->to, k, n);
         const ost_plugin_map map = map_of(&pose, in->bone, in->tool);
-        const int32_t said = in->add(in->sink, &pose, &map);
-        if (said != OST_PLUGIN_OK)
-            return said;
+        const int32_t answer = in->add(in->sink, &pose, &map);
+        if (answer != OST_PLUGIN_OK)
+            return answer;
     }
     return OST_PLUGIN_OK;
 }

@@ -42,7 +42,7 @@ struct ost_plugin_tool {
 
 /* ------------------------------------------------------------------ helpers */
 
-int32_t say(ost_plugin_error *error, int32_t status, const char *format, ...)
+int32_t plugin_fail(ost_plugin_error *error, int32_t status, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -72,7 +72,7 @@ int option(const char *options, const char *key, char *value, size_t size)
 
 static int32_t no_memory(ost_plugin_error *error, size_t bytes)
 {
-    return say(error, OST_PLUGIN_MEMORY, "no memory for %zu bytes", bytes);
+    return plugin_fail(error, OST_PLUGIN_MEMORY, "no memory for %zu bytes", bytes);
 }
 
 static size_t volume(const int32_t dims[3])

@@ -25,7 +25,7 @@
  * in-out objects unchanged unless its comment says otherwise.  The exception is
  * a device that fails while it changes a grid or a bone: the state of that
  * object is unknown, and every later call with it, except its free, fails with
- * OST_ERR_UNAVAILABLE.  The caller can make the object again; ost_world_rescue
+ * OST_ERR_UNAVAILABLE.  The caller can make the object again; ost_world_failover
  * (sim.h) does so for a world, on another backend.
  */
 #ifndef OSTEON_BACKEND_H

@@ -113,7 +113,7 @@ typedef struct ost_force_result {
 /*
  * Advances the tool of index `tool` by one tick of period_s seconds towards the device's pose.  Removes no bone: the
  * caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  The first step of a tool that
- * ost_force_place did not place starts at the device's pose.
+ * ost_force_set_pose did not place starts at the device's pose.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err);
 /*
@@ -129,7 +129,7 @@ OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose
  */
 OST_API void ost_force_motor(ost_force *force, double speed, double turned);
 /* Makes `tool` the current tool at a pose, which may differ from the device's. */
-OST_API void ost_force_place(ost_force *force, int tool, const ost_pose *pose);
+OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose);
 
 /* ------------------------------------------------------------------ safety */
 
@@ -138,7 +138,7 @@ typedef struct ost_safety_params {
     double max_n, max_nm;       /* greatest force and torque; saturation is smooth */
     double slew_n;              /* greatest change of the force in one tick, N */
     double ramp_s;              /* time in which the force rises from 0 after a start and after a fault */
-    int stale_ticks;            /* number of ticks without a new pose after which the force is 0 */
+    int max_ticks_without_sample; /* number of ticks without a new pose after which the force is 0 */
     uint32_t dead_man;          /* bit mask of buttons, one of which must be held; 0: none */
     double stored_j;            /* energy that the coupling may store; the passivity observer counts from there */
     double max_damping;         /* greatest damping that the passivity controller adds, N s/m; 0: none */
@@ -172,7 +172,7 @@ typedef struct ost_safety {
     double ramp, last[3], last_torque[3], energy_j, applied[3];
     double at[3];
     bool has_at;
-    int stale;
+    int ticks_without_sample;
     uint64_t damped_ticks; /* ticks in which the passivity controller reduced the force */
 } ost_safety;
 

@@ -81,13 +81,13 @@ OST_API int ost_haptic_count(void);
 OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err);
 
 typedef struct ost_haptic ost_haptic;
-typedef struct ost_hand ost_hand;
+typedef struct ost_mouse_input ost_mouse_input;
 
 /* Inputs of a device. Pointers are borrowed until ost_haptic_open returns. */
 typedef struct ost_haptic_setup {
     const ost_path *path; /* script: path of the tool; sim: path of the simulated hand */
     const char *session;  /* replay: file name of a session */
-    ost_hand *hand;       /* mouse: hand that a window moves; borrowed until ost_haptic_close */
+    ost_mouse_input *mouse; /* mouse: hand that a window moves; borrowed until ost_haptic_close */
     ost_pose start;       /* null: pose of the tool; motion: first pose; real devices: pose at the handle's centre */
     ost_path_options gaps; /* motion: gaps of its file */
 } ost_haptic_setup;
@@ -144,8 +144,8 @@ OST_API int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST
 
 typedef enum ost_haptic_answer {
     OST_HAPTIC_FRESH, /* a new pose */
-    OST_HAPTIC_STALE, /* no new sample; the state is unchanged */
-    OST_HAPTIC_UNSEEN, /* tracking is lost; when it returns, the device continues from the tool's last pose */
+    OST_HAPTIC_NO_SAMPLE, /* no new sample; the state is unchanged */
+    OST_HAPTIC_NOT_TRACKED, /* tracking is lost; when it returns, the device continues from the tool's last pose */
     OST_HAPTIC_ENDED, /* no more poses will follow, as planned: the end of a path */
     OST_HAPTIC_LOST   /* no more poses will follow: the device failed or was unplugged */
 } ost_haptic_answer;
@@ -171,13 +171,13 @@ OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
 
 /*
  * The hand of the device `mouse`.  A window's thread sets its pose, and the device follows it smoothly and no faster
- * than an operation accepts.  Both sides are wait-free; only one thread may call ost_hand_put.
+ * than an operation accepts.  Both sides are wait-free; only one thread may call ost_mouse_input_put.
  */
-enum { OST_HAND_PEDAL = 1 }; /* bit of the only button of the device `mouse` */
-OST_API ost_status ost_hand_create(const ost_haptic_state *start, ost_hand **out, ost_error *err);
-OST_API void ost_hand_free(ost_hand *hand); /* NULL is allowed */
+enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the device `mouse` */
+OST_API ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err);
+OST_API void ost_mouse_input_free(ost_mouse_input *mouse); /* NULL is allowed */
 /* Sets the pose. With state->lifted the device moves there in one tick and reports that the tool was lifted. */
-OST_API void ost_hand_put(ost_hand *hand, const ost_haptic_state *state);
+OST_API void ost_mouse_input_put(ost_mouse_input *mouse, const ost_haptic_state *state);
 
 /* ------------------------------------------------------------- histograms */
 
@@ -218,7 +218,7 @@ typedef struct ost_servo_sample {
     int64_t t_ns;         /* time of the world: number times the period */
     ost_haptic_state state;
     bool declared;        /* there is no new pose; state is the last one */
-    bool unseen;          /* tracking is lost; state is the last one, or has a zero quaternion if there was none */
+    bool tracking_lost;   /* tracking is lost; state is the last one, or has a zero quaternion if there was none */
     uint32_t wake_ns;     /* delay of the tick after its due time */
     uint32_t missed;      /* number of ticks skipped before this one */
 } ost_servo_sample;
@@ -251,7 +251,7 @@ typedef struct ost_servo_options {
     int64_t period_ns;    /* 0: 1,000,000 */
     uint64_t ticks;       /* number of ticks; 0: until the device ends or tick returns false */
     uint64_t idle_ticks;  /* turns of OST_SERVO_QUIET, half before and half after the ticks; and of OST_SERVO_BUSY */
-    uint64_t rest_ticks;  /* turns of OST_SERVO_RESTED; if not 0, all of OST_SERVO_QUIET follows the ticks */
+    uint64_t background_ticks; /* turns of OST_SERVO_RESTED; if not 0, all of OST_SERVO_QUIET follows the ticks */
     bool no_clock;        /* run ticks without waiting, for devices whose poses do not depend on time */
     bool no_realtime;     /* request neither real-time priority nor locked memory */
     bool pinned;          /* run on `core` only; the affinity is restored afterwards */
@@ -267,7 +267,7 @@ typedef struct ost_servo_options {
     void *beside_user;
 } ost_servo_options;
 
-typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_ASKED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;
+typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_STOPPED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;
 
 /* Deadlines missed by a control run without a device, that is, by the machine alone. */
 typedef struct ost_servo_control {
@@ -285,8 +285,8 @@ typedef struct ost_servo_report {
     uint64_t missed_by_work, missed_woken_late, missed_taken;
     int64_t lead_ns;           /* lead of the rehearsals; 0: there were none */
     uint64_t longest_miss;     /* greatest number of consecutive ticks skipped */
-    uint64_t stale;            /* ticks without a new pose */
-    uint64_t unseen;           /* ticks without tracking */
+    uint64_t without_sample;   /* ticks without a new pose */
+    uint64_t tracking_lost;    /* ticks without tracking */
     ost_servo_control idle;    /* OST_SERVO_QUIET */
     ost_servo_control busy;    /* OST_SERVO_BUSY */
     int64_t busy_ns;           /* time that OST_SERVO_BUSY spins in each period: the lead and the median tick */

@@ -32,9 +32,9 @@ typedef struct ost_motor {
  */
 OST_API void ost_motor_advance(ost_motor *motor, const ost_tick *tick);
 /* Returns the tool's pose: the hand's pose, turned by the motor's phase. */
-OST_API ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *hand);
+OST_API ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *handle);
 /* Returns the hand's pose from the tool's: the inverse of ost_motor_pose, except for one unit of rounding. */
-OST_API ost_pose ost_motor_hand(const ost_motor *motor, const ost_pose *tool);
+OST_API ost_pose ost_motor_handle_pose(const ost_motor *motor, const ost_pose *tool);
 /* Returns the tool's rotation about its z axis in radians, from 0 down to -2 pi, for forces and pictures. */
 OST_API double ost_motor_angle(const ost_motor *motor);
 /*
@@ -50,7 +50,7 @@ OST_API void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm);
 enum { OST_MOTOR_PARTS_MAX = 4096 };
 
 /*
- * Replaces the rows of a path that are poses of a hand (OST_RPM_HAND) by the ticks of
+ * Replaces the rows of a path that are poses of a hand (OST_RPM_OF_DEVICE) by the ticks of
  * a tool that a motor turns at rpm (AR-MOTOR-7); all other rows do not change.
  * *motor is the motor's state before the path and, on return, after it.  After an
  * error the path is unchanged: OST_ERR_RANGE if a row is too far from the previous

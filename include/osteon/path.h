@@ -17,10 +17,10 @@ extern "C" {
 
 /*
  * OST_RPM_ON: the motor is on at an unknown speed; the pose includes the rotation of
- * the tool.  OST_RPM_HAND: the pose is that of the device, without the motor's
+ * the tool.  OST_RPM_OF_DEVICE: the pose is that of the device, without the motor's
  * rotation, which the operation adds (motor.h); a world does not accept such a tick.
  */
-enum { OST_RPM_ON = -1, OST_RPM_HAND = -2, OST_RPM_MAX = 3000 };
+enum { OST_RPM_ON = -1, OST_RPM_OF_DEVICE = -2, OST_RPM_MAX = 3000 };
 
 /* One revolution of the motor in the unit of its angles, revolutions per minute times nanoseconds. */
 #define OST_MOTOR_TURN INT64_C(60000000000)
@@ -28,7 +28,7 @@ enum { OST_RPM_ON = -1, OST_RPM_HAND = -2, OST_RPM_MAX = 3000 };
 typedef struct ost_tick {
     int64_t t_ns; /* nanoseconds */
     int32_t tool; /* index into the world's tools */
-    int32_t rpm;  /* speed of the motor: 1 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON; OST_RPM_HAND */
+    int32_t rpm;  /* speed of the motor: 1 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON; OST_RPM_OF_DEVICE */
     ost_pose pose;
     bool lifted;  /* the tool was lifted before this tick: there is no sweep from the previous tick (AR-SWEEP-5) */
 } ost_tick;

@@ -103,7 +103,7 @@ typedef struct ost_session_summary {
     uint64_t first_tick, last_tick; /* numbers; undefined if there are no ticks */
     int64_t first_t_ns, last_t_ns;
     bool ended;                    /* the end record is present */
-    uint64_t whole_ticks;          /* ticks from the first on, before any is missing: these can be replayed */
+    uint64_t complete_ticks;       /* ticks from the first on, before any is missing: these can be replayed */
     uint64_t lost_records;         /* records for which the recorder's ring had no room, as it has recorded itself */
     uint64_t damaged_bytes;        /* damaged bytes before the last valid block */
     uint64_t missing_records;      /* records lost by that damage */
@@ -129,7 +129,7 @@ OST_API void ost_session_rewind(ost_session *session);
 enum { OST_SESSION_MISSING = 512 };
 OST_API const char *ost_session_missing(const ost_session *session, char text[OST_SESSION_MISSING]);
 
-/* Returns the ticks that can be replayed (whole_ticks) as a path. The caller frees it. */
+/* Returns the ticks that can be replayed (complete_ticks) as a path. The caller frees it. */
 OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err);
 /* Writes all valid blocks to a new session, which appears complete or not at all; the session's file is not changed. */
 OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost_error *err);
@@ -170,7 +170,7 @@ OST_API ost_status ost_session_write_hdf5(ost_session *session, const char *out,
 typedef struct ost_recorder ost_recorder;
 
 typedef struct ost_recorder_options {
-    uint32_t room;   /* capacity of the ring in records; a power of two; 0: 65536, which is 65 s at 1 kHz and 8 MB */
+    uint32_t capacity; /* capacity of the ring in records; a power of two; 0: 65536, which is 65 s at 1 kHz and 8 MB */
     bool no_sync;    /* do not sync: a power cut may lose more data, a kill does not */
 } ost_recorder_options;
 
@@ -190,7 +190,7 @@ OST_API bool ost_recorder_put(ost_recorder *recorder, const ost_record *record);
  * Puts a record, and waits until there is room; for callers without a deadline. Returns false, and the record is
  * lost, if the ring stays full and the disk fails for ten seconds.
  */
-OST_API bool ost_recorder_put_patiently(ost_recorder *recorder, const ost_record *record);
+OST_API bool ost_recorder_put_waiting(ost_recorder *recorder, const ost_record *record);
 /* Returns the recorder's state. May be called from any thread. */
 OST_API void ost_recorder_state_get(ost_recorder *recorder, ost_recorder_state *out);
 /*

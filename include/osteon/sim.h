@@ -27,10 +27,10 @@ typedef struct ost_world_options {
     bool broad_phase_off;          /* test every voxel of the bone, as the definition says; for tests */
     int64_t removal_period_ns;     /* 0: every tick is an event; otherwise the first tick of every period (AR-REM-7) */
     ost_density_classes classes;   /* count 0: the default classes */
-    int32_t keep_ticks;            /* 0: ost_world_rescue is not available; otherwise 1 to OST_WORLD_KEEP_MAX */
+    int32_t saved_ticks;           /* 0: ost_world_failover is not available; otherwise 1 to OST_WORLD_SAVED_TICKS_MAX */
 } ost_world_options;
 
-enum { OST_WORLD_KEEP_MAX = 1000000 };
+enum { OST_WORLD_SAVED_TICKS_MAX = 1000000 };
 
 enum { OST_WORLD_TOOLS_MAX = 16 };
 
@@ -61,7 +61,7 @@ typedef struct ost_step_result {
 /*
  * Advances the world by one tick.  On an error, for instance a jump or a turn beyond the limits of AR-SWEEP, the world
  * is unchanged.  If the backend failed while it changed the bone, the world is unchanged but the bone may be lost
- * (backend.h); ost_world_rescue restores it.  Does not allocate after ost_world_reserve.
+ * (backend.h); ost_world_failover restores it.  Does not allocate after ost_world_reserve.
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 /*
@@ -84,15 +84,15 @@ OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
  *
  *   stored copy --upload--> bone --repeat the ticks since--> state after the last complete tick
  *
- * Requires keep_ticks > 0.  Such a world stores in host memory the bone's complete grid (2 bytes a voxel), each tool's
- * grid (1 byte a voxel) and up to keep_ticks ticks of 48 bytes.  It copies the bone when it is created and before every
- * tick that finds keep_ticks ticks stored; the previous copy is freed only after the new one is complete.  Must not be
+ * Requires saved_ticks > 0.  Such a world stores in host memory the bone's complete grid (2 bytes a voxel), each tool's
+ * grid (1 byte a voxel) and up to saved_ticks ticks of 48 bytes.  It copies the bone when it is created and before every
+ * tick that finds saved_ticks ticks stored; the previous copy is freed only after the new one is complete.  Must not be
  * called if the bone was changed other than by the world's ticks.
  *
  * The caller owns *bone and tools[], an array of OST_WORLD_TOOLS_MAX in the order of their indices; they must outlive
  * the world.  The previous bone and tools may be freed.  On an error the world is unchanged and both are NULL.
  */
-OST_API ost_status ost_world_rescue(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err);
+OST_API ost_status ost_world_failover(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err);
 
 /* Totals since the world was created. */
 typedef struct ost_world_totals {
@@ -160,7 +160,7 @@ typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_B
 OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow", "glenoid-press" */
 
 /*
- * Makes a built-in path of 1 kHz ticks of a hand (OST_RPM_HAND): approach, advance along the axis, dwell, retreat.
+ * Makes a built-in path of 1 kHz ticks of a hand (OST_RPM_OF_DEVICE): approach, advance along the axis, dwell, retreat.
  * glenoid-press is ost_builtin_press for one minute.  ost_motor_path converts it to ticks of a turning tool.  tool is
  * the index stored in the ticks; geometry is the tool's grid, whose working face is towards -z.  The caller frees
  * *out.

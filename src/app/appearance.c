@@ -224,7 +224,7 @@ void appearance_free(appearance *a)
 
 ost_legend appearance_legend_of(const appearance *a)
 {
-    return (ost_legend){a->colouring, a->viewer->ground.scale_mm, a->viewer->ground.has_face, a->clip != CLIP_NONE};
+    return (ost_legend){a->colouring, a->viewer->reference.scale_mm, a->viewer->reference.has_face, a->clip != CLIP_NONE};
 }
 
 ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented, ost_error *err)
@@ -281,7 +281,7 @@ static void turn_clip(appearance *a, bool shift, const double eye_mm[3], char *t
 static void turn_colours(appearance *a, char *text)
 {
     static const char *const names[] = {"as bone", "by density class", "by depth below the old surface", "by density"};
-    a->colouring = (ost_colouring)((a->colouring + 1) % (a->viewer->has_ground ? OST_COLOUR_COUNT : 1));
+    a->colouring = (ost_colouring)((a->colouring + 1) % (a->viewer->has_uncut ? OST_COLOUR_COUNT : 1));
     ost_viewer_set_colouring(a->viewer, a->colouring);
     snprintf(text, TEXT, "what is cut: %s", names[a->colouring]);
 }
@@ -319,8 +319,8 @@ bool appearance_key(appearance *a, int key, bool shift, const double eye_mm[3], 
     } else if (key == 'O')
         turn_overlays(a, text);
     else if (key == 'K') {
-        ost_viewer_set_contact(a->viewer, !a->viewer->bone.keep_fresh);
-        snprintf(text, TEXT, "where bone goes: %s", a->viewer->bone.keep_fresh ? "shown for a moment" : "not shown");
+        ost_viewer_set_contact(a->viewer, !a->viewer->bone.shows_contact);
+        snprintf(text, TEXT, "where bone goes: %s", a->viewer->bone.shows_contact ? "shown for a moment" : "not shown");
     } else
         return false;
     if (status != OST_OK)

@@ -164,12 +164,12 @@ static void say_baselines(const app_state *app, const bench_table *table)
     for (size_t i = 0; i < table->count; i++) {
         const bench_row *row = &table->rows[i];
         const char *text = row->baseline_reason[0] ? row->baseline_reason : row->baseline_is;
-        bool said = !text[0] || row->reason[0] || !row->equal;
-        for (size_t k = 0; k < i && !said; k++) {
+        bool printed = !text[0] || row->reason[0] || !row->equal;
+        for (size_t k = 0; k < i && !printed; k++) {
             const bench_row *other = &table->rows[k];
-            said = strcmp(text, other->baseline_reason[0] ? other->baseline_reason : other->baseline_is) == 0;
+            printed = strcmp(text, other->baseline_reason[0] ? other->baseline_reason : other->baseline_is) == 0;
         }
-        if (!said)
+        if (!printed)
             say(app, "  baseline%s of %s: %s", row->baseline_reason[0] ? " missing" : "", row->name, text);
     }
 }

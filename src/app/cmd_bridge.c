@@ -47,7 +47,7 @@ static const char *end_text(const bridge_report *r)
 {
     switch (r->loop.end) {
     case OST_SERVO_TICKS: return "the time was over";
-    case OST_SERVO_ASKED: return r->ended ? "the simulation is over" : "it was asked to end";
+    case OST_SERVO_STOPPED: return r->ended ? "the simulation is over" : "it was asked to end";
     case OST_SERVO_DEVICE_ENDED: return "the device had nothing more to give";
     case OST_SERVO_DEVICE_LOST: return "the device was lost";
     case OST_SERVO_WATCHDOG: return "the device was silent for 5 ticks";
@@ -71,7 +71,7 @@ static void report(const app_state *app, const bridge_args *args, const bridge_r
     put_integer(o, "replayed", (int64_t)r->replayed);
     put_integer(o, "limps", (int64_t)r->limps);
     put_real(o, "limp_s", (double)r->limp_ticks * 1e-3);
-    put_integer(o, "unseen", (int64_t)r->loop.unseen);
+    put_integer(o, "unseen", (int64_t)r->loop.tracking_lost);
     put_integer(o, "fault_ticks", (int64_t)r->fault_ticks);
     put_real(o, "peak_force_n", r->peak_n);
     say(app, "%s ticks of %s with %s: %s", say_count(a, (int64_t)r->loop.ticks), args->device, r->to, end_text(r));
@@ -100,7 +100,7 @@ static ost_status run(app_state *app, const bridge_args *args, uint64_t ticks, o
         status = ost_haptic_open(args->device, &setup, &device, err);
     if (status == OST_OK) {
         const bridge_options options = {
-            .to = args->to, .key = args->key, .ticks = ticks, .no_realtime = args->no_realtime, .asked = interrupt_asked};
+            .to = args->to, .key = args->key, .ticks = ticks, .no_realtime = args->no_realtime, .stop_requested = interrupt_requested};
         interrupt_begin();
         status = bridge_run(device, &options, r, err);
         interrupt_end();

@@ -25,7 +25,7 @@
 #include "validation/dump.h"
 
 typedef struct compare_args {
-    const char *whom, *only;
+    const char *subject_spec, *only;
     int tier;
     int64_t seed, limit_s;
     bool apart, tier_given, seed_given;
@@ -74,10 +74,10 @@ static void say_margins(const app_state *app, const margins *m)
     }
 }
 
-static void say_case(const app_state *app, const plan_case *c, const subject *whom, const case_result *r)
+static void say_case(const app_state *app, const plan_case *c, const subject *subject_spec, const case_result *r)
 {
     if (r->verdict == CASE_DIFFERS)
-        validate_say_difference(app, c, whom, r);
+        validate_say_difference(app, c, subject_spec, r);
     else
         say(app, "  %s: %s%s%s", c->id, case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text);
 }
@@ -142,14 +142,14 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
 
 /* Finds the subject to compare: a folder is a dump, whose head holds the tier and seed of its
    campaign; any other name is a backend. */
-static ost_status find_whom(const app_state *app, compare_args *args, char spec[SUBJECT_SPEC], char only[PLAN_ID], ost_error *err)
+static ost_status find_subject(const app_state *app, compare_args *args, char spec[SUBJECT_SPEC], char only[PLAN_ID], ost_error *err)
 {
     struct stat info;
     dump_head head;
-    const bool folder = stat(args->whom, &info) == 0 && S_ISDIR(info.st_mode);
-    const int n = snprintf(spec, SUBJECT_SPEC, "%s%s", folder ? SUBJECT_DUMP : "", args->whom);
-    if (n < 0 || n >= SUBJECT_SPEC || strchr(args->whom, ';'))
-        return usage_error(app, err, "'%.60s': names one folder or one backend, of less than %d bytes and without a semicolon", args->whom, SUBJECT_SPEC);
+    const bool folder = stat(args->subject_spec, &info) == 0 && S_ISDIR(info.st_mode);
+    const int n = snprintf(spec, SUBJECT_SPEC, "%s%s", folder ? SUBJECT_DUMP : "", args->subject_spec);
+    if (n < 0 || n >= SUBJECT_SPEC || strchr(args->subject_spec, ';'))
+        return usage_error(app, err, "'%.60s': names one folder or one backend, of less than %d bytes and without a semicolon", args->subject_spec, SUBJECT_SPEC);
     if (strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) != 0)
         return OST_OK;
     const ost_status status = dump_read_head(spec + strlen(SUBJECT_DUMP), &head, err);
@@ -170,7 +170,7 @@ static ost_status find_whom(const app_state *app, compare_args *args, char spec[
 ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
 {
     compare_args args = {.seed = 1, .limit_s = 3600, .own = USER_FILES_DEFAULT};
-    const operand names[] = {{"DUMPS", &args.whom, "which dumps, or which backend?"}, {NULL, NULL, NULL}};
+    const operand names[] = {{"DUMPS", &args.subject_spec, "which dumps, or which backend?"}, {NULL, NULL, NULL}};
     const option options[] = {
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: import, static/2, operation"},
         {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart, .help = "give every stage and tick the reference's input, so that\nno difference is handed down; not for dumps"},
@@ -202,7 +202,7 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     plan p = {.count = 0};
     subject_list subjects = {.count = 0};
     campaign run = {.plan = NULL};
-    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = find_whom(app, &args, spec, only, err)) != OST_OK)
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = find_subject(app, &args, spec, only, err)) != OST_OK)
         return status;
     const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
     if (n < 0)

@@ -34,8 +34,8 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
     ost_mesh mesh = {0};
     ost_pm3 lo, hi;
     /* Below its threshold a bone holds zeros instead of densities, so there is nothing to interpolate. */
-    ost_surface_place place = in->kind == LOAD_CT ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
-    ost_status status = ost_surface_extract(&in->volume, in->threshold, place, &mesh, err);
+    ost_surface_placement placement = in->kind == LOAD_CT ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
+    ost_status status = ost_surface_extract(&in->volume, in->threshold, placement, &mesh, err);
     if (status != OST_OK)
         ost_fail_context(err, "%s", args->bone);
     if (status == OST_OK)

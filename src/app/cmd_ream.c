@@ -10,7 +10,7 @@
  *               --record <--ost_recorder_put- tick, digest
  *
  * If an OpenCL device fails during the run, the backend cpu continues from the last complete tick
- * (ost_world_rescue) and produces the same grid, unless --no-failover is given.
+ * (ost_world_failover) and produces the same grid, unless --no-failover is given.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,7 +47,7 @@ typedef struct ream_args {
 
 /* Ticks between two copies of the bone, for a device that may fail: a copy costs about as much as
    20 ticks. */
-enum { KEEP_TICKS = 1024 };
+enum { SAVED_TICKS = 1024 };
 
 /* All resources of a run, freed together by job_free. */
 typedef struct job {
@@ -91,7 +91,7 @@ static ost_status world_make(const app_state *app, const ream_args *args, job *j
         .sweep_off = args->sweep == 0,
         .removal_period_ns = args->period_ns,
         .classes = args->classes,
-        .keep_ticks = backend_is(app, "cl") && !args->no_failover ? KEEP_TICKS : 0,
+        .saved_ticks = backend_is(app, "cl") && !args->no_failover ? SAVED_TICKS : 0,
     };
     ost_status status = ost_world_create(j->bone, &options, &j->world, err);
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
@@ -128,7 +128,7 @@ static ost_status load_all(const app_state *app, const ream_args *args, job *j, 
 static bool has_hand(const ost_path *path)
 {
     for (size_t i = 0; i < path->count; i++)
-        if (path->ticks[i].rpm == OST_RPM_HAND)
+        if (path->ticks[i].rpm == OST_RPM_OF_DEVICE)
             return true;
     return false;
 }
@@ -193,7 +193,7 @@ static ost_status record_tick(job *j, size_t number, const ost_step_result *step
                     .poses = (uint16_t)step->pose_count},
     };
     if (j->recorder)
-        ost_recorder_put_patiently(j->recorder, &record);
+        ost_recorder_put_waiting(j->recorder, &record);
     return j->debrief.before.voxels ? debrief_tick(&j->debrief, &record.as.tick, err) : OST_OK;
 }
 
@@ -203,7 +203,7 @@ static void record_note(const job *j, size_t tick, const char *text)
         return;
     ost_record record = {.kind = OST_RECORD_NOTE, .as.note.t_ns = tick < j->path.count ? j->path.ticks[tick].t_ns : 0};
     snprintf(record.as.note.text, sizeof record.as.note.text, "%s", text);
-    ost_recorder_put_patiently(j->recorder, &record);
+    ost_recorder_put_waiting(j->recorder, &record);
 }
 
 static ost_status record_end(const app_state *app, const ream_args *args, job *j, ost_error *err)
@@ -247,7 +247,7 @@ static ost_status fail_over(const app_state *app, job *j, size_t ticks, ost_erro
         snprintf(spec, sizeof spec, "cpu:threads=%lld", (long long)app->threads);
     ost_status status = ost_backend_open(spec, &cpu, &why);
     if (status == OST_OK)
-        status = ost_world_rescue(j->world, cpu, &bone, tools, &why);
+        status = ost_world_failover(j->world, cpu, &bone, tools, &why);
     if (status != OST_OK) {
         ost_backend_close(cpu);
         char text[OST_ERROR_TEXT];

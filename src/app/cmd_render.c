@@ -116,7 +116,7 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
 }
 
 /* Sets the uncut surface from the bone of --before, or without it from the bone as it is. */
-static ost_status add_ground(const app_state *app, const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
+static ost_status add_uncut(const app_state *app, const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
 {
     const ost_density_classes classes = ost_density_classes_default();
     ost_bone_info info;
@@ -130,9 +130,9 @@ static ost_status add_ground(const app_state *app, const render_args *args, draw
     if (status == OST_OK)
         status = bone_to_volume(args->before ? bone : d->bone, NULL, &d->before, err);
     if (status == OST_OK)
-        status = ost_viewer_set_ground(&d->viewer, &d->before, info.threshold, &classes, known ? &glenoid->at : NULL,
-                                       known ? glenoid->axis : NULL, err);
-    d->viewer.ground.uncut = !args->before;
+        status = ost_viewer_set_uncut(&d->viewer, &d->before, info.threshold, &classes, known ? &glenoid->at : NULL,
+                                      known ? glenoid->axis : NULL, err);
+    d->viewer.reference.uncut = !args->before;
     ost_bone_free(bone);
     return status;
 }
@@ -155,12 +155,12 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
         status = ost_viewer_use_gl(&d->viewer, args->renderer == RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis, err);
     ost_viewer_follow(&d->viewer, d->live);
     if (status == OST_OK)
-        status = add_ground(app, args, d, &glenoid, known, err);
+        status = add_uncut(app, args, d, &glenoid, known, err);
     if (status == OST_OK && d->tool)
         status = add_tool(args, d, &glenoid, known, err);
     if (status != OST_OK)
         return status;
-    view_fit(&args->target, &d->viewer.ground.volume, d->viewer.ground.threshold, &d->subject);
+    view_fit(&args->target, &d->viewer.reference.volume, d->viewer.reference.threshold, &d->subject);
     const ost_orbit orbit = view_orbit(&args->view, &d->subject, d->tool ? &d->viewer.state.pose : NULL);
     double eye[3], q[4];
     status = ost_orbit_camera(&orbit, args->width, args->height, &camera, err);

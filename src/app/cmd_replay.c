@@ -57,7 +57,7 @@ static ost_status find_end(ost_session *session, ending *e, ost_error *err)
     e->ticks = s->ticks > e->ticks ? s->ticks : e->ticks;
     if (missing && e->found && e->end.ticks > e->ticks)
         e->ticks = e->end.ticks;
-    e->complete = e->found && s->whole_ticks == e->ticks;
+    e->complete = e->found && s->complete_ticks == e->ticks;
     return OST_OK;
 }
 
@@ -81,7 +81,7 @@ static ost_status open_other(const app_state *app, const replay *here, replay *o
 }
 
 /* Replays the session on both backends from the beginning and compares the bones after so many ticks. */
-static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_place *place, ost_error *err)
+static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_difference *difference, ost_error *err)
 {
     replay here = {0}, other = {0};
     ost_status status = replay_open(app, model->session, model->name, &model->setup, &here, err);
@@ -92,7 +92,7 @@ static ost_status differ_after(const app_state *app, const replay *model, uint64
     if (status == OST_OK)
         status = replay_run(&other, ticks, false, err);
     if (status == OST_OK)
-        status = replay_compare_bones(&here, &other, place, err);
+        status = replay_compare_bones(&here, &other, difference, err);
     replay_close(&other);
     replay_close(&here);
     return status;
@@ -100,17 +100,17 @@ static ost_status differ_after(const app_state *app, const replay *model, uint64
 
 /* Finds, by halving, the first tick after which the bones of two backends differ. Called if every
    digest was equal but the bone is not. */
-static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick, replay_place *place, ost_error *err)
+static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick, replay_difference *difference, ost_error *err)
 {
     uint64_t equal = 0, unequal = here->done;
-    ost_status status = differ_after(app, here, unequal, place, err);
-    while (status == OST_OK && place->found && unequal - equal > 1) {
-        replay_place middle;
+    ost_status status = differ_after(app, here, unequal, difference, err);
+    while (status == OST_OK && difference->found && unequal - equal > 1) {
+        replay_difference middle;
         const uint64_t half = equal + (unequal - equal) / 2;
         status = differ_after(app, here, half, &middle, err);
         if (middle.found) {
             unequal = half;
-            *place = middle;
+            *difference = middle;
         } else {
             equal = half;
         }
@@ -119,13 +119,13 @@ static ost_status find_by_halving(const app_state *app, const replay *here, uint
     return status;
 }
 
-static void put_place(json_t *o, const replay_place *place)
+static void put_difference(json_t *o, const replay_difference *difference)
 {
-    put_integer(o, "chunk", place->chunk);
-    put(o, "voxel", json_pack("[i,i,i]", place->voxel[0], place->voxel[1], place->voxel[2]));
-    put_integer(o, "density_here", place->here);
-    put_integer(o, "density_there", place->there);
-    put_integer(o, "different_voxels", (int64_t)place->voxels);
+    put_integer(o, "chunk", difference->chunk);
+    put(o, "voxel", json_pack("[i,i,i]", difference->voxel[0], difference->voxel[1], difference->voxel[2]));
+    put_integer(o, "density_here", difference->here);
+    put_integer(o, "density_there", difference->there);
+    put_integer(o, "different_voxels", (int64_t)difference->voxels);
 }
 
 /* Stores the chunks that lost voxels in the tick; the recording holds only their digest. */
@@ -147,13 +147,13 @@ static void put_hex(json_t *o, const char *key, uint64_t value)
 static ost_status tell_tick(const app_state *app, replay *here, ost_error *err)
 {
     replay other = {0};
-    replay_place place = {0};
+    replay_difference difference = {0};
     const ost_session_tick *t = &here->recorded;
     ost_status status = open_other(app, here, &other, err);
     if (status == OST_OK)
         status = replay_run(&other, here->done, false, err);
     if (status == OST_OK)
-        status = replay_compare_bones(here, &other, &place, err);
+        status = replay_compare_bones(here, &other, &difference, err);
     if (status != OST_OK) {
         replay_close(&other);
         return status;
@@ -171,17 +171,17 @@ static ost_status tell_tick(const app_state *app, replay *here, ost_error *err)
     put_hex(o, "recorded_digest", t->digest);
     put_text(o, "other_backend", second);
     put_bool(o, "other_agrees_with_recording", recording_right);
-    if (place.found)
-        put_place(o, &place);
+    if (difference.found)
+        put_difference(o, &difference);
     else
         put_chunks(o, here);
     put(app->result, "first_difference", o);
-    if (place.found)
+    if (difference.found)
         ost_fail(err, OST_ERR_DIFFER,
                  "%s: differs from tick %llu on: %s removed %llu voxels there, recorded are %u; chunk %lld, voxel (%d, %d, %d) is %d with %s and %d "
                  "with %s, which %s with the recording",
-                 here->name, (unsigned long long)t->number, name, (unsigned long long)removed, (unsigned)t->removed, (long long)place.chunk,
-                 place.voxel[0], place.voxel[1], place.voxel[2], place.here, name, place.there, second, recording_right ? "agrees" : "does not agree either");
+                 here->name, (unsigned long long)t->number, name, (unsigned long long)removed, (unsigned)t->removed, (long long)difference.chunk,
+                 difference.voxel[0], difference.voxel[1], difference.voxel[2], difference.here, name, difference.there, second, recording_right ? "agrees" : "does not agree either");
     else
         ost_fail(err, OST_ERR_DIFFER,
                  "%s: differs from tick %llu on: removed were %llu voxels, recorded are %u; %s and %s agree on every voxel, so it is the recording "
@@ -194,23 +194,23 @@ static ost_status tell_tick(const app_state *app, replay *here, ost_error *err)
 static ost_status tell_end(const app_state *app, replay *here, const ending *e, ost_error *err)
 {
     uint64_t tick = 0;
-    replay_place place = {0};
+    replay_difference difference = {0};
     ost_status status = OST_OK;
     const bool counts = e->end.ticks != e->totals.ticks || e->end.removals != e->totals.removals || e->end.removed_voxels != e->totals.removed_voxels;
     if (!counts)
-        status = find_by_halving(app, here, &tick, &place, err);
+        status = find_by_halving(app, here, &tick, &difference, err);
     if (status != OST_OK)
         return status;
     json_t *o = json_object();
     put_text(o, "at", "end");
-    if (place.found) {
+    if (difference.found) {
         put_integer(o, "tick", (int64_t)tick);
-        put_place(o, &place);
+        put_difference(o, &difference);
         ost_fail(err, OST_ERR_DIFFER,
                  "%s: every tick removed as many voxels as recorded, but not the same: from tick %llu on, chunk %lld, voxel (%d, %d, %d) is %d and "
                  "should be %d",
-                 here->name, (unsigned long long)tick, (long long)place.chunk, place.voxel[0], place.voxel[1], place.voxel[2], place.here,
-                 place.there);
+                 here->name, (unsigned long long)tick, (long long)difference.chunk, difference.voxel[0], difference.voxel[1], difference.voxel[2], difference.here,
+                 difference.there);
     } else if (counts) {
         ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but at the end %llu ticks and %llu voxels were counted, recorded are %llu and %llu",
                  here->name, (unsigned long long)e->totals.ticks, (unsigned long long)e->totals.removed_voxels, (unsigned long long)e->end.ticks,
@@ -310,7 +310,7 @@ static ost_status run(app_state *app, const replay_args *args, replay *r, debrie
 {
     ending e = {0};
     const ost_session_summary *s = ost_session_summary_of(r->session);
-    uint64_t count = s->whole_ticks;
+    uint64_t count = s->complete_ticks;
     if (args->ticks_given && (uint64_t)args->ticks < count)
         count = (uint64_t)args->ticks;
     ost_status status = replay_run(r, count, true, err);
@@ -402,7 +402,7 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
     if (ost_session_missing(session, missing)[0])
         warn(app, "%s: %s", args.session, missing);
     put_text(app->result, "missing", missing);
-    if (ost_session_summary_of(session)->whole_ticks == 0)
+    if (ost_session_summary_of(session)->complete_ticks == 0)
         status = ost_fail(err, OST_ERR_INPUT, "%s: has no tick that could be done again", args.session);
     if (status == OST_OK)
         status = session_keys_read(args.session, ost_session_header_of(session), &setup, err);

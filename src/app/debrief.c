@@ -38,13 +38,13 @@ void debrief_free(debrief *d)
 
 ost_status debrief_tick(debrief *d, const ost_session_tick *t, ost_error *err)
 {
-    if (d->count == d->room) {
-        const size_t room = d->room ? 2 * d->room : 4096;
-        ost_motion *grown = realloc(d->motion, room * sizeof *grown);
+    if (d->count == d->capacity) {
+        const size_t capacity = d->capacity ? 2 * d->capacity : 4096;
+        ost_motion *grown = realloc(d->motion, capacity * sizeof *grown);
         if (!grown)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for the motion of %zu ticks", room);
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for the motion of %zu ticks", capacity);
         d->motion = grown;
-        d->room = room;
+        d->capacity = capacity;
     }
     static const tool_shape unknown = {.is = {.kind = OST_METRICS_OTHER}};
     const bool known = t->tick.tool >= 0 && t->tick.tool < d->tool_count;

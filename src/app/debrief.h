@@ -22,7 +22,7 @@ typedef struct debrief {
     ost_metrics_tool tools[OST_WORLD_TOOLS_MAX];
     int tool_count;
     ost_motion *motion; /* owned; one element per tick */
-    size_t count, room;
+    size_t count, capacity;
     ost_technique technique;
 } debrief;
 

@@ -213,14 +213,14 @@ static ost_status cut_out(const ost_volume *in, const ost_pm3 *centre, ost_volum
         n[a] = (int32_t)(hi - lo);
         o[a] += from[a] * s[a];
     }
-    const ost_dims whole = g.dims;
+    const ost_dims complete = g.dims;
     g.dims = (ost_dims){n[0], n[1], n[2]};
     g.origin = (ost_pm3){o[0], o[1], o[2]};
     ost_status status = ost_volume_init(out, &g, err);
     for (int32_t z = 0; status == OST_OK && z < n[2]; z++)
         for (int32_t y = 0; y < n[1]; y++)
             memcpy(out->voxels + (size_t)n[0] * ((size_t)y + (size_t)n[1] * (size_t)z),
-                   in->voxels + (size_t)from[0] + (size_t)whole.x * ((size_t)(from[1] + y) + (size_t)whole.y * (size_t)(from[2] + z)),
+                   in->voxels + (size_t)from[0] + (size_t)complete.x * ((size_t)(from[1] + y) + (size_t)complete.y * (size_t)(from[2] + z)),
                    (size_t)n[0] * sizeof *out->voxels);
     return status;
 }

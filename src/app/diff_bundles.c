@@ -22,13 +22,13 @@ static const char *text_of(const json_t *o, const char *key)
 static void say_difference(const app_state *app, const json_t *d)
 {
     const json_t *chunk = json_object_get(d, "chunk"), *leaf = json_object_get(d, "leaf");
-    char place[80] = "";
+    char location[80] = "";
     if (chunk)
-        snprintf(place, sizeof place, ", first in chunk (%lld, %lld, %lld) of 32^3", (long long)json_integer_value(json_array_get(chunk, 0)),
+        snprintf(location, sizeof location, ", first in chunk (%lld, %lld, %lld) of 32^3", (long long)json_integer_value(json_array_get(chunk, 0)),
                  (long long)json_integer_value(json_array_get(chunk, 1)), (long long)json_integer_value(json_array_get(chunk, 2)));
     else if (leaf)
-        snprintf(place, sizeof place, ", first in leaf %lld of 32^3", (long long)json_integer_value(leaf));
-    say(app, "  %s: %s %lld: %s%s", text_of(d, "case"), text_of(d, "stage"), (long long)json_integer_value(json_object_get(d, "item")), text_of(d, "what"), place);
+        snprintf(location, sizeof location, ", first in leaf %lld of 32^3", (long long)json_integer_value(leaf));
+    say(app, "  %s: %s %lld: %s%s", text_of(d, "case"), text_of(d, "stage"), (long long)json_integer_value(json_object_get(d, "item")), text_of(d, "what"), location);
 }
 
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err)
@@ -37,7 +37,7 @@ ost_status diff_bundles(const app_state *app, const char *a, const char *b, int6
     ost_status status = bundle_difference(a, b, a, b, &o, err);
     if (status != OST_OK)
         return status;
-    const json_t *differences = json_object_get(o, "differences"), *rest = json_object_get(o, "not_compared"), *notes = json_object_get(o, "notes");
+    const json_t *differences = json_object_get(o, "differences"), *remaining = json_object_get(o, "not_compared"), *notes = json_object_get(o, "notes");
     const long long compared = (long long)json_integer_value(json_object_get(o, "compared"));
     const bool equal = json_is_true(json_object_get(o, "equal"));
     json_object_update(app->result, o);
@@ -52,10 +52,10 @@ ost_status diff_bundles(const app_state *app, const char *a, const char *b, int6
         say(app, "  the protocols differ: %s", json_string_value(json_array_get(notes, i)));
     for (size_t i = 0; i < json_array_size(differences) && (int64_t)i < limit; i++)
         say_difference(app, json_array_get(differences, i));
-    if (json_array_size(rest))
-        say(app, "  not compared: %zu case%s%s", json_array_size(rest), json_array_size(rest) == 1 ? "" : "s", (int64_t)json_array_size(rest) > limit ? "; the first:" : ":");
-    for (size_t i = 0; i < json_array_size(rest) && (int64_t)i < limit; i++)
-        say(app, "    %s", json_string_value(json_array_get(rest, i)));
+    if (json_array_size(remaining))
+        say(app, "  not compared: %zu case%s%s", json_array_size(remaining), json_array_size(remaining) == 1 ? "" : "s", (int64_t)json_array_size(remaining) > limit ? "; the first:" : ":");
+    for (size_t i = 0; i < json_array_size(remaining) && (int64_t)i < limit; i++)
+        say(app, "    %s", json_string_value(json_array_get(remaining, i)));
     json_decref(o);
     return equal ? OST_OK : OST_ERR_DIFFER;
 }

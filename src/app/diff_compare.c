@@ -159,11 +159,11 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
 
     for (size_t c = 0; c < chunk_count; c++)
         if (chunks[c].different) {
-            diff_chunk *kept = &chunks[out->chunk_count++];
-            *kept = chunks[c];
-            kept->at[0] = (int32_t)(c % (size_t)out->chunk_dims.x);
-            kept->at[1] = (int32_t)(c / (size_t)out->chunk_dims.x % (size_t)out->chunk_dims.y);
-            kept->at[2] = (int32_t)(c / (size_t)out->chunk_dims.x / (size_t)out->chunk_dims.y);
+            diff_chunk *entry = &chunks[out->chunk_count++];
+            *entry = chunks[c];
+            entry->at[0] = (int32_t)(c % (size_t)out->chunk_dims.x);
+            entry->at[1] = (int32_t)(c / (size_t)out->chunk_dims.x % (size_t)out->chunk_dims.y);
+            entry->at[2] = (int32_t)(c / (size_t)out->chunk_dims.x / (size_t)out->chunk_dims.y);
         }
     out->chunks = chunks;
     out->equal = out->same_spacing && out->same_origin && out->different == 0;

@@ -19,14 +19,14 @@
 #include "render/png.h"
 #include "render/points/frame.h"
 
-enum { ROOM = 12, STILLS = 100000 };
+enum { QUEUE_CAPACITY = 12, STILLS = 100000 };
 
 typedef struct job {
     bool still;
     int64_t index; /* in the video */
     int width, height;
     uint32_t *pixels; /* owned */
-    size_t room;
+    size_t capacity;
 } job;
 
 struct film {
@@ -34,8 +34,8 @@ struct film {
     film_file *file; /* NULL if there is no video */
     pthread_t thread;
     pthread_mutex_t lock;
-    pthread_cond_t more, room;
-    job job[ROOM]; /* ring buffer */
+    pthread_cond_t more, capacity;
+    job job[QUEUE_CAPACITY]; /* ring buffer */
     int first, count;
     bool end;
     int64_t begin_ns, last; /* last: index of the latest frame given */
@@ -138,9 +138,9 @@ static void *work(void *user)
             f->status = status;
             f->err = err;
         }
-        f->first = (f->first + 1) % ROOM;
+        f->first = (f->first + 1) % QUEUE_CAPACITY;
         f->count--;
-        pthread_cond_signal(&f->room);
+        pthread_cond_signal(&f->capacity);
     }
     pthread_mutex_unlock(&f->lock);
     return NULL;
@@ -171,7 +171,7 @@ ost_status film_open(const film_options *options, film **out, ost_error *err)
     }
     pthread_mutex_init(&f->lock, NULL);
     pthread_cond_init(&f->more, NULL);
-    pthread_cond_init(&f->room, NULL);
+    pthread_cond_init(&f->capacity, NULL);
     const int error = ost_thread_begin(&f->thread, work, f);
     if (error) {
         film_file_close(f->file, NULL);
@@ -188,19 +188,19 @@ ost_status film_open(const film_options *options, film **out, ost_error *err)
 static bool queue(film *f, bool still, int64_t index, const uint32_t *pixels, int stride, int width, int height)
 {
     pthread_mutex_lock(&f->lock);
-    while (f->count == ROOM && f->options.wait)
-        pthread_cond_wait(&f->room, &f->lock);
-    const bool room = f->count < ROOM;
-    job *j = &f->job[(f->first + f->count) % ROOM];
+    while (f->count == QUEUE_CAPACITY && f->options.wait)
+        pthread_cond_wait(&f->capacity, &f->lock);
+    const bool capacity = f->count < QUEUE_CAPACITY;
+    job *j = &f->job[(f->first + f->count) % QUEUE_CAPACITY];
     pthread_mutex_unlock(&f->lock);
-    if (!room)
+    if (!capacity)
         return false;
     /* The writer thread does not read beyond the queued jobs, so this one is filled without the lock. */
     const size_t size = (size_t)width * (size_t)height;
-    if (size > j->room) {
+    if (size > j->capacity) {
         free(j->pixels);
         j->pixels = malloc(size * sizeof *j->pixels);
-        j->room = j->pixels ? size : 0;
+        j->capacity = j->pixels ? size : 0;
         if (!j->pixels)
             return false;
     }
@@ -222,14 +222,14 @@ static int64_t index_at(const film *f, int64_t t_ns)
     return f->begun ? (int64_t)((double)(t_ns - f->begin_ns) * 1e-9 * (double)f->options.fps + 1e-6) : 0;
 }
 
-bool film_wants(const film *f, int64_t t_ns)
+bool film_is_due(const film *f, int64_t t_ns)
 {
     return f->file && (!f->begun || index_at(f, t_ns) > f->last);
 }
 
 void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int width, int height)
 {
-    if (!film_wants(f, t_ns))
+    if (!film_is_due(f, t_ns))
         return;
     const int64_t index = index_at(f, t_ns);
     if (!queue(f, false, index, pixels, stride, width, height)) {
@@ -289,9 +289,9 @@ ost_status film_close(film *f, int64_t end_ns, film_report *report, ost_error *e
     f->report.dropped = f->dropped;
     if (report)
         *report = f->report;
-    for (int i = 0; i < ROOM; i++)
+    for (int i = 0; i < QUEUE_CAPACITY; i++)
         free(f->job[i].pixels);
-    pthread_cond_destroy(&f->room);
+    pthread_cond_destroy(&f->capacity);
     pthread_cond_destroy(&f->more);
     pthread_mutex_destroy(&f->lock);
     free(f);

@@ -53,7 +53,7 @@ ost_status film_open(const film_options *options, film **out, ost_error *err);
    pixels; they are copied. */
 /* Returns true if the video has no frame for t_ns yet. Times must ascend; the first is the
    beginning of the video. */
-bool film_wants(const film *f, int64_t t_ns);
+bool film_is_due(const film *f, int64_t t_ns);
 void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int width, int height);
 /* Saves a picture in the current folder under the next free name, osteon-001.png and so on. The
    result is reported by film_said. */

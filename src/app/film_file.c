@@ -124,7 +124,7 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
     static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7", "-crf", "24", "-b:v", "0", NULL};
     /* These arguments give colours and even frame sizes that every player accepts. */
-    char program[NAME], place[32];
+    char program[NAME], descriptor_path[32];
     const char *argv[40] = {program, "-hide_banner", "-loglevel", "error", "-f", "yuv4mpegpipe", "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p", "-colorspace", "bt709",
                       "-color_primaries", "bt709", "-color_trc", "bt709"};
     int count = 16;
@@ -139,11 +139,11 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
     fcntl(fileno(f->messages), F_SETFD, FD_CLOEXEC);
     for (const char *const *more = strcmp(format, "webm") == 0 ? vp9 : x264; *more; more++)
         argv[count++] = *more;
-    snprintf(place, sizeof place, "/dev/fd/%d", ENCODER_FD);
+    snprintf(descriptor_path, sizeof descriptor_path, "/dev/fd/%d", ENCODER_FD);
     argv[count++] = "-f";
     argv[count++] = format;
     argv[count++] = "-y"; /* the file already exists */
-    argv[count++] = place;
+    argv[count++] = descriptor_path;
     return start(f, argv, err);
 }
 

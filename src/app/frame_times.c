@@ -13,11 +13,11 @@ void frame_times_add(frame_times *times, int64_t ns)
 
 double frame_times_ms(const frame_times *times, double share)
 {
-    const double want = share * (double)times->count;
+    const double rank = share * (double)times->count;
     uint64_t seen = 0;
     for (int i = 0; i < FRAME_BINS && times->count; i++) {
         seen += times->bin[i];
-        if (seen && (double)seen >= want)
+        if (seen && (double)seen >= rank)
             return fmin((i + 0.5) * FRAME_BIN_NS, (double)times->max_ns) * 1e-6;
     }
     return 0;

@@ -47,11 +47,11 @@ static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
 }
 
 /* Replaces the facts of the grid's header by those of the session's header. */
-static ost_status overlay(const char *session, const ost_session_header *header, ost_meta *said, ost_error *err)
+static ost_status overlay(const char *session, const ost_session_header *header, ost_meta *stored, ost_error *err)
 {
     for (int i = 0; header && i < SAME; i++) {
         const char *value = ost_session_header_get(header, same[i].session);
-        if (value && ost_meta_set(said, same[i].grid, value, NULL) != OST_OK)
+        if (value && ost_meta_set(stored, same[i].grid, value, NULL) != OST_OK)
             return ost_fail(err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which cannot be", session, same[i].session, value);
     }
     return OST_OK;
@@ -60,27 +60,27 @@ static ost_status overlay(const char *session, const ost_session_header *header,
 static ost_status find_depth(const app_state *app, const glenoid_plan_options *options, const char *session, const ost_session_header *header,
                              double *out, ost_error *err)
 {
-    const char *said = header ? ost_session_header_get(header, depth_key) : NULL;
+    const char *stored = header ? ost_session_header_get(header, depth_key) : NULL;
     int64_t um = DEPTH_UM;
     if (options->depth.text) {
         if (!ost_decimal_scale(&options->depth.value, 1000, &um, NULL) || um < 0 || um > DEPTH_UM_MAX)
             return usage_error(app, err, "--planned %s: must be from 0 to %d", options->depth.text, DEPTH_UM_MAX / 1000);
-    } else if (said) {
+    } else if (stored) {
         ost_decimal d;
-        const char *end = said + strlen(said);
-        if (ost_decimal_read(said, end, &d) != end || !ost_decimal_scale(&d, 1000, &um, NULL) || um < 0 || um > DEPTH_UM_MAX)
-            return ost_fail(err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which cannot be", session, depth_key, said);
+        const char *end = stored + strlen(stored);
+        if (ost_decimal_read(stored, end, &d) != end || !ost_decimal_scale(&d, 1000, &um, NULL) || um < 0 || um > DEPTH_UM_MAX)
+            return ost_fail(err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which cannot be", session, depth_key, stored);
     }
     *out = (double)um * 1e-3;
     return OST_OK;
 }
 
-static ost_status find_landmarks(const app_state *app, const glenoid_plan_options *options, const ost_meta *said, ost_metrics_plan *out, ost_error *err)
+static ost_status find_landmarks(const app_state *app, const glenoid_plan_options *options, const ost_meta *stored, ost_metrics_plan *out, ost_error *err)
 {
     bool trigonum = false, inferior = false;
-    ost_status status = ost_point_from_meta(said, OST_META_TRIGONUM, &out->trigonum, &trigonum, err);
+    ost_status status = ost_point_from_meta(stored, OST_META_TRIGONUM, &out->trigonum, &trigonum, err);
     if (status == OST_OK)
-        status = ost_point_from_meta(said, OST_META_INFERIOR_ANGLE, &out->inferior, &inferior, err);
+        status = ost_point_from_meta(stored, OST_META_INFERIOR_ANGLE, &out->inferior, &inferior, err);
     if (status != OST_OK)
         return status;
     if (options->trigonum_given)
@@ -98,17 +98,17 @@ static ost_status find_landmarks(const app_state *app, const glenoid_plan_option
 ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session, const ost_session_header *header, const ost_meta *meta,
                      const char *bone, bool needed, ost_metrics_plan *out, bool *known, ost_error *err)
 {
-    ost_meta said = *meta;
+    ost_meta stored = *meta;
     ost_glenoid glenoid;
     ost_pm3 nano;
     *out = (ost_metrics_plan){.depth_mm = 0};
     *known = false;
     needed |= options->depth.text || options->trigonum_given || options->inferior_given;
-    ost_status status = overlay(session, header, &said, err);
+    ost_status status = overlay(session, header, &stored, err);
     if (status != OST_OK)
         return status;
     const target_options *t = &options->target;
-    status = target_find(app, t, &said, bone, &glenoid, err);
+    status = target_find(app, t, &stored, bone, &glenoid, err);
     if (status == OST_ERR_USAGE && !needed) {
         *err = (ost_error){0};
         return OST_OK;
@@ -116,7 +116,7 @@ ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *o
     if (status == OST_OK)
         status = find_depth(app, options, session, header, &out->depth_mm, err);
     if (status == OST_OK)
-        status = find_landmarks(app, options, &said, out, err);
+        status = find_landmarks(app, options, &stored, out, err);
     if (status != OST_OK)
         return status;
     if (!unit_axis(glenoid.axis, out->axis, &nano))

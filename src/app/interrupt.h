@@ -13,9 +13,9 @@ void interrupt_begin(void);
 void interrupt_end(void);
 /* Returns true if a signal came since interrupt_begin. One atomic load, cheap enough for every
    tick. Stays true after interrupt_end. */
-bool interrupt_asked(void);
+bool interrupt_requested(void);
 
 /* Sets the flag from within the program, when its window was closed. */
-void interrupt_ask(void);
+void interrupt_request(void);
 
 #endif

@@ -22,7 +22,7 @@
 #include "app/progress.h"
 #include "app/say.h"
 #include "io/outfile.h"
-#include "validation/leftover.h"
+#include "validation/signal_cleanup.h"
 #include "validation/worker.h"
 
 static const app_verb verbs[] = {
@@ -101,7 +101,7 @@ static void keep_standard_streams(void)
 static void on_end_signal(int number)
 {
     ost_outfile_unlink_pending();
-    leftover_end();
+    signal_cleanup_end();
     signal(number, SIG_DFL);
     raise(number);
 }
@@ -133,7 +133,7 @@ static void on_exit_within_verb(void)
     if (!within_verb)
         return;
     ost_outfile_unlink_pending();
-    leftover_end();
+    signal_cleanup_end();
     static const char text[] = "osteon: a library that it uses gave up, as said above; what was asked for is not done\n";
     ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;
@@ -150,7 +150,7 @@ static void *json_memory(size_t size)
     if (p)
         return p;
     ost_outfile_unlink_pending();
-    leftover_end();
+    signal_cleanup_end();
     static const char text[] = "osteon: no memory for a JSON object; nothing more was written\n";
     ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;

@@ -156,23 +156,23 @@ const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char 
     text[0] = '\0';
     for (;;) {
         size_t length = strcspn(names, "|");
-        const char *rest = names[length] ? names + length + 1 : NULL;
-        const char *after = !rest ? "" : strchr(rest, '|') ? ", " : " or ";
+        const char *next_name = names[length] ? names + length + 1 : NULL;
+        const char *after = !next_name ? "" : strchr(next_name, '|') ? ", " : " or ";
         int n = snprintf(text + used, OPTION_SPOKEN - used, "%s%.*s%s", before, (int)length, names, after);
         used += n > 0 ? (size_t)n : 0;
-        if (!rest || used >= OPTION_SPOKEN)
+        if (!next_name || used >= OPTION_SPOKEN)
             return text;
-        names = rest;
+        names = next_name;
     }
 }
 
 static ost_status take_choice(const app_state *app, const option *o, const char *text, ost_error *err)
 {
     const char *choice = o->value;
-    for (int place = 0;; place++) {
+    for (int index = 0;; index++) {
         size_t length = strcspn(choice, "|");
         if (strlen(text) == length && memcmp(choice, text, length) == 0) {
-            *(int *)o->out = place;
+            *(int *)o->out = index;
             return OST_OK;
         }
         if (!choice[length]) {
@@ -325,7 +325,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
 }
 
 /* Returns true if --help is given: it takes precedence over any other error in the arguments. */
-static bool wants_help(int argc, char **argv)
+static bool is_help(int argc, char **argv)
 {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
@@ -338,7 +338,7 @@ bool options_parse(app_state *app, const usage_text *usage, int argc, char **arg
     bool help = false;
     option common[COMMON_MAX];
     common_options(app, &help, common);
-    if (wants_help(argc, argv)) {
+    if (is_help(argc, argv)) {
         help_print(app, usage, common);
         app->json = false;
         app->quiet = true;

@@ -44,7 +44,7 @@ static bool is_inside(const ost_geometry *g, ost_pm3 p)
 }
 
 /* Checks the facts against the grid and each other, and adds the side that the axis determines. */
-static ost_status settle(const char *name, const ost_geometry *g, ost_meta *meta, ost_error *err)
+static ost_status resolve_orientation(const char *name, const ost_geometry *g, ost_meta *meta, ost_error *err)
 {
     ost_pm3 at, point;
     double axis[3];
@@ -147,7 +147,7 @@ ost_status patient_take(const app_state *app, const patient_options *options, co
         if (status == OST_OK)
             status = ost_meta_set(meta, OST_META_SIDE, side == OST_SIDE_LEFT ? "left" : "right", err);
     }
-    return status == OST_OK ? settle(name, geometry, meta, err) : status;
+    return status == OST_OK ? resolve_orientation(name, geometry, meta, err) : status;
 }
 
 /* ------------------------------------------------------------------- --set */
@@ -208,5 +208,5 @@ ost_status patient_set(const app_state *app, const option_list *sets, const char
     ost_status status = OST_OK;
     for (int i = 0; i < sets->count && status == OST_OK; i++)
         status = set_one(app, sets->value[i], meta, err);
-    return status == OST_OK ? settle(name, geometry, meta, err) : status;
+    return status == OST_OK ? resolve_orientation(name, geometry, meta, err) : status;
 }

@@ -11,14 +11,14 @@ enum { GAP_NS = 1000000 };
 
 ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out, ost_error *err)
 {
-    const ost_side asked = !options->side_given ? OST_SIDE_UNKNOWN : options->side == 0 ? OST_SIDE_LEFT : OST_SIDE_RIGHT;
+    const ost_side given = !options->side_given ? OST_SIDE_UNKNOWN : options->side == 0 ? OST_SIDE_LEFT : OST_SIDE_RIGHT;
     ost_status status = ost_side_from_meta(meta, out, err);
-    if (status == OST_OK && asked != OST_SIDE_UNKNOWN && *out != OST_SIDE_UNKNOWN && asked != *out) {
-        const char *name = asked == OST_SIDE_LEFT ? "left" : "right";
+    if (status == OST_OK && given != OST_SIDE_UNKNOWN && *out != OST_SIDE_UNKNOWN && given != *out) {
+        const char *name = given == OST_SIDE_LEFT ? "left" : "right";
         return ost_fail(err, OST_ERR_INPUT, "--side %s contradicts %s, whose header has side %s; 'osteon info %s --set side=%s' corrects it", name,
                         bone, *out == OST_SIDE_LEFT ? "left" : "right", bone, name);
     }
-    *out = asked == OST_SIDE_UNKNOWN ? *out : asked;
+    *out = given == OST_SIDE_UNKNOWN ? *out : given;
     return status;
 }
 

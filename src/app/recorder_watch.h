@@ -14,13 +14,13 @@ typedef struct recorder_watch {
     bool failing, stuck, losing;
     uint64_t written;   /* count of written records when it last increased */
     double grew_ms;     /* time of that increase */
-    uint64_t told_lost; /* count of lost records in the last message */
+    uint64_t reported_lost; /* count of lost records in the last message */
 } recorder_watch;
 
 enum { RECORDER_WATCH_TEXT = 320 };
 /* Checks the state of the recorder of the file name, which has room for so many records. Returns
    text with a message, or NULL if there is no new one. */
-const char *recorder_watch_look(recorder_watch *watch, const char *name, const ost_recorder_state *state, uint64_t room, double now_ms,
+const char *recorder_watch_look(recorder_watch *watch, const char *name, const ost_recorder_state *state, uint64_t capacity, double now_ms,
                                 char text[RECORDER_WATCH_TEXT]);
 
 #endif

@@ -93,7 +93,7 @@ ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err)
 
 /* ------------------------------------------------------------ two bones */
 
-static void look_at_slice(const ost_bone_info *info, int32_t k, const int16_t *here, const int16_t *there, replay_place *out)
+static void look_at_slice(const ost_bone_info *info, int32_t k, const int16_t *here, const int16_t *there, replay_difference *out)
 {
     const ost_dims d = info->geometry.dims, chunks = info->chunk_dims;
     const int n = info->chunk_size;
@@ -109,19 +109,19 @@ static void look_at_slice(const ost_bone_info *info, int32_t k, const int16_t *h
             /* Slices come in order, so the first difference found in a chunk is its first. */
             if (out->found && chunk >= out->chunk)
                 continue;
-            *out = (replay_place){.found = true,
-                                  .chunk = chunk,
-                                  .voxel = {i, j, k},
-                                  .here = here[row + (size_t)i],
-                                  .there = there[row + (size_t)i],
-                                  .voxels = out->voxels};
+            *out = (replay_difference){.found = true,
+                                       .chunk = chunk,
+                                       .voxel = {i, j, k},
+                                       .here = here[row + (size_t)i],
+                                       .there = there[row + (size_t)i],
+                                       .voxels = out->voxels};
         }
     }
 }
 
-ost_status replay_compare_bones(const replay *here, const replay *there, replay_place *out, ost_error *err)
+ost_status replay_compare_bones(const replay *here, const replay *there, replay_difference *out, ost_error *err)
 {
-    *out = (replay_place){0};
+    *out = (replay_difference){0};
     ost_bone_info info;
     ost_status status = ost_bone_info_get(here->bone, &info, err);
     if (status != OST_OK)

@@ -48,14 +48,14 @@ ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err);
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick);
 
 /* The first difference between two bones of one session, in the order of chunks and then of voxels. */
-typedef struct replay_place {
+typedef struct replay_difference {
     bool found;
     int64_t chunk;
     int32_t voxel[3];
     int16_t here, there;
     uint64_t voxels; /* number of voxels that differ */
-} replay_place;
+} replay_difference;
 
-ost_status replay_compare_bones(const replay *here, const replay *there, replay_place *out, ost_error *err);
+ost_status replay_compare_bones(const replay *here, const replay *there, replay_difference *out, ost_error *err);
 
 #endif

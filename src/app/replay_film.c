@@ -91,7 +91,7 @@ static ost_status on_tick(void *user, const ost_session_tick *tick, const ost_st
     memcpy(state.reached_mm, f->reached_mm, sizeof state.reached_mm);
     ost_live_changed(f->live, step->report);
     ost_status status = ost_live_publish(f->live, &state, err);
-    return status == OST_OK && film_wants(f->film, f->t_ns) ? draw(f, err) : status;
+    return status == OST_OK && film_is_due(f->film, f->t_ns) ? draw(f, err) : status;
 }
 
 /* Reads the scales of the forces from the session. Without them the defaults remain. */
@@ -115,7 +115,7 @@ static ost_status make_look(replay_film *f, const replay *r, const ost_metrics_p
     if (status == OST_OK)
         status = bone_to_volume(r->bone, NULL, &uncut, err);
     if (status == OST_OK)
-        status = ost_viewer_set_ground(&f->viewer, &uncut, info.threshold, ost_world_classes(r->world), plan ? &plan->at : NULL, plan ? plan->axis : NULL, err);
+        status = ost_viewer_set_uncut(&f->viewer, &uncut, info.threshold, ost_world_classes(r->world), plan ? &plan->at : NULL, plan ? plan->axis : NULL, err);
     ost_volume_free(&uncut);
     if (status == OST_OK)
         status = ost_tool_download(r->tools[0], &f->ghost_tool, err);

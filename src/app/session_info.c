@@ -12,7 +12,7 @@ void put_session_summary(const app_state *app, const char *name, const ost_sessi
     char missing[OST_SESSION_MISSING];
     json_t *o = app->result;
     put_integer(o, "ticks", (int64_t)s->ticks);
-    put_integer(o, "replayable_ticks", (int64_t)s->whole_ticks);
+    put_integer(o, "replayable_ticks", (int64_t)s->complete_ticks);
     put_real(o, "seconds", s->ticks ? (double)(s->last_t_ns - s->first_t_ns) * 1e-9 : 0);
     put_bool(o, "ended", s->ended);
     put_integer(o, "records", (int64_t)s->records);
@@ -67,7 +67,7 @@ ost_status info_session(const app_state *app, const char *name, const char *repa
 
 ost_status export_session(const app_state *app, const char *name, const char *out, bool voxels, ost_error *err)
 {
-    session_voxels found = {.room = 0};
+    session_voxels found = {.capacity = 0};
     ost_session *session;
     ost_status status = ost_session_open(name, &session, err);
     if (status != OST_OK)

@@ -24,16 +24,16 @@ void session_voxels_free(session_voxels *v)
     free(v->list.voxels);
 }
 
-static bool room_for(void **array, size_t *room, size_t count, size_t size)
+static bool reserve(void **array, size_t *capacity, size_t count, size_t size)
 {
-    if (count < *room)
+    if (count < *capacity)
         return true;
-    const size_t more = *room ? 2 * *room : 1024;
+    const size_t more = *capacity ? 2 * *capacity : 1024;
     void *grown = realloc(*array, more * size);
     if (!grown)
         return false;
     *array = grown;
-    *room = more;
+    *capacity = more;
     return true;
 }
 
@@ -53,7 +53,7 @@ static ost_status look(walk *w, session_voxels *out, ost_error *err)
         for (size_t i = 0; i < slice; i++) {
             if (old[i] == now[i])
                 continue;
-            if (!room_for((void **)&out->list.voxels, &out->room, out->list.count, sizeof *out->list.voxels))
+            if (!reserve((void **)&out->list.voxels, &out->capacity, out->list.count, sizeof *out->list.voxels))
                 return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu voxels", out->list.count);
             out->list.voxels[out->list.count++] = (ost_session_voxel){
                 .at = {(int32_t)(i % (size_t)d.x), (int32_t)(i / (size_t)d.x), z}, .group = (uint32_t)out->list.groups, .density = old[i]};
@@ -63,7 +63,7 @@ static ost_status look(walk *w, session_voxels *out, ost_error *err)
     w->to = 0;
     if (status != OST_OK || out->list.count == before)
         return status;
-    if (!room_for((void **)&out->list.t_s, &out->group_room, out->list.groups, sizeof *out->list.t_s))
+    if (!reserve((void **)&out->list.t_s, &out->group_capacity, out->list.groups, sizeof *out->list.t_s))
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu groups of voxels", out->list.groups);
     out->list.t_s[out->list.groups++] = (double)w->last_ns * 1e-9;
     return OST_OK;
@@ -83,7 +83,7 @@ static void mark(walk *w, const ost_step_result *step)
 
 static ost_status walk_ticks(walk *w, ost_session *session, session_voxels *out, ost_error *err)
 {
-    const uint64_t count = ost_session_summary_of(session)->whole_ticks;
+    const uint64_t count = ost_session_summary_of(session)->complete_ticks;
     ost_status status = OST_OK;
     ost_session_rewind(session);
     for (uint64_t done = 0; done < count && status == OST_OK;) {

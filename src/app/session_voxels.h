@@ -11,7 +11,7 @@
 /* Must be zero-initialized; call session_voxels_free in any case. */
 typedef struct session_voxels {
     ost_session_voxels list; /* its arrays are owned here */
-    size_t group_room, room;
+    size_t group_capacity, capacity;
 } session_voxels;
 
 /* Replays the session. The bone and the tools must be at the recorded paths. */

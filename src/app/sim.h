@@ -22,7 +22,7 @@
 #include "app/session_record.h"
 #include "app/start_check.h"
 
-enum { SIM_ROOM = 65536 }; /* records that can wait for the disk: 65 s */
+enum { SIM_RECORDER_CAPACITY = 65536 }; /* records that can wait for the disk: 65 s */
 
 typedef struct sim_args {
     const char *device, *bone, *out, *record, *classes_text, *session, *resume, *debrief, *force_file;

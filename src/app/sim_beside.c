@@ -44,7 +44,7 @@ static bool begin(sim_beside *b, const ost_surface *bone)
     b->kept = calloc(SIM_BESIDE_FRAMES, sizeof *b->kept);
     b->bone = malloc(((size_t)b->slots + 1) * sizeof *b->bone);
     for (int32_t i = 0; b->bone && i < b->slots; i++)
-        memcpy(b->bone[i], bone->slot[i]->whole, sizeof b->bone[i]);
+        memcpy(b->bone[i], bone->slot[i]->occupied, sizeof b->bone[i]);
     b->wanted = b->kept && b->bone;
     return b->wanted;
 }
@@ -53,7 +53,7 @@ static bool begin(sim_beside *b, const ost_surface *bone)
    no space go into the next frame. */
 static void keep_block(sim_beside *b, sim_beside_frame *f, const ost_surface *bone, int32_t slot)
 {
-    const uint32_t *is = bone->slot[slot]->whole;
+    const uint32_t *is = bone->slot[slot]->occupied;
     uint32_t *was = b->bone[slot];
     for (int row = 0; row < OST_BLOCK_ROWS && f->count < SIM_BESIDE_ROWS; row++) {
         if (was[row] == is[row])
@@ -89,7 +89,7 @@ static ost_status turn(const sim_beside_frame *f, ost_surface *bone, ost_error *
     for (int i = 0; i < f->count && status == OST_OK;) {
         const int32_t slot = f->row[i].slot;
         uint32_t words[OST_BLOCK_ROWS];
-        memcpy(words, bone->slot[slot]->whole, sizeof words);
+        memcpy(words, bone->slot[slot]->occupied, sizeof words);
         for (; i < f->count && f->row[i].slot == slot; i++)
             words[f->row[i].row] ^= f->row[i].went;
         status = ost_surface_set(bone, bone->slot[slot]->at, words, err);

@@ -78,6 +78,6 @@ void sim_hand_push(sim_hand *hand, double mm)
 
 bool sim_hand_state(const sim_hand *hand, ost_haptic_state *out)
 {
-    *out = (ost_haptic_state){.tool = hand->tool, .buttons = hand->pedal ? OST_HAND_PEDAL : 0};
+    *out = (ost_haptic_state){.tool = hand->tool, .buttons = hand->pedal ? OST_MOUSE_PEDAL : 0};
     return ost_pose_from_doubles(hand->at, hand->q, &out->pose, NULL) == OST_OK;
 }

@@ -27,8 +27,8 @@ struct sim_hud {
    The size is a multiple of 1/16, so that the lettering is not made anew for every pixel. */
 static double unit_for(int width, int height, double scale)
 {
-    const double dense = fmax(1, scale), room = fmin(height / 720.0, width / 1000.0) / dense;
-    const double grown = room > 1 ? 1 + 0.7 * (room - 1) : room;
+    const double dense = fmax(1, scale), available = fmin(height / 720.0, width / 1000.0) / dense;
+    const double grown = available > 1 ? 1 + 0.7 * (available - 1) : available;
     return dense * floor(16 * fmax(LEAST, fmin(MOST, grown)) + 0.5) / 16;
 }
 
@@ -294,10 +294,10 @@ static bool apart(const sim_hud_box *a, const sim_hud_box *b)
 /* Returns box if it is within the frame and overlaps none of those placed before, else an empty box. */
 static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_box *const *before, int count)
 {
-    bool room = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height;
-    for (int i = 0; i < count && room; i++)
-        room = apart(&box, before[i]);
-    return room ? box : (sim_hud_box){0};
+    bool available = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height;
+    for (int i = 0; i < count && available; i++)
+        available = apart(&box, before[i]);
+    return available ? box : (sim_hud_box){0};
 }
 
 sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const sim_hud_facts *f)

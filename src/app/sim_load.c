@@ -116,7 +116,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
     const ost_haptic_setup setup = {
         .path = &s->path,
         .session = args->session,
-        .hand = sim_window_hand_get(s),
+        .mouse = sim_window_hand_get(s),
         .start = start,
         .gaps = args->gaps,
     };
@@ -156,6 +156,6 @@ ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
     session_key more[SIM_FORCE_KEYS + 4] = {{"tick_ns", "1000000"}, {"force", sim_force_names[args->force]}};
     sim_force_texts texts;
     sim_force_session(args, &texts, more + 2);
-    const ost_recorder_options options = {.room = SIM_ROOM};
+    const ost_recorder_options options = {.capacity = SIM_RECORDER_CAPACITY};
     return session_record(args->record, &setup, s->backend, s->bone, s->tools, args->device, more, &options, &s->recorder, err);
 }

@@ -26,8 +26,8 @@ ost_status sim_look_make(const sim_args *args, simulation *s, const ost_glenoid 
         return OST_OK;
     ost_status status = ost_bone_info_get(s->bone, &info, err);
     if (status == OST_OK)
-        status = ost_viewer_set_ground(&show->viewer, &s->uncut, info.threshold, classes, glenoid ? &glenoid->at : NULL,
-                                       glenoid ? glenoid->axis : NULL, err);
+        status = ost_viewer_set_uncut(&show->viewer, &s->uncut, info.threshold, classes, glenoid ? &glenoid->at : NULL,
+                                      glenoid ? glenoid->axis : NULL, err);
     if (status == OST_OK)
         status = ost_tool_download(s->tools[0], &show->ghost_tool, err);
     if (status != OST_OK)

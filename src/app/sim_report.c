@@ -21,7 +21,7 @@ static const char *end_text(ost_servo_end end)
 {
     switch (end) {
     case OST_SERVO_TICKS: return "the time was over";
-    case OST_SERVO_ASKED: return interrupt_asked() ? "it was asked to end" : "the world failed";
+    case OST_SERVO_STOPPED: return interrupt_requested() ? "it was asked to end" : "the world failed";
     case OST_SERVO_DEVICE_ENDED: return "the device had nothing more to give";
     case OST_SERVO_DEVICE_LOST: return "the device was lost";
     case OST_SERVO_WATCHDOG: return "the device was silent for 5 ticks";
@@ -70,7 +70,7 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_integer(o, "missed_taken", (int64_t)r->missed_taken);
     put_integer(o, "rehearsed_us", r->lead_ns / 1000);
     put_integer(o, "longest_miss", (int64_t)r->longest_miss);
-    put_integer(o, "stale", (int64_t)r->stale);
+    put_integer(o, "stale", (int64_t)r->without_sample);
     put_integer(o, "idle_ticks", (int64_t)r->idle.ticks);
     put_integer(o, "idle_missed", (int64_t)r->idle.missed);
     put_integer(o, "busy_ticks", (int64_t)r->busy.ticks);

@@ -17,10 +17,10 @@ ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, 
     ost_status status = ost_session_open(args->resume, &s->resumed, err);
     if (status != OST_OK)
         return status;
-    if (ost_session_summary_of(s->resumed)->whole_ticks == 0)
+    if (ost_session_summary_of(s->resumed)->complete_ticks == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: has no tick that could be done again", args->resume);
     const ost_session_summary *sum = ost_session_summary_of(s->resumed);
-    if (sum->whole_ticks < sum->ticks && ost_session_missing(s->resumed, missing)[0])
+    if (sum->complete_ticks < sum->ticks && ost_session_missing(s->resumed, missing)[0])
         warn(app, "%s: %s", args->resume, missing);
     status = session_keys_read(args->resume, ost_session_header_of(s->resumed), &setup, err);
     if (status != OST_OK)
@@ -38,7 +38,7 @@ ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, 
 ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err)
 {
     const session_setup names = {.bone = args->bone, .tools = args->tools};
-    const uint64_t count = ost_session_summary_of(s->resumed)->whole_ticks;
+    const uint64_t count = ost_session_summary_of(s->resumed)->complete_ticks;
     ost_status status = session_keys_check(args->resume, ost_session_header_of(s->resumed), &names, s->bone, s->tools, err);
     while (status == OST_OK && s->before < count) {
         ost_record record;
@@ -57,7 +57,7 @@ ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err)
             s->before++;
         }
         if (status == OST_OK && s->recorder && record.kind != OST_RECORD_END)
-            ost_recorder_put_patiently(s->recorder, &record);
+            ost_recorder_put_waiting(s->recorder, &record);
         if (s->before % 16 == 0)
             progress_show(NULL, "resuming", (double)s->before / (double)count);
     }

@@ -24,14 +24,14 @@ void sim_pin(const sim_args *args, simulation *s)
    recording is complete. */
 static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
-    return ost_operation_tick(operation, sample, wrench) && !interrupt_asked();
+    return ost_operation_tick(operation, sample, wrench) && !interrupt_requested();
 }
 
 /* Ends a control run after a signal. */
 static bool beside(void *user, ost_servo_stage stage)
 {
     simulation *s = user;
-    return (s->show ? sim_show_stage(s->show, stage) : true) && !interrupt_asked();
+    return (s->show ? sim_show_stage(s->show, stage) : true) && !interrupt_requested();
 }
 
 bool sim_rests(const sim_args *args)
@@ -51,8 +51,8 @@ static int64_t lead_ns(const sim_args *args, const simulation *s)
 static ost_status serve(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s, ost_error *err)
 {
     sim_watch *watch;
-    const double seconds = args->no_clock || !how->ticks ? 0 : (double)(how->ticks + 2 * how->idle_ticks + how->rest_ticks) * 1e-3;
-    ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_ROOM, seconds, &watch, err);
+    const double seconds = args->no_clock || !how->ticks ? 0 : (double)(how->ticks + 2 * how->idle_ticks + how->background_ticks) * 1e-3;
+    ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_RECORDER_CAPACITY, seconds, &watch, err);
     if (status != OST_OK)
         return status;
     if (s->show && !s->window && (status = sim_show_begin(s->show, err)) != OST_OK) {
@@ -99,7 +99,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
     const ost_servo_options how = {
         .ticks = args->ticks,
         .idle_ticks = args->no_clock ? 0 : args->idle_ticks,
-        .rest_ticks = sim_rests(args) ? args->idle_ticks : 0,
+        .background_ticks = sim_rests(args) ? args->idle_ticks : 0,
         .no_clock = args->no_clock,
         .no_realtime = args->no_realtime || args->no_clock,
         .pinned = s->core >= 0,
@@ -111,7 +111,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
     };
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
         say(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,
-            how.rest_ticks   ? ", with a busy loop and a quiet one after it for comparison"
+            how.background_ticks   ? ", with a busy loop and a quiet one after it for comparison"
             : how.idle_ticks ? ", with a quiet loop and a busy one before and after for comparison"
                              : "");
     char about[OST_HAPTIC_TEXT];

@@ -104,7 +104,7 @@ bool sim_show_stage(void *user, ost_servo_stage stage)
     const int before = atomic_exchange(&show->beside.stage, (int)stage);
     if (before == OST_SERVO_TICKING && stage != OST_SERVO_TICKING)
         show->end_ns = ost_clock_ns();
-    return !interrupt_asked();
+    return !interrupt_requested();
 }
 
 ost_status sim_show_look(sim_show *show, ost_error *err)

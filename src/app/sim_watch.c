@@ -18,7 +18,7 @@ struct sim_watch {
     const app_state *app;
     ost_recorder *recorder;
     const char *name;
-    uint64_t room;
+    uint64_t capacity;
     double seconds;
     recorder_watch seen;
     pthread_t thread;
@@ -32,7 +32,7 @@ static void look(sim_watch *w)
     if (!w->recorder)
         return;
     ost_recorder_state_get(w->recorder, &state);
-    const char *line = recorder_watch_look(&w->seen, w->name, &state, w->room, now_ms(), text);
+    const char *line = recorder_watch_look(&w->seen, w->name, &state, w->capacity, now_ms(), text);
     if (line) {
         progress_clear();
         warn(w->app, "%s", line);
@@ -54,7 +54,7 @@ static void *work(void *user)
     return NULL;
 }
 
-ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t room, double seconds, sim_watch **out,
+ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity, double seconds, sim_watch **out,
                            ost_error *err)
 {
     sim_watch *w = calloc(1, sizeof *w);
@@ -64,7 +64,7 @@ ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const c
     w->app = app;
     w->recorder = recorder;
     w->name = name;
-    w->room = room;
+    w->capacity = capacity;
     w->seconds = seconds;
     const int error = ost_thread_begin(&w->thread, work, w);
     if (error) {

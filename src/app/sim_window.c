@@ -45,11 +45,11 @@ struct sim_window {
     ost_window *window;
     sim_hud *hud;
     uint32_t *blank;   /* owned; shown before there are frames */
-    ost_hand *hand;    /* NULL if another device is used */
+    ost_mouse_input *hand; /* NULL if another device is used */
     sim_hand now, home;
     sim_camera camera;
     bool lifted;       /* the hand was moved elsewhere, and the device has not received that yet */
-    bool held[512];    /* keys that are down, by number */
+    bool key_down[512]; /* keys that are down, by number */
     bool button[3];
     unsigned mods;
     double x, y;       /* position of the pointer */
@@ -151,7 +151,7 @@ void sim_window_close(sim_window *window)
         return;
     ost_window_close(window->window);
     sim_hud_free(window->hud);
-    ost_hand_free(window->hand);
+    ost_mouse_input_free(window->hand);
     free(window->blank);
     ost_cells_free(&window->changed);
     free(window);
@@ -162,10 +162,10 @@ ost_status sim_window_hand(simulation *s, const ost_pose *start, ost_error *err)
     sim_window *w = s->window;
     ost_haptic_state state = {.pose = *start};
     w->now = w->home = sim_hand_at(start, 0);
-    return ost_hand_create(&state, &w->hand, err);
+    return ost_mouse_input_create(&state, &w->hand, err);
 }
 
-ost_hand *sim_window_hand_get(const simulation *s)
+ost_mouse_input *sim_window_hand_get(const simulation *s)
 {
     return s->window ? s->window->hand : NULL;
 }
@@ -191,7 +191,7 @@ static void look_from(sim_window *w, ost_view_name view)
 static void on_key(sim_window *w, int key)
 {
     static const ost_view_name views[] = {OST_VIEW_OPERATOR, OST_VIEW_EN_FACE, OST_VIEW_LATERAL, OST_VIEW_ANTERIOR,
-                                          OST_VIEW_POSTERIOR, OST_VIEW_SUPERIOR, OST_VIEW_TOOL, OST_VIEW_WHOLE};
+                                          OST_VIEW_POSTERIOR, OST_VIEW_SUPERIOR, OST_VIEW_TOOL, OST_VIEW_OVERVIEW};
     const int tools = w->args->tools.count;
     if (key == OST_KEY_F1)
         w->help = !w->help;
@@ -259,8 +259,8 @@ static void take_events(sim_window *w, int height)
         w->stale = w->stale || e.kind != OST_WINDOW_MOVE;
         switch (e.kind) {
         case OST_WINDOW_KEY:
-            if (e.key > 0 && e.key < (int)sizeof w->held)
-                w->held[e.key] = e.pressed;
+            if (e.key > 0 && e.key < (int)sizeof w->key_down)
+                w->key_down[e.key] = e.pressed;
             if (e.pressed)
                 on_key(w, e.key);
             break;
@@ -277,7 +277,7 @@ static void take_events(sim_window *w, int height)
             on_wheel(w, e.y);
             break;
         case OST_WINDOW_RELEASE:
-            memset(w->held, 0, sizeof w->held);
+            memset(w->key_down, 0, sizeof w->key_down);
             memset(w->button, 0, sizeof w->button);
             break;
         }
@@ -287,7 +287,7 @@ static void take_events(sim_window *w, int height)
 /* Applies the keys that act as long as they are down. */
 static void hold_keys(sim_window *w, double dt)
 {
-    const bool *k = w->held;
+    const bool *k = w->key_down;
     sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN], k[OST_KEY_PLUS] - k[OST_KEY_MINUS],
                     w->mods & OST_WINDOW_SHIFT, dt);
     /* Keys act like a device's buttons. For the mouse the window handles the hand itself. */
@@ -318,7 +318,7 @@ static void put_hand(sim_window *w, const sim_hand *before)
     }
     state.lifted = w->lifted;
     w->lifted = false;
-    ost_hand_put(w->hand, &state);
+    ost_mouse_input_put(w->hand, &state);
 }
 
 /* ------------------------------------------------------------------- frames */
@@ -525,7 +525,7 @@ static ost_status show_frames(sim_window *w, server *v, ost_error *err)
         double scale;
         bool drawn;
         ost_window_poll(w->window, wait);
-        if (w->quit || interrupt_asked())
+        if (w->quit || interrupt_requested())
             break;
         const int64_t begin = ost_clock_ns();
         drawn = sim_beside_rests(&w->s->show->beside, &w->s->show->drawn);
@@ -556,7 +556,7 @@ ost_status sim_window_serve(simulation *s, const ost_servo_options *how, ost_ser
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the loop: %s", strerror(error));
     w->status = show_frames(w, &v, &w->err);
-    interrupt_ask();
+    interrupt_request();
     pthread_join(thread, NULL);
     if (v.status != OST_OK)
         *err = v.err;

@@ -3,7 +3,7 @@
  * The simulator's window: frames and the HUD, the camera, and the hand of the device mouse.
  *
  *   main thread: window, events, hand, frames          another: the loop
- *                     |--ost_hand_put------------------> mouse
+ *                     |--ost_mouse_input_put------------------> mouse
  *                     '<------------------- ost_live --- operation
  */
 #ifndef OST_APP_SIM_WINDOW_H
@@ -19,7 +19,7 @@ void sim_window_close(sim_window *window); /* window may be NULL */
 
 /* Sets the hand's initial pose, for the device mouse. Must be called before the device is opened. */
 ost_status sim_window_hand(simulation *s, const ost_pose *start, ost_error *err);
-ost_hand *sim_window_hand_get(const simulation *s); /* NULL if there is none */
+ost_mouse_input *sim_window_hand_get(const simulation *s); /* NULL if there is none */
 
 /*
  * Runs the servo loop on a separate thread and the window on the calling one, until either ends. If

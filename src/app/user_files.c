@@ -74,7 +74,7 @@ static const char *builtin_of(const char *name)
 
 /* Finds a file's size and digest. A file that can be read only once, such as a pipe, is an error:
    it could not be verified later. */
-static ost_status know_file(const char *path, int64_t *bytes, ost_digest *digest, ost_error *err)
+static ost_status identify_file(const char *path, int64_t *bytes, ost_digest *digest, ost_error *err)
 {
     struct stat info;
     if (stat(path, &info) != 0)
@@ -96,7 +96,7 @@ static ost_status add_file(json_t *files, const char *kind, const char *name, os
         put_text(o, "builtin", builtin_of(name));
         return OST_OK;
     }
-    const ost_status status = know_file(name, &bytes, &digest, err);
+    const ost_status status = identify_file(name, &bytes, &digest, err);
     if (status == OST_OK) {
         put_integer(o, "bytes", bytes);
         put_digest(o, "sha256", &digest);
@@ -332,7 +332,7 @@ static ost_status add_case(const app_state *app, const user_files *u, int ct, co
         status = user_case_end(store, &head, err);
     }
     ost_path_free(&head.path);
-    ost_path_free(&head.hand);
+    ost_path_free(&head.handle_path);
     return status;
 }
 
@@ -420,7 +420,7 @@ static ost_status find_file(const option_list *given, const char *kind, const js
         int64_t bytes;
         ost_digest digest;
         char hex[OST_DIGEST_HEX];
-        ost_status status = know_file(given->value[i], &bytes, NULL, err);
+        ost_status status = identify_file(given->value[i], &bytes, NULL, err);
         if (status == OST_OK && bytes == size && (status = file_digest(given->value[i], &digest, err)) == OST_OK && wanted && strcmp(ost_digest_hex(&digest, hex), wanted) == 0) {
             *out = given->value[i];
             return OST_OK;

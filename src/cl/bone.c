@@ -42,7 +42,7 @@ ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry
     bone->chunk_voxels = (size_t)chunk_size * (size_t)chunk_size * (size_t)chunk_size;
     bone->slot = malloc(bone->chunks * sizeof *bone->slot);
     bone->active = calloc(bone->chunks, sizeof *bone->active);
-    bone->slots_stale = true;
+    bone->slots_outdated = true;
     ost_status status = OST_OK;
     if (!bone->slot || !bone->active)
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for the table of %zu chunks", bone->chunks);
@@ -71,7 +71,7 @@ void ost_cl_bone_free(ost_bone *base)
     cl_bone *bone = (cl_bone *)base;
     cl_backend *b = backend_of(bone);
     ost_cl_buffer_free(b, &bone->shape);
-    ost_cl_room_give(b, &bone->density, bone->density_room);
+    ost_cl_spare_return(b, &bone->density, bone->density_bytes_reserved);
     ost_cl_buffer_free(b, &bone->words);
     ost_cl_buffer_free(b, &bone->slots);
     free(bone->slot);
@@ -108,12 +108,12 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
     cl_backend *b = backend_of(bone);
     const size_t density_bytes = bone->chunk_voxels * sizeof(int16_t), word_bytes = bone->chunk_voxels / 8;
     cl_mem density = NULL, words = NULL;
-    size_t room = 0;
+    size_t reserved = 0;
     uint32_t *list = realloc(bone->free, capacity * sizeof *list);
     if (!list)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of %zu chunks", capacity);
     bone->free = list;
-    ost_status status = ost_cl_room_take(b, capacity * density_bytes, "densities of a bone", &density, &room, err);
+    ost_status status = ost_cl_spare_take(b, capacity * density_bytes, "densities of a bone", &density, &reserved, err);
     if (status == OST_OK)
         status = ost_cl_buffer(b, capacity * word_bytes, NULL, "occupancy of a bone", &words, err);
     if (status == OST_OK && !raw)
@@ -129,14 +129,14 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
         status = ost_cl_finish(b, err); /* before the old buffers are released */
     }
     if (status != OST_OK) {
-        ost_cl_room_give(b, &density, room);
+        ost_cl_spare_return(b, &density, reserved);
         ost_cl_buffer_free(b, &words);
         return status;
     }
-    ost_cl_room_give(b, &bone->density, bone->density_room);
+    ost_cl_spare_return(b, &bone->density, bone->density_bytes_reserved);
     ost_cl_buffer_free(b, &bone->words);
     bone->density = density;
-    bone->density_room = room;
+    bone->density_bytes_reserved = reserved;
     bone->words = words;
     bone->capacity = capacity;
     return OST_OK;
@@ -157,16 +157,16 @@ void ost_cl_bone_release(cl_bone *bone, size_t chunk)
     assert(bone->slot[chunk] != OST_CL_NONE && bone->active[chunk] == 0);
     bone->free[bone->free_count++] = bone->slot[chunk];
     bone->slot[chunk] = OST_CL_NONE;
-    bone->slots_stale = true;
+    bone->slots_outdated = true;
 }
 
 /* Copies the host's table of slots to the device if it has changed. */
 static ost_status sync_slots(cl_bone *bone, ost_error *err)
 {
-    if (!bone->slots_stale)
+    if (!bone->slots_outdated)
         return OST_OK;
     ost_status status = ost_cl_write(backend_of(bone), bone->slots, 0, bone->chunks * sizeof *bone->slot, bone->slot, err);
-    bone->slots_stale = status != OST_OK;
+    bone->slots_outdated = status != OST_OK;
     return status;
 }
 
@@ -293,7 +293,7 @@ static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_sl
     for (size_t c = 0; c < bone->chunks && needed > 0; c++)
         if (scanned[c] > 0 && bone->slot[c] == OST_CL_NONE) {
             bone->slot[c] = take_slot(bone);
-            bone->slots_stale = true;
+            bone->slots_outdated = true;
             needed--;
         }
     return OST_OK;
@@ -311,7 +311,7 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
 {
     const int32_t n = bone->base.chunk_size, last = bone->base.geometry.dims.z;
     const size_t layer = (size_t)bone->chunk_dims.x * (size_t)bone->chunk_dims.y;
-    const bool whole_layers = s->z0 % n == 0 && (s->z1 % n == 0 || s->z1 == last);
+    const bool complete_layers = s->z0 % n == 0 && (s->z1 % n == 0 || s->z1 == last);
     uint32_t *scanned = calloc(bone->chunks, sizeof *scanned), *counted = NULL;
     ost_status status = OST_OK;
     if (!scanned)
@@ -320,7 +320,7 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
         status = scan_all(bone, s, scanned, err);
     if (status == OST_OK)
         status = give_slots(bone, scanned, s->z0 == 0 && s->z1 == last, err);
-    if (status == OST_OK && bone->used && !whole_layers && !(counted = malloc(bone->used * sizeof *counted)))
+    if (status == OST_OK && bone->used && !complete_layers && !(counted = malloc(bone->used * sizeof *counted)))
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %zu chunks", bone->used);
     if (status == OST_OK)
         status = sync_slots(bone, err);
@@ -350,12 +350,12 @@ ost_status ost_cl_bone_upload(ost_bone *base, int32_t z0, int32_t count, const i
     if (status != OST_OK || count == 0)
         return status;
     slices s = {.z0 = z0, .z1 = z0 + count, .voxels = voxels, .layers = bone->slots, .first = -1, .weights = -1, .step = slab_step(bone, count)};
-    size_t room;
+    size_t reserved;
     b->entered[OST_CL_PATH_SLICES_UP_IN_PARTS] += s.step < count;
-    status = ost_cl_room_take(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, "slices", &s.slab, &room, err);
+    status = ost_cl_spare_take(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, "slices", &s.slab, &reserved, err);
     if (status == OST_OK) {
         status = store_slices(bone, &s, err);
-        ost_cl_room_give(b, &s.slab, room);
+        ost_cl_spare_return(b, &s.slab, reserved);
     }
     return status;
 }
@@ -417,8 +417,8 @@ ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count,
     const int32_t step = slab_step(bone, count);
     b->entered[OST_CL_PATH_SLICES_DOWN_IN_PARTS] += step < count;
     cl_mem slab = NULL;
-    size_t room = 0;
-    status = ost_cl_room_take(b, slice * (size_t)step * sizeof *voxels, "slices", &slab, &room, err);
+    size_t reserved = 0;
+    status = ost_cl_spare_take(b, slice * (size_t)step * sizeof *voxels, "slices", &slab, &reserved, err);
     if (status == OST_OK)
         status = sync_slots(bone, err);
     for (cl_int z = z0; z < z0 + count && status == OST_OK; z += step) {
@@ -427,7 +427,7 @@ ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count,
         if (status == OST_OK)
             status = ost_cl_read(b, slab, 0, slice * (size_t)(end - z) * sizeof *voxels, voxels + slice * (size_t)(z - z0), err);
     }
-    ost_cl_room_give(b, &slab, room);
+    ost_cl_spare_return(b, &slab, reserved);
     return status;
 }
 

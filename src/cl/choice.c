@@ -119,18 +119,18 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
     const bool wide = strcmp(profile, "FULL_PROFILE") == 0 || (extensions && has_word(extensions, "cles_khr_int64"));
     free(extensions);
 
-    bool told = cl->clGetDeviceInfo(d->id, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof d->max_buffer, &d->max_buffer, NULL) == CL_SUCCESS;
-    told = told && cl->clGetDeviceInfo(d->id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof d->memory, &d->memory, NULL) == CL_SUCCESS;
-    told = told &&
+    bool answered = cl->clGetDeviceInfo(d->id, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof d->max_buffer, &d->max_buffer, NULL) == CL_SUCCESS;
+    answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof d->memory, &d->memory, NULL) == CL_SUCCESS;
+    answered = answered &&
            cl->clGetDeviceInfo(d->id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof d->max_workgroup, &d->max_workgroup, NULL) == CL_SUCCESS;
 
     cl_device_type type = 0;
-    told = told && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
+    answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
     /* Mesa's llvmpipe ends long loops early. fingerprint.c detects this in any case; the test of the name avoids
        building twice. */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 
-    if (!told || !d->name[0])
+    if (!answered || !d->name[0])
         refuse(d, "the driver does not say what the device is");
     else if (!device_flag(cl, d->id, CL_DEVICE_AVAILABLE))
         refuse(d, "the driver says that the device is not available");

@@ -35,7 +35,7 @@
 /* clang-format off */
 #define OST_CL_KERNELS(X) \
     X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) X(ost_fingerprint_turns, 3) \
-    X(ost_ct_claim, 3) X(ost_ct_place, 3) X(ost_ct_check, 3) X(ost_ct_blame, 3) X(ost_ct_had, 3) \
+    X(ost_ct_claim, 3) X(ost_ct_place, 3) X(ost_ct_check, 3) X(ost_ct_report_first_bad, 3) X(ost_ct_had, 3) \
     X(ost_cubic_sources, 3) X(ost_cubic_gather, 3) X(ost_cubic_linear, 3) \
     X(ost_chunk_scan, 1) X(ost_chunk_scan_layers, 2) X(ost_chunk_store, 1) X(ost_chunk_store_layers, 2) \
     X(ost_chunk_load, 1) X(ost_chunk_load_rows, 2) X(ost_chunk_count, 3) \
@@ -173,10 +173,10 @@ ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
 
 /* Returns a buffer of at least this size; *room is its actual size. Its content is undefined. Large buffers are
    reused. */
-ost_status ost_cl_room_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *room, ost_error *err);
-void ost_cl_room_give(cl_backend *backend, cl_mem *buffer, size_t room); /* sets *buffer to NULL; *buffer may be NULL */
+ost_status ost_cl_spare_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *reserved, ost_error *err);
+void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved); /* sets *buffer to NULL; *buffer may be NULL */
 /* Releases all buffers that wait for reuse. Returns true if there were any. */
-bool ost_cl_room_clear(cl_backend *backend);
+bool ost_cl_spare_clear(cl_backend *backend);
 
 /* One argument of a kernel. */
 typedef struct ost_cl_arg {

@@ -175,7 +175,7 @@ void ost_cl_device_close(cl_backend *b)
         return;
     if (b->queue)
         b->cl->clFinish(b->queue);
-    ost_cl_room_clear(b);
+    ost_cl_spare_clear(b);
     drop_program(b);
     if (b->queue)
         b->cl->clReleaseCommandQueue(b->queue);

@@ -24,7 +24,7 @@ static ost_status store_create(cl_backend *b, const ost_geometry *geometry, cl_s
     cl_store *store = calloc(1, sizeof *store);
     if (!store)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid");
-    ost_status status = ost_cl_room_take(b, grid_bytes(geometry), "grid", &store->voxels, &store->room, err);
+    ost_status status = ost_cl_spare_take(b, grid_bytes(geometry), "grid", &store->voxels, &store->reserved, err);
     if (status != OST_OK) {
         free(store);
         return status;
@@ -38,7 +38,7 @@ static void store_release(cl_backend *b, cl_store *store)
 {
     if (--store->holders > 0)
         return;
-    ost_cl_room_give(b, &store->voxels, store->room);
+    ost_cl_spare_return(b, &store->voxels, store->reserved);
     free(store);
 }
 

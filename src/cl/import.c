@@ -31,24 +31,24 @@ static bool earlier(int64_t line, int64_t recorded)
 }
 
 /* Adds the report of a part to that of the batch. */
-static void add_part(ost_scatter_report *whole, const ost_cl_scatter_report *part, const ost_sample *samples, size_t count,
+static void add_part(ost_scatter_report *total, const ost_cl_scatter_report *part, const ost_sample *samples, size_t count,
                      int64_t first_line)
 {
-    whole->samples += count;
-    whole->duplicates += part->duplicates;
-    whole->off_lattice += part->off_lattice;
-    if (part->worst_ppm > 0 && (part->worst_ppm > whole->worst_offset_ppm ||
-                                (part->worst_ppm == whole->worst_offset_ppm && earlier(first_line + part->worst_line, whole->worst_line)))) {
-        whole->worst_offset_ppm = part->worst_ppm;
-        whole->worst_line = first_line + part->worst_line;
+    total->samples += count;
+    total->duplicates += part->duplicates;
+    total->off_lattice += part->off_lattice;
+    if (part->worst_ppm > 0 && (part->worst_ppm > total->worst_offset_ppm ||
+                                (part->worst_ppm == total->worst_offset_ppm && earlier(first_line + part->worst_line, total->worst_line)))) {
+        total->worst_offset_ppm = part->worst_ppm;
+        total->worst_line = first_line + part->worst_line;
     }
-    if (part->rejected_line != OST_CL_NONE && earlier(first_line + part->rejected_line, whole->rejected_line))
-        whole->rejected_line = first_line + part->rejected_line;
+    if (part->rejected_line != OST_CL_NONE && earlier(first_line + part->rejected_line, total->rejected_line))
+        total->rejected_line = first_line + part->rejected_line;
     if (part->conflict_line != OST_CL_NONE && part->conflict_index < count &&
-        earlier(first_line + part->conflict_line, whole->conflict_line)) {
-        whole->conflict_line = first_line + part->conflict_line;
-        whole->conflict_had = (int16_t)part->conflict_had;
-        whole->conflict_has = (int16_t)samples[part->conflict_index].density;
+        earlier(first_line + part->conflict_line, total->conflict_line)) {
+        total->conflict_line = first_line + part->conflict_line;
+        total->conflict_had = (int16_t)part->conflict_had;
+        total->conflict_has = (int16_t)samples[part->conflict_index].density;
     }
 }
 
@@ -80,7 +80,7 @@ static ost_status run_part(cl_grid *grid, const ost_sample *samples, size_t coun
     if (status == OST_OK)
         status = ost_cl_read(b, report, 0, sizeof *part, part, err);
     if (status == OST_OK && part->conflict_line != OST_CL_NONE) {
-        status = OST_CL_LAUNCH(b, ost_ct_blame, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
+        status = OST_CL_LAUNCH(b, ost_ct_report_first_bad, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
                                OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
         if (status == OST_OK)
             status = OST_CL_LAUNCH(b, ost_ct_had, 1, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
@@ -110,19 +110,19 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
         status = ost_cl_buffer_zero(b, voxels * sizeof(uint32_t), "which sample sets a voxel", &grid->owner, err);
     const size_t most = ost_cl_staging(b, PART_BYTES) / sizeof *samples;
     b->entered[OST_CL_PATH_SAMPLES_IN_PARTS] += count > most;
-    ost_scatter_report whole = *report;
+    ost_scatter_report total = *report;
     for (size_t done = 0; done < count && status == OST_OK;) {
         const size_t now = count - done < most ? count - done : most;
         ost_cl_scatter_report part;
         status = run_part(grid, samples + done, now, duplicates, &part, err);
         if (status == OST_OK)
-            add_part(&whole, &part, samples + done, now, first_line);
+            add_part(&total, &part, samples + done, now, first_line);
         else if (done > 0)
             grid->lost = true; /* earlier parts have been stored */
         done += now;
     }
     if (status == OST_OK)
-        *report = whole;
+        *report = total;
     return status;
 }
 

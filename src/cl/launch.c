@@ -41,7 +41,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
-    if (ost_cl_room_clear(b)) /* the buffers kept for reuse may occupy the memory that is missing */
+    if (ost_cl_spare_clear(b)) /* the buffers kept for reuse may occupy the memory that is missing */
         return ost_cl_buffer(b, bytes, data, what, out, err);
     return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
 }

@@ -29,7 +29,7 @@ static const struct {
     ENTRY(ost_cl_block_report, touched),
 };
 
-enum { COUNT = sizeof expected / sizeof expected[0], ROOM = 256 };
+enum { COUNT = sizeof expected / sizeof expected[0], BUFFER_BYTES = 256 };
 
 /* Public structs and constants that are copied without conversion. */
 _Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) && offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
@@ -46,13 +46,13 @@ _Static_assert(OST_CLASS_MAX == OST_CL_CLASSES, "density classes");
 
 ost_status ost_cl_layout_check(cl_backend *b, ost_error *err)
 {
-    cl_mem room = NULL, out = NULL;
+    cl_mem reserved = NULL, out = NULL;
     cl_uint found[COUNT] = {0};
-    ost_status status = ost_cl_buffer_zero(b, ROOM, "layout", &room, err);
+    ost_status status = ost_cl_buffer_zero(b, BUFFER_BYTES, "layout", &reserved, err);
     if (status == OST_OK)
         status = ost_cl_buffer_zero(b, sizeof found, "layout", &out, err);
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_layout, 1, 1, 1, err, OST_CL_ARG(room), OST_CL_ARG(out));
+        status = OST_CL_LAUNCH(b, ost_layout, 1, 1, 1, err, OST_CL_ARG(reserved), OST_CL_ARG(out));
     if (status == OST_OK)
         status = ost_cl_read(b, out, 0, sizeof found, found, err);
     for (int i = 0; i < COUNT && status == OST_OK; i++)
@@ -61,6 +61,6 @@ ost_status ost_cl_layout_check(cl_backend *b, ost_error *err)
                               "OpenCL device '%.120s' is refused: its compiler lays out %s as %u bytes, the host as %zu", b->device.name,
                               expected[i].what, (unsigned)found[i], expected[i].value);
     ost_cl_buffer_free(b, &out);
-    ost_cl_buffer_free(b, &room);
+    ost_cl_buffer_free(b, &reserved);
     return status;
 }

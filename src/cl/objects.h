@@ -8,7 +8,7 @@
 /* Voxels that several grids may share. They are not written while they are shared. */
 typedef struct cl_store {
     cl_mem voxels;
-    size_t room; /* size of voxels in bytes */
+    size_t reserved; /* size of voxels in bytes */
     int holders;
 } cl_store;
 
@@ -46,10 +46,10 @@ typedef struct cl_bone {
     size_t free_count, used, capacity;
     cl_mem shape; /* buffer with one ost_cl_bone */
     cl_mem density, words;
-    size_t density_room; /* size of density in bytes */
+    size_t density_bytes_reserved; /* size of density in bytes */
     bool words_shared; /* true if words is an OpenGL buffer (share.c) */
     cl_mem slots;     /* slot[] on the device */
-    bool slots_stale; /* true if slot[] has changed since slots was written */
+    bool slots_outdated; /* true if slot[] has changed since slots was written */
     bool lost;
 } cl_bone;
 
@@ -57,7 +57,7 @@ typedef struct cl_bone {
 typedef struct cl_tool {
     ost_tool base;
     cl_mem classes;
-    size_t room;   /* size of classes in bytes */
+    size_t reserved; /* size of classes in bytes */
     cl_mem cells;  /* classes with reach (kernels/shared.h) */
     cl_mem windows; /* windows of the classes (kernels/shared.h) for the kernel set for CPUs, else NULL */
     bool touches;   /* true if a voxel may have class 2 */
@@ -112,7 +112,7 @@ void ost_cl_tool_free(ost_tool *tool);
 ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err);
 /* Called after waiting for the queue; done is true if the launched work succeeded. If it did not, and no earlier
    call found the cells and windows finished, they are released. */
-void ost_cl_tool_settle(cl_tool *tool, bool done);
+void ost_cl_tool_finish(cl_tool *tool, bool done);
 
 /* remove.c */
 ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);

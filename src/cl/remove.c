@@ -35,7 +35,7 @@ struct ost_cl_event_scratch {
     event_array poses, blocks, entries, reports;
     event_array input; /* the event and its arrays, one after the other */
     cl_mem input_device, reports_device;
-    size_t input_room, reports_room; /* sizes of these two buffers in bytes */
+    size_t input_capacity, reports_capacity; /* sizes of these two buffers in bytes */
     size_t *chunk; /* owned; the chunk of each block */
     size_t chunk_capacity;
     bool warm; /* true if a removal kernel was launched */
@@ -84,9 +84,9 @@ static ost_status array_add(event_array *a, const void *element, size_t size, os
 }
 
 /* Ensures a device buffer of at least this many bytes; its content is lost if it grows. */
-static ost_status device_reserve(cl_backend *b, cl_mem *device, size_t *room, size_t bytes, ost_error *err)
+static ost_status device_reserve(cl_backend *b, cl_mem *device, size_t *reserved, size_t bytes, ost_error *err)
 {
-    if (bytes <= *room)
+    if (bytes <= *reserved)
         return OST_OK;
     cl_mem grown = NULL;
     ost_status status = ost_cl_buffer(b, bytes + bytes / 2, NULL, "an event", &grown, err);
@@ -94,7 +94,7 @@ static ost_status device_reserve(cl_backend *b, cl_mem *device, size_t *room, si
         return status;
     ost_cl_buffer_free(b, device);
     *device = grown;
-    *room = bytes + bytes / 2;
+    *reserved = bytes + bytes / 2;
     return OST_OK;
 }
 
@@ -153,7 +153,7 @@ static void chunk_range(const plan *p, int32_t lo[3], int32_t hi[3])
 
 /* Returns true if the block's corners, and so the entire block, lie beyond one face of the tool's grid. The sums are
    64 bits wide and cannot overflow. */
-static bool beside(const int32_t base[3], const ost_map *map, ost_dims dims)
+static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
 {
     const int64_t d[3] = {dims.x, dims.y, dims.z};
     for (int a = 0; a < 3; a++) {
@@ -182,7 +182,7 @@ static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count,
             meets = meets && greatest(box->lo[a], first[a]) < least(box->hi[a], end[a]);
         ost_cl_entry entry = {.pose = (uint32_t)k};
         if (!meets || !ost_map_block_base(&p->event->maps[k], (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK}, entry.base) ||
-            beside(entry.base, &p->event->maps[k], p->tool->base.geometry.dims))
+            is_outside(entry.base, &p->event->maps[k], p->tool->base.geometry.dims))
             continue;
         ost_status status = array_add(&p->s->entries, &entry, sizeof entry, err);
         if (status != OST_OK)
@@ -293,7 +293,7 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
     struct ost_cl_event_scratch *s = p->s;
     const size_t items = blocks ? blocks : 1;
     if (p->b->cpu_set)
-        return OST_CL_LAUNCH(p->b, ost_remove_blocks, (items + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, err,
+        return OST_CL_LAUNCH(p->b, ost_remove_blocks, (items + OST_CL_BATCHES - 1) / OST_CL_BATCHES * OST_CL_BATCHES, 1, 1, err,
                              OST_CL_ARG(s->input_device), OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->tool->windows),
                              OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports_device));
     return OST_CL_LAUNCH(p->b, ost_remove, items * (size_t)(BLOCK * BLOCK), 1, 1, err, OST_CL_ARG(s->input_device), OST_CL_ARG(p->tool->cells),
@@ -331,9 +331,9 @@ static ost_status write_input(plan *p, ost_error *err)
     if (status == OST_OK)
         status = array_reserve(&s->reports, reports, err);
     if (status == OST_OK)
-        status = device_reserve(p->b, &s->input_device, &s->input_room, bytes, err);
+        status = device_reserve(p->b, &s->input_device, &s->input_capacity, bytes, err);
     if (status == OST_OK)
-        status = device_reserve(p->b, &s->reports_device, &s->reports_room, reports, err);
+        status = device_reserve(p->b, &s->reports_device, &s->reports_capacity, reports, err);
     if (status != OST_OK)
         return status;
     memcpy(s->input.host, &head, sizeof head);
@@ -358,7 +358,7 @@ static ost_status warm(plan *p, ost_error *err)
     if (status == OST_OK)
         status = ost_cl_finish(p->b, err);
     if (status == OST_OK)
-        ost_cl_tool_settle(p->tool, true);
+        ost_cl_tool_finish(p->tool, true);
     p->s->warm = status == OST_OK;
     return status;
 }
@@ -381,7 +381,7 @@ static ost_status flush(plan *p, ost_error *err)
     if (status == OST_OK)
         status = ost_cl_read(p->b, s->reports_device, 0, s->reports.bytes, s->reports.host, err);
     if (status == OST_OK) {
-        ost_cl_tool_settle(p->tool, true);
+        ost_cl_tool_finish(p->tool, true);
         status = take_reports(p, err);
     }
     s->blocks.bytes = 0;
@@ -466,7 +466,7 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
     if (status != OST_OK) {
         bone->lost = bone->lost || p.changed;
         ost_cl_finish(b, NULL); /* transfers from this event's arrays may be in progress */
-        ost_cl_tool_settle(tool, false);
+        ost_cl_tool_finish(tool, false);
     }
     return status;
 }

@@ -19,7 +19,7 @@ ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geo
     if (!tool)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool");
     tool->base = (ost_tool){.backend = backend, .geometry = *geometry};
-    ost_status status = ost_cl_room_take((cl_backend *)backend, voxels_of(geometry), "tool", &tool->classes, &tool->room, err);
+    ost_status status = ost_cl_spare_take((cl_backend *)backend, voxels_of(geometry), "tool", &tool->classes, &tool->reserved, err);
     if (status != OST_OK) {
         free(tool);
         return status;
@@ -52,7 +52,7 @@ ost_status ost_cl_tool_download(const ost_tool *base, ost_tool_volume *volume, o
 void ost_cl_tool_free(ost_tool *base)
 {
     cl_tool *tool = (cl_tool *)base;
-    ost_cl_room_give((cl_backend *)base->backend, &tool->classes, tool->room);
+    ost_cl_spare_return((cl_backend *)base->backend, &tool->classes, tool->reserved);
     ost_cl_buffer_free((cl_backend *)base->backend, &tool->cells);
     ost_cl_buffer_free((cl_backend *)base->backend, &tool->windows);
     free(tool);
@@ -107,7 +107,7 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
     return status;
 }
 
-void ost_cl_tool_settle(cl_tool *tool, bool done)
+void ost_cl_tool_finish(cl_tool *tool, bool done)
 {
     cl_backend *b = (cl_backend *)tool->base.backend;
     tool->made = tool->made || done;

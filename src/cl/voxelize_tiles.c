@@ -223,7 +223,7 @@ typedef struct tiled {
     ost_cl_tiles tiles;
     tile_size size;
     cl_mem steps, marks, counts;
-    size_t steps_room;
+    size_t steps_capacity;
 } tiled;
 
 static ost_status add_mesh(tiled *v, mesh_bins *bins, cl_mem classes, ost_error *err)
@@ -283,7 +283,7 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
     if (status == OST_OK)
         status = ost_cl_tool_create(backend, &cutting->grid, &tool, err);
     if (status == OST_OK)
-        status = ost_cl_room_take(v.b, count * tile_steps(&v.tiles) * sizeof(int32_t), "steps of rows", &v.steps, &v.steps_room, err);
+        status = ost_cl_spare_take(v.b, count * tile_steps(&v.tiles) * sizeof(int32_t), "steps of rows", &v.steps, &v.steps_capacity, err);
     if (status == OST_OK)
         status = ost_cl_buffer(v.b, count * tile_marks(&v.tiles) * sizeof(uint64_t), NULL, "marks of rows", &v.marks, err);
     if (status == OST_OK)
@@ -304,7 +304,7 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
     } else if (tool) {
         ost_cl_tool_free(&tool->base);
     }
-    ost_cl_room_give(v.b, &v.steps, v.steps_room);
+    ost_cl_spare_return(v.b, &v.steps, v.steps_capacity);
     ost_cl_buffer_free(v.b, &v.marks);
     ost_cl_buffer_free(v.b, &v.counts);
     for (int m = 0; m < 2; m++) {

@@ -116,15 +116,15 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
  * Returns true if RHE rounds the quotient up. The remainder is rest / ten_to_e, plus beyond in units of
  * 10^-18 / ten_to_e, plus a smaller part above 0 if more is set.
  */
-static bool rounds_up(ost_i128 quotient, ost_i128 rest, ost_i128 ten_to_e, int64_t beyond, bool more)
+static bool rounds_up(ost_i128 quotient, ost_i128 remainder, ost_i128 ten_to_e, int64_t beyond, bool more)
 {
     bool something = beyond > 0 || more;
     if (ten_to_e == 1) {
         if (beyond != TEN_TO_18 / 2)
             return beyond > TEN_TO_18 / 2;
         something = more;
-    } else if (rest != ten_to_e / 2) {
-        return rest > ten_to_e / 2;
+    } else if (remainder != ten_to_e / 2) {
+        return remainder > ten_to_e / 2;
     }
     return something || (quotient & 1);
 }
@@ -133,7 +133,7 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
 {
     ost_i128 tail = (ost_i128)value->tail * factor;
     bool negative = value->mantissa < 0;
-    ost_i128 whole = (negative ? -(ost_i128)value->mantissa : value->mantissa) * factor + tail / TEN_TO_18;
+    ost_i128 integer = (negative ? -(ost_i128)value->mantissa : value->mantissa) * factor + tail / TEN_TO_18;
     int64_t beyond = (int64_t)(tail % TEN_TO_18);
     bool none_rounded = beyond == 0 && !value->more;
 
@@ -141,11 +141,11 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
      * A positive exponent moves digits of the tail into whole; with 36 digits, whole exceeds int64
      * before the tail is used up.
      */
-    for (int32_t e = value->exponent; e > 0 && (whole || beyond); e--) {
-        if (whole > INT64_MAX)
+    for (int32_t e = value->exponent; e > 0 && (integer || beyond); e--) {
+        if (integer > INT64_MAX)
             return false;
         ost_i128 shifted = (ost_i128)beyond * 10;
-        whole = whole * 10 + shifted / TEN_TO_18;
+        integer = integer * 10 + shifted / TEN_TO_18;
         beyond = (int64_t)(shifted % TEN_TO_18);
         none_rounded = beyond == 0 && !value->more;
     }
@@ -153,19 +153,19 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
     ost_i128 ten_to_e = 1;
     int32_t e = value->exponent < 0 ? -value->exponent : 0;
     if (e > 37) { /* whole < 2^125 < 10^38 / 2, so it rounds to 0 */
-        none_rounded = none_rounded && whole == 0;
-        whole = 0;
+        none_rounded = none_rounded && integer == 0;
+        integer = 0;
     } else {
         for (int32_t i = 0; i < e; i++)
             ten_to_e *= 10;
-        ost_i128 quotient = whole / ten_to_e;
-        ost_i128 rest = whole % ten_to_e;
-        none_rounded = none_rounded && rest == 0;
-        whole = quotient + rounds_up(quotient, rest, ten_to_e, beyond, value->more);
+        ost_i128 quotient = integer / ten_to_e;
+        ost_i128 remainder = integer % ten_to_e;
+        none_rounded = none_rounded && remainder == 0;
+        integer = quotient + rounds_up(quotient, remainder, ten_to_e, beyond, value->more);
     }
-    if (whole > INT64_MAX)
+    if (integer > INT64_MAX)
         return false;
-    *out = negative ? -(int64_t)whole : (int64_t)whole;
+    *out = negative ? -(int64_t)integer : (int64_t)integer;
     if (exact)
         *exact = none_rounded;
     return true;

@@ -47,7 +47,7 @@ static inline ost_divider ost_divider_of(ost_i128 divisor)
  * Returns floor(n / divisor) for |n| <= 2^46 * divisor and < 2^126; *rest is the remainder, from 0 to
  * divisor - 1.
  */
-static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *rest)
+static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *remainder)
 {
     int64_t q = (int64_t)((ost_i128)(int64_t)(n >> by->shift) * by->inverse >> 78);
     ost_i128 r = n - q * by->divisor;
@@ -58,7 +58,7 @@ static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *
         q++;
         r -= by->divisor;
     }
-    *rest = r;
+    *remainder = r;
     return q;
 }
 

@@ -74,9 +74,9 @@ bool ost_pm_from_binary(double mm, ost_pm *out)
 char *ost_pm_format(ost_pm value, char text[OST_PM_TEXT])
 {
     uint64_t magnitude = value < 0 ? -(uint64_t)value : (uint64_t)value;
-    uint64_t whole = magnitude / (uint64_t)OST_PM_PER_MM;
-    uint64_t rest = magnitude % (uint64_t)OST_PM_PER_MM;
-    int length = snprintf(text, OST_PM_TEXT, "%s%" PRIu64 ".%09" PRIu64, value < 0 ? "-" : "", whole, rest);
+    uint64_t integer = magnitude / (uint64_t)OST_PM_PER_MM;
+    uint64_t remainder = magnitude % (uint64_t)OST_PM_PER_MM;
+    int length = snprintf(text, OST_PM_TEXT, "%s%" PRIu64 ".%09" PRIu64, value < 0 ? "-" : "", integer, remainder);
     while (text[length - 1] == '0')
         text[--length] = 0;
     if (text[length - 1] == '.')

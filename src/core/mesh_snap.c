@@ -88,7 +88,7 @@ static ost_status snap_vertices(const ost_mesh *mesh, ost_snapped_mesh *out, ost
     return OST_OK;
 }
 
-static void keep_area(const ost_mesh *mesh, ost_snapped_mesh *out)
+static void store_area(const ost_mesh *mesh, ost_snapped_mesh *out)
 {
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *v = mesh->triangles[t];
@@ -121,7 +121,7 @@ ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, os
     else
         status = snap_vertices(mesh, out, err);
     if (status == OST_OK)
-        keep_area(mesh, out);
+        store_area(mesh, out);
     else
         ost_snapped_mesh_free(out);
     return status;

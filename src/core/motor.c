@@ -48,12 +48,12 @@ static ost_pose turned(const ost_pose *p, spin by)
                       component(p->qz, by.c, -(int64_t)p->qw, by.s)};
 }
 
-ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *hand)
+ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *handle)
 {
-    return turned(hand, spin_of(motor));
+    return turned(handle, spin_of(motor));
 }
 
-ost_pose ost_motor_hand(const ost_motor *motor, const ost_pose *tool)
+ost_pose ost_motor_handle_pose(const ost_motor *motor, const ost_pose *tool)
 {
     const spin by = spin_of(motor);
     return turned(tool, (spin){by.c, -by.s});
@@ -94,7 +94,7 @@ void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm)
  */
 static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm)
 {
-    if (row->rpm != OST_RPM_HAND || !before || before->rpm != OST_RPM_HAND || before->tool != row->tool || row->lifted)
+    if (row->rpm != OST_RPM_OF_DEVICE || !before || before->rpm != OST_RPM_OF_DEVICE || before->tool != row->tool || row->lifted)
         return 1;
     const ost_i128 turned_by = (ost_i128)since(before->t_ns, row->t_ns) * rpm, eighth = OST_MOTOR_TURN / 8;
     const ost_i128 parts = (turned_by + eighth - 1) / eighth;
@@ -127,7 +127,7 @@ static int64_t root(int64_t n)
  * Returns a hand's pose between two rows, renormalised to unit length. A component is below 2^30.01 and
  * r >= 2^29.5, so every quotient is at most 2^30 + 2.
  */
-static ost_pose hand_between(const ost_pose *a, const ost_pose *b, int j, int parts)
+static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int parts)
 {
     ost_pose p = ost_sweep_pose(a, b, j, parts);
     const int64_t r = root((int64_t)p.qw * p.qw + (int64_t)p.qx * p.qx + (int64_t)p.qy * p.qy + (int64_t)p.qz * p.qz);
@@ -138,11 +138,11 @@ static ost_pose hand_between(const ost_pose *a, const ost_pose *b, int j, int pa
     return p;
 }
 
-static ost_status count_ticks(const ost_path *hand, int32_t rpm, size_t *count, ost_error *err)
+static ost_status count_ticks(const ost_path *handle, int32_t rpm, size_t *count, ost_error *err)
 {
     *count = 0;
-    for (size_t i = 0; i < hand->count; i++) {
-        const ost_tick *row = &hand->ticks[i], *before = i ? row - 1 : NULL;
+    for (size_t i = 0; i < handle->count; i++) {
+        const ost_tick *row = &handle->ticks[i], *before = i ? row - 1 : NULL;
         const int64_t parts = parts_of(before, row, rpm);
         if (parts > OST_MOTOR_PARTS_MAX)
             return ost_fail(err, OST_ERR_RANGE, "row %zu at %.9f s: its motor turns more than %d times since the row before it; a tool that is lifted between them needs no rows there",
@@ -175,9 +175,9 @@ ost_status ost_motor_path(ost_path *path, int32_t rpm, ost_motor *motor, ost_err
             *tick = *row;
             if (j < parts) {
                 tick->t_ns = (int64_t)((uint64_t)before->t_ns + (uint64_t)((ost_i128)since(before->t_ns, row->t_ns) * j / parts));
-                tick->pose = hand_between(&before->pose, &row->pose, (int)j, (int)parts);
+                tick->pose = handle_between(&before->pose, &row->pose, (int)j, (int)parts);
             }
-            if (row->rpm == OST_RPM_HAND)
+            if (row->rpm == OST_RPM_OF_DEVICE)
                 ost_motor_turn(motor, tick, rpm);
             else
                 ost_motor_advance(motor, tick);

@@ -29,11 +29,11 @@ static bool is_ninth_binary_place(double v)
 
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out)
 {
-    enum { NICE = 6 }; /* decimals of up to 6 digits are distinct as float32 */
+    enum { MAX_DIGITS_TRIED = 6 }; /* decimals of up to 6 digits are distinct as float32 */
     char text[64];     /* sign, 17 digits, a point of a few bytes, e-308 */
     const int most = single ? 9 : 17;
     for (int digits = 1; digits <= most; digits++) {
-        if (single && digits > NICE && is_ninth_binary_place(value)) {
+        if (single && digits > MAX_DIGITS_TRIED && is_ninth_binary_place(value)) {
             snprintf(text, sizeof text, "%.16e", value);
             break;
         }

@@ -59,16 +59,16 @@ ost_status ost_fail_context(ost_error *err, const char *format, ...)
     if (!err)
         return OST_ERR_INTERNAL;
     char prefix[OST_ERROR_TEXT];
-    char rest[OST_ERROR_TEXT];
+    char remainder[OST_ERROR_TEXT];
     va_list args;
     va_start(args, format);
     vsnprintf(prefix, sizeof prefix, format, args);
     va_end(args);
     ost_make_printable(prefix);
-    memcpy(rest, err->text, sizeof rest);
+    memcpy(remainder, err->text, sizeof remainder);
     size_t used = strnlen(prefix, sizeof prefix);
     memcpy(err->text, prefix, used);
-    snprintf(err->text + used, sizeof err->text - used, ": %s", rest);
+    snprintf(err->text + used, sizeof err->text - used, ": %s", remainder);
     return err->status;
 }
 

@@ -191,10 +191,10 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
  * block and end at the end of a block or of the tile.  bits is 64-byte aligned and
  * is written in complete blocks.  Planes have no bits behind a row's last voxel.
  *
- * Sets OST_VOX_UNPROVEN and any_odd for the other rows; their bits are undefined.
+ * Sets OST_VOX_UNPROVEN and any_unproven for the other rows; their bits are undefined.
  * All rows of a block may be marked unproven if one of them is, or if some of them
  * enter first and others leave first.  Other flags of odd do not change.  Clears
- * the planes of the proven rows, unless any_odd was set before the call (a row can
+ * the planes of the proven rows, unless any_unproven was set before the call (a row can
  * be odd because of its spill); the planes do not change then.
  */
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);

@@ -65,9 +65,9 @@ static uint64_t mixed(uint64_t x)
 static int64_t common_divisor(int64_t a, int64_t b)
 {
     while (b) {
-        const int64_t rest = a % b;
+        const int64_t remainder = a % b;
         a = b;
-        b = rest;
+        b = remainder;
     }
     return a;
 }

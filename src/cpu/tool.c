@@ -45,7 +45,7 @@ ost_status ost_cpu_tool_prepare(const cpu_tool *tool, ost_pm bone_voxel, ost_err
     const ost_tool_geometry *g = &tool->ref.base.geometry;
     /* bone_voxel is at most 16 tool voxels (AR-MAP-2) of up to 10^11 pm, so the product is below 2^61. */
     const int32_t ratio = (int32_t)(((bone_voxel << OST_MAP_FRACTION) + g->voxel - 1) / g->voxel);
-    if (ost_shape_serves(&shapes->cutting, ratio))
+    if (ost_shape_covers_ratio(&shapes->cutting, ratio))
         return OST_OK;
     drop(shapes);
     shapes->touches = memchr(tool->ref.voxels, OST_TOOL_NONCUTTING, (size_t)ost_dims_count(g->dims)) != NULL;

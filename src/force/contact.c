@@ -133,7 +133,7 @@ static bool map_make(const ost_bone *bone, const contact_shell *shell, const con
  * Computes the positions of `count` points in voxels relative to map->origin, four at a time.
  * Beyond the last point they are those of the tool's origin.
  */
-static void places(const to_voxels *map, const float (*at)[OST_SHELL_MAX], size_t count, contact *c)
+static void positions(const to_voxels *map, const float (*at)[OST_SHELL_MAX], size_t count, contact *c)
 {
     for (int a = 0; a < 3; a++) {
         const float x = map->to[a][0], y = map->to[a][1], z = map->to[a][2], part = map->part[a];
@@ -142,8 +142,8 @@ static void places(const to_voxels *map, const float (*at)[OST_SHELL_MAX], size_
             memcpy(&p[0], &at[0][i], sizeof p[0]);
             memcpy(&p[1], &at[1][i], sizeof p[1]);
             memcpy(&p[2], &at[2][i], sizeof p[2]);
-            const four place = p[0] * x + p[1] * y + p[2] * z + part;
-            memcpy(&c->place[a][i], &place, sizeof place);
+            const four position = p[0] * x + p[1] * y + p[2] * z + part;
+            memcpy(&c->position[a][i], &position, sizeof position);
         }
     }
 }
@@ -156,15 +156,15 @@ static void voxels_at(const to_voxels *map, size_t count, contact *c)
 {
     for (int a = 0; a < 3; a++)
         for (size_t i = 0; i < count; i += 4) {
-            four place;
-            memcpy(&place, &c->place[a][i], sizeof place);
-            const four_integers cut = __builtin_convertvector(place, four_integers);
-            const four_integers v = cut + (four_integers)(__builtin_convertvector(cut, four) > place) + map->origin[a];
+            four position;
+            memcpy(&position, &c->position[a][i], sizeof position);
+            const four_integers cut = __builtin_convertvector(position, four_integers);
+            const four_integers v = cut + (four_integers)(__builtin_convertvector(cut, four) > position) + map->origin[a];
             memcpy(&c->voxel[a][i], &v, sizeof v);
         }
 }
 
-static ost_status ask(const ost_bone *bone, size_t count, contact *c, ost_error *err)
+static ost_status sample_bone(const ost_bone *bone, size_t count, contact *c, ost_error *err)
 {
     const int32_t *const at[3] = {c->voxel[0], c->voxel[1], c->voxel[2]};
     return ost_bone_sample(bone, count, at, c->found, err);
@@ -176,9 +176,9 @@ ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, c
     c->count = 0;
     if (!map_make(bone, shell, pose, 0, &map))
         return OST_OK;
-    places(&map, shell->outside, shell->count, c);
+    positions(&map, shell->outside, shell->count, c);
     voxels_at(&map, shell->count, c);
-    ost_status status = ask(bone, shell->count, c, err);
+    ost_status status = sample_bone(bone, shell->count, c, err);
     if (status != OST_OK)
         return status;
     size_t n = 0;
@@ -206,7 +206,7 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
     c->count = 0;
     if (!map_make(bone, shell, pose, layer, &map))
         return OST_OK;
-    places(&map, shell->at, shell->count, c);
+    positions(&map, shell->at, shell->count, c);
     size_t left = shell->count;
     for (size_t i = 0; i < left; i++)
         walking[i] = (uint16_t)i;
@@ -220,9 +220,9 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
             double along[3];
             inward_in_voxels(&map, shell, walking[k], along);
             for (int a = 0; a < 3; a++)
-                c->voxel[a][k] = (int32_t)floor(c->place[a][walking[k]] + step * along[a]) + map.origin[a];
+                c->voxel[a][k] = (int32_t)floor(c->position[a][walking[k]] + step * along[a]) + map.origin[a];
         }
-        ost_status status = ask(bone, left, c, err);
+        ost_status status = sample_bone(bone, left, c, err);
         if (status != OST_OK)
             return status;
         size_t kept = 0;
@@ -232,7 +232,7 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
             double along[3], plane = 0;
             inward_in_voxels(&map, shell, i, along);
             for (int a = 0; a < 3; a++)
-                plane += (c->voxel[a][k] - map.origin[a] + 0.5 - c->place[a][i]) * along[a] * s * s;
+                plane += (c->voxel[a][k] - map.origin[a] + 0.5 - c->position[a][i]) * along[a] * s * s;
             if (c->found[k] == 0) {
                 /*
                  * The point left the bone here. A point that was not in bone at the first step

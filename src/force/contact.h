@@ -49,7 +49,7 @@ typedef struct contact {
      * Scratch: positions of the points in voxels from the tool's origin, their voxels, and the
      * densities found.
      */
-    float place[3][OST_SHELL_MAX];
+    float position[3][OST_SHELL_MAX];
     int32_t voxel[3][OST_SHELL_MAX];
     int16_t found[OST_SHELL_MAX];
 } contact;

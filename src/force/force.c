@@ -40,7 +40,7 @@ enum { TOOLS_MAX = 16, PARTS = 8 };
 
 /* The coupled tool: all state that one tick passes to the next. */
 typedef struct grip {
-    bool held;          /* a tool is coupled; the other fields are valid */
+    bool coupled;       /* a tool is coupled; the other fields are valid */
     int tool;
     contact_pose pose;  /* of the tool */
     double facing[4];   /* its orientation as a quaternion */
@@ -135,19 +135,19 @@ static void take_direction(ost_force *f, const ost_pose *pose)
     ost_turn_of(f->grip.facing, f->grip.pose.turn);
 }
 
-static void place_of(const ost_pose *pose, double at[3])
+static void position_of(const ost_pose *pose, double at[3])
 {
     at[0] = (double)pose->t.x * OST_M_PER_PM;
     at[1] = (double)pose->t.y * OST_M_PER_PM;
     at[2] = (double)pose->t.z * OST_M_PER_PM;
 }
 
-void ost_force_place(ost_force *force, int tool, const ost_pose *pose)
+void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose)
 {
-    force->grip.held = true;
+    force->grip.coupled = true;
     force->grip.tool = tool;
     force->grip.device = *pose;
-    place_of(pose, force->grip.pose.at);
+    position_of(pose, force->grip.pose.at);
     take_direction(force, pose);
     memset(force->grip.velocity, 0, sizeof force->grip.velocity);
     memset(force->grip.turning, 0, sizeof force->grip.turning);
@@ -190,7 +190,7 @@ void ost_force_motor(ost_force *force, double speed, double turned)
         for (int t = 0; t < force->tools; t++)
             ost_contact_shell_speed(force->shells[t], &force->params);
     }
-    if (!g->held || turned == 0)
+    if (!g->coupled || turned == 0)
         return;
     double device[4] = {g->device.qw, g->device.qx, g->device.qy, g->device.qz};
     turn_about_axis(g->facing, turned, g->facing);
@@ -341,7 +341,7 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
  * No hand presses harder. If the device is so far from the tool that the coupling would, the
  * force is limited to this.
  */
-#define HAND_MOST_N 300.0
+#define DEVICE_FORCE_MAX_N 300.0
 
 /*
  * Computes the offset from the tool to the device, limited to what a coupling of stiffness k
@@ -354,7 +354,7 @@ static void reach_of(const double to[3], const double at[3], double k, double aw
         away[a] = to[a] - at[a];
         square += away[a] * away[a];
     }
-    const double most = HAND_MOST_N / k, share = square > most * most ? most / sqrt(square) : 1;
+    const double most = DEVICE_FORCE_MAX_N / k, share = square > most * most ? most / sqrt(square) : 1;
     for (int a = 0; a < 3; a++)
         away[a] *= share;
 }
@@ -367,7 +367,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
     const bool turns = p->turn_stiffness > 0;
     const contact_shell *shell = f->shells[f->grip.tool];
     double to[3], facing[4], away[3], lean[3] = {0}, own[3], u[6] = {0}, left = period;
-    place_of(device, to);
+    position_of(device, to);
     quaternion_of(device, facing);
     for (int part = 0; part < PARTS && left > period * 1e-6; part++) {
         ost_status status = ost_contact_touch(f->bone, shell, &f->grip.pose, &f->contact, err);
@@ -440,8 +440,8 @@ static ost_status at_once(ost_force *f, double period, ost_force_result *out, os
     double pressed = 0;
     for (size_t i = 0; i < c->count; i++)
         pressed += fmax(0, f->size[i]);
-    for (size_t i = 0; i < c->count && pressed > HAND_MOST_N; i++)
-        f->size[i] *= HAND_MOST_N / pressed;
+    for (size_t i = 0; i < c->count && pressed > DEVICE_FORCE_MAX_N; i++)
+        f->size[i] *= DEVICE_FORCE_MAX_N / pressed;
     sum_up(f, period, out);
     return OST_OK;
 }
@@ -461,8 +461,8 @@ static void follow(ost_force *f, const ost_pose *device, double period, double t
 {
     const double share = period / (period + 1 / (2 * PI * VELOCITY_HZ));
     double to[3], before[3], a[4], b[4];
-    place_of(device, to);
-    place_of(&f->grip.device, before);
+    position_of(device, to);
+    position_of(&f->grip.device, before);
     quaternion_of(&f->grip.device, a);
     quaternion_of(device, b);
     turn_between(a, b, turn);
@@ -481,13 +481,13 @@ ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, do
         return ost_fail(err, OST_ERR_USAGE, "force: there is no tool %d", tool);
     if (!(period_s > 0))
         return ost_fail(err, OST_ERR_USAGE, "force: a period of %g s", period_s);
-    if (!force->grip.held || force->grip.tool != tool)
-        ost_force_place(force, tool, device);
+    if (!force->grip.coupled || force->grip.tool != tool)
+        ost_force_set_pose(force, tool, device);
     double turn[3];
     follow(force, device, period_s, turn);
     const bool energy = force->params.mode == OST_FORCE_ENERGY, turns = energy && force->params.turn_stiffness > 0;
     if (!energy)
-        place_of(device, force->grip.pose.at);
+        position_of(device, force->grip.pose.at);
     if (!turns)
         take_direction(force, device);
     ost_status status = energy ? by_energy(force, device, turn, period_s, out, err) : at_once(force, period_s, out, err);

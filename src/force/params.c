@@ -60,7 +60,7 @@ ost_safety_params ost_safety_defaults(void)
         .max_nm = 0.1,
         .slew_n = 0.3,
         .ramp_s = 0.5,
-        .stale_ticks = 2,
+        .max_ticks_without_sample = 2,
         .dead_man = 0,
         .stored_j = 0.015,
         .max_damping = 2,
@@ -71,17 +71,17 @@ ost_safety_params ost_safety_defaults(void)
 
 typedef enum kind { REAL, TICKS, BUTTONS } kind;
 
-typedef struct place {
+typedef struct parameter {
     ost_force_key key;
     bool safety;   /* the field belongs to ost_safety_params */
     kind kind;
     size_t offset;
-} place;
+} parameter;
 
 #define FORCE(field, unit, lo, hi, about) {{#field, unit, about, lo, hi}, false, REAL, offsetof(ost_force_params, field)}
 #define SAFETY(name, kind, field, unit, lo, hi, about) {{name, unit, about, lo, hi}, true, kind, offsetof(ost_safety_params, field)}
 
-static const place places[] = {
+static const parameter parameters[] = {
     FORCE(scale, "1", 0.01, 1, "felt over real force: a reamer is pressed with about 40 N, an Omni gives 3.3 N"),
     FORCE(stiffness, "N/m", 1, 1e6, "of the coupling, as felt: at 1 kHz with 60 g and a light grip swinging begins at 250 to 300 without friction"),
     FORCE(damping, "N s/m", 0, 1e3, "of the coupling, as felt: an Omni takes less than 2 (data sheet)"),
@@ -101,13 +101,13 @@ static const place places[] = {
     SAFETY("max_torque", REAL, max_nm, "N m", 1e-6, 1e2, "the same for torques; of a device that reports none, half of what a sigma.7 gives"),
     SAFETY("slew", REAL, slew_n, "N a tick", 1e-6, 1e3, "the most that a force changes in a tick"),
     SAFETY("ramp", REAL, ramp_s, "s", 0, 60, "from nothing to all of it, after a start and after every fault"),
-    SAFETY("stale_ticks", TICKS, stale_ticks, "ticks", 1, 1000, "so many without a new pose and the force goes; one is bridged"),
+    SAFETY("stale_ticks", TICKS, max_ticks_without_sample, "ticks", 1, 1000, "so many without a new pose and the force goes; one is bridged"),
     SAFETY("dead_man", BUTTONS, dead_man, "buttons", 0, 4294967295.0, "of which one must be held, as a sum of 1, 2, 4, ...; 0: none"),
     SAFETY("stored_energy", REAL, stored_j, "J", 0, 10, "that the coupling may hold back: 300 N/m at 3 N; passivity counts from there"),
     SAFETY("max_damping", REAL, max_damping, "N s/m", 0, 1e3, "the most that the passivity controller adds (Hannaford, Ryu 2002); 0: none"),
 };
 
-enum { COUNT = sizeof places / sizeof places[0] };
+enum { COUNT = sizeof parameters / sizeof parameters[0] };
 
 int ost_force_key_count(void)
 {
@@ -116,21 +116,21 @@ int ost_force_key_count(void)
 
 const ost_force_key *ost_force_key_at(int index)
 {
-    return index >= 0 && index < COUNT ? &places[index].key : NULL;
+    return index >= 0 && index < COUNT ? &parameters[index].key : NULL;
 }
 
 double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety)
 {
     if (index < 0 || index >= COUNT)
         return 0;
-    const place *p = &places[index];
+    const parameter *p = &parameters[index];
     const char *at = (p->safety ? (const char *)safety : (const char *)force) + p->offset;
     if (p->kind == REAL)
         return *(const double *)(const void *)at;
     return p->kind == TICKS ? (double)*(const int *)(const void *)at : (double)*(const uint32_t *)(const void *)at;
 }
 
-static void put(const place *p, double value, ost_force_params *force, ost_safety_params *safety)
+static void put(const parameter *p, double value, ost_force_params *force, ost_safety_params *safety)
 {
     char *at = (p->safety ? (char *)safety : (char *)force) + p->offset;
     if (p->kind == REAL)
@@ -158,10 +158,10 @@ static const char too_fast[] = "speed and teeth: more than 500 teeth a second ca
 
 ost_status ost_force_params_check(const ost_force_params *params, ost_error *err)
 {
-    for (int i = 0; i < COUNT && !places[i].safety; i++) {
+    for (int i = 0; i < COUNT && !parameters[i].safety; i++) {
         const double value = ost_force_key_value(i, params, NULL);
-        if (!(value >= places[i].key.lo && value <= places[i].key.hi))
-            return ost_fail(err, OST_ERR_RANGE, "force: %s is %g; %g to %g is supported", places[i].key.name, value, places[i].key.lo, places[i].key.hi);
+        if (!(value >= parameters[i].key.lo && value <= parameters[i].key.hi))
+            return ost_fail(err, OST_ERR_RANGE, "force: %s is %g; %g to %g is supported", parameters[i].key.name, value, parameters[i].key.lo, parameters[i].key.hi);
     }
     if (!(params->speed >= 0 && params->speed <= 1e4))
         return ost_fail(err, OST_ERR_RANGE, "force: speed is %g; 0 to 1e4 rad/s is supported", params->speed);
@@ -200,7 +200,7 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
     if (!colon)
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: '%.*s': expected 'key: number'", file, line, (int)(end - text < 60 ? end - text : 60), text);
     int i = 0;
-    while (i < COUNT && (strlen(places[i].key.name) != length || memcmp(places[i].key.name, text, length) != 0))
+    while (i < COUNT && (strlen(parameters[i].key.name) != length || memcmp(parameters[i].key.name, text, length) != 0))
         i++;
     if (i == COUNT && length == 5 && memcmp("speed", text, length) == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: speed is the motor's: leave it out, and pass --rpm to osteon sim", file, line);
@@ -208,9 +208,9 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: '%.*s' is no parameter; osteon sim --print-force-params lists them", file, line,
                         (int)(length < 60 ? length : 60), text);
     if (seen[i])
-        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is set a second time", file, line, places[i].key.name);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is set a second time", file, line, parameters[i].key.name);
     seen[i] = true;
-    const ost_force_key *key = &places[i].key;
+    const ost_force_key *key = &parameters[i].key;
     const char *value = colon + 1 + strspn(colon + 1, " \t"), *after;
     ost_decimal d;
     const int shown = end - value < 0 ? 0 : end - value < 60 ? (int)(end - value) : 60;
@@ -219,10 +219,10 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is '%.*s': expected a number in %s", file, line, key->name, shown, value, key->unit);
     const double number = real_of(&d);
     /* The bounds are checked first, because converting a number beyond int64_t is undefined. */
-    if (!(number >= key->lo && number <= key->hi) || (places[i].kind != REAL && number != (double)(int64_t)number))
+    if (!(number >= key->lo && number <= key->hi) || (parameters[i].kind != REAL && number != (double)(int64_t)number))
         return ost_fail(err, OST_ERR_RANGE, "%s:%d: %s is '%.*s': expected %s%g to %g %s", file, line, key->name, shown, value,
-                        places[i].kind == REAL ? "" : "a whole number, ", key->lo, key->hi, key->unit);
-    put(&places[i], number, force, safety);
+                        parameters[i].kind == REAL ? "" : "a whole number, ", key->lo, key->hi, key->unit);
+    put(&parameters[i], number, force, safety);
     return OST_OK;
 }
 

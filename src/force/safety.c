@@ -91,8 +91,8 @@ ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bo
         moved[a] = at[a] - s->at[a];
     memcpy(s->at, at, sizeof at);
     s->has_at = true;
-    s->stale = fresh ? 0 : s->stale + 1;
-    const bool withheld = (s->params.dead_man && !(buttons & s->params.dead_man)) || s->stale >= s->params.stale_ticks;
+    s->ticks_without_sample = fresh ? 0 : s->ticks_without_sample + 1;
+    const bool withheld = (s->params.dead_man && !(buttons & s->params.dead_man)) || s->ticks_without_sample >= s->params.max_ticks_without_sample;
     s->ramp = withheld ? 0 : s->params.ramp_s > 0 ? fmin(1, s->ramp + period_s / s->params.ramp_s) : 1;
     for (int a = 0; a < 3; a++) {
         force_n[a] *= s->ramp;

@@ -113,7 +113,7 @@ static bool cells_open(const ost_tool_volume *t, int size, cells *c)
     return c->sums != NULL;
 }
 
-static size_t take(const cells *c, ost_shell_point *points, size_t room)
+static size_t take(const cells *c, ost_shell_point *points, size_t capacity)
 {
     size_t count = 0;
     for (int64_t i = 0; i < ost_dims_count(c->dims) * SIDES; i++) {
@@ -121,7 +121,7 @@ static size_t take(const cells *c, ost_shell_point *points, size_t room)
         const double *n = s->inward, length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         if (s->area <= 0 || length <= 0)
             continue;
-        if (points && count < room) {
+        if (points && count < capacity) {
             points[count] = (ost_shell_point){.area = length, .cutting = 2 * s->cutting >= s->area};
             for (int a = 0; a < 3; a++) {
                 points[count].at[a] = s->at[a] / s->area;

@@ -31,12 +31,12 @@ typedef struct heard {
     int64_t at_ns;
 } heard;
 
-typedef struct says {
+typedef struct bridge_signals {
     ost_pose pose;
     uint32_t buttons;
     int32_t tool;
     uint16_t flags;
-} says;
+} bridge_signals;
 
 typedef struct bridge {
     const bridge_options *options;
@@ -46,7 +46,7 @@ typedef struct bridge {
     link_key *key;
     newest in, out;
     heard heard[NEWEST_SLOTS];
-    says says[NEWEST_SLOTS];
+    bridge_signals bridge_signals[NEWEST_SLOTS];
     _Atomic bool stop, met, busy, ended;
     /* Used by the thread only. */
     uint64_t number, simulation, sequence;
@@ -57,7 +57,7 @@ typedef struct bridge {
     ost_safety safety;
     double most_n, most_stiffness;
     heard last;              /* the newest state and when it arrived */
-    bool has_state, limp, held_once;
+    bool has_state, limp, engaged_once;
     int64_t begin_ns, patience_ns;
     ost_pose given;          /* the tool's last pose */
     double at[3], speed[3];  /* position and speed of `given` */
@@ -75,7 +75,7 @@ static void send_packet(bridge *b, const link_packet *p)
         b->report->sent++;
 }
 
-static void send_pose(bridge *b, const says *s, uint16_t flags)
+static void send_pose(bridge *b, const bridge_signals *s, uint16_t flags)
 {
     const int64_t now = ost_clock_ns();
     const link_packet p = {.type = LINK_POSE, .flags = (uint16_t)(s->flags | flags), .bridge = b->number, .simulation = b->simulation,
@@ -137,7 +137,7 @@ static void take_state(bridge *b, const link_packet *p)
 static void receive(bridge *b)
 {
     for (int i = 0; i < DRAIN; i++) {
-        uint8_t bytes[LINK_ROOM];
+        uint8_t bytes[LINK_BUFFER_BYTES];
         link_packet p;
         const ssize_t size = recv(b->socket, bytes, sizeof bytes, MSG_DONTWAIT | MSG_TRUNC);
         if (size < 0 && errno != ECONNREFUSED)
@@ -151,11 +151,11 @@ static void receive(bridge *b)
     }
 }
 
-static void *serve(void *user)
+static void *run_network(void *user)
 {
     bridge *b = user;
     struct pollfd wait[2] = {{.fd = b->socket, .events = POLLIN}, {.fd = b->wake, .events = POLLIN}};
-    says said = {.tool = -1};
+    bridge_signals signals = {.tool = -1};
     while (!atomic_load(&b->stop)) {
         if (poll(wait, 2, HELLO_MS) < 0 && errno != EINTR)
             break;
@@ -168,15 +168,15 @@ static void *serve(void *user)
             b->simulation = 0;
         const bool fresh = newest_take(&b->out);
         if (fresh)
-            said = b->says[b->out.front];
+            signals = b->bridge_signals[b->out.front];
         if (!b->simulation)
             hello(b);
         else if (fresh)
-            send_pose(b, &said, 0);
+            send_pose(b, &signals, 0);
     }
-    said.flags = 0;
+    signals.flags = 0;
     for (int i = 0; i < FAREWELLS && b->simulation; i++)
-        send_pose(b, &said, LINK_ENDED);
+        send_pose(b, &signals, LINK_ENDED);
     return NULL;
 }
 
@@ -216,7 +216,7 @@ void bridge_press(const link_packet *s, const double hand[3], const double speed
 
 static void let_go(bridge *b)
 {
-    b->report->limps += !b->limp && b->held_once;
+    b->report->limps += !b->limp && b->engaged_once;
     b->limp = true;
     b->has_at = false;
     memset(b->speed, 0, sizeof b->speed);
@@ -227,7 +227,7 @@ static void let_go(bridge *b)
 static void speak(bridge *b, const ost_servo_sample *sample, uint16_t flags)
 {
     const uint64_t one = 1;
-    b->says[b->out.back] = (says){b->given, sample->state.buttons, sample->state.tool, flags};
+    b->bridge_signals[b->out.back] = (bridge_signals){b->given, sample->state.buttons, sample->state.tool, flags};
     newest_put(&b->out);
     /* Fails only if 2^64 - 1 poses are unread. */
     if (write(b->wake, &one, sizeof one) < 0)
@@ -248,9 +248,9 @@ static void hold(bridge *b, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     double at[3], q[4], force[3], torque[3] = {0}, length = 0;
     if (b->limp) {
-        haptic_clutch_place(&b->clutch, &b->last.state.pose);
+        haptic_clutch_engage_at(&b->clutch, &b->last.state.pose);
         b->limp = false;
-        b->held_once = true;
+        b->engaged_once = true;
     }
     ost_pose_to_doubles(&sample->state.pose, at, q);
     for (int i = 0; i < 3; i++)
@@ -272,19 +272,19 @@ static bool tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     bridge *b = user;
     bridge_report *r = b->report;
-    if ((b->options->asked && b->options->asked()) || atomic_load(&b->ended))
+    if ((b->options->stop_requested && b->options->stop_requested()) || atomic_load(&b->ended))
         return false;
     if (!atomic_load(&b->met) && (ost_clock_ns() - b->begin_ns > b->patience_ns || atomic_load(&b->busy)))
         return false;
-    const bool posed = !sample->unseen && ost_pose_check(&sample->state.pose, NULL) == OST_OK;
+    const bool posed = !sample->tracking_lost && ost_pose_check(&sample->state.pose, NULL) == OST_OK;
     const bool live = is_live(b);
-    r->fault_ticks += !sample->unseen && !posed;
+    r->fault_ticks += !sample->tracking_lost && !posed;
     if (posed && live) {
         hold(b, sample, wrench);
         return true;
     }
     let_go(b);
-    r->limp_ticks += b->held_once;
+    r->limp_ticks += b->engaged_once;
     speak(b, sample, 0);
     return true;
 }
@@ -320,7 +320,7 @@ static ost_status open_socket(bridge *b, ost_error *err)
 static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
 {
     const uint64_t one = 1;
-    const int error = ost_thread_begin(&b->thread, serve, b);
+    const int error = ost_thread_begin(&b->thread, run_network, b);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the link: %s", strerror(error));
     const ost_servo_options how = {.ticks = b->options->ticks, .no_realtime = b->options->no_realtime};
@@ -373,7 +373,7 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
         status = run_thread(b, device, err);
     if (status == OST_OK && !report->met && report->busy)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "the simulation at %s has another bridge", report->to);
-    else if (status == OST_OK && !report->met && !(options->asked && options->asked()))
+    else if (status == OST_OK && !report->met && !(options->stop_requested && options->stop_requested()))
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "no simulation answers at %s: there is none, or it has another key", report->to);
     if (b->socket >= 0)
         close(b->socket);

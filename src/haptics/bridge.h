@@ -34,7 +34,7 @@ typedef struct bridge_options {
     uint64_t ticks;        /* 0: until the device or the simulation ends, or asked() returns true */
     int64_t patience_ms;   /* how long to wait for the first answer; 0: BRIDGE_PATIENCE_MS */
     bool no_realtime;
-    bool (*asked)(void);   /* returns true to end the run; called once each tick; may be NULL */
+    bool (*stop_requested)(void); /* returns true to end the run; called once each tick; may be NULL */
 } bridge_options;
 
 typedef struct bridge_report {

@@ -22,11 +22,11 @@ static void conjugate(const double q[4], double out[4])
 static void turn(const double q[4], const double v[3], double out[3])
 {
     const double pure[4] = {0, v[0], v[1], v[2]};
-    double back[4], half[4], whole[4];
+    double back[4], half[4], full[4];
     conjugate(q, back);
     product(q, pure, half);
-    product(half, back, whole);
-    memcpy(out, whole + 1, 3 * sizeof *out);
+    product(half, back, full);
+    memcpy(out, full + 1, 3 * sizeof *out);
 }
 
 void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4])
@@ -56,12 +56,12 @@ void haptic_clutch_lay(haptic_clutch *c)
 
 void haptic_clutch_release(haptic_clutch *c)
 {
-    c->held = false;
+    c->engaged = false;
 }
 
-void haptic_clutch_place(haptic_clutch *c, const ost_pose *tool)
+void haptic_clutch_engage_at(haptic_clutch *c, const ost_pose *tool)
 {
-    c->held = false;
+    c->engaged = false;
     haptic_pose_to_metres(tool, c->given_at, c->given_q);
 }
 
@@ -71,7 +71,7 @@ static void take_hold(haptic_clutch *c, const double at[3], const double q[4])
     conjugate(q, back);
     if (!c->laid)
         product(c->given_q, back, c->world);
-    c->laid = c->held = true;
+    c->laid = c->engaged = true;
     memcpy(c->base_at, c->given_at, sizeof c->base_at);
     memcpy(c->base_q, c->given_q, sizeof c->base_q);
     memcpy(c->from_at, at, sizeof c->from_at);
@@ -81,7 +81,7 @@ static void take_hold(haptic_clutch *c, const double at[3], const double q[4])
 ost_pose haptic_clutch_pose(haptic_clutch *c, const double at[3], const double q[4])
 {
     double moved[3], back[4], a[4], b[4], unworld[4];
-    if (!c->held)
+    if (!c->engaged)
         take_hold(c, at, q);
     for (int i = 0; i < 3; i++)
         moved[i] = c->scale * (at[i] - c->from_at[i]);

@@ -21,7 +21,7 @@ typedef struct haptic_clutch {
     double base_at[3], base_q[4];    /* the tool's pose when the clutch engaged */
     double from_at[3], from_q[4];    /* the body's pose at the same moment */
     double world[4];                 /* rotates the body's frame into the bone's */
-    bool held, laid;
+    bool engaged, laid;
 } haptic_clutch;
 
 /* Converts a pose to metres and a quaternion of length 1. */
@@ -36,7 +36,7 @@ void haptic_clutch_lay(haptic_clutch *clutch);
 /* Disengages the clutch. The next pose engages it with the tool where it is. */
 void haptic_clutch_release(haptic_clutch *clutch);
 /* Disengages the clutch and sets the tool's pose. */
-void haptic_clutch_place(haptic_clutch *clutch, const ost_pose *tool);
+void haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);
 /*
  * Returns the tool's pose for a body at `at` (m) with orientation q (length 1), engaging the
  * clutch if necessary. Returns an invalid pose if a value is not finite or is too far away.

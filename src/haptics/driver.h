@@ -6,7 +6,7 @@
  *   answers  called only when devices are listed: checks what only an attempt to open the device shows
  *   open     gets the part of the spec after the colon, "" if there is none
  *   read     polled devices: returns the pose for this tick; takes no lock, allocates nothing and does not wait;
- *            a device that returns OST_HAPTIC_UNSEEN continues afterwards from where it was (clutch.h)
+ *            a device that returns OST_HAPTIC_NOT_TRACKED continues afterwards from where it was (clutch.h)
  *   write    sends the wrench of this tick, under the same rules
  *   run      devices with a clock of their own: calls `beat` from the device's
  *            thread until it returns false, and then returns; read and write

@@ -75,12 +75,12 @@ struct haptic_instance {
     size_t size;
     char why[160];        /* reason of the failure */
     int bad;              /* consecutive invalid messages */
-    bool has_met, has_greeted, said_farewell;
+    bool has_met, has_greeted, has_ended;
     int64_t sent_ns, stop_ns;
     /* Used by the tick only. */
     haptic_clutch clutch;
-    int silent;
-    bool unseen;
+    int ticks_without_sample;
+    bool tracking_lost;
 };
 
 static void meet(haptic_instance *h)
@@ -118,7 +118,7 @@ static bool numbers(const json_t *object, const char *const *names, int count, d
 }
 
 /* Returns a property, which the service puts into the object's "state" or into the object itself. */
-static const json_t *said(const json_t *thing, const char *name)
+static const json_t *member(const json_t *thing, const char *name)
 {
     const json_t *within = json_object_get(json_object_get(thing, "state"), name);
     return within ? within : json_object_get(thing, name);
@@ -146,7 +146,7 @@ static bool take_grip(const json_t *root, came *c)
     static const char *const kinds[] = {"wireless_verse_grip", "verse_grip"}, *const wxyz[] = {"w", "x", "y", "z"};
     static const char *const letters[] = {"a", "b", "c", "d"};
     for (int k = 0; k < 2; k++) {
-        const json_t *grip = json_array_get(json_object_get(root, kinds[k]), 0), *turned = said(grip, "orientation");
+        const json_t *grip = json_array_get(json_object_get(root, kinds[k]), 0), *turned = member(grip, "orientation");
         double q[4], length = 0;
         if (!turned)
             continue;
@@ -159,9 +159,9 @@ static bool take_grip(const json_t *root, came *c)
         const double to_ours[4] = {q[0], q[1], q[3], -q[2]};
         for (int i = 0; i < 4; i++)
             c->q[i] = to_ours[i] / sqrt(length);
-        c->buttons = json_is_true(said(grip, "button"));
+        c->buttons = json_is_true(member(grip, "button"));
         for (int b = 0; b < 4; b++)
-            c->buttons |= json_is_true(json_object_get(said(grip, "buttons"), letters[b])) ? 1u << b : 0;
+            c->buttons |= json_is_true(json_object_get(member(grip, "buttons"), letters[b])) ? 1u << b : 0;
         return true;
     }
     return true;
@@ -174,7 +174,7 @@ static bool take_state(haptic_instance *h, const json_t *root)
     const json_t *device = device_of(h, json_object_get(root, "inverse3"), &id);
     double at[3];
     came c = {.q = {1, 0, 0, 0}};
-    if (!device || !numbers(said(device, "cursor_position"), xyz, 3, FAR_M, at) || !take_grip(root, &c))
+    if (!device || !numbers(member(device, "cursor_position"), xyz, 3, FAR_M, at) || !take_grip(root, &c))
         return false;
     strcpy(h->id, id);
     memcpy(c.at, (double[3]){at[0], at[2], -at[1]}, sizeof c.at);
@@ -197,7 +197,7 @@ static void take_message(haptic_instance *h)
 }
 
 /* Writes a command. Numbers are integers with an exponent, so that no locale affects them. */
-static int write_command(haptic_instance *h, bool nothing, char *text, size_t room)
+static int write_command(haptic_instance *h, bool nothing, char *text, size_t capacity)
 {
     long long f[3];
     if (newest_take(&h->out)) {
@@ -211,24 +211,24 @@ static int write_command(haptic_instance *h, bool nothing, char *text, size_t ro
      * can be sent.
      */
     if (!h->has_greeted || !h->id[0])
-        return snprintf(text, room, "{\"session\":{\"force_render_full_state\":{}}}");
-    return snprintf(text, room,
+        return snprintf(text, capacity, "{\"session\":{\"force_render_full_state\":{}}}");
+    return snprintf(text, capacity,
                     "{\"inverse3\":[{\"device_id\":\"%s\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":%llde-6,\"y\":%llde-6,\"z\":%llde-6}}}}]}",
                     h->id, f[0], -f[2], f[1]);
 }
 
 static int send_command(haptic_instance *h, struct lws *wsi)
 {
-    unsigned char room[LWS_PRE + 512];
+    unsigned char capacity[LWS_PRE + 512];
     const bool last = atomic_load(&h->stop);
-    const int64_t rest = h->sent_ns + PACE_NS - ost_clock_ns();
-    if (rest > 0 && rest <= PACE_NS)
-        nanosleep(&(struct timespec){.tv_nsec = rest}, NULL);
-    const int length = write_command(h, last, (char *)room + LWS_PRE, 512);
+    const int64_t wait_ns = h->sent_ns + PACE_NS - ost_clock_ns();
+    if (wait_ns > 0 && wait_ns <= PACE_NS)
+        nanosleep(&(struct timespec){.tv_nsec = wait_ns}, NULL);
+    const int length = write_command(h, last, (char *)capacity + LWS_PRE, 512);
     h->has_greeted = true;
     h->sent_ns = ost_clock_ns();
-    const int written = lws_write(wsi, room + LWS_PRE, (size_t)length, LWS_WRITE_TEXT);
-    h->said_farewell = last;
+    const int written = lws_write(wsi, capacity + LWS_PRE, (size_t)length, LWS_WRITE_TEXT);
+    h->has_ended = last;
     return last || written < length ? -1 : 0; /* -1 closes the connection */
 }
 
@@ -272,7 +272,7 @@ static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *use
         fail(h, "the service closed the connection");
         break;
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
-        if (h->wsi && atomic_load(&h->stop) && h->has_greeted && !h->said_farewell)
+        if (h->wsi && atomic_load(&h->stop) && h->has_greeted && !h->has_ended)
             lws_callback_on_writable(h->wsi);
         break;
     default:
@@ -283,7 +283,7 @@ static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *use
 
 static const struct lws_protocols protocols[] = {{"haply", on_event, 0, 4096, 0, NULL, 0}, {NULL, NULL, 0, 0, 0, NULL, 0}};
 
-static void *serve(void *user)
+static void *run_connection(void *user)
 {
     haptic_instance *h = user;
     for (;;) {
@@ -294,7 +294,7 @@ static void *serve(void *user)
         if (!atomic_load(&h->stop))
             continue;
         h->stop_ns = h->stop_ns ? h->stop_ns : ost_clock_ns();
-        if (!h->wsi || h->said_farewell || !h->has_greeted || ost_clock_ns() - h->stop_ns > CLOSE_MS * INT64_C(1000000))
+        if (!h->wsi || h->has_ended || !h->has_greeted || ost_clock_ns() - h->stop_ns > CLOSE_MS * INT64_C(1000000))
             break;
     }
     sem_post(&h->over);
@@ -369,7 +369,7 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
                                                .origin = "localhost", .local_protocol_name = protocols[0].name, .pwsi = &h->wsi};
     if (!lws_client_connect_via_info(&to))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: Haply's service does not answer at 127.0.0.1:%d", (int)c->port);
-    const int error = ost_thread_begin(&h->thread, serve, h);
+    const int error = ost_thread_begin(&h->thread, run_connection, h);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: no thread for its connection: %s", strerror(error));
     const bool met = wait_for(&h->met, OPEN_MS) && !atomic_load(&h->lost);
@@ -394,7 +394,7 @@ static ost_status inverse3_open(const char *options, const ost_haptic_setup *set
     memcpy(h->wanted, c.id, ID);
     h->clutch = haptic_clutch_make(&setup->start, c.percent / 100);
     haptic_clutch_lay(&h->clutch);
-    h->unseen = true;
+    h->tracking_lost = true;
     newest_begin(&h->in);
     newest_begin(&h->out);
     sem_init(&h->met, 0, 0);
@@ -418,17 +418,17 @@ static void inverse3_close(haptic_instance *h)
 static ost_haptic_answer inverse3_read(haptic_instance *h, ost_haptic_state *state)
 {
     if (!newest_take(&h->in)) {
-        if (atomic_load(&h->lost) || ++h->silent > LOST_TICKS)
+        if (atomic_load(&h->lost) || ++h->ticks_without_sample > LOST_TICKS)
             return OST_HAPTIC_LOST;
-        if (!h->unseen && h->silent <= PATIENT_TICKS)
-            return OST_HAPTIC_STALE;
-        h->unseen = true;
+        if (!h->tracking_lost && h->ticks_without_sample <= PATIENT_TICKS)
+            return OST_HAPTIC_NO_SAMPLE;
+        h->tracking_lost = true;
         haptic_clutch_release(&h->clutch);
-        return OST_HAPTIC_UNSEEN;
+        return OST_HAPTIC_NOT_TRACKED;
     }
     const came *c = &h->came[h->in.front];
-    h->silent = 0;
-    h->unseen = false;
+    h->ticks_without_sample = 0;
+    h->tracking_lost = false;
     *state = (ost_haptic_state){.pose = haptic_clutch_pose(&h->clutch, c->at, c->q), .tool = -1, .buttons = c->buttons};
     return OST_HAPTIC_FRESH;
 }

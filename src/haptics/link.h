@@ -20,7 +20,7 @@ enum {
     LINK_MAC = 32,
     LINK_POSE_BYTES = 120,  /* hello and pose */
     LINK_STATE_BYTES = 144,
-    LINK_ROOM = 256,        /* size of the receive buffer; a longer packet is invalid */
+    LINK_BUFFER_BYTES = 256, /* size of the receive buffer; a longer packet is invalid */
     LINK_KEY_MIN = 16,
     LINK_KEY_MAX = 4096
 };

@@ -5,7 +5,7 @@
  *
  *   rows   *  *  *  *  .  .  .  .  *  *  *        . no pose
  *   ticks  ||||||||||||            ||||||||       one pose per tick
- *                      ----------                 OST_HAPTIC_UNSEEN: the tool stays
+ *                      ----------                 OST_HAPTIC_NOT_TRACKED: the tool stays
  *                                 ^ begins lifted; the clutch engages where the tool is
  *
  * The motion is as long as its table, and tracking may be lost at its beginning
@@ -122,7 +122,7 @@ static ost_haptic_answer motion_read(haptic_instance *m, ost_haptic_state *state
     const ost_tick *a = &ticks[m->row], *b = m->row < last ? a + 1 : a;
     if (t < a->t_ns || (t > a->t_ns && (b == a || b->lifted))) {
         haptic_clutch_release(&m->clutch);
-        return OST_HAPTIC_UNSEEN;
+        return OST_HAPTIC_NOT_TRACKED;
     }
     const double share = b == a ? 0 : (double)(t - a->t_ns) / (double)(b->t_ns - a->t_ns);
     double at[3], to[3], from_q[4], to_q[4], q[4];

@@ -3,7 +3,7 @@
  * mouse: follows a target pose that a window's thread sets, a thousand times a
  * second.
  *
- *   window, 60 times a second --ost_hand_put--> three buffers --read--> the target pose
+ *   window, 60 times a second --ost_mouse_input_put--> three buffers --read--> the target pose
  *                                                                  |  low pass, limited step per tick
  *                                                                  '--> the device's pose
  *
@@ -25,51 +25,51 @@ static const double FOLLOW = 0.0645;          /* of the remaining distance, per 
 static const double STEP_M = 0.25e-3;         /* largest step per tick */
 static const double TURN = 0.0188;            /* largest turn per tick, radians: three turns a second */
 
-struct ost_hand {
+struct ost_mouse_input {
     newest newest; /* from the window to the device */
     ost_haptic_state state[NEWEST_SLOTS];
     uint32_t lifts[NEWEST_SLOTS], lifted; /* number of lifts up to each state; in total */
 };
 
-ost_status ost_hand_create(const ost_haptic_state *start, ost_hand **out, ost_error *err)
+ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err)
 {
     *out = NULL;
     ost_status status = ost_pose_check(&start->pose, err);
     if (status != OST_OK)
         return status;
-    ost_hand *hand = calloc(1, sizeof *hand);
-    if (!hand)
+    ost_mouse_input *input = calloc(1, sizeof *input);
+    if (!input)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a hand");
     for (int i = 0; i < NEWEST_SLOTS; i++)
-        hand->state[i] = *start;
-    newest_begin(&hand->newest);
-    *out = hand;
+        input->state[i] = *start;
+    newest_begin(&input->newest);
+    *out = input;
     return OST_OK;
 }
 
-void ost_hand_free(ost_hand *hand)
+void ost_mouse_input_free(ost_mouse_input *input)
 {
-    free(hand);
+    free(input);
 }
 
-void ost_hand_put(ost_hand *hand, const ost_haptic_state *state)
+void ost_mouse_input_put(ost_mouse_input *input, const ost_haptic_state *state)
 {
-    hand->lifted += state->lifted;
-    hand->state[hand->newest.back] = *state;
-    hand->lifts[hand->newest.back] = hand->lifted;
-    newest_put(&hand->newest);
+    input->lifted += state->lifted;
+    input->state[input->newest.back] = *state;
+    input->lifts[input->newest.back] = input->lifted;
+    newest_put(&input->newest);
 }
 
-static const ost_haptic_state *latest(ost_hand *hand)
+static const ost_haptic_state *latest(ost_mouse_input *input)
 {
-    newest_take(&hand->newest);
-    return &hand->state[hand->newest.front];
+    newest_take(&input->newest);
+    return &input->state[input->newest.front];
 }
 
 /* ----------------------------------------------------------------- driver */
 
 struct haptic_instance {
-    ost_hand *hand; /* borrowed */
+    ost_mouse_input *input; /* borrowed */
     double at[3];   /* m */
     double q[4];    /* unit */
     int32_t tool;
@@ -97,13 +97,13 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 
 static ost_status mouse_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
-    haptic_instance m = {.hand = setup->hand};
+    haptic_instance m = {.input = setup->mouse};
     ost_status status = haptic_options("mouse", options, take, NULL, err);
     if (status != OST_OK)
         return status;
-    if (!m.hand)
+    if (!m.input)
         return ost_fail(err, OST_ERR_USAGE, "device mouse: needs a window, whose mouse it is");
-    const ost_haptic_state *start = latest(m.hand);
+    const ost_haptic_state *start = latest(m.input);
     take_pose(&start->pose, m.at, m.q);
     m.tool = start->tool;
     *out = malloc(sizeof **out);
@@ -118,7 +118,7 @@ static void mouse_close(haptic_instance *instance)
     free(instance);
 }
 
-static void approach_place(haptic_instance *m, const double to[3])
+static void approach_position(haptic_instance *m, const double to[3])
 {
     double d[3], length = 0;
     for (int a = 0; a < 3; a++) {
@@ -149,21 +149,21 @@ static void approach_turn(haptic_instance *m, const double to[4])
 
 static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
 {
-    const ost_haptic_state *hand = latest(m->hand);
-    const uint32_t lifts = m->hand->lifts[m->hand->newest.front];
+    const ost_haptic_state *input = latest(m->input);
+    const uint32_t lifts = m->input->lifts[m->input->newest.front];
     const bool lifted = lifts != m->lifts;
     double to[3], toward[4];
-    take_pose(&hand->pose, to, toward);
-    if (hand->tool != m->tool || lifted) {
+    take_pose(&input->pose, to, toward);
+    if (input->tool != m->tool || lifted) {
         /* A tool that is taken up or put down elsewhere is at its new pose at once, without intermediate steps. */
         memcpy(m->at, to, sizeof m->at);
         memcpy(m->q, toward, sizeof m->q);
-        m->tool = hand->tool;
+        m->tool = input->tool;
         m->lifts = lifts;
     }
-    approach_place(m, to);
+    approach_position(m, to);
     approach_turn(m, toward);
-    *state = (ost_haptic_state){.pose = haptic_pose_quantise(m->at, m->q), .tool = hand->tool, .buttons = hand->buttons, .lifted = lifted};
+    *state = (ost_haptic_state){.pose = haptic_pose_quantise(m->at, m->q), .tool = input->tool, .buttons = input->buttons, .lifted = lifted};
     return OST_HAPTIC_FRESH;
 }
 

@@ -79,7 +79,7 @@ static const char *const names[] = {"libHD.so", "libHD.so.3.4", NULL};
 static const vendor_library library = {"OSTEON_OPENHAPTICS_LIBRARY", names, "OpenHaptics and the device's driver", symbols,
                                        sizeof symbols / sizeof symbols[0]};
 
-enum { COOL_TICKS = 1000, LOOK_MS = 500, NAME = 64 };
+enum { COOL_TICKS = 1000, POLL_MS = 500, NAME = 64 };
 
 struct haptic_instance {
     hd_calls hd;
@@ -245,7 +245,7 @@ static bool wait_for(haptic_instance *h)
     for (uint64_t before = 0, now;; before = now) {
         struct timespec until;
         clock_gettime(CLOCK_REALTIME, &until);
-        until.tv_nsec += LOOK_MS * 1000000L;
+        until.tv_nsec += POLL_MS * 1000000L;
         until.tv_sec += until.tv_nsec / 1000000000L;
         until.tv_nsec %= 1000000000L;
         int waited;
@@ -269,7 +269,7 @@ static ost_status openhaptics_run(haptic_instance *h, haptic_beat *beat, void *u
     const bool over = wait_for(h);
     h->hd.stop();
     h->hd.unschedule(handle);
-    return over ? OST_OK : ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: its thread has not called for %d ms", LOOK_MS);
+    return over ? OST_OK : ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: its thread has not called for %d ms", POLL_MS);
 }
 
 const haptic_driver haptic_openhaptics = {

@@ -25,7 +25,7 @@ struct ost_operation {
     bool moved;        /* a tick was executed; `hand` is its pose */
     ost_motor motor;
     bool on;           /* the motor is switched on, whatever buttons are held */
-    uint32_t held;     /* actions held in the last tick */
+    uint32_t active_actions; /* actions held in the last tick */
     _Atomic uint32_t keys;
     int32_t tool;      /* used if the device does not select one */
     ost_pose hand;     /* pose of the last tick, after the clutch and before the motor's turn */
@@ -80,11 +80,11 @@ ost_status ost_operation_create(ost_world *world, const ost_operation_options *o
     o->tool = o->options.tool;
     if (o->options.last) {
         o->moved = true;
-        o->hand = ost_motor_hand(&o->motor, &o->options.last->pose);
+        o->hand = ost_motor_handle_pose(&o->motor, &o->options.last->pose);
         o->last_tool = o->options.last->tool;
         o->t_ns = o->options.last->t_ns + AFTER_NS;
         if (o->options.force)
-            ost_force_place(o->options.force, o->last_tool, &o->options.last->pose);
+            ost_force_set_pose(o->options.force, o->last_tool, &o->options.last->pose);
         o->options.last = NULL;
     }
     ost_status status = ost_world_reserve(world, err);
@@ -290,17 +290,17 @@ static bool is(uint32_t actions, ost_action action)
  */
 static uint32_t actions_of(ost_operation *o, uint32_t buttons, uint32_t *pressed)
 {
-    uint32_t held = atomic_load_explicit(&o->keys, memory_order_relaxed);
+    uint32_t active_actions = atomic_load_explicit(&o->keys, memory_order_relaxed);
     for (int i = 0; i < OST_BUTTONS_MAX; i++)
-        held |= buttons >> i & 1 ? UINT32_C(1) << o->options.buttons[i] : 0;
-    *pressed = held & ~o->held;
-    o->held = held;
-    return held;
+        active_actions |= buttons >> i & 1 ? UINT32_C(1) << o->options.buttons[i] : 0;
+    *pressed = active_actions & ~o->active_actions;
+    o->active_actions = active_actions;
+    return active_actions;
 }
 
-void ost_operation_keys(ost_operation *operation, uint32_t held)
+void ost_operation_keys(ost_operation *operation, uint32_t active_actions)
 {
-    atomic_store_explicit(&operation->keys, held, memory_order_relaxed);
+    atomic_store_explicit(&operation->keys, active_actions, memory_order_relaxed);
 }
 
 /*
@@ -309,18 +309,18 @@ void ost_operation_keys(ost_operation *operation, uint32_t held)
  * OST_ACTION_HOME moves the tool to the home pose.  Returns false while
  * OST_ACTION_CLUTCH is held; the hand's pose does not change then.
  */
-static bool hand_of(ost_operation *o, uint32_t held, uint32_t pressed, ost_pose *pose, bool *put)
+static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed, ost_pose *pose, bool *put)
 {
     if (ost_pose_check(pose, NULL) != OST_OK)
         return true; /* an invalid pose; judge() reports the fault */
     const bool home = is(pressed, OST_ACTION_HOME) && o->options.home.qw | o->options.home.qx | o->options.home.qy | o->options.home.qz;
-    const bool stays = is(held, OST_ACTION_CLUTCH) && o->moved;
+    const bool stays = is(active_actions, OST_ACTION_CLUTCH) && o->moved;
     if ((home || stays) && !o->clutched) {
         o->clutch = haptic_clutch_make(o->moved ? &o->hand : pose, 1);
         o->clutch.laid = o->clutched = true; /* keeps the device's axes: right remains right */
     }
     if (home) {
-        haptic_clutch_place(&o->clutch, &o->options.home);
+        haptic_clutch_engage_at(&o->clutch, &o->options.home);
         o->hand = o->options.home;
         *put = true;
     }
@@ -360,7 +360,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_step_result step;
     o->given = false;
     o->contact_n = 0;
-    if (sample->unseen) {
+    if (sample->tracking_lost) {
         drop_out(o, tick.t_ns);
         return true;
     }
@@ -373,22 +373,22 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     if (o->dropout)
         drop_out_over(o, tick.t_ns);
     uint32_t pressed;
-    const uint32_t held = actions_of(o, sample->state.buttons, &pressed);
+    const uint32_t active_actions = actions_of(o, sample->state.buttons, &pressed);
     if (is(pressed, OST_ACTION_TOOL) && o->options.tools > 0)
         o->tool = (o->tool + 1) % o->options.tools;
     o->on ^= is(pressed, OST_ACTION_SWITCH);
     tick.tool = sample->state.tool >= 0 ? sample->state.tool : o->tool;
     bool put = lifted;
-    const bool follows = hand_of(o, held, pressed, &tick.pose, &put);
+    const bool follows = hand_of(o, active_actions, pressed, &tick.pose, &put);
     o->lifted |= put;
     const ost_pose hand = tick.pose;
     tick.lifted = o->lifted && o->moved;
     ost_fault fault = judge(o, &tick, put);
-    run_motor(o, &sample->state, o->on || is(held, OST_ACTION_MOTOR), &motor, &tick);
+    run_motor(o, &sample->state, o->on || is(active_actions, OST_ACTION_MOTOR), &motor, &tick);
     if (put)
         ost_safety_stop(&o->safety); /* the displacement is not work done by the hand */
     if (fault == OST_FAULT_NONE && put && o->options.force)
-        ost_force_place(o->options.force, tick.tool, &tick.pose);
+        ost_force_set_pose(o->options.force, tick.tool, &tick.pose);
     if (fault == OST_FAULT_NONE && o->options.force) {
         o->report.status = feel(o, sample, ost_motor_angle(&motor) - ost_motor_angle(&o->motor), AFTER_NS, &tick, wrench, &fault);
         if (o->report.status == OST_ERR_USAGE)

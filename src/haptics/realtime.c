@@ -23,7 +23,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-enum { PRIORITY = 80, NICE = -11, STACK = 256 * 1024 };
+enum { PRIORITY = 80, NICE_VALUE = -11, STACK = 256 * 1024 };
 
 static bool fifo(int priority)
 {
@@ -54,9 +54,9 @@ static void schedule(realtime_before *before, ost_realtime *out)
             return;
         }
     }
-    if (setpriority(PRIO_PROCESS, thread, NICE) == 0) {
+    if (setpriority(PRIO_PROCESS, thread, NICE_VALUE) == 0) {
         before->niced = true;
-        snprintf(out->scheduling, sizeof out->scheduling, "nice %d; no SCHED_FIFO: %s", NICE, strerror(refused));
+        snprintf(out->scheduling, sizeof out->scheduling, "nice %d; no SCHED_FIFO: %s", NICE_VALUE, strerror(refused));
         return;
     }
     snprintf(out->scheduling, sizeof out->scheduling, "plain; no SCHED_FIFO: %s (limits.d: rtprio 80)", strerror(refused));
@@ -120,11 +120,11 @@ static void pin(int core, realtime_before *before, ost_realtime *out)
     }
 }
 
-void realtime_enter(bool ask, int core, realtime_before *before, ost_realtime *out)
+void realtime_enter(bool request, int core, realtime_before *before, ost_realtime *out)
 {
     *before = (realtime_before){0};
     pin(core, before, out);
-    if (!ask) {
+    if (!request) {
         snprintf(out->scheduling, sizeof out->scheduling, "as it was");
         snprintf(out->memory, sizeof out->memory, "as it was");
         return;

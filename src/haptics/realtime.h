@@ -20,7 +20,7 @@ typedef struct realtime_before {
  * no priority and no locked memory, and *out says so. If core is negative, the thread is not
  * pinned. realtime_leave, called on the same thread, restores what realtime_enter changed.
  */
-void realtime_enter(bool ask, int core, realtime_before *before, ost_realtime *out);
+void realtime_enter(bool request, int core, realtime_before *before, ost_realtime *out);
 void realtime_leave(const realtime_before *before);
 
 #endif

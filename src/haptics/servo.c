@@ -11,7 +11,7 @@
  *
  *   wake        from when a tick was due to when it began
  *   exec        from there to when the wrench was written
- *   own         the part of exec that the tick itself used (own_work.h)
+ *   own         the part of exec that the tick itself used (thread_time.h)
  *   completion  from when it was due to when the wrench was written; more than
  *               a period is a missed deadline
  *
@@ -28,7 +28,7 @@
 #include "core/clock.h"
 #include "core/file.h"
 #include "haptics/driver.h"
-#include "haptics/own_work.h"
+#include "haptics/thread_time.h"
 #include "haptics/realtime.h"
 
 enum { PERIOD_NS = 1000000 };
@@ -42,9 +42,9 @@ typedef struct servo {
     ost_servo_report *report;
     ost_servo_sample sample;
     int64_t due, wake_ns;
-    own_work ready, begin; /* measured at the end of the sleep before a tick; at the tick's beginning */
+    thread_time ready, begin; /* measured at the end of the sleep before a tick; at the tick's beginning */
     bool has_pose;
-    int silent; /* consecutive ticks without a new pose */
+    int ticks_without_sample; /* consecutive ticks without a new pose */
 } servo;
 
 static void sleep_until(int64_t ns)
@@ -77,18 +77,18 @@ static bool take_pose(servo *s)
     switch (ost_haptic_read(s->device, &s->sample.state)) {
     case OST_HAPTIC_FRESH:
         s->has_pose = true;
-        s->silent = 0;
-        s->sample.declared = s->sample.unseen = false;
+        s->ticks_without_sample = 0;
+        s->sample.declared = s->sample.tracking_lost = false;
         return true;
-    case OST_HAPTIC_STALE:
-        s->report->stale++;
+    case OST_HAPTIC_NO_SAMPLE:
+        s->report->without_sample++;
         s->sample.declared = true;
-        s->sample.unseen = false;
-        return ++s->silent < OST_SERVO_WATCHDOG_TICKS || end_with(s, OST_SERVO_WATCHDOG);
-    case OST_HAPTIC_UNSEEN:
-        s->report->unseen++;
-        s->silent = 0;
-        s->sample.declared = s->sample.unseen = true;
+        s->sample.tracking_lost = false;
+        return ++s->ticks_without_sample < OST_SERVO_WATCHDOG_TICKS || end_with(s, OST_SERVO_WATCHDOG);
+    case OST_HAPTIC_NOT_TRACKED:
+        s->report->tracking_lost++;
+        s->ticks_without_sample = 0;
+        s->sample.declared = s->sample.tracking_lost = true;
         return true;
     case OST_HAPTIC_ENDED:
         return end_with(s, OST_SERVO_DEVICE_ENDED);
@@ -99,10 +99,10 @@ static bool take_pose(servo *s)
 }
 
 /* Runs the tick that was due at s->due. Returns false if the loop ends. */
-static bool serve(servo *s)
+static bool run_loop(servo *s)
 {
     ost_wrench wrench = {{0}, {0}};
-    s->begin = own_work_now();
+    s->begin = thread_time_now();
     if (s->options.lead_ns == 0)
         s->ready = s->begin;
     s->wake_ns = s->begin.wall_ns - s->due;
@@ -110,11 +110,11 @@ static bool serve(servo *s)
     if (!take_pose(s))
         return false;
     /* Until a device has its first pose no tick runs; the watchdog limits how long. */
-    if (!s->has_pose && !s->sample.unseen)
+    if (!s->has_pose && !s->sample.tracking_lost)
         return true;
     const bool more = s->tick(s->user, &s->sample, &wrench);
     ost_haptic_write(s->device, &wrench);
-    const own_work end = own_work_now();
+    const thread_time end = thread_time_now();
     const int64_t exec = end.wall_ns - s->begin.wall_ns;
     if (s->done)
         s->done(s->user, s->sample.number, ns32(exec));
@@ -122,12 +122,12 @@ static bool serve(servo *s)
     r->ticks++;
     ost_times_add(&r->wake, s->wake_ns > 0 ? (uint64_t)s->wake_ns : 0);
     ost_times_add(&r->exec, (uint64_t)exec);
-    ost_times_add(&r->own, (uint64_t)own_work_between(&s->begin, &end));
+    ost_times_add(&r->own, (uint64_t)thread_time_between(&s->begin, &end));
     ost_times_add(&r->completion, end.wall_ns > s->due ? (uint64_t)(end.wall_ns - s->due) : 0);
     s->sample.number++;
     s->sample.t_ns += s->options.period_ns;
     if (!more)
-        return end_with(s, OST_SERVO_ASKED);
+        return end_with(s, OST_SERVO_STOPPED);
     return !s->options.ticks || r->ticks < s->options.ticks || end_with(s, OST_SERVO_TICKS);
 }
 
@@ -135,15 +135,15 @@ static bool serve(servo *s)
  * Classifies the misses. Of the rehearsals and the wait after them, only time beyond lead_ns
  * counts as work.
  */
-static void blame(servo *s, uint64_t missed)
+static void count_missed(servo *s, uint64_t missed)
 {
-    const own_work now = own_work_now();
+    const thread_time now = thread_time_now();
     ost_servo_report *r = s->report;
-    const int64_t own = own_work_between(&s->ready, &now) - s->options.lead_ns;
-    switch (own_work_blame(own, s->wake_ns, s->options.period_ns)) {
-    case OWN_BLAME_WORK: r->missed_by_work += missed; break;
-    case OWN_BLAME_WOKEN_LATE: r->missed_woken_late += missed; break;
-    case OWN_BLAME_TAKEN: r->missed_taken += missed; break;
+    const int64_t own = thread_time_between(&s->ready, &now) - s->options.lead_ns;
+    switch (classify_missed_deadline(own, s->wake_ns, s->options.period_ns)) {
+    case MISSED_BY_WORK: r->missed_by_work += missed; break;
+    case MISSED_WOKEN_LATE: r->missed_woken_late += missed; break;
+    case MISSED_PREEMPTED: r->missed_taken += missed; break;
     }
     r->missed += missed;
 }
@@ -154,7 +154,7 @@ static void go_on(servo *s)
     const int64_t skipped = skipped_after(s->due, ost_clock_ns(), s->options.period_ns);
     ost_servo_report *r = s->report;
     if (skipped > 0)
-        blame(s, (uint64_t)skipped + 1);
+        count_missed(s, (uint64_t)skipped + 1);
     r->longest_miss = (uint64_t)skipped > r->longest_miss ? (uint64_t)skipped : r->longest_miss;
     s->sample.missed = ns32(skipped);
     s->due += s->options.period_ns * (skipped + 1);
@@ -172,7 +172,7 @@ static void get_ready(servo *s)
     sleep_until(s->due - o->lead_ns);
     if (o->lead_ns == 0)
         return;
-    s->ready = own_work_now();
+    s->ready = thread_time_now();
     int64_t before, now = s->ready.wall_ns;
     do {
         o->rehearse(s->user);
@@ -188,7 +188,7 @@ static void run_clock(servo *s)
     s->due = ost_clock_ns() + s->options.period_ns;
     for (;;) {
         get_ready(s);
-        if (!serve(s))
+        if (!run_loop(s))
             break;
         go_on(s);
     }
@@ -198,7 +198,7 @@ static void run_without_clock(servo *s)
 {
     do
         s->due = ost_clock_ns();
-    while (serve(s));
+    while (run_loop(s));
 }
 
 /*
@@ -211,7 +211,7 @@ static bool beat(void *user)
     const int64_t begin = ost_clock_ns();
     if (s->due == 0)
         s->due = begin;
-    if (!serve(s))
+    if (!run_loop(s))
         return false;
     /* A device that runs early resets the schedule: its next tick is due a period after this one. */
     if (begin < s->due)
@@ -250,7 +250,7 @@ static void run_control(const servo *s, ost_servo_stage stage, uint64_t ticks, i
 
 static void run_before(servo *s)
 {
-    if (s->options.rest_ticks == 0)
+    if (s->options.background_ticks == 0)
         run_control(s, OST_SERVO_QUIET, s->options.idle_ticks / 2, 0, &s->report->idle, &s->report->idle_wake);
 }
 
@@ -265,7 +265,7 @@ static void run_after(servo *s)
     r->busy_ns = o->lead_ns + (int64_t)(ost_times_share_us(&r->exec, 0.5) * 1e3);
     run_control(s, OST_SERVO_BUSY, o->idle_ticks, r->busy_ns, &r->busy, &r->busy_wake);
     run_control(s, OST_SERVO_QUIET, o->idle_ticks, 0, &r->idle, &r->idle_wake);
-    run_control(s, OST_SERVO_RESTED, o->rest_ticks, r->busy_ns, &r->rested, &r->rested_wake);
+    run_control(s, OST_SERVO_RESTED, o->background_ticks, r->busy_ns, &r->rested, &r->rested_wake);
 }
 
 /* Returns the time stolen from all cores since boot, in ms, or -1 if the system does not report it. */

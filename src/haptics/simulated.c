@@ -190,7 +190,7 @@ static ost_haptic_answer sim_read(haptic_instance *s, ost_haptic_state *state)
         step(s, hand, speed);
     }
     s->next += s->next < s->path.count;
-    *state = (ost_haptic_state){.pose = tick->pose, .tool = tick->tool, .turned = tick->rpm != OST_RPM_HAND, .rpm = tick->rpm};
+    *state = (ost_haptic_state){.pose = tick->pose, .tool = tick->tool, .turned = tick->rpm != OST_RPM_OF_DEVICE, .rpm = tick->rpm};
     state->pose.t = (ost_pm3){encoded(s->x[0]), encoded(s->x[1]), encoded(s->x[2])};
     return OST_HAPTIC_FRESH;
 }

@@ -41,7 +41,7 @@ typedef union spnav_event {
     struct {
         int type, operation, id, kind, usb[2];
     } device;
-    char room[128]; /* reserve for later versions */
+    char unused[128]; /* reserve for later versions */
 } spnav_event;
 
 typedef struct spnav_calls {

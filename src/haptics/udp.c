@@ -88,8 +88,8 @@ struct haptic_instance {
     goes answer;
     /* Used by the tick only. */
     ost_pose given;
-    int64_t silent, lost_ticks;
-    bool met, unseen, again;
+    int64_t ticks_without_sample, lost_ticks;
+    bool met, tracking_lost, again;
 };
 
 typedef struct choice {
@@ -176,7 +176,7 @@ static void take_packet(haptic_instance *u, const uint8_t *bytes, size_t size, c
     }
 }
 
-static void *serve(void *user)
+static void *run_network(void *user)
 {
     haptic_instance *u = user;
     struct pollfd wait[2] = {{.fd = u->socket, .events = POLLIN}, {.fd = u->stop, .events = POLLIN}};
@@ -184,7 +184,7 @@ static void *serve(void *user)
         if (poll(wait, 2, -1) < 0 && errno != EINTR)
             break;
         for (int i = 0; i < DRAIN; i++) {
-            uint8_t bytes[LINK_ROOM];
+            uint8_t bytes[LINK_BUFFER_BYTES];
             struct sockaddr_storage from;
             socklen_t from_size = sizeof from;
             /* MSG_TRUNC: returns the packet's full length, so that one that is too long is rejected. */
@@ -244,7 +244,7 @@ static ost_status open_socket(haptic_instance *u, const choice *c, ost_error *er
 
 static ost_status start_thread(haptic_instance *u, ost_error *err)
 {
-    const int error = ost_thread_begin(&u->thread, serve, u);
+    const int error = ost_thread_begin(&u->thread, run_network, u);
     return error ? ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: no thread for its socket: %s", strerror(error)) : OST_OK;
 }
 
@@ -278,7 +278,7 @@ static ost_status udp_open(const char *options, const ost_haptic_setup *setup, h
     u->damping = (uint32_t)(force.damping * 1e3);
     u->lost_ticks = c.lost_ms;
     u->given = u->answer.pose = setup->start;
-    u->unseen = true;
+    u->tracking_lost = true;
     newest_begin(&u->in);
     newest_begin(&u->out);
     u->stop = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -322,8 +322,8 @@ static bool follow(haptic_instance *u, const ost_pose *to)
         square += (b[i] - a[i]) * (b[i] - a[i]) * 1e-6;
     for (int i = 0; i < 4; i++)
         dot += p[i] * q[i];
-    const double way = sqrt(square), angle = 2 * acos(fmin(1, fabs(dot))), ticks = (double)u->silent + 1;
-    if (u->silent > BRIDGED_TICKS || way > FAR_M * ticks || angle > FAR_RAD * fmin(ticks, 4))
+    const double way = sqrt(square), angle = 2 * acos(fmin(1, fabs(dot))), ticks = (double)u->ticks_without_sample + 1;
+    if (u->ticks_without_sample > BRIDGED_TICKS || way > FAR_M * ticks || angle > FAR_RAD * fmin(ticks, 4))
         return false;
     if (way <= FAR_M && angle <= FAR_RAD) {
         u->given = *to;
@@ -343,20 +343,20 @@ static bool follow(haptic_instance *u, const ost_pose *to)
     return true;
 }
 
-static ost_haptic_answer unseen(haptic_instance *u)
+static ost_haptic_answer tracking_lost(haptic_instance *u)
 {
-    u->unseen = true;
-    return OST_HAPTIC_UNSEEN;
+    u->tracking_lost = true;
+    return OST_HAPTIC_NOT_TRACKED;
 }
 
 static ost_haptic_answer silence(haptic_instance *u)
 {
     if (!u->met)
-        return OST_HAPTIC_UNSEEN;
-    u->silent++;
-    if (u->silent > u->lost_ticks)
+        return OST_HAPTIC_NOT_TRACKED;
+    u->ticks_without_sample++;
+    if (u->ticks_without_sample > u->lost_ticks)
         return OST_HAPTIC_LOST;
-    return u->unseen || u->silent > PATIENT_TICKS ? unseen(u) : OST_HAPTIC_STALE;
+    return u->tracking_lost || u->ticks_without_sample > PATIENT_TICKS ? tracking_lost(u) : OST_HAPTIC_NO_SAMPLE;
 }
 
 static ost_haptic_answer udp_read(haptic_instance *u, ost_haptic_state *state)
@@ -370,18 +370,18 @@ static ost_haptic_answer udp_read(haptic_instance *u, ost_haptic_state *state)
     if (!(c->flags & LINK_SEEN)) {
         /* The bridge released the tool; it follows the next pose with LINK_SEEN from where it is. */
         u->again = false;
-        u->silent = 0;
-        return unseen(u);
+        u->ticks_without_sample = 0;
+        return tracking_lost(u);
     }
     if (u->again || !follow(u, &c->pose)) {
         if (!u->again)
             count(u, AGAIN, 1);
         u->again = true;
-        u->silent = 0;
-        return unseen(u);
+        u->ticks_without_sample = 0;
+        return tracking_lost(u);
     }
-    u->silent = 0;
-    u->unseen = false;
+    u->ticks_without_sample = 0;
+    u->tracking_lost = false;
     *state = (ost_haptic_state){.pose = u->given, .tool = c->tool, .buttons = c->buttons};
     return OST_HAPTIC_FRESH;
 }

@@ -29,7 +29,7 @@ haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3],
     rotation_of(start, tool);
     for (int i = 0; i < 3; i++) {
         to_tool[i][axes[i]] = 1;
-        w.rest[axes[i]][i] = 1;
+        w.identity[axes[i]][i] = 1;
     }
     multiply(tool, to_tool, w.turn);
     return w;
@@ -63,7 +63,7 @@ ost_pose haptic_workspace_pose(const haptic_workspace *w, const double position[
 {
     double turned[3][3], m[3][3], columns[3][3], at[3], q[4];
     multiply(w->turn, frame, turned);
-    multiply(turned, w->rest, m);
+    multiply(turned, w->identity, m);
     for (int i = 0; i < 3; i++) {
         const double moved = w->turn[i][0] * position[0] + w->turn[i][1] * position[1] + w->turn[i][2] * position[2];
         at[i] = w->at[i] + w->scale * moved;

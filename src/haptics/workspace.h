@@ -18,7 +18,7 @@ typedef struct haptic_workspace {
     double at[3];          /* position of start, m */
     double turn[3][3];     /* [row][column]: device's frame to the bone's frame */
     /* inverse of the rotation from the device's frame to the tool's when the handle is upright */
-    double rest[3][3];
+    double identity[3][3];
     double scale;          /* metres in the bone for a metre of the device */
 } haptic_workspace;
 

@@ -362,8 +362,8 @@ static ost_status rect_from_volume(job *j, ost_error *err)
  */
 static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {
-    const int32_t asked = j->options->threshold;
-    *out = asked ? asked : THRESHOLD;
+    const int32_t requested = j->options->threshold;
+    *out = requested ? requested : THRESHOLD;
     const char *kind = ost_meta_get(&j->result->meta, OST_META_KIND), *text = ost_meta_get(&j->result->meta, OST_META_THRESHOLD);
     if (!kind || strcmp(kind, "bone") != 0 || !text)
         return OST_OK;
@@ -375,15 +375,15 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
         threshold > INT16_MAX)
         return ost_fail(err, OST_ERR_INPUT, "%s: its threshold is '%.40s'; expected a whole number from 1 to %d", j->path, text,
                         INT16_MAX);
-    if (asked && asked < threshold)
+    if (requested && requested < threshold)
         return ost_fail(err, OST_ERR_INPUT, "%s: is a bone that was cut at %" PRId64 " HU: what was below is gone, and a threshold of %" PRId32
-                        " cannot bring it back; import the CT again with --threshold %" PRId32, j->path, threshold, asked, asked);
-    *out = asked ? asked : (int32_t)threshold;
+                        " cannot bring it back; import the CT again with --threshold %" PRId32, j->path, threshold, requested, requested);
+    *out = requested ? requested : (int32_t)threshold;
     return OST_OK;
 }
 
 /* Returns true for a bone whose voxels are not resampled: the facts about its CT then remain valid. */
-static bool keeps_voxels(const job *j, ost_pm cubic)
+static bool is_same_lattice(const job *j, ost_pm cubic)
 {
     const ost_pm3 s = j->result->rect.spacing;
     const char *kind = ost_meta_get(&j->result->meta, OST_META_KIND);
@@ -395,11 +395,11 @@ static ost_status set_meta(const job *j, ost_pm cubic, int32_t threshold, ost_er
     ost_meta *meta = &j->result->meta;
     char text[16];
     snprintf(text, sizeof text, "%" PRId32, threshold);
-    const bool kept = keeps_voxels(j, cubic);
+    const bool same_lattice = is_same_lattice(j, cubic);
     ost_status status = ost_meta_set(meta, OST_META_KIND, "bone", err);
     if (status == OST_OK)
         status = ost_meta_set(meta, OST_META_THRESHOLD, text, err);
-    if (status == OST_OK && !kept)
+    if (status == OST_OK && !same_lattice)
         status = ost_meta_set(meta, OST_META_RESAMPLE, ost_resample_name(j->result->resample), err);
     if (status == OST_OK && j->result->kind == OST_FILE_CT_TEXT && j->options->duplicates != OST_DUPLICATES_ERROR) {
         static const char *const names[] = {"error", "first", "last", "max"};

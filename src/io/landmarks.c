@@ -73,14 +73,14 @@ ost_landmark_role ost_landmark_role_of(const char *label)
 
 /* ----------------------------------------------------------------- the list */
 
-static ost_status add(const char *place, ost_landmarks *all, const char *label, size_t length, ost_pm3 at, bool ras, ost_error *err)
+static ost_status add(const char *location, ost_landmarks *all, const char *label, size_t length, ost_pm3 at, bool ras, ost_error *err)
 {
     if (all->count == LANDMARKS_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: more than %d landmarks", place, LANDMARKS_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "%s: more than %d landmarks", location, LANDMARKS_MAX);
     if (all->count % 64 == 0) {
         ost_landmark *items = realloc(all->items, ((size_t)all->count + 64) * sizeof *items);
         if (!items)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %d landmarks", place, all->count + 64);
+            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %d landmarks", location, all->count + 64);
         all->items = items;
     }
     ost_landmark *l = &all->items[all->count];
@@ -90,7 +90,7 @@ static ost_status add(const char *place, ost_landmarks *all, const char *label, 
     l->role = ost_landmark_role_of(l->label);
     for (int i = 0; i < all->count && l->role != OST_LANDMARK_OTHER; i++)
         if (all->items[i].role == l->role)
-            return ost_fail(err, OST_ERR_INPUT, "%s: '%s' and '%s' name the same landmark; one position was expected", place,
+            return ost_fail(err, OST_ERR_INPUT, "%s: '%s' and '%s' name the same landmark; one position was expected", location,
                             all->items[i].label, l->label);
     all->count++;
     return OST_OK;
@@ -121,19 +121,19 @@ static ost_status json_point(const char *path, const json_t *point, size_t numbe
     const json_t *position = json_object_get(point, "position"), *label = json_object_get(point, "label");
     const char *defined = json_string_value(json_object_get(point, "positionStatus"));
     ost_pm p[3];
-    char place[300];
+    char location[300];
     /* Slicer also writes points that have not been placed yet. They are skipped. */
     if ((defined && strcmp(defined, "defined") != 0) || json_is_null(position))
         return OST_OK;
-    snprintf(place, sizeof place, "%.240s: control point %zu", path, number);
+    snprintf(location, sizeof location, "%.240s: control point %zu", path, number);
     if (json_array_size(position) != 3)
-        return ost_fail(err, OST_ERR_INPUT, "%s: its position is not an array of three numbers", place);
+        return ost_fail(err, OST_ERR_INPUT, "%s: its position is not an array of three numbers", location);
     for (size_t a = 0; a < 3; a++) {
         const json_t *value = json_array_get(position, a);
         if (!json_is_number(value) || !ost_pm_from_double(json_number_value(value), &p[a]))
-            return ost_fail(err, OST_ERR_INPUT, "%s: coordinate %zu of its position is not a length within 8 m", place, a + 1);
+            return ost_fail(err, OST_ERR_INPUT, "%s: coordinate %zu of its position is not a length within 8 m", location, a + 1);
     }
-    return add(place, out, json_is_string(label) ? json_string_value(label) : "", json_string_length(label), (ost_pm3){p[0], p[1], p[2]}, ras,
+    return add(location, out, json_is_string(label) ? json_string_value(label) : "", json_string_length(label), (ost_pm3){p[0], p[1], p[2]}, ras,
                err);
 }
 
@@ -267,20 +267,20 @@ static ost_status take_row(table *t, const field *fields, int count, ost_landmar
     const columns *c = &t->columns;
     const int at[3] = {c->x, c->y, c->z};
     ost_pm p[3];
-    char place[300];
-    snprintf(place, sizeof place, "%.240s:%ld", t->path, t->line);
+    char location[300];
+    snprintf(location, sizeof location, "%.240s:%ld", t->path, t->line);
     if (t->fcsv && !t->has_system)
-        return ost_fail(err, OST_ERR_INPUT, "%s: a .fcsv without '# CoordinateSystem = LPS' or RAS above its rows", place);
+        return ost_fail(err, OST_ERR_INPUT, "%s: a .fcsv without '# CoordinateSystem = LPS' or RAS above its rows", location);
     for (int a = 0; a < 3; a++) {
         ost_decimal d;
         const field *f = at[a] < count ? &fields[at[a]] : NULL;
         if (!f || ost_decimal_read(f->begin, f->begin + f->length, &d) != f->begin + f->length || !ost_decimal_to_pm(&d, &p[a], NULL))
-            return ost_fail(err, OST_ERR_INPUT, "%s: column %d, '%.*s', is not a length in millimetres within 8 m", place, at[a] + 1,
+            return ost_fail(err, OST_ERR_INPUT, "%s: column %d, '%.*s', is not a length in millimetres within 8 m", location, at[a] + 1,
                             f ? (int)(f->length < 40 ? f->length : 40) : 0, f ? f->begin : "");
     }
     if (c->label >= count)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %d columns; the label was expected in column %d", place, count, c->label + 1);
-    return add(place, out, fields[c->label].begin, fields[c->label].length, (ost_pm3){p[0], p[1], p[2]}, t->ras, err);
+        return ost_fail(err, OST_ERR_INPUT, "%s: %d columns; the label was expected in column %d", location, count, c->label + 1);
+    return add(location, out, fields[c->label].begin, fields[c->label].length, (ost_pm3){p[0], p[1], p[2]}, t->ras, err);
 }
 
 static ost_status read_table(const char *path, const char *text, size_t size, ost_landmarks *out, ost_error *err)

@@ -149,7 +149,7 @@ static int standard_stream(const char *path)
     return -1;
 }
 
-static ost_status open_in_place(ost_outfile *file, ost_error *err)
+static ost_status open_destination(ost_outfile *file, ost_error *err)
 {
     file->fd = open(file->path, O_WRONLY | O_CLOEXEC | O_NOCTTY);
     return file->fd < 0 ? cannot_write(file, errno, err) : OST_OK;
@@ -166,12 +166,12 @@ static ost_status open_in_folder(ost_outfile *file, ost_error *err)
     if (!slash) {
         file->folder = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     } else {
-        char kept = slash[1];
+        char separator = slash[1];
         slash[1] = 0;
         file->folder = open(file->target, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
         if (file->folder < 0 && errno == EACCES)
             file->folder = open(file->target, O_PATH | O_DIRECTORY | O_CLOEXEC);
-        slash[1] = kept;
+        slash[1] = separator;
     }
     if (file->folder < 0)
         return ost_fail(err, OST_ERR_IO, "%s: its folder cannot be opened: %s", file->path, strerror(errno));
@@ -186,7 +186,7 @@ static ost_status no_name(const char *path, ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
 }
 
-static ost_status open_beside(ost_outfile *file, ost_error *err)
+static ost_status open_temporary(ost_outfile *file, ost_error *err)
 {
     struct stat st;
     if (lstat(file->path, &st) == 0 && S_ISLNK(st.st_mode)) {
@@ -236,15 +236,15 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
         ;
     } else if (stat(path, &st) != 0) {
         /* A name that is too long for the file system is refused now; otherwise commit would fail. */
-        status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_beside(file, err);
+        status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_temporary(file, err);
     } else if (S_ISDIR(st.st_mode)) {
         status = ost_fail(err, OST_ERR_IO, "%s: is a folder; a file name is needed", path);
     } else if (!S_ISREG(st.st_mode)) {
-        status = open_in_place(file, err);
+        status = open_destination(file, err);
     } else if (access(path, W_OK) != 0) {
         status = ost_fail(err, OST_ERR_IO, "%s: exists and may not be overwritten: %s", path, strerror(errno));
     } else {
-        status = open_beside(file, err);
+        status = open_temporary(file, err);
     }
     if (status != OST_OK) {
         ost_outfile_discard(file);

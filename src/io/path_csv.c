@@ -189,7 +189,7 @@ static ost_status read_row(reader *r, const char *p, const char *end, ost_error 
 {
     row in;
     ost_tick *tick = NULL;
-    int64_t t_ns = 0, tool = 0, lifted = 0, rpm = OST_RPM_HAND;
+    int64_t t_ns = 0, tool = 0, lifted = 0, rpm = OST_RPM_OF_DEVICE;
     bool exact = true;
     ost_status status = read_fields(r, p, end, &in, err);
     if (status != OST_OK)
@@ -200,7 +200,7 @@ static ost_status read_row(reader *r, const char *p, const char *end, ost_error 
         return fail_field(r, in.column[TOOL], in.field[TOOL], end, "a tool's number from 0", err);
     if (in.field[LIFTED] && (!ost_decimal_scale(&in.value[LIFTED], 1, &lifted, &exact) || !exact || lifted < 0 || lifted > 1))
         return fail_field(r, in.column[LIFTED], in.field[LIFTED], end, "0 or 1", err);
-    if (in.field[RPM] && (!ost_decimal_scale(&in.value[RPM], 1, &rpm, &exact) || !exact || rpm < OST_RPM_HAND || rpm > OST_RPM_MAX))
+    if (in.field[RPM] && (!ost_decimal_scale(&in.value[RPM], 1, &rpm, &exact) || !exact || rpm < OST_RPM_OF_DEVICE || rpm > OST_RPM_MAX))
         return fail_field(r, in.column[RPM], in.field[RPM], end, "turns a minute from 0 to 3000, or -1 or -2", err);
     if (r->report.rows > 0 && t_ns <= r->t_ns)
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: t_s is %.9f, not after the row above, which has %.9f; expected increasing times",
@@ -385,23 +385,23 @@ enum { NUMBER = 40 };
 /* Formats value / 10^places without trailing zeros; 0 <= places <= 18. */
 static const char *format_scaled(int64_t value, int places, char text[NUMBER])
 {
-    uint64_t rest = value < 0 ? -(uint64_t)value : (uint64_t)value;
+    uint64_t remainder = value < 0 ? -(uint64_t)value : (uint64_t)value;
     char digits[NUMBER];
     int at = NUMBER;
     digits[--at] = 0;
-    bool kept = false;
-    for (int i = 0; i < places; i++, rest /= 10) {
-        if (rest % 10 == 0 && !kept)
+    bool significant = false;
+    for (int i = 0; i < places; i++, remainder /= 10) {
+        if (remainder % 10 == 0 && !significant)
             continue;
-        kept = true;
-        digits[--at] = (char)('0' + rest % 10);
+        significant = true;
+        digits[--at] = (char)('0' + remainder % 10);
     }
-    if (kept)
+    if (significant)
         digits[--at] = '.';
     do {
-        digits[--at] = (char)('0' + rest % 10);
-        rest /= 10;
-    } while (rest > 0);
+        digits[--at] = (char)('0' + remainder % 10);
+        remainder /= 10;
+    } while (remainder > 0);
     if (value < 0)
         digits[--at] = '-';
     memcpy(text, digits + at, (size_t)(NUMBER - at));

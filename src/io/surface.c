@@ -121,8 +121,8 @@ typedef struct builder {
     uint32_t *slice[2][2];   /* [lower, upper][x, y] */
     uint32_t *between;       /* z */
     ost_mesh mesh;
-    size_t vertex_room, triangle_room;
-    float *place;            /* of each vertex along its edge, 0 (lower end) to 1; -1: a loop's middle */
+    size_t vertex_capacity, triangle_capacity;
+    float *coordinates;      /* of each vertex along its edge, 0 (lower end) to 1; -1: a loop's middle */
     uint8_t *along;          /* bits 0-1: axis; bit 2: the lower end is solid */
     pattern patterns[256];
 } builder;
@@ -144,30 +144,30 @@ static int density_at(const builder *b, int64_t i, int64_t j, int64_t k)
 }
 
 /* Returns the next capacity, half as much again. Arrays that share a capacity grow together. */
-static size_t more(size_t room)
+static size_t more(size_t capacity)
 {
-    return room + room / 2 + 4096;
+    return capacity + capacity / 2 + 4096;
 }
 
-static ost_status vertex_room(builder *b, ost_error *err)
+static ost_status vertex_capacity(builder *b, ost_error *err)
 {
-    size_t room = more(b->vertex_room);
-    if (b->mesh.vertex_count < b->vertex_room)
+    size_t capacity = more(b->vertex_capacity);
+    if (b->mesh.vertex_count < b->vertex_capacity)
         return OST_OK;
-    if (room > UINT32_MAX / 2)
-        return ost_fail(err, OST_ERR_RANGE, "the surface has more than %zu vertices", b->vertex_room);
-    ost_pm3 *vertices = realloc(b->mesh.vertices, room * sizeof *vertices);
+    if (capacity > UINT32_MAX / 2)
+        return ost_fail(err, OST_ERR_RANGE, "the surface has more than %zu vertices", b->vertex_capacity);
+    ost_pm3 *vertices = realloc(b->mesh.vertices, capacity * sizeof *vertices);
     if (vertices)
         b->mesh.vertices = vertices;
-    float *place = realloc(b->place, room * sizeof *place);
-    if (place)
-        b->place = place;
-    uint8_t *along = realloc(b->along, room * sizeof *along);
+    float *coordinates = realloc(b->coordinates, capacity * sizeof *coordinates);
+    if (coordinates)
+        b->coordinates = coordinates;
+    uint8_t *along = realloc(b->along, capacity * sizeof *along);
     if (along)
         b->along = along;
-    if (!vertices || !place || !along)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu vertices", room);
-    b->vertex_room = room;
+    if (!vertices || !coordinates || !along)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu vertices", capacity);
+    b->vertex_capacity = capacity;
     return OST_OK;
 }
 
@@ -178,7 +178,7 @@ static ost_pm3 centre(const builder *b, int64_t i, int64_t j, int64_t k)
 }
 
 /* Limits a vertex's position to a distance from the ends of its edge, so that no triangle degenerates. */
-static float keep_off(float t)
+static float clamped_off_ends(float t)
 {
     return t < 0.05f ? 0.05f : t > 0.95f ? 0.95f : t;
 }
@@ -186,14 +186,14 @@ static float keep_off(float t)
 /* Adds the vertex on the edge from centre (i, j, k) along axis. Its lower end is stored until place_vertices. */
 static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int axis, uint32_t *out, ost_error *err)
 {
-    ost_status status = vertex_room(b, err);
+    ost_status status = vertex_capacity(b, err);
     if (status != OST_OK)
         return status;
     int low = density_at(b, i, j, k), high = density_at(b, i + (axis == 0), j + (axis == 1), k + (axis == 2));
     uint32_t v = (uint32_t)b->mesh.vertex_count++;
     b->mesh.vertices[v] = centre(b, i, j, k);
     /* A voxel at the threshold is solid, so the border lies half a unit of density below it. */
-    b->place[v] = keep_off(((float)b->threshold - 0.5f - (float)low) / (float)(high - low));
+    b->coordinates[v] = clamped_off_ends(((float)b->threshold - 0.5f - (float)low) / (float)(high - low));
     b->along[v] = (uint8_t)(axis | (low >= b->threshold ? 4 : 0));
     *out = v;
     return OST_OK;
@@ -203,13 +203,13 @@ static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_e
 {
     if (b->mesh.triangle_count >= OST_MESH_TRIANGLES_MAX)
         return ost_fail(err, OST_ERR_RANGE, "the surface has more than %d triangles; crop the bone or take larger voxels", OST_MESH_TRIANGLES_MAX);
-    if (b->mesh.triangle_count == b->triangle_room) {
-        size_t room = more(b->triangle_room);
-        uint32_t(*triangles)[3] = realloc(b->mesh.triangles, room * sizeof *triangles);
+    if (b->mesh.triangle_count == b->triangle_capacity) {
+        size_t capacity = more(b->triangle_capacity);
+        uint32_t(*triangles)[3] = realloc(b->mesh.triangles, capacity * sizeof *triangles);
         if (!triangles)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu triangles", room);
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu triangles", capacity);
         b->mesh.triangles = triangles;
-        b->triangle_room = room;
+        b->triangle_capacity = capacity;
     }
     uint32_t *t = b->mesh.triangles[b->mesh.triangle_count++];
     t[0] = x;
@@ -231,11 +231,11 @@ static ost_status fill_loop(builder *b, const uint32_t *ring, int length, int ap
             status = triangle(b, ring[apex], ring[(apex + k) % length], ring[(apex + k + 1) % length], err);
         return status;
     }
-    if ((status = vertex_room(b, err)) != OST_OK)
+    if ((status = vertex_capacity(b, err)) != OST_OK)
         return status;
     uint32_t middle = (uint32_t)b->mesh.vertex_count++;
     b->mesh.vertices[middle] = (ost_pm3){0, 0, 0};
-    b->place[middle] = -1;
+    b->coordinates[middle] = -1;
     b->along[middle] = 0;
     for (int k = 0; k < length && status == OST_OK; k++)
         status = triangle(b, middle, ring[k], ring[(k + 1) % length], err);
@@ -321,8 +321,8 @@ static void position(const builder *b, uint32_t v, double out[3])
     out[0] = ost_pm_to_mm(p.x);
     out[1] = ost_pm_to_mm(p.y);
     out[2] = ost_pm_to_mm(p.z);
-    if (b->place[v] >= 0)
-        out[b->along[v] & 3] += b->place[v] * step_mm(b, b->along[v] & 3);
+    if (b->coordinates[v] >= 0)
+        out[b->along[v] & 3] += b->coordinates[v] * step_mm(b, b->along[v] & 3);
 }
 
 /*
@@ -338,8 +338,8 @@ static ost_status smooth(builder *b, ost_error *err)
     if (!sum)
         return ost_fail(err, OST_ERR_MEMORY, "no memory to smooth %zu vertices", n);
     for (size_t v = 0; v < n; v++)
-        if (b->place[v] >= 0)
-            b->place[v] = 0.5f;
+        if (b->coordinates[v] >= 0)
+            b->coordinates[v] = 0.5f;
     const ost_pm3 origin = b->volume->geometry.origin;
     const double o[3] = {ost_pm_to_mm(origin.x), ost_pm_to_mm(origin.y), ost_pm_to_mm(origin.z)};
     for (int round = 0; round < ROUNDS; round++) {
@@ -348,7 +348,7 @@ static ost_status smooth(builder *b, ost_error *err)
             for (int c = 0; c < 3; c++) {
                 uint32_t from = b->mesh.triangles[t][c], to = b->mesh.triangles[t][(c + 1) % 3];
                 double p[3];
-                if (b->place[from] < 0 || b->place[to] < 0)
+                if (b->coordinates[from] < 0 || b->coordinates[to] < 0)
                     continue;
                 position(b, from, p);
                 for (int a = 0; a < 3; a++)
@@ -356,11 +356,11 @@ static ost_status smooth(builder *b, ost_error *err)
                 sum[to][3] += 1;
             }
         for (size_t v = 0; v < n; v++)
-            if (b->place[v] >= 0 && sum[v][3] > 0) {
+            if (b->coordinates[v] >= 0 && sum[v][3] > 0) {
                 int axis = b->along[v] & 3;
                 const ost_pm3 low = b->mesh.vertices[v];
                 double start = ost_pm_to_mm(axis == 0 ? low.x : axis == 1 ? low.y : low.z) - o[axis];
-                b->place[v] = keep_off((float)((sum[v][axis] / sum[v][3] - start) / step_mm(b, axis)));
+                b->coordinates[v] = clamped_off_ends((float)((sum[v][axis] / sum[v][3] - start) / step_mm(b, axis)));
             }
     }
     free(sum);
@@ -377,7 +377,7 @@ static ost_pm nearest_pm(double mm)
 static ost_status place_vertices(builder *b, ost_error *err)
 {
     for (size_t v = 0; v < b->mesh.vertex_count; v++)
-        if (b->place[v] >= 0) {
+        if (b->coordinates[v] >= 0) {
             double p[3];
             position(b, (uint32_t)v, p);
             b->mesh.vertices[v] = (ost_pm3){nearest_pm(p[0]), nearest_pm(p[1]), nearest_pm(p[2])};
@@ -387,7 +387,7 @@ static ost_status place_vertices(builder *b, ost_error *err)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu vertices", b->mesh.vertex_count);
     for (size_t t = 0; t < b->mesh.triangle_count; t++) {
         const uint32_t *x = b->mesh.triangles[t];
-        if (b->place[x[0]] >= 0)
+        if (b->coordinates[x[0]] >= 0)
             continue;
         ost_pm3 *m = &b->mesh.vertices[x[0]], p = b->mesh.vertices[x[1]];
         *m = (ost_pm3){m->x + p.x, m->y + p.y, m->z + p.z};
@@ -402,7 +402,7 @@ static ost_status place_vertices(builder *b, ost_error *err)
     return OST_OK;
 }
 
-ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_place place, ost_mesh *out, ost_error *err)
+ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement coordinates, ost_mesh *out, ost_error *err)
 {
     const ost_dims d = volume->geometry.dims;
     *out = (ost_mesh){0};
@@ -428,12 +428,12 @@ ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_
         status = slab(b, k, err);
     if (status == OST_OK && b->mesh.triangle_count == 0)
         status = ost_fail(err, OST_ERR_INPUT, "no voxel has %d or more: there is no surface", threshold);
-    if (status == OST_OK && place == OST_SURFACE_SMOOTH)
+    if (status == OST_OK && coordinates == OST_SURFACE_SMOOTH)
         status = smooth(b, err);
     if (status == OST_OK)
         status = place_vertices(b, err);
     free(slots);
-    free(b->place);
+    free(b->coordinates);
     free(b->along);
     if (status == OST_OK)
         *out = b->mesh;

@@ -26,16 +26,16 @@
 #include <osteon/grid.h>
 #include <osteon/mesh.h>
 
-typedef enum ost_surface_place {
+typedef enum ost_surface_placement {
     OST_SURFACE_DENSITY, /* vertices where the densities cross the threshold: for a CT */
     OST_SURFACE_SMOOTH   /* vertices between solid and void, smoothed: for a bone or a tool, whose void is 0 */
-} ost_surface_place;
+} ost_surface_placement;
 
 /*
  * Extracts the surface of the voxels with at least threshold. Faces point outward, vertices are in the volume's
  * frame. Returns OST_ERR_INPUT if no voxel is solid, OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX triangles.
  */
-ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_place place, ost_mesh *out, ost_error *err);
+ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement position, ost_mesh *out, ost_error *err);
 
 /* Writes a binary little-endian PLY with vertices as float32 in millimetres. */
 ost_status ost_mesh_write_ply(const char *path, const ost_mesh *mesh, ost_error *err);

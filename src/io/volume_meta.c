@@ -23,7 +23,7 @@
  * Reads one line with its newline, if it has one. *size is 0 at the end. The
  * header has been checked before, so a line that does not fit means a change.
  */
-static ost_status next_line(ost_input *input, char *line, size_t room, size_t *size, ost_error *err)
+static ost_status next_line(ost_input *input, char *line, size_t capacity, size_t *size, ost_error *err)
 {
     *size = 0;
     for (;;) {
@@ -31,7 +31,7 @@ static ost_status next_line(ost_input *input, char *line, size_t room, size_t *s
         ost_status status = ost_input_byte(input, &byte, err);
         if (status != OST_OK || byte < 0)
             return status;
-        if (*size + 1 >= room)
+        if (*size + 1 >= capacity)
             return ost_fail(err, OST_ERR_INPUT, "%s: its header has changed while it was read", ost_input_path(input));
         line[(*size)++] = (char)byte;
         line[*size] = 0;

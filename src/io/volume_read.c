@@ -16,7 +16,7 @@
  * Returns the file to read for path. x.img is the second half of a NIfTI pair
  * whose header is x.hdr: then the header's name is written to out and returned.
  */
-static const char *header_of(const char *path, char *out, size_t room)
+static const char *header_of(const char *path, char *out, size_t capacity)
 {
     static const struct {
         const char *image, *header[2];
@@ -24,10 +24,10 @@ static const char *header_of(const char *path, char *out, size_t room)
     size_t n = strlen(path);
     for (size_t p = 0; p < 2; p++) {
         size_t m = strlen(pairs[p].image);
-        if (n <= m || n + 8 > room || strcasecmp(path + n - m, pairs[p].image) != 0)
+        if (n <= m || n + 8 > capacity || strcasecmp(path + n - m, pairs[p].image) != 0)
             continue;
         for (size_t h = 0; h < 2; h++) {
-            snprintf(out, room, "%.*s%s", (int)(n - m), path, pairs[p].header[h]);
+            snprintf(out, capacity, "%.*s%s", (int)(n - m), path, pairs[p].header[h]);
             if (access(out, F_OK) == 0)
                 return out;
         }

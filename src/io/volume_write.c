@@ -31,7 +31,7 @@ ost_status ost_volume_format_unknown(const char *path, ost_error *err)
 }
 
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                  bool odd_half, const ost_write_options *options, ost_volume_writer **out, ost_error *err)
+                                  bool odd_voxel, const ost_write_options *options, ost_volume_writer **out, ost_error *err)
 {
     *out = NULL;
     ost_volume_format format = ost_volume_format_of(path);
@@ -44,7 +44,7 @@ ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry
     if (status != OST_OK)
         return status;
     status = format == OST_FORMAT_NRRD
-                 ? ost_nrrd_write_header(w, geometry, meta, element, odd_half, options && options->compress, err)
+                 ? ost_nrrd_write_header(w, geometry, meta, element, odd_voxel, options && options->compress, err)
                  : ost_nifti_write_header(w, geometry, meta, format == OST_FORMAT_NIFTI_GZIP, err);
     if (status != OST_OK) {
         ost_volume_writer_discard(w);

@@ -119,12 +119,12 @@ static ost_status make(ost_live *live, ost_error *err)
     status = for_chunks(live, info.chunks, number, err);
     if (status != OST_OK)
         return status;
-    const size_t room = (size_t)live->slots + 1; /* never 0 */
-    live->chunk_of = malloc(room * sizeof *live->chunk_of);
-    live->words = malloc(room * live->chunk_words * sizeof(_Atomic uint32_t));
+    const size_t capacity = (size_t)live->slots + 1; /* never 0 */
+    live->chunk_of = malloc(capacity * sizeof *live->chunk_of);
+    live->words = malloc(capacity * live->chunk_words * sizeof(_Atomic uint32_t));
     live->dirty = calloc(dirty_words(live) + 1, sizeof(_Atomic uint64_t));
-    live->waiting = malloc(room * sizeof *live->waiting);
-    live->waits = calloc(room, sizeof *live->waits);
+    live->waiting = malloc(capacity * sizeof *live->waiting);
+    live->waits = calloc(capacity, sizeof *live->waits);
     live->fresh = malloc((size_t)live->at_once * live->chunk_words * sizeof *live->fresh);
     live->seen = malloc(live->chunk_words * sizeof *live->seen);
     if (!live->chunk_of || !live->words || !live->dirty || !live->waiting || !live->waits || !live->fresh || !live->seen)

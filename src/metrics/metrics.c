@@ -189,7 +189,7 @@ static void mark_cells(work *k)
 }
 
 /* Computes the maps and the floor: cells exposed by the operation, except by a drill. */
-static void look(work *k)
+static void walk_voxels(work *k)
 {
     ost_metrics *o = k->out;
     double depth[CELLS], sum = 0;
@@ -290,7 +290,7 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
 {
     ost_metrics *o = k->out;
     const double mm3 = k->spacing * k->spacing * k->spacing, reach = MAP / 2 * OST_METRICS_PITCH_MM;
-    double plate = 0, kept = 0;
+    double plate = 0, remaining = 0;
     int64_t i = 0, removed = 0;
     for (int32_t z = 0; z < k->dims[2]; z++)
         for (int32_t y = 0; y < k->dims[1]; y++)
@@ -310,7 +310,7 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
                     const double below = w - (double)o->before_mm[cell];
                     if (is_floor(k, cell) && below >= -k->spacing && below <= PLATE_MM) {
                         plate += mm3;
-                        kept += gone ? 0 : mm3;
+                        remaining += gone ? 0 : mm3;
                     }
                 }
                 if (!gone)
@@ -328,7 +328,7 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
             }
     o->removed_mm3 = (double)removed * mm3;
     o->plate_mm3 = plate;
-    o->plate_kept_percent = plate > 0 ? 100 * kept / plate : 0;
+    o->plate_kept_percent = plate > 0 ? 100 * remaining / plate : 0;
     return removed ? OST_OK : ost_fail(err, OST_ERR_INPUT, "nothing was removed: there is nothing to measure");
 }
 
@@ -405,7 +405,7 @@ ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, i
     ost_status status = set_up(&k, motion, err);
     if (status == OST_OK) {
         mark_cells(&k);
-        look(&k);
+        walk_voxels(&k);
         status = count_voxels(&k, classes, slabs, err);
     }
     if (status == OST_OK) {

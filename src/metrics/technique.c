@@ -140,7 +140,7 @@ ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_
     out->passes = spells(motion, count, cuts, PASS_GAP_S, &out->cutting_s, NULL);
     out->contacts = spells(motion, count, touches, GAP_S, &out->contact_s, in);
     out->seconds = motion[count - 1].t_s - motion[0].t_s;
-    size_t place = 0, tilts = 0;
+    size_t previous = 0, tilts = 0;
     for (size_t i = 0; i < count; i++) {
         if (in[i]) {
             const double along = motion[i].axis[0] * w[0] + motion[i].axis[1] * w[1] + motion[i].axis[2] * w[2];
@@ -149,13 +149,13 @@ ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_
             out->tilt_max_deg = fmax(out->tilt_max_deg, tilt);
             tilts++;
         }
-        if (motion[i].tool != motion[place].tool) {
-            place = i; /* another tool starts at another position */
-        } else if (motion[i].t_s - motion[place].t_s >= PLACE_S - 1e-9 || i + 1 == count) {
-            const double way = distance(motion[i].mm, motion[place].mm);
+        if (motion[i].tool != motion[previous].tool) {
+            previous = i; /* another tool starts at another position */
+        } else if (motion[i].t_s - motion[previous].t_s >= PLACE_S - 1e-9 || i + 1 == count) {
+            const double way = distance(motion[i].mm, motion[previous].mm);
             out->path_mm += way;
-            out->contact_path_mm += in[i] && in[place] ? way : 0;
-            place = i;
+            out->contact_path_mm += in[i] && in[previous] ? way : 0;
+            previous = i;
         }
     }
     out->tilt_mean_deg /= tilts ? (double)tilts : 1;

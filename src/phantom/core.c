@@ -158,7 +158,7 @@ typedef struct corer {
 } corer;
 
 /* Returns the position of a voxel in mm of the texture, that is, without the scale. */
-static ost_v3 place(const corer *c, double i, double j, double k)
+static ost_v3 position_of(const corer *c, double i, double j, double k)
 {
     const ost_pm3 *s = &c->scan->volume->geometry.spacing;
     double by = c->scan->scale;
@@ -177,7 +177,7 @@ static void core_block(void *user, const int lo[3], const int hi[3])
     const recipe *r = c->recipe;
     const ost_geometry *g = &c->scan->volume->geometry;
     uint64_t seed = c->scan->seed;
-    ost_v3 a = place(c, lo[0], lo[1], lo[2]), b = place(c, hi[0] - 1, hi[1] - 1, hi[2] - 1);
+    ost_v3 a = position_of(c, lo[0], lo[1], lo[2]), b = position_of(c, hi[0] - 1, hi[1] - 1, hi[2] - 1);
     ost_v3 middle = ost_v3_mad(a, ost_v3_sub(b, a), 0.5);
     double half = 0.5 * ost_v3_length(ost_v3_sub(b, a)) / r->cell + 1e-9;
     int count = -1;
@@ -185,7 +185,7 @@ static void core_block(void *user, const int lo[3], const int hi[3])
         for (int j = lo[1]; j < hi[1]; j++) {
             int16_t *row = c->scan->volume->voxels + (size_t)g->dims.x * ((size_t)j + (size_t)g->dims.y * (size_t)k);
             for (int i = lo[0]; i < hi[0]; i++) {
-                ost_v3 p = place(c, i, j, k);
+                ost_v3 p = position_of(c, i, j, k);
                 double hu = r->filling, outside = -1;
                 if (r->radius > 0) {
                     double x = p.x - c->centre.x, y = p.y - c->centre.y;
@@ -217,7 +217,7 @@ ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error 
     const int dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     const double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
     c.blur = (spacing[0] + spacing[1] + spacing[2]) / 3 / scan->scale;
-    c.centre = place(&c, 0.5 * dims[0] - 0.5, 0.5 * dims[1] - 0.5, 0);
+    c.centre = position_of(&c, 0.5 * dims[0] - 0.5, 0.5 * dims[1] - 0.5, 0);
     ost_scan_blocks(scan, 0.26, core_block, &c);
     (void)err;
     return OST_OK;

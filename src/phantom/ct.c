@@ -48,12 +48,12 @@ static pose make_pose(double scale)
     double h = LIFT_HALF, e = (1 - h * h) / (1 + h * h), f = 2 * h / (1 + h * h);
     /* The lift is in the blade's plane, the lean about the lateral axis, the turn about the vertical one. */
     ost_v3 lift[3] = {{e, 0, -f}, {0, 1, 0}, {f, 0, e}};
-    const double rest[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
+    const double basis[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
     pose p = {.scale = scale};
     for (int r = 0; r < 3; r++) {
         p.row[r] = (ost_v3){0, 0, 0};
         for (int k = 0; k < 3; k++)
-            p.row[r] = ost_v3_mad(p.row[r], lift[k], rest[r][k]);
+            p.row[r] = ost_v3_mad(p.row[r], lift[k], basis[r][k]);
     }
     return p;
 }
@@ -103,7 +103,7 @@ static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, doub
  * Returns the density of spongy bone: struts of about a millimetre as a CT shows them, denser to
  * the back and under the plate, sparser in the processes.
  */
-static double spongy(uint64_t seed, ost_v3 q, const ost_scapula_place *at)
+static double spongy(uint64_t seed, ost_v3 q, const ost_scapula_sample *at)
 {
     double coarse = ost_value_noise(seed + 21, q.x / 1.5, q.y / 1.5, q.z / 1.9);
     double fine = ost_value_noise(seed + 22, q.x / 0.8, q.y / 0.8, q.z / 0.8);
@@ -121,7 +121,7 @@ int16_t ost_hu(double v, int lo, int hi)
     return (int16_t)(r < lo ? lo : r > hi ? hi : r);
 }
 
-static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost_scapula_place *at, ost_v3 p, ost_v3 q, double blur, uint64_t hash)
+static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost_scapula_sample *at, ost_v3 p, ost_v3 q, double blur, uint64_t hash)
 {
     double noise = 24 * ost_bell(hash); /* 12 HU standard deviation, as with a smooth reconstruction kernel */
     double soft = soft_tissue(scan->seed, cells, p, at->bone);
@@ -176,7 +176,7 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     const ost_geometry *g = &scan->volume->geometry;
     ost_v3 a = centre_of(scan, lo[0], lo[1], lo[2]), b = centre_of(scan, hi[0] - 1, hi[1] - 1, hi[2] - 1);
     ost_v3 middle = ost_v3_mad(a, ost_v3_sub(b, a), 0.5);
-    ost_scapula_place at;
+    ost_scapula_sample at;
     ost_scapula_at(&c->scapula, to_bone(&c->pose, middle), &at);
     /*
      * A distance overstates the true one by at most half, so a block this far away contains no
@@ -242,10 +242,10 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err)
     c.pose.centre = (ost_v3){-110 * scan->scale, -15 * scan->scale, 0}; /* centre of the scapula's box (phantom.c) */
     double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
     c.blur = (spacing[0] + spacing[1] + spacing[2]) / 3 / scan->scale;
-    const ost_pm corner[3] = {scan->corner.x, scan->corner.y, scan->corner.z}, whole[3] = {scan->whole.x, scan->whole.y, scan->whole.z};
+    const ost_pm corner[3] = {scan->corner.x, scan->corner.y, scan->corner.z}, extent[3] = {scan->extent.x, scan->extent.y, scan->extent.z};
     const ost_pm step[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     for (int a = 0; a < 3; a++)
-        c.first[a] = (corner[a] - whole[a]) / (2 * step[a]);
+        c.first[a] = (corner[a] - extent[a]) / (2 * step[a]);
     ost_scan_blocks(scan, 4, scan_block, &c);
     status = write_meta(&c, err);
     ost_scapula_free(&c.scapula);

@@ -55,18 +55,18 @@ const char *ost_phantom_name(ost_phantom_kind kind)
 static ost_pm scaled(int64_t um, double scale)
 {
     double pm = (double)(um * UM) * scale + 0.5; /* |um| < 2^18, scale <= 8: below 2^41 */
-    int64_t whole = (int64_t)pm;
-    return whole - ((double)whole > pm);
+    int64_t integer = (int64_t)pm;
+    return integer - ((double)integer > pm);
 }
 
 static ost_status lay_out(const box *b, const ost_phantom_options *o, double scale, ost_geometry *g, ost_scan *scan, ost_error *err)
 {
-    const ost_pm asked[3] = {o->spacing.x, o->spacing.y, o->spacing.z};
-    const box *whole = &BOXES[b == &BOXES[OST_PHANTOM_GLENOID] ? OST_PHANTOM_SCAPULA : b - BOXES];
+    const ost_pm requested[3] = {o->spacing.x, o->spacing.y, o->spacing.z};
+    const box *integer = &BOXES[b == &BOXES[OST_PHANTOM_GLENOID] ? OST_PHANTOM_SCAPULA : b - BOXES];
     int32_t dims[3];
     ost_pm spacing[3], corner2[3], whole2[3];
     for (int a = 0; a < 3; a++) {
-        spacing[a] = asked[a] ? asked[a] : (ost_pm)b->spacing_um[a] * UM;
+        spacing[a] = requested[a] ? requested[a] : (ost_pm)b->spacing_um[a] * UM;
         if (spacing[a] < OST_SPACING_MIN || spacing[a] > OST_SPACING_MAX) {
             char text[OST_PM_TEXT];
             return ost_fail(err, OST_ERR_RANGE, "a spacing of %s mm along %c: expected 0.001 to 100 mm", ost_pm_format(spacing[a], text),
@@ -78,7 +78,7 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
                             OST_DIM_MAX);
         dims[a] = (int32_t)n;
         corner2[a] = 2 * scaled(b->corner_um[a], scale);
-        whole2[a] = 2 * scaled(whole->corner_um[a], scale);
+        whole2[a] = 2 * scaled(integer->corner_um[a], scale);
     }
     g->dims = (ost_dims){dims[0], dims[1], dims[2]};
     if (ost_dims_count(g->dims) > VOXELS_MAX)
@@ -92,7 +92,7 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
     g->origin = (ost_pm3){ost_floor_div(corner2[0] + spacing[0], 2), ost_floor_div(corner2[1] + spacing[1], 2),
                           ost_floor_div(corner2[2] + spacing[2], 2)};
     scan->corner = (ost_pm3){corner2[0], corner2[1], corner2[2]};
-    scan->whole = (ost_pm3){whole2[0], whole2[1], whole2[2]};
+    scan->extent = (ost_pm3){whole2[0], whole2[1], whole2[2]};
     return ost_geometry_check(g, b->name, err);
 }
 

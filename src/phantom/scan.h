@@ -16,7 +16,7 @@
 typedef struct ost_scan {
     ost_volume *volume; /* has the geometry of the right side */
     ost_pm3 corner;     /* corner of the first voxel: origin - spacing / 2, doubled to stay an integer */
-    ost_pm3 whole;      /* the same of the grid from which noise is counted */
+    ost_pm3 extent;     /* the same of the grid from which noise is counted */
     double scale;       /* of the anatomy */
     uint64_t seed;
 } ost_scan;

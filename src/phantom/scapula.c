@@ -173,7 +173,7 @@ static double vault(const ost_scapula *s, double depth, double ahead, double abo
     return ost_blend_both(side, ost_max(depth - 34, -12 - depth), 9);
 }
 
-void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_place *out)
+void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
 {
     ost_v3 from = ost_v3_sub(p, s->face);
     double depth = -ost_v3_dot(from, s->out), ahead = ost_v3_dot(from, s->ahead), above = ost_v3_dot(from, s->above);

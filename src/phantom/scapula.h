@@ -32,17 +32,17 @@ typedef struct ost_scapula {
 } ost_scapula;
 
 /* The position of a point relative to the parts, in mm of this bone; distances are negative inside. */
-typedef struct ost_scapula_place {
+typedef struct ost_scapula_sample {
     double bone;      /* distance to the bone's surface, without cartilage */
     double wall;      /* distance to the outer walls, without the glenoid's dish */
     double dish;      /* depth below the bony dish, positive in the bone (large away from the glenoid) */
     double cartilage; /* distance to the layer of cartilage on the dish */
     double depth;     /* along the glenoid's axis, positive into the bone */
     double ahead;     /* along the glenoid's face, positive forward */
-} ost_scapula_place;
+} ost_scapula_sample;
 
 ost_status ost_scapula_init(ost_scapula *scapula, uint64_t seed, ost_error *err);
 void ost_scapula_free(ost_scapula *scapula);
-void ost_scapula_at(const ost_scapula *scapula, ost_v3 p, ost_scapula_place *out);
+void ost_scapula_at(const ost_scapula *scapula, ost_v3 p, ost_scapula_sample *out);
 
 #endif

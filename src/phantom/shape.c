@@ -123,7 +123,7 @@ void ost_outline_free(ost_outline *outline)
  * Returns the value of a table at (u, v) clamped to it; *beyond receives the distance by which
  * the clamp moved the point.
  */
-static double look_up(const ost_outline *o, const double *table, double u, double v, double *beyond)
+static double lookup(const ost_outline *o, const double *table, double u, double v, double *beyond)
 {
     double a = (u - o->u0) / o->step, b = (v - o->v0) / o->step;
     double ca = ost_clamp(a, 0, o->nu - 1), cb = ost_clamp(b, 0, o->nv - 1);
@@ -139,13 +139,13 @@ static double look_up(const ost_outline *o, const double *table, double u, doubl
 
 double ost_outline_inside(const ost_outline *outline, double u, double v)
 {
-    double beyond, value = look_up(outline, outline->inside, u, v, &beyond);
+    double beyond, value = lookup(outline, outline->inside, u, v, &beyond);
     return value - beyond;
 }
 
 double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double v)
 {
-    double beyond, value = look_up(outline, outline->to_tag[tag], u, v, &beyond);
+    double beyond, value = lookup(outline, outline->to_tag[tag], u, v, &beyond);
     return value + beyond;
 }
 
@@ -215,8 +215,8 @@ double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far)
     for (int i = 0; i + 1 < bar->count; i++) {
         /* The factor 1.5 covers distances that piece_distance overstates next to a flat bar. */
         ost_v3 d = ost_v3_sub(p, bar->middle[i]);
-        double room = ost_max(best, 0) * 1.5 + bar->reach[i];
-        if (ost_v3_dot(d, d) < room * room)
+        double reach_limit = ost_max(best, 0) * 1.5 + bar->reach[i];
+        if (ost_v3_dot(d, d) < reach_limit * reach_limit)
             best = ost_min(best, piece_distance(&bar->node[i], &bar->node[i + 1], p));
     }
     return best;

@@ -39,11 +39,11 @@ void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine)
 {
     int64_t eighths = (k % n + n) % n * 8;
     int octant = (int)(eighths / n);
-    int64_t rest = eighths % n;
+    int64_t remainder = eighths % n;
     if (octant & 1)
-        rest = n - rest; /* odd octants run backward from their mirror axis */
+        remainder = n - remainder; /* odd octants run backward from their mirror axis */
     ost_q60 c, s;
-    first_eighth((ost_q60)ost_rhe_div128((ost_i128)QUARTER_PI * rest, n), &c, &s);
+    first_eighth((ost_q60)ost_rhe_div128((ost_i128)QUARTER_PI * remainder, n), &c, &s);
     bool swap = octant == 1 || octant == 2 || octant == 5 || octant == 6;
     bool left = octant >= 2 && octant <= 5;
     bool below = octant >= 4;

@@ -9,7 +9,7 @@
 
 /* ---------------------------------------------------------------- answers */
 
-ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, told *t, bool *lost, ost_error *err)
+ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost, ost_error *err)
 {
     static const ost_status statuses[] = {[OST_PLUGIN_OK] = OST_OK, [OST_PLUGIN_USAGE] = OST_ERR_USAGE, [OST_PLUGIN_RANGE] = OST_ERR_RANGE,
                                           [OST_PLUGIN_MEMORY] = OST_ERR_MEMORY, [OST_PLUGIN_UNAVAILABLE] = OST_ERR_UNAVAILABLE,
@@ -84,7 +84,7 @@ static ost_status open_plugin(const char *options, ost_backend **out, ost_error 
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a plugin");
     ost_status status = ost_plugin_load(file, &b->table, b->name, err);
     if (status == OST_OK) {
-        told t;
+        plugin_error_sink t;
         status = ost_adapt_heard(b, "open", b->table.open(options[length] ? options + length + 1 : "", &host, &b->self, &adapt_listening(&t)->error), &t, NULL, err);
         if (status == OST_OK && !b->self)
             status = ost_adapt_no_object(b, "open", err);
@@ -113,7 +113,7 @@ static ost_backend_settings settings(const ost_backend *backend)
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
     plugin_backend *b = adapt_backend(backend);
-    told t;
+    plugin_error_sink t;
     return ost_adapt_heard(b, "finish", b->table.finish(b->self, &adapt_listening(&t)->error), &t, NULL, err);
 }
 

@@ -52,14 +52,14 @@ static inline const ost_plugin *adapt_table(const ost_backend *backend)
 /* ---------------------------------------------------------------- answers */
 
 /* Buffer for a plugin's error text; the host terminates it again in case the plugin wrote too much. */
-typedef struct told {
+typedef struct plugin_error_sink {
     ost_plugin_error error;
     char text[400];
-} told;
+} plugin_error_sink;
 
-static inline told *adapt_listening(told *t)
+static inline plugin_error_sink *adapt_listening(plugin_error_sink *t)
 {
-    *t = (told){.error = {.size = sizeof t->error, .text_size = sizeof t->text, .text = t->text}};
+    *t = (plugin_error_sink){.error = {.size = sizeof t->error, .text_size = sizeof t->text, .text = t->text}};
     return t;
 }
 
@@ -67,7 +67,7 @@ static inline told *adapt_listening(told *t)
  * Converts a slot's status to the host's, with the plugin's text. Sets *lost for
  * OST_PLUGIN_LOST; lost may be NULL.
  */
-ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, told *t, bool *lost, ost_error *err);
+ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost, ost_error *err);
 ost_status ost_adapt_no_object(const plugin_backend *b, const char *slot, ost_error *err);
 ost_status ost_adapt_is_lost(const plugin_backend *b, ost_error *err);
 

@@ -34,7 +34,7 @@ ost_status ost_adapt_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int3
     const plugin_grid *from = (const plugin_grid *)cubic;
     plugin_backend *b = adapt_backend(cubic->backend);
     plugin_bone *bone;
-    told t;
+    plugin_error_sink t;
     ost_status status = from->lost ? ost_adapt_is_lost(b, err) : new_bone(cubic->backend, &cubic->geometry, chunk_size, threshold, &bone, err);
     if (status != OST_OK)
         return status;
@@ -47,7 +47,7 @@ ost_status ost_adapt_bone_create(ost_backend *backend, const ost_geometry *geome
     plugin_backend *b = adapt_backend(backend);
     const ost_plugin_geometry g = ost_adapt_geometry(geometry);
     plugin_bone *bone;
-    told t;
+    plugin_error_sink t;
     ost_status status = new_bone(backend, geometry, chunk_size, threshold, &bone, err);
     if (status != OST_OK)
         return status;
@@ -67,7 +67,7 @@ ost_status ost_adapt_bone_stats(const ost_bone *base, ost_bone_info *info, ost_e
     const plugin_bone *bone = (const plugin_bone *)base;
     plugin_backend *b = adapt_backend(base->backend);
     ost_plugin_bone_stats s = {.size = sizeof s};
-    told t;
+    plugin_error_sink t;
     ost_status status = bone->lost ? ost_adapt_is_lost(b, err)
                                    : ost_adapt_heard(b, "bone_stats", b->table.bone_stats(bone->own, &s, &adapt_listening(&t)->error), &t, NULL, err);
     if (status == OST_OK && (s.active_chunks < 0 || s.active_chunks > info->chunks || s.active_voxels < 0 ||
@@ -88,7 +88,7 @@ ost_status ost_adapt_bone_upload(ost_bone *base, int32_t z0, int32_t count, cons
 {
     plugin_bone *bone = (plugin_bone *)base;
     plugin_backend *b = adapt_backend(base->backend);
-    told t;
+    plugin_error_sink t;
     if (bone->lost)
         return ost_adapt_is_lost(b, err);
     return ost_adapt_heard(b, "bone_upload", b->table.bone_upload(bone->own, z0, count, voxels, &adapt_listening(&t)->error), &t, &bone->lost, err);
@@ -98,7 +98,7 @@ ost_status ost_adapt_bone_download(const ost_bone *base, int32_t z0, int32_t cou
 {
     const plugin_bone *bone = (const plugin_bone *)base;
     plugin_backend *b = adapt_backend(base->backend);
-    told t;
+    plugin_error_sink t;
     if (bone->lost)
         return ost_adapt_is_lost(b, err);
     return ost_adapt_heard(b, "bone_download", b->table.bone_download(bone->own, z0, count, voxels, &adapt_listening(&t)->error), &t, NULL, err);

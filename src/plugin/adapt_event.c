@@ -84,9 +84,9 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_even
     sink s = {.b = b, .report = report, .chunks = (int64_t)((d.x + n - 1) / n) * ((d.y + n - 1) / n) * ((d.z + n - 1) / n), .last = -1,
               .chunk_voxels = (int64_t)n * n * n, .classes = event->classes->count, .err = err};
     ost_plugin_report r = {.size = sizeof r, .sink = &s, .add = add_chunk};
-    told t;
+    plugin_error_sink t;
     adapt_listening(&t);
-    const int32_t said = apply ? b->table.remove(bone->own, ((const plugin_tool *)tool)->own, &e, &r, &t.error)
+    const int32_t answer = apply ? b->table.remove(bone->own, ((const plugin_tool *)tool)->own, &e, &r, &t.error)
                                : b->table.collide(bone->own, ((const plugin_tool *)tool)->own, &e, &r, &t.error);
     if (maps != &one)
         free(maps);
@@ -95,7 +95,7 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_even
         return s.status;
     }
     report->touched_voxels = r.touched_voxels;
-    return ost_adapt_heard(b, apply ? "remove" : "collide", said, &t, &bone->lost, err);
+    return ost_adapt_heard(b, apply ? "remove" : "collide", answer, &t, &bone->lost, err);
 }
 
 ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)

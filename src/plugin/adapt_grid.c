@@ -39,7 +39,7 @@ ost_status ost_adapt_grid_create(ost_backend *backend, const ost_geometry *geome
     plugin_backend *b = adapt_backend(backend);
     const ost_plugin_geometry g = ost_adapt_geometry(geometry);
     plugin_grid *grid;
-    told t;
+    plugin_error_sink t;
     ost_status status = new_grid(backend, geometry, &grid, err);
     if (status != OST_OK)
         return status;
@@ -58,7 +58,7 @@ ost_status ost_adapt_grid_upload(ost_grid *base, int32_t z0, int32_t count, cons
 {
     plugin_grid *grid = (plugin_grid *)base;
     plugin_backend *b = adapt_backend(base->backend);
-    told t;
+    plugin_error_sink t;
     if (grid->lost)
         return ost_adapt_is_lost(b, err);
     return ost_adapt_heard(b, "grid_upload", b->table.grid_upload(grid->own, z0, count, voxels, &adapt_listening(&t)->error), &t, &grid->lost, err);
@@ -68,7 +68,7 @@ ost_status ost_adapt_grid_download(const ost_grid *base, int32_t z0, int32_t cou
 {
     const plugin_grid *grid = (const plugin_grid *)base;
     plugin_backend *b = adapt_backend(base->backend);
-    told t;
+    plugin_error_sink t;
     if (grid->lost)
         return ost_adapt_is_lost(b, err);
     return ost_adapt_heard(b, "grid_download", b->table.grid_download(grid->own, z0, count, voxels, &adapt_listening(&t)->error), &t, NULL, err);
@@ -87,7 +87,7 @@ ost_status ost_adapt_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_
                                    .rejected_line = report->rejected_line, .conflict_line = report->conflict_line};
     const ost_plugin_samples batch = {.size = sizeof batch, .duplicates = (int32_t)duplicates, .count = count, .first_line = first_line,
                                       .sample = (const ost_plugin_sample *)(const void *)samples};
-    told t;
+    plugin_error_sink t;
     if (grid->lost)
         return ost_adapt_is_lost(b, err);
     ost_status status = ost_adapt_heard(b, "ct_to_rect", b->table.ct_to_rect(grid->own, &batch, &r, &adapt_listening(&t)->error), &t, &grid->lost, err);
@@ -104,7 +104,7 @@ ost_status ost_adapt_rect_to_cubic(const ost_grid *rect, const ost_geometry *geo
     plugin_backend *b = adapt_backend(rect->backend);
     const ost_plugin_geometry g = ost_adapt_geometry(geometry);
     plugin_grid *grid;
-    told t;
+    plugin_error_sink t;
     ost_status status = from->lost ? ost_adapt_is_lost(b, err) : new_grid(rect->backend, geometry, &grid, err);
     if (status != OST_OK)
         return status;

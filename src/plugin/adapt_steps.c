@@ -26,7 +26,7 @@ ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_
     out->vertices = calloc(mesh->vertex_count + 1, sizeof *out->vertices);
     out->triangles = calloc(mesh->triangle_count + 1, sizeof *out->triangles);
     ost_plugin_snapped made = {.size = sizeof made};
-    told t;
+    plugin_error_sink t;
     ost_status status = OST_OK;
     if (!out->vertices || !out->triangles)
         status = ost_fail(err, OST_ERR_MEMORY, "no memory to snap a mesh of %zu triangles", mesh->triangle_count);
@@ -101,7 +101,7 @@ ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const
     const ost_plugin_pose first = from ? pose_of(from) : (ost_plugin_pose){.size = 0}, last = pose_of(to);
     pose_sink s = {.poses = poses, .maps = maps};
     const ost_plugin_steps in = {.size = sizeof in, .bone = &grid, .tool = &its, .from = from ? &first : NULL, .to = &last, .sink = &s, .add = add_pose};
-    told t;
+    plugin_error_sink t;
     const ost_status status =
         ost_adapt_heard(b, "steps", b->table.steps(b->self, &in, &adapt_listening(&t)->error), &t, NULL, err);
     *count = s.count;

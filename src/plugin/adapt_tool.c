@@ -46,7 +46,7 @@ ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutt
     const ost_plugin_mesh first = mesh_of(cutting), second = noncutting ? mesh_of(noncutting) : (ost_plugin_mesh){.size = sizeof second};
     ost_plugin_voxelize_report r = {.size = sizeof r};
     plugin_tool *tool;
-    told t;
+    plugin_error_sink t;
     ost_status status = new_tool(backend, &cutting->grid, &tool, err);
     if (status != OST_OK)
         return status;
@@ -62,7 +62,7 @@ ost_status ost_adapt_tool_upload(ost_backend *backend, const ost_tool_volume *vo
     plugin_backend *b = adapt_backend(backend);
     const ost_plugin_tool_geometry g = ost_adapt_tool_geometry(&volume->geometry);
     plugin_tool *tool;
-    told t;
+    plugin_error_sink t;
     ost_status status = new_tool(backend, &volume->geometry, &tool, err);
     if (status != OST_OK)
         return status;
@@ -74,7 +74,7 @@ ost_status ost_adapt_tool_download(const ost_tool *base, ost_tool_volume *volume
 {
     const plugin_tool *tool = (const plugin_tool *)base;
     plugin_backend *b = adapt_backend(base->backend);
-    told t;
+    plugin_error_sink t;
     return ost_adapt_heard(b, "tool_download", b->table.tool_download(tool->own, volume->voxels, &adapt_listening(&t)->error), &t, NULL, err);
 }
 

@@ -259,10 +259,10 @@ ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *e
     if (!(height >= 5 && height <= 200))
         return ost_fail(err, OST_ERR_RANGE, "letters of %.3g pixels; 5 to 200 are supported", height);
     ost_lettering *l = calloc(1, sizeof *l);
-    bool whole = l != NULL;
-    for (size_t i = 0; whole && i < sizeof drawings / sizeof *drawings; i++)
-        whole = draw_glyph(&drawings[i], height / CAPITAL, &l->glyph[drawings[i].c - FIRST]);
-    if (!whole) {
+    bool complete = l != NULL;
+    for (size_t i = 0; complete && i < sizeof drawings / sizeof *drawings; i++)
+        complete = draw_glyph(&drawings[i], height / CAPITAL, &l->glyph[drawings[i].c - FIRST]);
+    if (!complete) {
         ost_lettering_free(l);
         return ost_fail(err, OST_ERR_MEMORY, "no memory for letters");
     }
@@ -320,8 +320,8 @@ typedef uint16_t eight __attribute__((vector_size(16)));
 static four mixed_four(four a, four b, eight share)
 {
     const four even = {0xff00ff, 0xff00ff, 0xff00ff, 0xff00ff}, low = {0xff, 0xff, 0xff, 0xff};
-    const eight rest = 256 - share;
-    const eight rb = ((eight)(a & even) * rest + (eight)(b & even) * share) >> 8, g = (eight)(a >> 8 & low) * rest + (eight)(b >> 8 & low) * share;
+    const eight complement = 256 - share;
+    const eight rb = ((eight)(a & even) * complement + (eight)(b & even) * share) >> 8, g = (eight)(a >> 8 & low) * complement + (eight)(b >> 8 & low) * share;
     return (four)rb | ((four)g & 0xff00);
 }
 

@@ -25,8 +25,8 @@ typedef struct point3 {
 
 static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
 {
-    const uint32_t rest = FULL - share;
-    return (((under & 0xff00ff) * rest + (over & 0xff00ff) * share) >> 8 & 0xff00ff) | (((under & 0xff00) * rest + (over & 0xff00) * share) >> 8 & 0xff00);
+    const uint32_t complement = FULL - share;
+    return (((under & 0xff00ff) * complement + (over & 0xff00ff) * share) >> 8 & 0xff00ff) | (((under & 0xff00) * complement + (over & 0xff00) * share) >> 8 & 0xff00);
 }
 
 static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, uint32_t share)
@@ -162,7 +162,7 @@ static bool is_active(const ost_overlay_scene *s, const int32_t at[3])
         const uint32_t mask = side == OST_BLOCK ? UINT32_MAX : ((1u << side) - 1) << (first[0] % OST_BLOCK);
         for (int k = 0; b && k < side; k++)
             for (int j = 0; j < side; j++)
-                if (b->whole[(first[1] % OST_BLOCK + j) + OST_BLOCK * (first[2] % OST_BLOCK + k)] & mask)
+                if (b->occupied[(first[1] % OST_BLOCK + j) + OST_BLOCK * (first[2] % OST_BLOCK + k)] & mask)
                     return true;
     }
     return false;
@@ -285,7 +285,7 @@ typedef struct turned_grid {
     double origin[3], column[3][3]; /* position of the grid's origin and directions of its axes, in the bone's voxels */
 } turned_grid;
 
-static point3 place(const turned_grid *g, const double at[3])
+static point3 placed(const turned_grid *g, const double at[3])
 {
     point3 p;
     for (int a = 0; a < 3; a++)
@@ -298,7 +298,7 @@ static void face_edges(const ost_frame *f, const ost_eye *e, const turned_grid *
     const int a = face / 2, b = (a + 1) % 3, c = (a + 2) % 3;
     double middle[3] = {at[0], at[1], at[2]};
     middle[a] += face % 2 ? 0.5 : -0.5;
-    const point3 m = place(g, middle);
+    const point3 m = placed(g, middle);
     double toward = 0;
     for (int i = 0; i < 3; i++)
         toward += ((double)e->at[i] - (double)m.v[i]) * g->column[a][i] * (face % 2 ? 1 : -1);
@@ -309,7 +309,7 @@ static void face_edges(const ost_frame *f, const ost_eye *e, const turned_grid *
         double p[3] = {middle[0], middle[1], middle[2]};
         p[b] += i == 1 || i == 2 ? 0.5 : -0.5;
         p[c] += i >= 2 ? 0.5 : -0.5;
-        corner[i] = place(g, p);
+        corner[i] = placed(g, p);
     }
     for (int i = 0; i < 4; i++)
         ost_overlay_line(f, e, corner[i].v, corner[(i + 1) % 4].v, colour, strength, 1);

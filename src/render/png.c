@@ -3,7 +3,7 @@
  * Pictures as PNG, in memory and on disk, by libpng.
  *
  * The file contains nothing but the pixels (no time, no program's name), so equal pictures give
- * equal files.  Writing to disk is done by io: write_whole is the only function here that writes
+ * equal files.  Writing to disk is done by io: write_file is the only function here that writes
  * a file.
  */
 #include <errno.h>
@@ -24,19 +24,19 @@
 
 typedef struct sink {
     uint8_t *bytes;
-    size_t size, room;
+    size_t size, capacity;
 } sink;
 
 static void sink_write(png_structp png, png_bytep data, size_t size)
 {
     sink *s = png_get_io_ptr(png);
-    if (size > s->room - s->size) {
-        size_t room = 2 * s->room + size; /* a picture is at most 3 * 2^28 bytes: no overflow */
-        uint8_t *bytes = realloc(s->bytes, room);
+    if (size > s->capacity - s->size) {
+        size_t capacity = 2 * s->capacity + size; /* a picture is at most 3 * 2^28 bytes: no overflow */
+        uint8_t *bytes = realloc(s->bytes, capacity);
         if (!bytes)
             png_error(png, "no memory");
         s->bytes = bytes;
-        s->room = room;
+        s->capacity = capacity;
     }
     memcpy(s->bytes + s->size, data, size);
     s->size += size;
@@ -98,7 +98,7 @@ ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, s
     return ost_png_encode(picture, OST_PNG_SMALL, bytes, size, err);
 }
 
-static ost_status write_whole(const char *path, const uint8_t *bytes, size_t size, ost_error *err)
+static ost_status write_file(const char *path, const uint8_t *bytes, size_t size, ost_error *err)
 {
     ost_outfile *file = NULL;
     ost_status status = ost_outfile_open(path, &file, err);
@@ -116,7 +116,7 @@ ost_status ost_picture_write_png(const char *path, const ost_picture *picture, o
     size_t size = 0;
     ost_status status = ost_picture_encode_png(picture, &bytes, &size, err);
     if (status == OST_OK)
-        status = write_whole(path, bytes, size, err);
+        status = write_file(path, bytes, size, err);
     free(bytes);
     return status;
 }

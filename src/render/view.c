@@ -95,7 +95,7 @@ static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const a
         memcpy(marks.up, a->up, sizeof marks.up);
     }
     if (depths)
-        marks.legend = (ost_legend){.colouring = OST_COLOUR_DEPTH, .scale_mm = viewer->ground.scale_mm};
+        marks.legend = (ost_legend){.colouring = OST_COLOUR_DEPTH, .scale_mm = viewer->reference.scale_mm};
     ost_marks_draw(&marks, letters, sheet, unit);
     ost_lettering_free(letters);
     return OST_OK;
@@ -125,7 +125,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
     if (status == OST_OK && o->tool)
         viewer.paint = OST_PAINT_STEEL;
     else if (status == OST_OK)
-        status = ost_viewer_set_ground(&viewer, &uncut, threshold, &classes, NULL, NULL, err);
+        status = ost_viewer_set_uncut(&viewer, &uncut, threshold, &classes, NULL, NULL, err);
     if (status == OST_OK && before)
         ost_viewer_set_colouring(&viewer, OST_COLOUR_DEPTH);
     /* The box is that of the uncut bone, so pictures of it before and after removal show the same part. */
@@ -145,7 +145,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
         double eye[3];
         for (int i = 0; i < 3; i++)
             eye[i] = a.at[i] - a.distance * a.forward[i];
-        status = ost_camera_look(eye, a.at, a.up, &camera, err);
+        status = ost_camera_look_at(eye, a.at, a.up, &camera, err);
     }
     if (status == OST_OK)
         status = ost_camera_check(&camera, err);
@@ -164,7 +164,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
     }
     if (status != OST_OK)
         ost_picture_free(out);
-    viewer.ground.volume = (ost_volume){.voxels = NULL};
+    viewer.reference.volume = (ost_volume){.voxels = NULL};
     ost_viewer_free(&viewer);
     return status;
 }

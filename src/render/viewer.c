@@ -19,7 +19,7 @@ void ost_viewer_free(ost_viewer *viewer)
 {
     ost_surface_free(&viewer->bone);
     ost_surface_free(&viewer->ghost);
-    ost_ground_free(&viewer->ground);
+    ost_uncut_free(&viewer->reference);
     for (int i = 0; i < viewer->tools; i++)
         ost_surface_free(&viewer->tool[i]);
     ost_frame_free(&viewer->frame);
@@ -73,14 +73,14 @@ ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume
     return status;
 }
 
-ost_status ost_viewer_set_ground(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
-                                 const ost_pm3 *at, const double *axis, ost_error *err)
+ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
+                                const ost_pm3 *at, const double *axis, ost_error *err)
 {
-    ost_surface_set_ground(&viewer->bone, NULL, NULL);
-    ost_ground_free(&viewer->ground);
-    ost_status status = ost_ground_init(&viewer->ground, before, threshold, classes, at, axis, err);
-    viewer->has_ground = status == OST_OK;
-    return status == OST_OK ? ost_surface_set_ground(&viewer->bone, &viewer->ground, err) : status;
+    ost_surface_set_uncut(&viewer->bone, NULL, NULL);
+    ost_uncut_free(&viewer->reference);
+    ost_status status = ost_uncut_init(&viewer->reference, before, threshold, classes, at, axis, err);
+    viewer->has_uncut = status == OST_OK;
+    return status == OST_OK ? ost_surface_set_uncut(&viewer->bone, &viewer->reference, err) : status;
 }
 
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring)
@@ -105,7 +105,7 @@ ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volum
 
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown)
 {
-    viewer->bone.keep_fresh = shown;
+    viewer->bone.shows_contact = shown;
     if (!shown) {
         ost_surface_age(&viewer->bone);
         ost_surface_age(&viewer->bone);
@@ -169,7 +169,7 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
         ost_frame_free(&viewer->frame);
         status = ost_frame_init(&viewer->frame, camera->width, camera->height, viewer->style, viewer->isa, viewer->threads, err);
         if (status == OST_OK)
-            status = ost_frame_keep(&viewer->frame, err);
+            status = ost_frame_store(&viewer->frame, err);
     }
     if (status != OST_OK)
         return status;

@@ -23,7 +23,7 @@
 #include "render/overlay.h"
 #include "render/points/clip.h"
 #include "render/points/frame.h"
-#include "render/points/ground.h"
+#include "render/points/uncut.h"
 
 enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
 #define OST_VIEWER_FRESH_NS INT64_C(150000000) /* in operation time; removed bone is highlighted for one to two such intervals */
@@ -42,8 +42,8 @@ typedef struct ost_viewer {
     ost_live_state state;
     bool has_state;      /* the tool is drawn at the pose in state */
     uint64_t changed;    /* number of chunks taken from live */
-    ost_ground ground;   /* valid if has_ground */
-    bool has_ground;
+    ost_uncut reference; /* valid if has_uncut */
+    bool has_uncut;
     uint32_t palette[OST_PAINTS];
     ost_surface ghost;   /* valid if has_ghost; drawn if show_ghost */
     ost_pose ghost_pose;
@@ -69,11 +69,11 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 /* Adds a tool. Tools must be added in the world's order. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
- * Sets the uncut bone and takes ownership of the volume, as ost_ground_init does.
+ * Sets the uncut bone and takes ownership of the volume, as ost_uncut_init does.
  * Must be called before the bone's surface is first set or taken from live.
  */
-ost_status ost_viewer_set_ground(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
-                                 const ost_pm3 *at, const double *axis, ost_error *err);
+ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
+                                const ost_pm3 *at, const double *axis, ost_error *err);
 /* Sets the colouring; all but OST_COLOUR_BONE need a ground. */
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
 /* Sets the clip plane; with NULL all of the bone is shown. */

@@ -106,7 +106,7 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
     case OST_VIEW_POSTERIOR: return from(at, (double[3]){0, 1, 0}, near);
     case OST_VIEW_SUPERIOR: return from(at, (double[3]){0, 0, 1}, near);
     case OST_VIEW_INFERIOR: return from(s->middle, (double[3]){0, 0, -1}, 1.5 * s->size);
-    case OST_VIEW_WHOLE: return from(s->middle, (double[3]){back[0], back[1] - 0.7, back[2] + 0.25}, 1.5 * s->size);
+    case OST_VIEW_OVERVIEW: return from(s->middle, (double[3]){back[0], back[1] - 0.7, back[2] + 0.25}, 1.5 * s->size);
     case OST_VIEW_TOOL:
     case OST_VIEW_OPERATOR:
     case OST_VIEW_COUNT: {
@@ -156,5 +156,5 @@ ost_status ost_orbit_camera(const ost_orbit *o, int width, int height, ost_camer
     ost_orbit_frame(o, right, up, back);
     for (int a = 0; a < 3; a++)
         eye[a] = o->at[a] + o->distance * back[a];
-    return ost_camera_look(eye, o->at, up, out, err);
+    return ost_camera_look_at(eye, o->at, up, out, err);
 }

@@ -31,7 +31,7 @@ typedef enum ost_view_name {
     OST_VIEW_SUPERIOR,
     OST_VIEW_INFERIOR,
     OST_VIEW_TOOL,
-    OST_VIEW_WHOLE,
+    OST_VIEW_OVERVIEW,
     OST_VIEW_COUNT
 } ost_view_name;
 

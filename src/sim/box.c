@@ -184,8 +184,8 @@ ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, cons
     for (int i = 0; i < 3; i++) {
         ost_i128 spread = (ost_i128)magnitude(m.m[i][0]) * e[0] + (ost_i128)magnitude(m.m[i][1]) * e[1] +
                           (ost_i128)magnitude(m.m[i][2]) * e[2];
-        ost_i128 rest;
-        const int64_t h = -ost_floor_by(&by, -spread, &rest);
+        ost_i128 remainder;
+        const int64_t h = -ost_floor_by(&by, -spread, &remainder);
         box.lo[i] = clamp(ost_ceil_div(c[i] - h - 1 - 2 * o[i], 2 * s[i]), dims[i]);
         box.hi[i] = clamp(ost_floor_div(c[i] + h + 1 - 2 * o[i], 2 * s[i]) + 1, dims[i]);
     }

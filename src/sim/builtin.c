@@ -199,11 +199,11 @@ static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geo
  * Computes the pose, with orientation q, that puts the tool's tip at a depth along the axis and
  * at an offset across it.
  */
-static ost_status place(const start *s, quat q, double depth, vec beside, ost_pose *out, ost_error *err)
+static ost_status make_pose(const start *s, quat q, double depth, vec sideways, ost_pose *out, ost_error *err)
 {
     const vec r = turned(q, s->tip);
-    const vec t = {s->at.x + depth * s->axis.x + beside.x - r.x, s->at.y + depth * s->axis.y + beside.y - r.y,
-                   s->at.z + depth * s->axis.z + beside.z - r.z};
+    const vec t = {s->at.x + depth * s->axis.x + sideways.x - r.x, s->at.y + depth * s->axis.y + sideways.y - r.y,
+                   s->at.z + depth * s->axis.z + sideways.z - r.z};
     return quantised(t, q, out, err);
 }
 
@@ -211,18 +211,18 @@ ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry
                              ost_error *err)
 {
     start s;
-    press_hand hand;
+    press_load load;
     *out = (ost_path){0};
     if (ticks == 0 || ticks > OST_PATH_TICKS_MAX)
         return ost_fail(err, OST_ERR_USAGE, "a path of %zu ticks; 1 to %d are supported", ticks, OST_PATH_TICKS_MAX);
     ost_status status = begin(glenoid, geometry, ticks, &s, out, err);
-    press_begin(&hand);
+    press_begin(&load);
     for (size_t k = 0; k < ticks && status == OST_OK; k++) {
-        press_go_on(&hand, (int64_t)k);
-        const vec beside = turned(s.face, (vec){hand.across[0], hand.across[1], 0});
-        const quat lean = normalised((quat){1, hand.lean[0], hand.lean[1], 0});
-        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_HAND};
-        status = place(&s, normalised(product(s.face, lean)), hand.depth, beside, &out->ticks[k].pose, err);
+        press_go_on(&load, (int64_t)k);
+        const vec sideways = turned(s.face, (vec){load.across[0], load.across[1], 0});
+        const quat lean = normalised((quat){1, load.lean[0], load.lean[1], 0});
+        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_OF_DEVICE};
+        status = make_pose(&s, normalised(product(s.face, lean)), load.depth, sideways, &out->ticks[k].pose, err);
     }
     if (status != OST_OK)
         ost_path_free(out);
@@ -241,8 +241,8 @@ ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const
     const plan *p = &plans[which];
     ost_status status = begin(glenoid, geometry, (size_t)tick_count(p), &s, out, err);
     for (size_t k = 0; status == OST_OK && k < out->count; k++) {
-        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_HAND};
-        status = place(&s, normalised(s.face), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose, err);
+        out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_OF_DEVICE};
+        status = make_pose(&s, normalised(s.face), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose, err);
     }
     if (status != OST_OK)
         ost_path_free(out);

@@ -30,26 +30,26 @@ static void turn(press_wheel *w)
     w->s = s / length;
 }
 
-void press_begin(press_hand *hand)
+void press_begin(press_load *load)
 {
-    *hand = (press_hand){.breath = wheel(BREATH_P), .sweep = wheel(SWEEP_P), .wobble = wheel(WOBBLE_P)};
+    *load = (press_load){.breath = wheel(BREATH_P), .sweep = wheel(SWEEP_P), .wobble = wheel(WOBBLE_P)};
 }
 
-void press_go_on(press_hand *hand, int64_t k)
+void press_go_on(press_load *load, int64_t k)
 {
-    hand->depth = k < PRESS_TICKS ? BEGIN + (PRESSED - BEGIN) * (double)k / PRESS_TICKS : PRESSED + CREEP * (double)(k - PRESS_TICKS);
+    load->depth = k < PRESS_TICKS ? BEGIN + (PRESSED - BEGIN) * (double)k / PRESS_TICKS : PRESSED + CREEP * (double)(k - PRESS_TICKS);
     if (k < PRESS_TICKS)
         return;
-    if (hand->depth > DEEPEST)
-        hand->depth = DEEPEST;
+    if (load->depth > DEEPEST)
+        load->depth = DEEPEST;
     /* Moves inward first, from where pressing ended. */
-    turn(&hand->breath);
-    turn(&hand->sweep);
-    turn(&hand->wobble);
-    hand->share = k < SOFT_TICKS ? (double)(k - PRESS_TICKS) / (SOFT_TICKS - PRESS_TICKS) : 1;
-    hand->depth += hand->share * BREATH * hand->breath.s;
-    hand->across[0] = hand->share * SWEEP_X * hand->sweep.c;
-    hand->across[1] = hand->share * SWEEP_Y * hand->sweep.s;
-    hand->lean[0] = hand->share * LEAN * hand->wobble.c;
-    hand->lean[1] = hand->share * LEAN * hand->wobble.s;
+    turn(&load->breath);
+    turn(&load->sweep);
+    turn(&load->wobble);
+    load->share = k < SOFT_TICKS ? (double)(k - PRESS_TICKS) / (SOFT_TICKS - PRESS_TICKS) : 1;
+    load->depth += load->share * BREATH * load->breath.s;
+    load->across[0] = load->share * SWEEP_X * load->sweep.c;
+    load->across[1] = load->share * SWEEP_Y * load->sweep.s;
+    load->lean[0] = load->share * LEAN * load->wobble.c;
+    load->lean[1] = load->share * LEAN * load->wobble.s;
 }

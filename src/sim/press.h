@@ -26,7 +26,7 @@ typedef struct press_wheel {
     double step[2]; /* rotation per tick */
 } press_wheel;
 
-typedef struct press_hand {
+typedef struct press_load {
     press_wheel breath, sweep, wobble;
     double share; /* weight of sweep and wobble, which begin gradually */
     /*
@@ -34,10 +34,10 @@ typedef struct press_hand {
      * radians, about x and y of the tool's frame.
      */
     double depth, across[2], lean[2];
-} press_hand;
+} press_load;
 
-void press_begin(press_hand *hand);
+void press_begin(press_load *load);
 /* Advances the hand to tick k. Called for every tick in order, from 0. */
-void press_go_on(press_hand *hand, int64_t k);
+void press_go_on(press_load *load, int64_t k);
 
 #endif

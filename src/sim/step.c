@@ -29,7 +29,7 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
     if (world->clock.totals.ticks > 0 && tick->t_ns <= world->clock.t_ns)
         return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns after one at %lld ns; time must increase", (long long)tick->t_ns,
                         (long long)world->clock.t_ns);
-    if (tick->rpm == OST_RPM_HAND)
+    if (tick->rpm == OST_RPM_OF_DEVICE)
         return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has the pose of a hand and no motor speed: ost_motor_path makes the tool's of it",
                         (long long)tick->t_ns);
     if (tick->rpm < OST_RPM_ON || tick->rpm > OST_RPM_MAX)
@@ -89,7 +89,7 @@ static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const
 /* Makes the maps and boxes of the poses that can hit a voxel, in the sweep's order. */
 static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count, ost_event *event, ost_error *err)
 {
-    ost_status status = ost_world_make_room(world, count, err);
+    ost_status status = ost_world_reserve_poses(world, count, err);
     int used = 0;
     for (int k = 1; k <= count && status == OST_OK; k++) {
         ost_pose pose = count == 1 ? tick->pose : ost_sweep_pose(&tool->input.event, &tick->pose, k, count);
@@ -197,10 +197,10 @@ ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_resul
     if (!result)
         result = &ignored;
     *result = (ost_step_result){0};
-    ost_status status = ost_world_keep(world, err);
+    ost_status status = ost_world_save(world, err);
     if (status == OST_OK)
         status = ost_world_advance(world, tick, result, err);
     if (status == OST_OK)
-        ost_world_keep_tick(world, tick);
+        ost_world_save_tick(world, tick);
     return status;
 }

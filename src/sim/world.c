@@ -17,8 +17,8 @@ ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, os
     ost_world_options chosen = options ? *options : (ost_world_options){0};
     if (chosen.removal_period_ns < 0)
         return ost_fail(err, OST_ERR_USAGE, "a removal period of %lld ns; 0 or more is needed", (long long)chosen.removal_period_ns);
-    if (chosen.keep_ticks < 0 || chosen.keep_ticks > OST_WORLD_KEEP_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "%d ticks to keep; 0 to %d are supported", (int)chosen.keep_ticks, OST_WORLD_KEEP_MAX);
+    if (chosen.saved_ticks < 0 || chosen.saved_ticks > OST_WORLD_SAVED_TICKS_MAX)
+        return ost_fail(err, OST_ERR_USAGE, "%d ticks to keep; 0 to %d are supported", (int)chosen.saved_ticks, OST_WORLD_SAVED_TICKS_MAX);
     if (chosen.classes.count == 0)
         chosen.classes = ost_density_classes_default();
     ost_status status = ost_density_classes_check(&chosen.classes, err);
@@ -38,7 +38,7 @@ ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, os
         .voxels = {.bone = bone},
     };
     world->clock.tool = -1;
-    status = ost_world_kept_make(world, err);
+    status = ost_world_saved_make(world, err);
     if (status != OST_OK) {
         ost_world_free(world);
         return status;
@@ -51,7 +51,7 @@ void ost_world_free(ost_world *world)
 {
     if (!world)
         return;
-    ost_world_kept_free(world);
+    ost_world_saved_free(world);
     ost_report_free(&world->report);
     free(world->maps);
     free(world->boxes);
@@ -82,7 +82,7 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     if (status == OST_OK)
         status = ost_bone_collide(world->bone.voxels.bone, tool, &nothing, &world->report, err);
     if (status == OST_OK)
-        status = ost_world_keep_tool(world, world->tool_count, tool, err);
+        status = ost_world_save_tool(world, world->tool_count, tool, err);
     if (status != OST_OK)
         return status;
 
@@ -99,7 +99,7 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     return OST_OK;
 }
 
-ost_status ost_world_make_room(ost_world *world, int count, ost_error *err)
+ost_status ost_world_reserve_poses(ost_world *world, int count, ost_error *err)
 {
     if (count <= world->capacity)
         return OST_OK;
@@ -120,11 +120,11 @@ ost_status ost_world_reserve(ost_world *world, ost_error *err)
     const ost_dims d = world->geometry.dims;
     const int n = world->chunk_size;
     const size_t chunks = (size_t)((d.x + n - 1) / n) * (size_t)((d.y + n - 1) / n) * (size_t)((d.z + n - 1) / n);
-    ost_status status = ost_world_make_room(world, OST_SWEEP_MAX, err);
+    ost_status status = ost_world_reserve_poses(world, OST_SWEEP_MAX, err);
     /* An event that may meet every chunk: the backend allocates now what any event can need. */
-    const ost_voxel_box whole = {{0, 0, 0}, {d.x, d.y, d.z}};
+    const ost_voxel_box all = {{0, 0, 0}, {d.x, d.y, d.z}};
     for (int t = 0; t < world->tool_count && status == OST_OK; t++) {
-        const ost_event event = {.pose_count = 1, .maps = world->maps, .boxes = &whole, .classes = &world->options.classes};
+        const ost_event event = {.pose_count = 1, .maps = world->maps, .boxes = &all, .classes = &world->options.classes};
         const ost_pose identity = ost_pose_identity();
         status = ost_map_make(&identity, &world->geometry, ost_tool_geometry_get(world->tools[t].voxels.tool), &world->maps[0], err);
         if (status == OST_OK)

@@ -19,15 +19,15 @@ typedef struct ost_world_clock {
 } ost_world_clock;
 
 /* The data from which a failover starts (rescue.c). */
-typedef struct ost_world_kept {
+typedef struct ost_world_saved {
     int16_t *voxels; /* owned; the bone's voxels before the first of `ticks` */
     uint8_t *tools[OST_WORLD_TOOLS_MAX]; /* owned; classes of each tool's voxels */
-    ost_tick *ticks; /* owned; capacity options.keep_ticks; the ticks completed since the copy */
+    ost_tick *ticks; /* owned; capacity options.saved_ticks; the ticks completed since the copy */
     int32_t count;
     /* The world's state before the first of `ticks`. */
     ost_input_component inputs[OST_WORLD_TOOLS_MAX];
     ost_world_clock clock;
-} ost_world_kept;
+} ost_world_saved;
 
 struct ost_world {
     ost_world_options options;
@@ -39,7 +39,7 @@ struct ost_world {
 
     ost_world_clock clock;
 
-    ost_world_kept *kept; /* owned; NULL if keep_ticks is 0 */
+    ost_world_saved *saved; /* owned; NULL if saved_ticks is 0 */
 
     /* Scratch of one event; grows when a sweep needs more. */
     int capacity;
@@ -50,19 +50,19 @@ struct ost_world {
 
 /* ---------------------------------------------------------------- rescue.c */
 
-/* Without keep_ticks these functions do nothing. */
-ost_status ost_world_kept_make(ost_world *world, ost_error *err);
-void ost_world_kept_free(ost_world *world);
-ost_status ost_world_keep_tool(ost_world *world, int index, const ost_tool *tool, ost_error *err);
+/* Without saved_ticks these functions do nothing. */
+ost_status ost_world_saved_make(ost_world *world, ost_error *err);
+void ost_world_saved_free(ost_world *world);
+ost_status ost_world_save_tool(ost_world *world, int index, const ost_tool *tool, ost_error *err);
 /* Called before a tick: copies the bone if `ticks` is full. */
-ost_status ost_world_keep(ost_world *world, ost_error *err);
+ost_status ost_world_save(ost_world *world, ost_error *err);
 /* Called after a completed tick; cannot fail. */
-void ost_world_keep_tick(ost_world *world, const ost_tick *tick);
+void ost_world_save_tick(ost_world *world, const ost_tick *tick);
 
 /* -------------------------------------------------------------------- world.c */
 
 /* Reserves scratch for an event of `count` poses. */
-ost_status ost_world_make_room(ost_world *world, int count, ost_error *err);
+ost_status ost_world_reserve_poses(ost_world *world, int count, ost_error *err);
 
 /* -------------------------------------------------------------------- step.c */
 

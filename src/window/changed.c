@@ -52,10 +52,10 @@ static void copy_row(const uint32_t *from, uint32_t *to, int begin, int end, int
     *r = (range){first, last};
 }
 
-static range copy_band(const ost_window_picture *p, bool whole, int y, int rows, uint32_t *shared)
+static range copy_band(const ost_window_picture *p, bool everything, int y, int rows, uint32_t *shared)
 {
     const int cells = (p->width + RUN - 1) / RUN;
-    const uint64_t *word = whole || !p->changed ? NULL : p->changed + (size_t)(y / BAND) * (size_t)p->changed_words;
+    const uint64_t *word = everything || !p->changed ? NULL : p->changed + (size_t)(y / BAND) * (size_t)p->changed_words;
     range r = {p->width, 0};
     int begin = 0, end = word ? 0 : cells;
     while (!word || ost_bits_run(word, p->changed_words, &begin, &end)) {
@@ -79,13 +79,13 @@ static ost_changed_box both(const ost_changed_box *a, const ost_changed_box *b)
     return (ost_changed_box){x, a->y, right - x, b->y + b->height - a->y};
 }
 
-int ost_changed_copy(const ost_window_picture *picture, bool whole, uint32_t *shared, ost_changed_box box[OST_CHANGED_BOXES])
+int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared, ost_changed_box box[OST_CHANGED_BOXES])
 {
     const int width = picture->width, height = picture->height;
     int count = 0;
     for (int y = 0; y < height; y += BAND) {
         const int rows = height - y < BAND ? height - y : BAND;
-        const range r = copy_band(picture, whole, y, rows, shared);
+        const range r = copy_band(picture, everything, y, rows, shared);
         if (r.begin >= r.end)
             continue;
         const ost_changed_box next = {r.begin, y, r.end - r.begin, rows};
@@ -96,7 +96,7 @@ int ost_changed_copy(const ost_window_picture *picture, bool whole, uint32_t *sh
         else
             box[count++] = next;
     }
-    if (!whole)
+    if (!everything)
         return count;
     box[0] = (ost_changed_box){0, 0, width, height};
     return 1;

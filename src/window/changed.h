@@ -27,6 +27,6 @@ typedef struct ost_changed_box {
  * shared: 0x00RRGGBB, in rows of the picture's width. whole: its contents are not the previous
  * picture, so everything is written.  Returns the number of boxes; they do not overlap.
  */
-int ost_changed_copy(const ost_window_picture *picture, bool whole, uint32_t *shared, ost_changed_box box[OST_CHANGED_BOXES]);
+int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared, ost_changed_box box[OST_CHANGED_BOXES]);
 
 #endif

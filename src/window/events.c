@@ -7,7 +7,7 @@
 #include "core/clock.h"
 #include "window/glfw_window.h"
 
-static const int64_t LOOK_NS = 250000000;
+static const int64_t POLL_NS = 250000000;
 
 static void add(ost_window *w, ost_window_event event)
 {
@@ -146,19 +146,19 @@ static void on_damage(GLFWwindow *handle)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
     w->damaged = true;
-    w->unseen = false;
+    w->hidden = false;
 }
 
 /* Not every system reports that a window was hidden, so the state is queried. */
-static void look(ost_window *w)
+static void check_display(ost_window *w)
 {
     const int64_t now = ost_clock_ns();
-    if (now - w->looked_ns < LOOK_NS)
+    if (now - w->looked_ns < POLL_NS)
         return;
     w->looked_ns = now;
-    const bool unseen = !glfwGetWindowAttrib(w->handle, GLFW_VISIBLE);
-    w->damaged = w->damaged || (w->unseen && !unseen);
-    w->unseen = unseen;
+    const bool hidden = !glfwGetWindowAttrib(w->handle, GLFW_VISIBLE);
+    w->damaged = w->damaged || (w->hidden && !hidden);
+    w->hidden = hidden;
 }
 
 void ost_window_listen(ost_window *w)
@@ -179,7 +179,7 @@ void ost_window_listen(ost_window *w)
     glfwGetWindowContentScale(w->handle, &x, &y);
     w->scale = sane_scale(y);
     w->minimised = glfwGetWindowAttrib(w->handle, GLFW_ICONIFIED) != 0;
-    w->unseen = false;
+    w->hidden = false;
     w->damaged = true;
     w->looked_ns = ost_clock_ns();
 }
@@ -193,7 +193,7 @@ void ost_window_poll(ost_window *window, double timeout_s)
     else
         glfwPollEvents();
     if (ost_window_lives(window))
-        look(window);
+        check_display(window);
 }
 
 bool ost_window_next(ost_window *window, ost_window_event *out)
@@ -213,7 +213,7 @@ bool ost_window_next(ost_window *window, ost_window_event *out)
 void ost_window_size(const ost_window *window, int *width, int *height, double *scale)
 {
     *scale = window->scale;
-    if (window->minimised || window->unseen || window->frame_width < 1 || window->frame_height < 1)
+    if (window->minimised || window->hidden || window->frame_width < 1 || window->frame_height < 1)
         *width = *height = 0;
     else
         picture_size(window, width, height);

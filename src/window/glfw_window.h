@@ -25,11 +25,11 @@ struct ost_window {
     /* The values of the last callbacks: */
     int width, height, frame_width, frame_height;
     double scale;
-    bool minimised, unseen, damaged;
+    bool minimised, hidden, damaged;
     int64_t looked_ns;
     /* OpenGL: */
     int side; /* side of the greatest texture, in pixels */
-    enum { MUTE, BY_KHR, BY_ARB } tells_reset; /* extension that reports a driver's reset; MUTE: none */
+    enum { NO_NOTIFICATION, BY_KHR, BY_ARB } reset_notification; /* extension that reports a driver's reset; MUTE: none */
     int64_t reset_ns[OST_WINDOW_RESETS];
     int resets;
     char title[OST_WINDOW_TITLE], renderer[128], version[64];

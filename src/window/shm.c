@@ -75,9 +75,9 @@ struct ost_shm {
     uint32_t window, gc, segment;
     uint8_t depth;
     uint32_t *pixels; /* owned; shared with the server */
-    size_t room;      /* capacity in pixels */
+    size_t capacity;  /* capacity in pixels */
     int width, height; /* size of the picture in the memory and in the window; 0: unknown */
-    bool asked;       /* the last picture's copy is in progress */
+    bool pending;     /* the last picture's copy is in progress */
     xcb_cookie copied;
 };
 
@@ -99,10 +99,10 @@ static bool load(ost_shm *s)
 }
 
 /* Waits for a reply. Requests are processed in order, so a reply means that all earlier ones are complete. */
-static attributes *wait_for(ost_shm *s, xcb_cookie asked)
+static attributes *wait_for(ost_shm *s, xcb_cookie pending)
 {
     void *error = NULL;
-    attributes *reply = s->x.attributes_reply(s->connection, asked, &error);
+    attributes *reply = s->x.attributes_reply(s->connection, pending, &error);
     free(error);
     return reply;
 }
@@ -141,7 +141,7 @@ static void give_back(ost_shm *s)
         s->x.detach(s->connection, s->segment);
     shmdt(s->pixels);
     s->pixels = NULL;
-    s->room = 0;
+    s->capacity = 0;
     s->width = s->height = 0;
 }
 
@@ -149,9 +149,9 @@ static void give_back(ost_shm *s)
  * Reserves memory for count pixels.  The segment is marked for removal at once, so it is freed
  * with its last user even if this process is killed.
  */
-static bool make_room(ost_shm *s, size_t count)
+static bool reserve_memory(ost_shm *s, size_t count)
 {
-    if (count <= s->room)
+    if (count <= s->capacity)
         return true;
     give_back(s);
     const int id = shmget(IPC_PRIVATE, count * sizeof *s->pixels, IPC_CREAT | 0600);
@@ -167,7 +167,7 @@ static bool make_room(ost_shm *s, size_t count)
         return false;
     }
     s->pixels = at;
-    s->room = count;
+    s->capacity = count;
     return true;
 }
 
@@ -178,7 +178,7 @@ ost_shm *ost_shm_open(void *glfw_window)
         return NULL;
     if (load(s) && (s->display = s->x.glfw_display()) != NULL && (s->connection = s->x.connection(s->display)) != NULL) {
         s->window = (uint32_t)s->x.glfw_window(glfw_window);
-        if (learn_pixels(s) && make_room(s, 1)) {
+        if (learn_pixels(s) && reserve_memory(s, 1)) {
             s->gc = s->x.id(s->connection);
             if (went_well(s, s->x.create_gc(s->connection, s->gc, s->window, 0, NULL)))
                 return s;
@@ -193,7 +193,7 @@ void ost_shm_close(ost_shm *shm)
 {
     if (!shm)
         return;
-    if (shm->asked)
+    if (shm->pending)
         free(wait_for(shm, shm->copied));
     give_back(shm);
     if (shm->gc && !shm->x.has_error(shm->connection))
@@ -223,9 +223,9 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
 {
     const int width = picture->width, height = picture->height;
     ost_changed_box box[OST_CHANGED_BOXES];
-    if (shm->asked) {
+    if (shm->pending) {
         attributes *a = wait_for(shm, shm->copied);
-        shm->asked = false;
+        shm->pending = false;
         if (!a) {
             lost(shm);
             ost_x11_lost(OST_X11_NO_WINDOW); /* has no effect if the server was recorded as lost */
@@ -233,10 +233,10 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
         }
         free(a);
     }
-    if (!make_room(shm, (size_t)width * (size_t)height))
+    if (!reserve_memory(shm, (size_t)width * (size_t)height))
         return lost(shm);
-    const bool whole = width != shm->width || height != shm->height;
-    const int count = ost_changed_copy(picture, whole, shm->pixels, box);
+    const bool everything = width != shm->width || height != shm->height;
+    const int count = ost_changed_copy(picture, everything, shm->pixels, box);
     shm->width = width;
     shm->height = height;
     if (count == 0)
@@ -247,7 +247,7 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
                    shm->segment, 0);
     }
     shm->copied = shm->x.get_attributes(shm->connection, shm->window);
-    shm->asked = true;
+    shm->pending = true;
     /* libxcb buffers requests until a reply is awaited or its buffer is full. */
     return shm->x.flush(shm->connection) > 0 || lost(shm);
 }

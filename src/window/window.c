@@ -118,9 +118,9 @@ static void learn(ost_window *w)
     GLint side = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
     w->side = side >= 1024 ? side : 1024; /* the least value that OpenGL 3.3 allows */
-    w->tells_reset = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness") ? BY_KHR
+    w->reset_notification = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness") ? BY_KHR
                      : epoxy_has_gl_extension("GL_ARB_robustness")                         ? BY_ARB
-                                                                                           : MUTE;
+                                                                                           : NO_NOTIFICATION;
     w->sync_set = false;
 }
 
@@ -178,7 +178,7 @@ ost_window_info ost_window_info_get(const ost_window *window)
 {
     static const char *const software[] = {"llvmpipe", "softpipe", "SWR", "swrast", "Software Rasterizer"};
     ost_window_info info = {
-        .renderer = window->renderer, .version = window->version, .robust = window->tells_reset != MUTE, .resets = window->resets};
+        .renderer = window->renderer, .version = window->version, .robust = window->reset_notification != NO_NOTIFICATION, .resets = window->resets};
     for (size_t i = 0; i < sizeof software / sizeof *software; i++)
         info.software = info.software || strstr(window->renderer, software[i]);
     return info;
@@ -245,7 +245,7 @@ void ost_window_title(ost_window *window, const char *title)
 }
 
 /* Makes the window again, at the same position and size, since an OpenGL context belongs to its window. */
-static ost_status start_anew(ost_window *w, ost_error *err)
+static ost_status restart(ost_window *w, ost_error *err)
 {
     int x, y;
     const int64_t now = ost_clock_ns();
@@ -285,8 +285,8 @@ ost_status ost_window_check(const ost_window *window, ost_error *err)
 
 static bool was_reset(const ost_window *w)
 {
-    return (w->tells_reset == BY_KHR && glGetGraphicsResetStatus() != GL_NO_ERROR) ||
-           (w->tells_reset == BY_ARB && glGetGraphicsResetStatusARB() != GL_NO_ERROR);
+    return (w->reset_notification == BY_KHR && glGetGraphicsResetStatus() != GL_NO_ERROR) ||
+           (w->reset_notification == BY_ARB && glGetGraphicsResetStatusARB() != GL_NO_ERROR);
 }
 
 /*
@@ -315,7 +315,7 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
     if (!ost_window_lives(window))
         return gone(err);
     if (was_reset(window))
-        return start_anew(window, err);
+        return restart(window, err);
     if (!window->sync_set || window->synced != sync) {
         glfwSwapInterval(sync);
         window->synced = sync;
@@ -329,7 +329,7 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
     if (shown)
         return OST_OK;
     if (!ost_shown_draw(&window->shown, picture->pixels, picture->stride, width, height, window->frame_width, window->frame_height))
-        return was_reset(window) ? start_anew(window, err)
+        return was_reset(window) ? restart(window, err)
                                  : ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) has no memory for a picture of %d x %d pixels", window->renderer,
                                             width, height);
     glfwSwapBuffers(window->handle);

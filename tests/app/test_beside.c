@@ -59,7 +59,7 @@ static void take(unsigned blocks, int count)
         uint32_t words[OST_BLOCK_ROWS];
         if (!(blocks >> i & 1))
             continue;
-        memcpy(words, v.bone.slot[i]->whole, sizeof words);
+        memcpy(words, v.bone.slot[i]->occupied, sizeof words);
         for (int n = 0; n < count; n++, gone[i]++)
             words[gone[i] % OST_BLOCK_ROWS] &= ~(UINT32_C(1) << gone[i] / OST_BLOCK_ROWS);
         assert_ok(ost_surface_set(&v.bone, v.bone.slot[i]->at, words, &err));
@@ -72,7 +72,7 @@ static void count_voxels(int out[BLOCKS])
     for (int i = 0; i < BLOCKS; i++) {
         out[i] = 0;
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
-            out[i] += __builtin_popcount(v.bone.slot[i]->whole[row]);
+            out[i] += __builtin_popcount(v.bone.slot[i]->occupied[row]);
     }
 }
 

@@ -77,7 +77,7 @@ static int files_that_contain(const char *where, const char *text)
 }
 
 /* Stores the luma of each frame of a .y4m in got, checks that no frame has a chroma, and returns the number of frames. */
-static int levels(const char *name, int got[], int room)
+static int levels(const char *name, int got[], int capacity)
 {
     char line[128];
     int count = 0;
@@ -91,7 +91,7 @@ static int levels(const char *name, int got[], int room)
         assert_int_equal(fread(frame, 1, sizeof frame, in), sizeof frame);
         for (int i = WIDTH * HEIGHT; i < 3 * WIDTH * HEIGHT; i++)
             assert_int_equal(frame[i], 128); /* a grey has no chroma */
-        assert_true(count < room);
+        assert_true(count < capacity);
         got[count++] = frame[0];
     }
     fclose(in);
@@ -105,9 +105,9 @@ static void a_video_goes_by_the_clock(void **state)
     int got[32];
     (void)state;
     film *f = made((film_options){.target = "v.y4m", .fps = 10, .wait = true});
-    assert_true(film_wants(f, 5000000000));
+    assert_true(film_is_due(f, 5000000000));
     show(f, 5.00, 0);
-    assert_false(film_wants(f, 5099000000));
+    assert_false(film_is_due(f, 5099000000));
     show(f, 5.05, 255); /* this tenth already has a frame */
     show(f, 5.10, 255);
     show(f, 5.42, 85);
@@ -386,7 +386,7 @@ static void pictures_take_free_names(void **state)
     need_pictures();
     assert_int_equal(close(open("osteon-002.png", O_WRONLY | O_CREAT, 0666)), 0);
     film *f = made((film_options){.fps = 30, .wait = true});
-    assert_false(film_wants(f, 0));
+    assert_false(film_is_due(f, 0));
     show(f, 0, 10); /* no video is recorded */
     for (int i = 0; i < 3; i++)
         film_still(f, grey(100), WIDTH, WIDTH, HEIGHT);

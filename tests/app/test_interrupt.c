@@ -24,9 +24,9 @@ static void a_signal_is_a_wish_once(void **state)
     const struct sigaction other = {.sa_handler = on_other};
     assert_int_equal(sigaction(SIGTERM, &other, NULL), 0);
     interrupt_begin();
-    assert_false(interrupt_asked());
+    assert_false(interrupt_requested());
     raise(SIGTERM);
-    assert_true(interrupt_asked());
+    assert_true(interrupt_requested());
     assert_int_equal(others, 0);
     raise(SIGTERM);
     assert_int_equal(others, 1);
@@ -34,14 +34,14 @@ static void a_signal_is_a_wish_once(void **state)
     raise(SIGTERM);
     assert_int_equal(others, 2);
     interrupt_begin();
-    assert_false(interrupt_asked());
+    assert_false(interrupt_requested());
     interrupt_end();
 }
 
 static void *until_asked(void *user)
 {
     (void)user;
-    while (!interrupt_asked())
+    while (!interrupt_requested())
         ;
     return NULL;
 }
@@ -52,7 +52,7 @@ static void a_thread_hears_another_ones_wish(void **state)
     (void)state;
     interrupt_begin();
     assert_int_equal(pthread_create(&thread, NULL, until_asked, NULL), 0);
-    interrupt_ask();
+    interrupt_request();
     assert_int_equal(pthread_join(thread, NULL), 0);
     interrupt_end();
 }

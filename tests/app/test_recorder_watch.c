@@ -8,7 +8,7 @@
 
 #include "app/recorder_watch.h"
 
-enum { ROOM = 65536 };
+enum { CAPACITY = 65536 };
 
 typedef struct moment {
     double ms;
@@ -24,7 +24,7 @@ static void assert_says(const moment *moments, size_t count)
     for (size_t i = 0; i < count; i++) {
         const moment *m = &moments[i];
         const ost_recorder_state state = {.put = m->put, .written = m->written, .lost = m->lost, .failing = m->failing, .reason = "the disk is full"};
-        const char *line = recorder_watch_look(&watch, "a.session", &state, ROOM, m->ms, text);
+        const char *line = recorder_watch_look(&watch, "a.session", &state, CAPACITY, m->ms, text);
         if (!m->says)
             assert_null(line);
         else {

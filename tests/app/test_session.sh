@@ -145,9 +145,9 @@ check "hole" "$(value complete) $(value equal) $(value recorded_ticks)" "false t
 [ "$verified" -gt 100 ] && [ "$verified" -lt "$ticks" ] || fail "hole: $verified of $ticks ticks verified"
 grep -qF "verified only up to tick $verified of $ticks; these are equal" err || fail "hole: $(cat err)"
 run 0 info cut.session --repair repaired.session --json
-whole_ticks=$(value replayable_ticks)
+complete_ticks=$(value replayable_ticks)
 run 0 info repaired.session --json
-check "repaired" "$(value replayable_ticks) $(value cut_bytes) $(value damaged_bytes)" "$whole_ticks 0 0"
+check "repaired" "$(value replayable_ticks) $(value cut_bytes) $(value damaged_bytes)" "$complete_ticks 0 0"
 cp short.session damaged.session
 printf 'x' | dd of=damaged.session bs=1 seek=$(($(wc -c <short.session) - 100)) conv=notrunc 2>/dev/null
 run 0 info damaged.session
@@ -178,7 +178,7 @@ run 0 info limited.session --json
 if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
     tool="$PYTHON3 $source_folder/tests/app/session_tool.py"
     check "read by another program" "$($tool check whole.session)" "$ticks ended"
-    check "cut and repaired, by another program" "$($tool check repaired.session)" "$whole_ticks cut off"
+    check "cut and repaired, by another program" "$($tool check repaired.session)" "$complete_ticks cut off"
     fields='digest tool'
     [ "$long" = 1 ] && fields='digest removed tool'
     for field in $fields; do

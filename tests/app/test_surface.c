@@ -20,12 +20,12 @@ static ost_volume volume_of(int32_t x, int32_t y, int32_t z)
     return volume;
 }
 
-static void assert_closed(const ost_volume *volume, int32_t threshold, ost_surface_place place, double *mm3)
+static void assert_closed(const ost_volume *volume, int32_t threshold, ost_surface_placement placement, double *mm3)
 {
     ost_error err = {0};
     ost_mesh mesh = {0};
     size_t open_edges = 99;
-    assert_ok(ost_surface_extract(volume, threshold, place, &mesh, &err));
+    assert_ok(ost_surface_extract(volume, threshold, placement, &mesh, &err));
     assert_ok(ost_mesh_open_edges(&mesh, &open_edges, &err));
     assert_int_equal(open_edges, 0);
     *mm3 = ost_mesh_volume_mm3(&mesh);

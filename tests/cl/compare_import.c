@@ -81,7 +81,7 @@ static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *s
     LAUNCH(m, ost_ct_place, count, 1, 1, s, b, seen, owner, voxels, r);
     LAUNCH(m, ost_ct_check, count, 1, 1, s, b, seen, owner, voxels, r);
     if (part.conflict_line != OST_CL_NONE) {
-        LAUNCH(m, ost_ct_blame, count, 1, 1, s, b, voxels, r);
+        LAUNCH(m, ost_ct_report_first_bad, count, 1, 1, s, b, voxels, r);
         LAUNCH(m, ost_ct_had, 1, 1, 1, s, b, voxels, r);
     }
     add_report(report, &part, samples, count, first_line);
@@ -353,18 +353,18 @@ static void chunks_round(machine *m, test_rng *rng)
     }
     for (size_t c = 0; c < p.chunks; c++)
         p.slots[c] = active[c] > 0 ? (uint32_t)p.used++ : OST_CL_NONE;
-    const size_t room = p.used ? p.used : 1;
-    p.density = zeros(room * p.voxels, 2);
-    p.words = zeros(room * p.voxels / 32, 4);
+    const size_t capacity = p.used ? p.used : 1;
+    p.density = zeros(capacity * p.voxels, 2);
+    p.words = zeros(capacity * p.voxels / 32, 4);
     if (!by_items) { /* these kernels write every element of a slot */
-        memset(p.density, 0x55, room * p.voxels * 2);
-        memset(p.words, 0x55, room * p.voxels / 8);
+        memset(p.density, 0x55, capacity * p.voxels * 2);
+        memset(p.words, 0x55, capacity * p.voxels / 8);
     }
     for (int part = 0; part < 2; part++) {
         const slab *s = &slabs[part];
         const kernel_arg args[] = {ONE(&p.bone), number_arg(s->z0), number_arg(s->z1), number_arg(s->first), number_arg(s->weights),
                                    BUFFER(s->layers, s->layer_count), BUFFER(s->voxels, s->count), BUFFER(p.slots, p.chunks),
-                                   BUFFER(p.density, room * p.voxels), BUFFER(p.words, room * p.voxels / 32)};
+                                   BUFFER(p.density, capacity * p.voxels), BUFFER(p.words, capacity * p.voxels / 32)};
         if (s->z0 < s->z1 && by_items)
             m->launch(m, K_ost_chunk_store, args, 10, (const size_t[3]){(size_t)(n * n / 32), (size_t)columns, (size_t)(s->z1 - s->z0)});
         else if (s->z0 < s->z1)
@@ -373,7 +373,7 @@ static void chunks_round(machine *m, test_rng *rng)
         free(s->layers);
     }
 
-    uint32_t next = 0, *counted = zeros(room, 4);
+    uint32_t next = 0, *counted = zeros(capacity, 4);
     if (p.used)
         LAUNCH(m, ost_chunk_count, n, p.used, 1, ONE(&p.bone), number_arg(0), number_arg((int64_t)p.used),
                BUFFER(p.words, p.used * p.voxels / 32), BUFFER(counted, p.used));
@@ -397,7 +397,7 @@ static void chunks_round(machine *m, test_rng *rng)
     for (int part = 0; part < 2; part++) {
         const size_t slices = (size_t)(ends[part + 1] - ends[part]);
         const kernel_arg args[] = {ONE(&p.bone), number_arg(ends[part]), number_arg(ends[part + 1]), BUFFER(p.slots, p.chunks),
-                                   BUFFER(p.density, room * p.voxels), BUFFER(loaded + slice * (size_t)ends[part], slice * slices)};
+                                   BUFFER(p.density, capacity * p.voxels), BUFFER(loaded + slice * (size_t)ends[part], slice * slices)};
         if (slices && by_items)
             m->launch(m, K_ost_chunk_load, args, 6, (const size_t[3]){(size_t)d.x, (size_t)d.y, slices});
         else if (slices)

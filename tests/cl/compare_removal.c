@@ -194,7 +194,7 @@ static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tabl
     size_t bytes;
     uint8_t *input = input_of(e, &bytes);
     if (blocks > 0 && m->rows == 256)
-        LAUNCH(m, ost_remove_blocks, (blocks + OST_CL_HANDS - 1) / OST_CL_HANDS * OST_CL_HANDS, 1, 1, BUFFER(input, bytes),
+        LAUNCH(m, ost_remove_blocks, (blocks + OST_CL_BATCHES - 1) / OST_CL_BATCHES * OST_CL_BATCHES, 1, 1, BUFFER(input, bytes),
                BUFFER(tables->cells[0], ost_dims_count(tool->dims)), BUFFER(tables->windows, tables->bytes),
                BUFFER(p->density, p->used * p->voxels), BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
     else if (blocks > 0)

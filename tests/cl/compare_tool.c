@@ -64,18 +64,18 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
                       .bands = (uint32_t)rng_range(rng, 1, 4),
                       .rule = (int)rule,
                       .tool_class = tool_class};
-    const size_t row = (size_t)d.x + 1, room = row * (size_t)d.y * (size_t)(cut > d.z - cut ? cut : d.z - cut);
-    int32_t *steps = zeros(room, 4);
+    const size_t row = (size_t)d.x + 1, capacity = row * (size_t)d.y * (size_t)(cut > d.z - cut ? cut : d.z - cut);
+    int32_t *steps = zeros(capacity, 4);
     for (int part = 0; part < 2; part++) {
         vox.k0 = part ? cut : 0;
         vox.k1 = part ? d.z : cut;
         if (vox.k0 == vox.k1)
             continue;
         LAUNCH(m, ost_vox_steps, mesh->triangle_count, vox.bands, 1, ONE(&vox), BUFFER(&mesh->vertices[0][0], 3 * mesh->vertex_count),
-               BUFFER(&mesh->triangles[0][0], 3 * mesh->triangle_count), BUFFER(steps, room));
-        LAUNCH(m, ost_vox_fill, d.y, vox.k1 - vox.k0, 1, ONE(&vox), BUFFER(steps, room), BUFFER(classes, ost_dims_count(d)), ONE(leaks));
+               BUFFER(&mesh->triangles[0][0], 3 * mesh->triangle_count), BUFFER(steps, capacity));
+        LAUNCH(m, ost_vox_fill, d.y, vox.k1 - vox.k0, 1, ONE(&vox), BUFFER(steps, capacity), BUFFER(classes, ost_dims_count(d)), ONE(leaks));
     }
-    for (size_t i = 0; i < room; i++)
+    for (size_t i = 0; i < capacity; i++)
         assert_int_equal(steps[i], 0);
     free(steps);
 }
@@ -94,13 +94,13 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     tiles.layer = (int32_t)rng_range(rng, d.z > 100 ? 100 : 1, d.z);
     tiles.pass = (int32_t)rng_range(rng, d.z > 100 ? 50 : 1, d.z);
     const size_t count = (size_t)tiles.count[0] * (size_t)tiles.count[1], n = mesh->triangle_count;
-    const size_t rows = count * (size_t)tiles.pass * (size_t)tiles.height, steps_room = rows * ((size_t)d.x + 1), marks_room = rows * ((size_t)d.x / 64 + 1);
+    const size_t rows = count * (size_t)tiles.pass * (size_t)tiles.height, steps_capacity = rows * ((size_t)d.x + 1), marks_capacity = rows * ((size_t)d.x / 64 + 1);
     const size_t lists = (size_t)tiles.count[0] * (size_t)((d.z + tiles.layer - 1) / tiles.layer);
     uint32_t *start = zeros(lists + 1, 4), *list = zeros(lists * n, 4);
-    int32_t *steps = zeros(steps_room, 4);
-    uint64_t *marks = zeros(marks_room, 8), *of_tile = zeros(3 * count, 8);
-    memset(steps, 0x33, steps_room * 4);
-    memset(marks, 0x33, marks_room * 8);
+    int32_t *steps = zeros(steps_capacity, 4);
+    uint64_t *marks = zeros(marks_capacity, 8), *of_tile = zeros(3 * count, 8);
+    memset(steps, 0x33, steps_capacity * 4);
+    memset(marks, 0x33, marks_capacity * 8);
     of_tile[2] = over ? counts[2] : 99; /* the kernel adds to it if over, else overwrites it */
     for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;
@@ -108,8 +108,8 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
             list[start[t] + i] = (uint32_t)((i + t) % n);
     }
     LAUNCH(m, ost_vox_tiles, tiles.count[0], tiles.count[1], 1, ONE(&tiles), BUFFER(&mesh->vertices[0][0], 3 * mesh->vertex_count),
-           BUFFER(&mesh->triangles[0][0], 3 * n), BUFFER(start, lists + 1), BUFFER(list, lists * n), BUFFER(steps, steps_room),
-           BUFFER(marks, marks_room), BUFFER(classes, ost_dims_count(d)), BUFFER(of_tile, 3 * count));
+           BUFFER(&mesh->triangles[0][0], 3 * n), BUFFER(start, lists + 1), BUFFER(list, lists * n), BUFFER(steps, steps_capacity),
+           BUFFER(marks, marks_capacity), BUFFER(classes, ost_dims_count(d)), BUFFER(of_tile, 3 * count));
     for (int c = 0; c < 3; c++) {
         counts[c] = 0;
         for (size_t t = 0; t < count; t++)

@@ -17,7 +17,7 @@
     X(ost_ct_claim)          \
     X(ost_ct_place)          \
     X(ost_ct_check)          \
-    X(ost_ct_blame)          \
+    X(ost_ct_report_first_bad) \
     X(ost_ct_had)            \
     X(ost_cubic_sources)     \
     X(ost_cubic_gather)      \

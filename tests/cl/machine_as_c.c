@@ -35,7 +35,7 @@ static void call(enum test_kernel kernel, const kernel_arg *args)
     case K_ost_ct_claim: ost_ct_claim(B(0), B(1), B(2), B(3), B(4)); break;
     case K_ost_ct_place: ost_ct_place(B(0), B(1), B(2), B(3), B(4), B(5)); break;
     case K_ost_ct_check: ost_ct_check(B(0), B(1), B(2), B(3), B(4), B(5)); break;
-    case K_ost_ct_blame: ost_ct_blame(B(0), B(1), B(2), B(3)); break;
+    case K_ost_ct_report_first_bad: ost_ct_report_first_bad(B(0), B(1), B(2), B(3)); break;
     case K_ost_ct_had: ost_ct_had(B(0), B(1), B(2), B(3)); break;
     case K_ost_cubic_sources: ost_cubic_sources(B(0), B(1)); break;
     case K_ost_cubic_gather: ost_cubic_gather(B(0), B(1), B(2), B(3)); break;

@@ -91,11 +91,11 @@ static bool refuses(enum shim_call call)
         return NULL;                               \
     }
 
-STATUS(clGetPlatformIDs, (cl_uint room, cl_platform_id *ids, cl_uint *count), (room, ids, count))
-STATUS(clGetDeviceIDs, (cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id *ids, cl_uint *count),
-       (platform, type, room, ids, count))
-STATUS(clGetDeviceInfo, (cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size),
-       (device, what, room, value, size))
+STATUS(clGetPlatformIDs, (cl_uint capacity, cl_platform_id *ids, cl_uint *count), (capacity, ids, count))
+STATUS(clGetDeviceIDs, (cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *ids, cl_uint *count),
+       (platform, type, capacity, ids, count))
+STATUS(clGetDeviceInfo, (cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size),
+       (device, what, capacity, value, size))
 OBJECT(cl_context, clCreateContext, SHIM_CONTEXT,
        (const cl_context_properties *properties, cl_uint count, const cl_device_id *devices,
         void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *user, cl_int *code),
@@ -114,8 +114,8 @@ STATUS(clBuildProgram,
        (program, count, devices, options, notify, user))
 OBJECT(cl_kernel, clCreateKernel, SHIM_KERNEL, (cl_program program, const char *name, cl_int *code), (program, name, code))
 STATUS(clGetKernelWorkGroupInfo,
-       (cl_kernel kernel, cl_device_id device, cl_kernel_work_group_info what, size_t room, void *value, size_t *size),
-       (kernel, device, what, room, value, size))
+       (cl_kernel kernel, cl_device_id device, cl_kernel_work_group_info what, size_t capacity, void *value, size_t *size),
+       (kernel, device, what, capacity, value, size))
 STATUS(clSetKernelArg, (cl_kernel kernel, cl_uint index, size_t size, const void *value), (kernel, index, size, value))
 OBJECT(cl_mem, clCreateBuffer, SHIM_BUFFER, (cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code),
        (context, flags, size, host, code))

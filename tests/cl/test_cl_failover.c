@@ -61,7 +61,7 @@ static stage make_stage(const plan *p, ost_backend *backend, int32_t keep)
 {
     ost_error err = {0};
     stage s = {.backend = backend, .bone = bone_of(backend, &p->g, 16, p->voxels)};
-    assert_ok(ost_world_create(s.bone, &(ost_world_options){.keep_ticks = keep}, &s.world, &err));
+    assert_ok(ost_world_create(s.bone, &(ost_world_options){.saved_ticks = keep}, &s.world, &err));
     for (int t = 0; t < 2; t++) {
         assert_ok(ost_tool_upload(backend, &p->tool[t], &s.tools[t], &err));
         assert_ok(ost_world_add_tool(s.world, "tool", s.tools[t], NULL, &err));
@@ -82,7 +82,7 @@ static void go_on(stage *s, const char *spec)
     ost_error err = {0};
     stage before = *s;
     assert_ok(ost_backend_open(spec, &s->backend, &err));
-    assert_ok(ost_world_rescue(s->world, s->backend, &s->bone, s->tools, &err));
+    assert_ok(ost_world_failover(s->world, s->backend, &s->bone, s->tools, &err));
     free_voxels(&before);
 }
 

@@ -71,7 +71,7 @@ static void free_session(session *s)
 
 /* Checks that the bone is unchanged or lost, and that the reference continues from the last completed tick to the
    same end. */
-static void check_rescue(const session *s, const ost_bone *bone, int done)
+static void check_failover(const session *s, const ost_bone *bone, int done)
 {
     const size_t bytes = voxel_count(&s->g) * sizeof(int16_t);
     ost_error err = {0};
@@ -137,7 +137,7 @@ static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *t
             status = ost_bone_remove(bone, tool, event, &report, err);
     }
     if (status != OST_OK)
-        check_rescue(s, bone, done);
+        check_failover(s, bone, done);
     ost_report_free(&report);
     free(e);
     return status;
@@ -149,7 +149,7 @@ static ost_status run_session(const session *s, ost_error *err)
     const ost_geometry flat = {.dims = {10, 5, 1}, .spacing = {500 * UM, 500 * UM, 500 * UM}};
     const char *options = strchr(device_spec(), ':') ? strchr(device_spec(), ':') + 1 : "";
     ost_backend *backend = NULL;
-    ost_grid *rect = NULL, *cubic = NULL, *whole = NULL;
+    ost_grid *rect = NULL, *cubic = NULL, *complete = NULL;
     ost_bone *first = NULL, *bone = NULL;
     ost_tool *tool = NULL, *copy = NULL;
     ost_tool_volume volume = {.voxels = NULL};
@@ -169,14 +169,14 @@ static ost_status run_session(const session *s, ost_error *err)
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, 16, 120, &first, err);
     if (status == OST_OK)
-        status = ost_grid_create(backend, &s->g, &whole, err);
+        status = ost_grid_create(backend, &s->g, &complete, err);
     if (status == OST_OK) {
-        status = ost_grid_upload(whole, 0, s->g.dims.z, s->voxels, err);
+        status = ost_grid_upload(complete, 0, s->g.dims.z, s->voxels, err);
         if (status != OST_OK)
-            check_grid(s, whole, voxels);
+            check_grid(s, complete, voxels);
     }
     if (status == OST_OK)
-        status = ost_grid_download(whole, 0, s->g.dims.z, voxels, err);
+        status = ost_grid_download(complete, 0, s->g.dims.z, voxels, err);
     if (status == OST_OK)
         status = ost_bone_create(backend, &s->g, 16, 120, &bone, err);
     if (status == OST_OK)
@@ -207,7 +207,7 @@ static ost_status run_session(const session *s, ost_error *err)
     ost_tool_free(tool);
     ost_bone_free(bone);
     ost_bone_free(first);
-    ost_grid_free(whole);
+    ost_grid_free(complete);
     ost_grid_free(cubic);
     ost_grid_free(rect);
     ost_backend_close(backend);
@@ -314,7 +314,7 @@ static void late(void **state)
         if (ost_bone_remove(first, tool, made, &report, &err) == OST_OK)
             assert_false(shim_failed());
         else
-            check_rescue(&s, first, 0);
+            check_failover(&s, first, 0);
         shim_fail(SHIM_clFinish, 0, false);
         remove_at(second, &s.g, tool, s.poses[0], 4, &report);
         int16_t *now = content(second, &s.g);

@@ -94,18 +94,18 @@ static void no_such_device(void **state)
 
 /* ------------------------------------------------- devices that lie or err */
 
-static cl_device_info asked;
+static cl_device_info requested;
 static const void *answer;
 static size_t answer_size;
 
 /* Answers one query as the test defines, all others by the device. */
-static cl_int lying_info(cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size)
+static cl_int lying_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
-    if (what != asked)
-        return clGetDeviceInfo(device, what, room, value, size);
+    if (what != requested)
+        return clGetDeviceInfo(device, what, capacity, value, size);
     if (size)
         *size = answer_size;
-    if (value && room >= answer_size)
+    if (value && capacity >= answer_size)
         memcpy(value, answer, answer_size);
     return CL_SUCCESS;
 }
@@ -116,7 +116,7 @@ static void says(cl_device_info what, const void *value, size_t size, const char
     ost_cl_api api = ost_cl_loader;
     char text[256];
     api.clGetDeviceInfo = lying_info;
-    asked = what;
+    requested = what;
     answer = value;
     answer_size = size;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
@@ -139,14 +139,14 @@ static void refused_for_what_it_says(void **state)
 }
 
 /* The embedded profile has 64-bit integers only if it reports the extension. */
-static cl_int embedded_info(cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size)
+static cl_int embedded_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     const char *text = what == CL_DEVICE_PROFILE ? "EMBEDDED_PROFILE" : what == CL_DEVICE_EXTENSIONS ? answer : NULL;
     if (!text)
-        return clGetDeviceInfo(device, what, room, value, size);
+        return clGetDeviceInfo(device, what, capacity, value, size);
     if (size)
         *size = strlen(text) + 1;
-    if (value && room >= strlen(text) + 1)
+    if (value && capacity >= strlen(text) + 1)
         memcpy(value, text, strlen(text) + 1);
     return CL_SUCCESS;
 }
@@ -164,9 +164,9 @@ static void refused_without_int64(void **state)
     assert_ok(try_open(&api, own_options(), &err));
 }
 
-static cl_int no_platforms(cl_uint room, cl_platform_id *ids, cl_uint *count)
+static cl_int no_platforms(cl_uint capacity, cl_platform_id *ids, cl_uint *count)
 {
-    (void)room;
+    (void)capacity;
     (void)ids;
     *count = 0;
     return -1001;
@@ -185,11 +185,11 @@ static void no_platform(void **state)
     assert_true(strlen(reason) > 20);
 }
 
-static cl_int no_devices(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id *ids, cl_uint *count)
+static cl_int no_devices(cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *ids, cl_uint *count)
 {
     (void)platform;
     (void)type;
-    (void)room;
+    (void)capacity;
     (void)ids;
     if (count)
         *count = 0;

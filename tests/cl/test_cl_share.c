@@ -42,14 +42,14 @@ static void touches(char what)
         fail_msg("the shared buffer is used when GL has it: %s", calls);
 }
 
-static cl_int info_gl(cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size)
+static cl_int info_gl(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     static const char text[] = "cl_khr_gl_sharing_not cl_khr_fp64 cl_khr_gl_sharing";
     if (what != CL_DEVICE_EXTENSIONS)
-        return shim.clGetDeviceInfo(device, what, room, value, size);
+        return shim.clGetDeviceInfo(device, what, capacity, value, size);
     if (size)
         *size = sizeof text;
-    if (value && room >= sizeof text)
+    if (value && capacity >= sizeof text)
         memcpy(value, text, sizeof text);
     return CL_SUCCESS;
 }
@@ -210,13 +210,13 @@ static void properties(void **state)
     }
 }
 
-static cl_int info_without(cl_device_id device, cl_device_info what, size_t room, void *value, size_t *size)
+static cl_int info_without(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     if (what == CL_DEVICE_EXTENSIONS && value)
-        return room >= 16 ? memcpy(value, "cl_khr_gl_sharin", 16), CL_SUCCESS : CL_INVALID_VALUE;
+        return capacity >= 16 ? memcpy(value, "cl_khr_gl_sharin", 16), CL_SUCCESS : CL_INVALID_VALUE;
     if (what == CL_DEVICE_EXTENSIONS && size)
         return *size = 16, CL_SUCCESS;
-    return shim.clGetDeviceInfo(device, what, room, value, size);
+    return shim.clGetDeviceInfo(device, what, capacity, value, size);
 }
 
 static void not_possible(void **state)

@@ -80,10 +80,10 @@ static void the_divider_divides(void **state)
         }
         if (q == most || q == -most) /* the quotient may not exceed the bound */
             n = q * d;
-        ost_i128 rest;
-        const int64_t below = ost_floor_by(&by, n, &rest);
+        ost_i128 remainder;
+        const int64_t below = ost_floor_by(&by, n, &remainder);
         assert_true(below == ost_floor_div128(n, d));
-        assert_true(rest == n - below * d);
+        assert_true(remainder == n - below * d);
         assert_nearest(n, d, ost_rhe_by(&by, n));
     }
 }

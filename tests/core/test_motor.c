@@ -50,15 +50,15 @@ static void a_pose_is_turned_about_its_own_axis(void **state)
         }
         if (n < 1)
             continue;
-        ost_pose hand = {.t = {i, -i, 7}, (int32_t)(q[0] / sqrt(n) * OST_Q30_ONE), (int32_t)(q[1] / sqrt(n) * OST_Q30_ONE), (int32_t)(q[2] / sqrt(n) * OST_Q30_ONE),
-                         (int32_t)(q[3] / sqrt(n) * OST_Q30_ONE)};
+        ost_pose handle = {.t = {i, -i, 7}, (int32_t)(q[0] / sqrt(n) * OST_Q30_ONE), (int32_t)(q[1] / sqrt(n) * OST_Q30_ONE), (int32_t)(q[2] / sqrt(n) * OST_Q30_ONE),
+                           (int32_t)(q[3] / sqrt(n) * OST_Q30_ONE)};
         const ost_motor motor = {.phase = rng_range(&rng, 0, OST_MOTOR_TURN - 1)};
         const double angle = -3.14159265358979323846 * floor(4096.0 * (double)motor.phase / (double)OST_MOTOR_TURN) / 4096, c = cos(angle), s = sin(angle);
-        const double w = hand.qw, x = hand.qx, y = hand.qy, z = hand.qz;
+        const double w = handle.qw, x = handle.qx, y = handle.qy, z = handle.qz;
         const double expected[4] = {w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s};
-        const ost_pose tool = ost_motor_pose(&motor, &hand), back = ost_motor_hand(&motor, &tool);
-        const int32_t got[4] = {tool.qw, tool.qx, tool.qy, tool.qz}, again[4] = {back.qw, back.qx, back.qy, back.qz}, was[4] = {hand.qw, hand.qx, hand.qy, hand.qz};
-        assert_memory_equal(&tool.t, &hand.t, sizeof hand.t);
+        const ost_pose tool = ost_motor_pose(&motor, &handle), back = ost_motor_handle_pose(&motor, &tool);
+        const int32_t got[4] = {tool.qw, tool.qx, tool.qy, tool.qz}, again[4] = {back.qw, back.qx, back.qy, back.qz}, was[4] = {handle.qw, handle.qx, handle.qy, handle.qz};
+        assert_memory_equal(&tool.t, &handle.t, sizeof handle.t);
         assert_ok(ost_pose_check(&tool, &err));
         for (int a = 0; a < 4; a++) {
             assert_true(fabs(got[a] - expected[a]) <= 2);
@@ -107,15 +107,15 @@ static void rows_become_ticks(void **state)
     ost_path path;
     ost_motor motor = {0};
     assert_ok(ost_path_init(&path, 7, &err));
-    path.ticks[0] = row(0, OST_RPM_HAND, 0);
-    path.ticks[1] = row(100, OST_RPM_HAND, 30); /* 3 parts at 200 rpm: U / 3 is more than 2 U / 8 */
-    path.ticks[2] = row(137, OST_RPM_HAND, 40); /* 37 ms: 7.4 * 10^9, below U / 8 */
-    path.ticks[3] = row(1137, OST_RPM_HAND, 50);
+    path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
+    path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30); /* 3 parts at 200 rpm: U / 3 is more than 2 U / 8 */
+    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms: 7.4 * 10^9, below U / 8 */
+    path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
     path.ticks[3].lifted = true;                /* lifted: one tick for any interval */
-    path.ticks[4] = row(2137, OST_RPM_HAND, 60);
+    path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
     path.ticks[4].tool = 1;                     /* another tool: one tick as well */
     path.ticks[5] = row(3137, 50, 70);          /* a row with its own speed, as from a session, is unchanged */
-    path.ticks[6] = row(3200, OST_RPM_HAND, 80);
+    path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));
     assert_int_equal(path.count, 9);
     static const int64_t t_ns[] = {0, 33333333, 66666666, 100000000, 137000000, 1137000000, 2137000000, 3137000000, 3200000000};
@@ -146,8 +146,8 @@ static void hands_between_rows_are_poses(void **state)
     ost_error err = {0};
     ost_path path;
     assert_ok(ost_path_init(&path, 2, &err));
-    path.ticks[0] = row(0, OST_RPM_HAND, 0);
-    path.ticks[1] = row(1000, OST_RPM_HAND, 0);
+    path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
+    path.ticks[1] = row(1000, OST_RPM_OF_DEVICE, 0);
     path.ticks[1].pose.qw = (int32_t)(0.766044443 * OST_Q30_ONE);
     path.ticks[1].pose.qx = (int32_t)(0.642787610 * OST_Q30_ONE);
     assert_ok(ost_motor_path(&path, 200, &(ost_motor){0}, &err));
@@ -166,22 +166,22 @@ static void rows_too_far_apart_are_refused(void **state)
     ost_error err = {0};
     ost_path path;
     assert_ok(ost_path_init(&path, 2, &err));
-    path.ticks[0] = row(0, OST_RPM_HAND, 0);
-    path.ticks[1] = row(153600, OST_RPM_HAND, 0); /* 200 rpm for 153.6 s: 512 turns, 4096 parts */
+    path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
+    path.ticks[1] = row(153600, OST_RPM_OF_DEVICE, 0); /* 200 rpm for 153.6 s: 512 turns, 4096 parts */
     ost_path same = path;
     assert_int_equal(ost_motor_path(&path, 3001, &(ost_motor){0}, &err), OST_ERR_USAGE);
     assert_int_equal(ost_motor_path(&path, -1, &(ost_motor){0}, &err), OST_ERR_USAGE);
     path.ticks[1].t_ns++;
     assert_int_equal(ost_motor_path(&path, 200, &(ost_motor){0}, &err), OST_ERR_RANGE);
     assert_non_null(strstr(err.text, "row 1"));
-    path.ticks[1] = row(50, OST_RPM_HAND, 0);
+    path.ticks[1] = row(50, OST_RPM_OF_DEVICE, 0);
     path.ticks[1].pose = (ost_pose){.qx = OST_Q30_ONE};
     assert_int_equal(ost_motor_path(&path, 200, &(ost_motor){0}, &err), OST_ERR_RANGE);
     assert_memory_equal(&path, &same, sizeof path);
     assert_ok(ost_motor_path(&path, 0, &(ost_motor){0}, &err)); /* motor off: no sweep, no limit */
     assert_int_equal(path.count, 2);
-    path.ticks[0] = row(0, OST_RPM_HAND, 0);
-    path.ticks[1] = row(153600, OST_RPM_HAND, 0);
+    path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
+    path.ticks[1] = row(153600, OST_RPM_OF_DEVICE, 0);
     assert_ok(ost_motor_path(&path, 200, &(ost_motor){0}, &err));
     assert_int_equal(path.count, 4097);
     ost_path_free(&path);

@@ -42,10 +42,10 @@ static ost_voxel_box some_box(test_rng *rng, const ost_geometry *g)
 {
     const int32_t d[3] = {g->dims.x, g->dims.y, g->dims.z};
     ost_voxel_box box;
-    const bool whole = rng_range(rng, 0, 2) > 0;
+    const bool complete = rng_range(rng, 0, 2) > 0;
     for (int a = 0; a < 3; a++) {
-        box.lo[a] = whole ? 0 : (int32_t)rng_range(rng, -3, d[a]);
-        box.hi[a] = whole ? d[a] : (int32_t)rng_range(rng, box.lo[a], d[a] + 5);
+        box.lo[a] = complete ? 0 : (int32_t)rng_range(rng, -3, d[a]);
+        box.hi[a] = complete ? d[a] : (int32_t)rng_range(rng, box.lo[a], d[a] + 5);
     }
     return box;
 }

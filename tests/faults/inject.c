@@ -373,6 +373,6 @@ FUNCTION(FILE *, fopen, (const char *path, const char *mode), open_fails(path, C
 FUNCTION(FILE *, fopen64, (const char *path, const char *mode), open_fails(path, CALLER), NULL, (path, mode))
 FUNCTION(DIR *, opendir, (const char *path), open_fails(path, CALLER), NULL, (path))
 FUNCTION(ssize_t, read, (int fd, void *to, size_t size), read_fails(CALLER), -1, (fd, to, size))
-FUNCTION(ssize_t, __read_chk, (int fd, void *to, size_t size, size_t room), read_fails(CALLER), -1, (fd, to, size, room))
+FUNCTION(ssize_t, __read_chk, (int fd, void *to, size_t size, size_t capacity), read_fails(CALLER), -1, (fd, to, size, capacity))
 FUNCTION(ssize_t, pread, (int fd, void *to, size_t size, off_t at), read_fails(CALLER), -1, (fd, to, size, at))
 FUNCTION(ssize_t, pread64, (int fd, void *to, size_t size, off_t at), read_fails(CALLER), -1, (fd, to, size, at))

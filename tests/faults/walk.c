@@ -261,10 +261,10 @@ static void take_output(output *o)
 /* Returns what is wrong after a run with a fault, or NULL. */
 static const char *judge(int status, int expected_status, const folder_state *expected, const output *printed, char text[TEXT])
 {
-    char said[TEXT];
-    const bool has_message = message(said);
+    char text_out[TEXT];
+    const bool has_message = message(text_out);
     if (!WIFEXITED(status)) {
-        snprintf(text, TEXT, "ended by signal %d: %.300s", WTERMSIG(status), said);
+        snprintf(text, TEXT, "ended by signal %d: %.300s", WTERMSIG(status), text_out);
         return text;
     }
     const int code = WEXITSTATUS(status);
@@ -278,11 +278,11 @@ static const char *judge(int status, int expected_status, const folder_state *ex
         return compare(expected, true, text);
     }
     if (code != 2 && code != 3) {
-        snprintf(text, TEXT, "status %d: %.300s", code, said);
+        snprintf(text, TEXT, "status %d: %.300s", code, text_out);
         return text;
     }
     if (!has_message) {
-        snprintf(text, TEXT, "status %d without a message: %.300s", code, said);
+        snprintf(text, TEXT, "status %d without a message: %.300s", code, text_out);
         return text;
     }
     return compare(expected, false, text);

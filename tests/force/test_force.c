@@ -223,14 +223,14 @@ static void what_does_not_cut_stops(void **state)
             points[i].cutting = !blunt;
         ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
         ost_force_result r;
-        const double held = 19.75 + 5;
+        const double surface_mm = 19.75 + 5;
         for (int i = 0; i < 400; i++) {
             /* Down to 4 mm inside, then along x. */
-            const ost_pose pose = at_mm(12 + (i < 200 ? 0 : 0.02 * (i - 200)), 15, held + 2 - (i < 200 ? 0.03 * i : 6));
+            const ost_pose pose = at_mm(12 + (i < 200 ? 0 : 0.02 * (i - 200)), 15, surface_mm + 2 - (i < 200 ? 0.03 * i : 6));
             assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
-            assert_true((double)r.tool.t.z * 1e-9 > held - 0.1);
+            assert_true((double)r.tool.t.z * 1e-9 > surface_mm - 0.1);
         }
-        assert_near("felt 4 mm deep, N", r.force_n[2], params.stiffness * ((double)r.tool.t.z * 1e-12 - (held - 4) * 1e-3), 0.02);
+        assert_near("felt 4 mm deep, N", r.force_n[2], params.stiffness * ((double)r.tool.t.z * 1e-12 - (surface_mm - 4) * 1e-3), 0.02);
         assert_true(r.force_n[2] > 0.9);
         /* The voxels' steps hold a blunt tool back a little. */
         assert_near("slid by, mm", (double)r.tool.t.x * 1e-9 - 12, 0.02 * 199, 0.4);

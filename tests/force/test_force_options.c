@@ -225,7 +225,7 @@ static void a_file_says_what_is_other(void **state)
     ost_safety_params s = ost_safety_defaults();
     write_text(path, "# a light reamer\n\n  stiffness: 250   # N/m\nenergy: 4.5e7\r\nmax_force: 2\nstale_ticks: 3\ndead_man: 3\ndensity_per_hu: 0.001067");
     assert_ok(ost_force_params_read(path, &f, &s, &err));
-    assert_true(f.stiffness == 250 && f.energy == 4.5e7 && s.max_n == 2 && s.stale_ticks == 3 && s.dead_man == 3 && f.density_per_hu == 0.001067);
+    assert_true(f.stiffness == 250 && f.energy == 4.5e7 && s.max_n == 2 && s.max_ticks_without_sample == 3 && s.dead_man == 3 && f.density_per_hu == 0.001067);
     assert_true(f.damping == 0.5 && s.slew_n == 0.3);
     /* All parameters can be set, printed and read again. */
     FILE *out = fopen(path, "w");

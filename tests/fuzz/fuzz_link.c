@@ -30,9 +30,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 const char *const fuzz_words[] = {"OSTL", "\x01\x02", "\x01\x03", "\xff\xff\xff\xff", "\x40", NULL};
 
 /* Bodies of each type; those followed by an HMAC match no key. */
-size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
-    if (index >= 6 || room < LINK_STATE_BYTES)
+    if (index >= 6 || capacity < LINK_STATE_BYTES)
         return 0;
     const link_packet p = {.type = (uint8_t)(1 + index % 3), .flags = index % 3 == 1 ? LINK_SEEN : 0, .bridge = 5, .simulation = index % 3 ? 6 : 0,
                            .sequence = 7, .pose = {.t = {1, -2, 3}, .qw = OST_Q30_ONE}};

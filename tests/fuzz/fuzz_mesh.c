@@ -84,9 +84,9 @@ static size_t three_ds(uint8_t *bytes)
     return at;
 }
 
-size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
-    if (room < 4096)
+    if (capacity < 4096)
         return 0;
     switch (index) {
     case 0: return binary_stl(bytes);

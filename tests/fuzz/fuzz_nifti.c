@@ -23,11 +23,11 @@ enum { ONE = 0x3f800000, SEEDS = 5 };
  * Volumes of 2 x 1 x 2 uint8: version 1 without orientation, with qform, with sform and an
  * extension, as a pair's header; version 2.
  */
-size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     bool two = index == 4;
     size_t size = two ? 540 : 348, extension = index == 2 ? 32 : 0, total = size + 4 + extension + 4;
-    if (index >= SEEDS || total > room)
+    if (index >= SEEDS || total > capacity)
         return 0;
     memset(bytes, 0, total);
     put(bytes, size, 4);

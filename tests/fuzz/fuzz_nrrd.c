@@ -28,14 +28,14 @@ static const char *const seeds[] = {
 
 static const size_t gzip_tail = 23; /* size of the last seed's gzip data, which contain NULs */
 
-size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     const unsigned count = sizeof seeds / sizeof seeds[0];
     if (index >= count)
         return 0;
     size_t size = index == count - 1 ? (size_t)(strstr(seeds[index], "\n\n") + 2 - seeds[index]) + gzip_tail : strlen(seeds[index]);
-    if (size > room)
-        size = room;
+    if (size > capacity)
+        size = capacity;
     memcpy(bytes, seeds[index], size);
     return size;
 }

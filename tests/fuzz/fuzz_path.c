@@ -34,16 +34,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 const char *const fuzz_words[] = {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz", "t_s,x_m,y_m,z_m,qw,qx,qy,qz", ",tool", ",lifted", ",movement", "nan", "NaN", "\x1f\x8b\x08", "-inf", "1e999", "1e-999", "9223372036.854775807", "8000",
                                   "0.70710678", "-0", ",,", ",", "\n", "\r\n", "#", "\xef\xbb\xbf", "2147483648", NULL};
 
-size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     if (index >= 3)
         return 0;
     char *text = (char *)bytes;
-    size_t used = (size_t)snprintf(text, room, index == 2   ? "t_s,x_m,y_m,z_m,qw,qx,qy,qz,movement,lifted\n"
+    size_t used = (size_t)snprintf(text, capacity, index == 2   ? "t_s,x_m,y_m,z_m,qw,qx,qy,qz,movement,lifted\n"
                                                      : index == 1 ? "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool\n"
                                                                   : "# a path\n");
     for (int i = 0; i < 20; i++)
-        used += (size_t)snprintf(text + used, room - used, "%d.%03d,%s,-0.34,%de-1,0.6,0,-0.8,0%s\n", i / 10, i % 10 * 100,
+        used += (size_t)snprintf(text + used, capacity - used, "%d.%03d,%s,-0.34,%de-1,0.6,0,-0.8,0%s\n", i / 10, i % 10 * 100,
                                  i % 7 == 3 ? "nan" : "0.5", i, index == 2 ? ",a,1" : index ? ",1" : "");
     return used;
 }

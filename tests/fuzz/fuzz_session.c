@@ -71,12 +71,12 @@ static void look(const uint8_t *data, size_t size)
     const uint64_t records = count_records(session, &ticks);
     fuzz_require(count_records(session, &again) == records && again == ticks);
     /* Records of an unknown kind are included in the summary's count and skipped by the reader. */
-    fuzz_require(ticks == sum->ticks && records <= sum->records && sum->whole_ticks <= ticks);
+    fuzz_require(ticks == sum->ticks && records <= sum->records && sum->complete_ticks <= ticks);
     fuzz_require(sum->damaged_bytes + sum->cut_bytes <= size && sum->file_bytes == size);
     fuzz_require(strlen(ost_session_missing(session, missing)) < OST_SESSION_MISSING);
     ost_path path;
     if (ost_session_path(session, &path, &err) == OST_OK) {
-        fuzz_require(path.count == sum->whole_ticks);
+        fuzz_require(path.count == sum->complete_ticks);
         ost_path_free(&path);
     }
     export_all(session);
@@ -124,7 +124,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 const char *const fuzz_words[] = {"\x89OSTSES\n", "format: osteon session 2\n", "bone: ", "\\x0a", "\\x", ": ", "\n", "plan.axis: 0,0,1\n",
                                   "bone_spacing_mm: 0.47,0.47,0.47\n", "\x01", "\x02", "\x03", "\xff\xff\xff\xff\xff\xff\xff\x7f", NULL};
 
-size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     if (index >= 3)
         return 0;
@@ -137,7 +137,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
     fuzz_require(ost_session_header_set(header, "format", "osteon session 2", &err) == OST_OK);
     fuzz_require(ost_session_header_set(header, "bone", index ? "a\\b\n\xc3\xa4.nrrd" : "builtin:scapula", &err) == OST_OK);
     fuzz_require(ost_session_header_set(header, "bone_spacing_mm", "0.47,0.47,1", &err) == OST_OK);
-    fuzz_require(ost_recorder_open(path, header, &(ost_recorder_options){.no_sync = true, .room = 1024}, &recorder, &err) == OST_OK);
+    fuzz_require(ost_recorder_open(path, header, &(ost_recorder_options){.no_sync = true, .capacity = 1024}, &recorder, &err) == OST_OK);
     const uint64_t ticks = index == 2 ? 0 : 30;
     for (uint64_t n = 0; n < ticks; n++) {
         const ost_record tick = {.kind = OST_RECORD_TICK,
@@ -146,16 +146,16 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
                                              .digest = n * UINT64_C(0x9e3779b97f4a7c15),
                                              .removed = (uint32_t)n,
                                              .force_un = {(int32_t)n, -1, 0}}};
-        ost_recorder_put_patiently(recorder, &tick);
+        ost_recorder_put_waiting(recorder, &tick);
         const ost_record note = {.kind = OST_RECORD_NOTE, .as.note = {.t_ns = (int64_t)n, .text = "a \"note\"\n"}};
         if (n % 10 == 3)
-            ost_recorder_put_patiently(recorder, &note);
+            ost_recorder_put_waiting(recorder, &note);
     }
     fuzz_require(ost_recorder_close(recorder, index ? NULL : &(ost_session_end){.ticks = ticks}, &err) == OST_OK);
     ost_session_header_free(header);
     FILE *file = fopen(path, "rb");
     fuzz_require(file != NULL);
-    const size_t size = fread(bytes, 1, room, file);
+    const size_t size = fread(bytes, 1, capacity, file);
     fclose(file);
     return size;
 }

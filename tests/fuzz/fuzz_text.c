@@ -44,31 +44,31 @@ const char *const fuzz_words[] = {"# osteon spacing_mm: 1 1 1\n", "# osteon dims
                                   "spacing_mm: ", "nan", "inf", "1e999", "1e-999", "e", "-", "32768", "8000.0000000001", "0.0000000005",
                                   "99999999999999999999", "\n", "\r\n", ",", ";", "\t", "\xef\xbb\xbf", "x y z density\n", NULL};
 
-static int put_row(char *to, size_t room, unsigned style, const double p[3], int density)
+static int put_row(char *to, size_t capacity, unsigned style, const double p[3], int density)
 {
     switch (style) {
     case 0:
-        return snprintf(to, room, "%g %g %g %d\n", p[0], p[1], p[2], density);
+        return snprintf(to, capacity, "%g %g %g %d\n", p[0], p[1], p[2], density);
     case 1:
-        return snprintf(to, room, "%.4f,%.4f,%.4f,%d\r\n", p[0], p[1], p[2], density);
+        return snprintf(to, capacity, "%.4f,%.4f,%.4f,%d\r\n", p[0], p[1], p[2], density);
     case 2:
-        return snprintf(to, room, "%.2f;%.2f;%.2f;%d.0 # note\n", p[0], p[1], p[2], density);
+        return snprintf(to, capacity, "%.2f;%.2f;%.2f;%d.0 # note\n", p[0], p[1], p[2], density);
     default:
-        return snprintf(to, room, "%e\t%e\t%e\t%d\n", p[0], p[1], p[2], density);
+        return snprintf(to, capacity, "%e\t%e\t%e\t%d\n", p[0], p[1], p[2], density);
     }
 }
 
-size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t room)
+size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     static const char *const heads[] = {"", "x,y,z,density\n", "\xef\xbb\xbf# osteon spacing_mm: 0.47 0.47 1\n",
                                         "# osteon dims: 4 3 3\n# osteon side: left\n"};
     if (index >= 4)
         return 0;
     char *text = (char *)bytes;
-    size_t used = (size_t)snprintf(text, room, "%s", heads[index]);
+    size_t used = (size_t)snprintf(text, capacity, "%s", heads[index]);
     for (int v = 0; v < 36; v++) {
         const double position[3] = {v % 4 * 0.47 - 57.34, v / 4 % 3 * 0.47, v / 12};
-        used += (size_t)put_row(text + used, room - used, index, position, v * 31 - 100);
+        used += (size_t)put_row(text + used, capacity - used, index, position, v * 31 - 100);
     }
     return used;
 }

@@ -56,36 +56,36 @@ static void put_number(void)
     bool big = next() & 1;
     for (size_t i = 0; i < width; i++)
         bytes[i] = (uint8_t)(value >> 8 * (big ? width - 1 - i : i));
-    size_t at = below(input_size + 1), room = input_size - at;
-    splice(at, width < room ? width : room, bytes, width);
+    size_t at = below(input_size + 1), capacity = input_size - at;
+    splice(at, width < capacity ? width : capacity, bytes, width);
 }
 
 static void edit(void)
 {
-    size_t at = below(input_size + 1), room = input_size - at;
+    size_t at = below(input_size + 1), capacity = input_size - at;
     uint8_t copy[256];
     size_t count = below(sizeof copy);
     switch (below(10)) {
     case 0: /* flip one bit */
-        if (room)
+        if (capacity)
             input[at] ^= (uint8_t)(1u << below(8));
         break;
     case 1: /* replace one byte */
-        if (room)
+        if (capacity)
             input[at] = (uint8_t)next();
         break;
     case 2: /* insert a character that texts use */
-        if (room)
+        if (capacity)
             input[at] = (uint8_t) "0123456789+-.eE \t,;#\n\r\0\xff"[below(24)];
         break;
     case 3: /* cut the end off */
         input_size = at;
         break;
     case 4: /* remove a piece */
-        splice(at, below(room + 1), NULL, 0);
+        splice(at, below(capacity + 1), NULL, 0);
         break;
     case 5: /* duplicate a piece */
-        count = count < room ? count : room;
+        count = count < capacity ? count : capacity;
         memcpy(copy, input + at, count);
         splice(below(input_size + 1), 0, copy, count);
         break;
@@ -103,7 +103,7 @@ static void edit(void)
             words++;
         if (words) {
             const char *word = fuzz_words[below(words)];
-            splice(at, below(2) ? 0 : below(room < 16 ? room + 1 : 16), (const uint8_t *)word, strlen(word));
+            splice(at, below(2) ? 0 : below(capacity < 16 ? capacity + 1 : 16), (const uint8_t *)word, strlen(word));
         }
     }
     }
@@ -116,17 +116,17 @@ static int replay_file(const char *path)
         fprintf(stderr, "%s: %s\n", path, strerror(errno));
         return 99;
     }
-    size_t room = 0, size = 0;
+    size_t capacity = 0, size = 0;
     uint8_t *bytes = NULL;
     for (size_t n = 1; n > 0; size += n) {
-        if (size == room) {
-            room = room ? 2 * room : 4096;
-            uint8_t *more = realloc(bytes, room);
+        if (size == capacity) {
+            capacity = capacity ? 2 * capacity : 4096;
+            uint8_t *more = realloc(bytes, capacity);
             if (!more)
                 exit(99);
             bytes = more;
         }
-        n = fread(bytes + size, 1, room - size, file);
+        n = fread(bytes + size, 1, capacity - size, file);
     }
     fclose(file);
     LLVMFuzzerTestOneInput(bytes, size);

@@ -254,11 +254,11 @@ static void stiff_walls_swing_and_soft_ones_rest(void **state)
                unrest("sim:grip=light,friction=0", stiffness[i]), unrest("sim:friction=0", stiffness[i]),
                unrest("sim:grip=firm,friction=0", stiffness[i]));
     /* The defaults in the literature for such a device: 300 N/m for a light grip, 400 for a normal one. */
-    const double rest = 0.111, swing = 0.3;
-    assert_true(unrest("sim:grip=light", 300) <= rest && unrest("sim:grip=light,friction=0", 300) <= rest);
-    assert_true(unrest("sim", 400) <= rest && unrest("sim:friction=0", 400) <= rest);
-    assert_true(unrest("sim:grip=firm", 400) <= rest && unrest("sim:grip=firm,friction=0", 2400) <= rest);
-    assert_true(unrest("sim:grip=light", 9000) <= rest && unrest("sim", 9000) <= rest && unrest("sim:grip=firm", 9000) <= rest);
+    const double rest_mm = 0.111, swing = 0.3;
+    assert_true(unrest("sim:grip=light", 300) <= rest_mm && unrest("sim:grip=light,friction=0", 300) <= rest_mm);
+    assert_true(unrest("sim", 400) <= rest_mm && unrest("sim:friction=0", 400) <= rest_mm);
+    assert_true(unrest("sim:grip=firm", 400) <= rest_mm && unrest("sim:grip=firm,friction=0", 2400) <= rest_mm);
+    assert_true(unrest("sim:grip=light", 9000) <= rest_mm && unrest("sim", 9000) <= rest_mm && unrest("sim:grip=firm", 9000) <= rest_mm);
     assert_true(unrest("sim:grip=light,friction=0", 2400) > swing);
     assert_true(unrest("sim:friction=0", 5000) > swing);
 }

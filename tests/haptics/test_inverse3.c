@@ -231,7 +231,7 @@ static void need(void)
 static void await(ost_haptic *device, ost_haptic_answer wanted, ost_pm x, ost_haptic_state *state)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
-    ost_haptic_answer got = OST_HAPTIC_STALE;
+    ost_haptic_answer got = OST_HAPTIC_NO_SAMPLE;
     for (int i = 0; i < ANSWER_MS; i++) {
         got = ost_haptic_read(device, state);
         if (got == wanted && (wanted != OST_HAPTIC_FRESH || llabs(state->pose.t.x - x) < 1000))
@@ -264,7 +264,7 @@ static bool try_move(service *s, ost_haptic *device, int from_um, int to_um, ost
         for (int k = 0; k < ANSWER_MS && (atomic_load(&s->answers) < begun + 3 || hand.pose.qw == 0); k++) {
             const ost_haptic_answer got = ost_haptic_read(device, &hand);
             assert_int_not_equal(got, OST_HAPTIC_LOST);
-            seen = seen && (got != OST_HAPTIC_UNSEEN || i == 0);
+            seen = seen && (got != OST_HAPTIC_NOT_TRACKED || i == 0);
             nanosleep(&pause, NULL);
         }
         while (ost_haptic_read(device, &hand) == OST_HAPTIC_FRESH)
@@ -403,17 +403,17 @@ static void silence(void **state)
     assert_ok(open_at(s, "", &device, &err));
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
     /* Four ticks are bridged; then tracking is lost, and after half a second the device is. */
-    int stale = 0, unseen = 0;
+    int stale = 0, tracking_lost = 0;
     ost_haptic_answer got;
     while ((got = ost_haptic_read(device, &hand)) != OST_HAPTIC_LOST) {
         if (got == OST_HAPTIC_FRESH)
-            stale = unseen = 0;
-        stale += got == OST_HAPTIC_STALE;
-        unseen += got == OST_HAPTIC_UNSEEN;
+            stale = tracking_lost = 0;
+        stale += got == OST_HAPTIC_NO_SAMPLE;
+        tracking_lost += got == OST_HAPTIC_NOT_TRACKED;
         if (atomic_load(&s->answers) < 5)
             nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
     }
-    assert_true(stale == 4 && unseen == 496);
+    assert_true(stale == 4 && tracking_lost == 496);
     ost_haptic_close(device);
     end_service(s);
     /* No service listens there any more. */

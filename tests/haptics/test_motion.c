@@ -61,19 +61,19 @@ static void body_at(double t, double at[3], double q[4])
     q[3] = sin(half) * c;
 }
 
-static size_t write_motion(char *text, size_t room)
+static size_t write_motion(char *text, size_t capacity)
 {
-    size_t used = (size_t)snprintf(text, room, "t_s,x_m,y_m,z_m,qw,qx,qy,qz,movement\n");
+    size_t used = (size_t)snprintf(text, capacity, "t_s,x_m,y_m,z_m,qw,qx,qy,qz,movement\n");
     for (int row = 0; row < ROWS; row++) {
         double at[3], q[4];
         body_at(row_time(row), at, q);
         if (row > 300 && row < 330)
             continue;
-        used += (size_t)snprintf(text + used, room - used, "%.4f,%.6f,%.6f,%.6f,", row_time(row), at[0], at[1], at[2]);
+        used += (size_t)snprintf(text + used, capacity - used, "%.4f,%.6f,%.6f,%.6f,", row_time(row), at[0], at[1], at[2]);
         if (is_seen(row))
-            used += (size_t)snprintf(text + used, room - used, "%.8f,%.8f,%.8f,%.8f,1\n", q[0], q[1], q[2], q[3]);
+            used += (size_t)snprintf(text + used, capacity - used, "%.8f,%.8f,%.8f,%.8f,1\n", q[0], q[1], q[2], q[3]);
         else
-            used += (size_t)snprintf(text + used, room - used, "nan,nan,NaN,nan,0\n");
+            used += (size_t)snprintf(text + used, capacity - used, "nan,nan,NaN,nan,0\n");
     }
     return used;
 }
@@ -112,19 +112,19 @@ static void check_motion(const char *file)
     ost_haptic *device = open_motion(file, ",scale=10", &start);
     ost_haptic_state s = {.tool = 5}, last = {.pose = start};
     ost_haptic_answer answer;
-    int fresh = 0, unseen = 0, dropouts = 0, in_segment = 0;
-    bool was_unseen = false;
+    int fresh = 0, tracking_lost = 0, dropouts = 0, in_segment = 0;
+    bool was_lost = false;
     ost_pose base = start;
     while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED) {
-        if (answer == OST_HAPTIC_UNSEEN) {
-            dropouts += unseen == 0 || !was_unseen;
-            unseen++;
-            was_unseen = true;
+        if (answer == OST_HAPTIC_NOT_TRACKED) {
+            dropouts += tracking_lost == 0 || !was_lost;
+            tracking_lost++;
+            was_lost = true;
             continue;
         }
         assert_int_equal(answer, OST_HAPTIC_FRESH);
         assert_int_equal(s.tool, -1);
-        if (was_unseen || fresh == 0) {
+        if (was_lost || fresh == 0) {
             /* The clutch engages where the tool is, up to the rounding of a pose. */
             base = last.pose;
             in_segment = 0;
@@ -147,7 +147,7 @@ static void check_motion(const char *file)
         const double expected[3] = {-y, x, z}; /* the start pose rotates x to y */
         for (int a = 0; a < 3; a++)
             assert_true(fabs(moved[a] - way * expected[a]) < 1e-6);
-        was_unseen = false;
+        was_lost = false;
         last = s;
         fresh++;
         in_segment++;
@@ -157,9 +157,9 @@ static void check_motion(const char *file)
      * Rows 0 to 399 take 1.3965 s. Untracked: 70 ms at first, 353 from row 119 to 220, 104
      * between 300 and 330, 35 after row 389.
      */
-    assert_int_equal(fresh + unseen, 1 + 1396);
+    assert_int_equal(fresh + tracking_lost, 1 + 1396);
     assert_int_equal(dropouts, 4);
-    assert_int_equal(unseen, 70 + 353 + 104 + 35);
+    assert_int_equal(tracking_lost, 70 + 353 + 104 + 35);
 }
 
 static void a_hand_as_it_was_seen(void **state)
@@ -177,9 +177,9 @@ static void a_hand_as_it_was_seen(void **state)
     assert_int_equal(gzclose(gz), Z_OK);
     check_motion(packed);
     /* A truncated file is invalid. */
-    size_t whole;
-    char *bytes = scratch_read(packed, &whole);
-    const char *cut = scratch_write(folder, "cut.csv.gz", bytes, whole / 2);
+    size_t total_bytes;
+    char *bytes = scratch_read(packed, &total_bytes);
+    const char *cut = scratch_write(folder, "cut.csv.gz", bytes, total_bytes / 2);
     free(bytes);
     char spec[4300];
     ost_error err = {0};
@@ -198,10 +198,10 @@ static void with_longer_gaps_allowed(void **state)
     ost_haptic *device = open_motion(file, ",gap=200,jump=50", &start);
     ost_haptic_state s;
     ost_haptic_answer answer;
-    int unseen = 0;
+    int tracking_lost = 0;
     while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
-        unseen += answer == OST_HAPTIC_UNSEEN;
-    assert_int_equal(unseen, 70 + 353 + 35); /* missing rows are bridged; rows that declare lost tracking are not */
+        tracking_lost += answer == OST_HAPTIC_NOT_TRACKED;
+    assert_int_equal(tracking_lost, 70 + 353 + 35); /* missing rows are bridged; rows that declare lost tracking are not */
     ost_haptic_close(device);
 }
 
@@ -215,7 +215,7 @@ static void a_jump_is_a_gap(void **state)
     static const struct {
         const char *options;
         ost_path_options gaps;
-        int unseen;
+        int tracking_lost;
     } cases[] = {{"", {0}, 1}, {",jump=30", {0}, 0}, {"", {0, 30 * MM}, 0}, {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 0}, {",jump=1", {0, 30 * MM}, 1}};
     static const char text[] = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0.001,0.1,0,0,1,0,0,0\n0.0025,20.1,0,0,1,0,0,0\n0.003,20.2,0,0,1,0,0,0\n";
     const char *file = scratch_write(folder, "jump.csv", text, sizeof text - 1);
@@ -225,12 +225,12 @@ static void a_jump_is_a_gap(void **state)
         ost_haptic *device;
         ost_haptic_state s;
         ost_haptic_answer answer;
-        int unseen = 0;
+        int tracking_lost = 0;
         snprintf(spec, sizeof spec, "motion:%s%s", file, cases[i].options);
         assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.start = ost_pose_identity(), .gaps = cases[i].gaps}, &device, &err));
         while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
-            unseen += answer == OST_HAPTIC_UNSEEN;
-        assert_int_equal(unseen, cases[i].unseen);
+            tracking_lost += answer == OST_HAPTIC_NOT_TRACKED;
+        assert_int_equal(tracking_lost, cases[i].tracking_lost);
         ost_haptic_close(device);
     }
 }
@@ -339,8 +339,8 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
 
     assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
     assert_int_equal(report.ticks, 1397);
-    assert_int_equal(report.unseen, done.dropout_ticks);
-    assert_int_equal(report.stale, 0);
+    assert_int_equal(report.tracking_lost, done.dropout_ticks);
+    assert_int_equal(report.without_sample, 0);
     assert_int_equal(done.faults, 0);
     assert_int_equal(done.dropouts, 4);
     assert_int_equal(done.dropout_ticks, 70 + 353 + 104 + 35);
@@ -419,7 +419,7 @@ static ost_haptic_answer blinking_read(haptic_instance *b, ost_haptic_state *sta
 {
     const int t = b->at++;
     if (t >= PRESS && t < PRESS + DARK)
-        return OST_HAPTIC_UNSEEN;
+        return OST_HAPTIC_NOT_TRACKED;
     /* 2 mm into the bone's side, and staying there. */
     *state = (ost_haptic_state){.pose = {.t = {-2 * MM + (t < 200 ? t : 200) * MM / 100, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE}, .tool = -1};
     return OST_HAPTIC_FRESH;

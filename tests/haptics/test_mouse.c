@@ -22,13 +22,13 @@ static ost_haptic_state at(double x, double y, double z, int32_t tool)
     return s;
 }
 
-static ost_haptic *open_mouse(const char *spec, ost_hand **hand)
+static ost_haptic *open_mouse(const char *spec, ost_mouse_input **input)
 {
     ost_error err = {0};
     ost_haptic *device;
     const ost_haptic_state start = at(1, 2, 3, 0);
-    assert_ok(ost_hand_create(&start, hand, &err));
-    assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.hand = *hand}, &device, &err));
+    assert_ok(ost_mouse_input_create(&start, input, &err));
+    assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.mouse = *input}, &device, &err));
     return device;
 }
 
@@ -47,8 +47,8 @@ static double angle(const ost_pose *a, const ost_pose *b)
 
 static void a_hand_is_followed(void **state)
 {
-    ost_hand *hand;
-    ost_haptic *device = open_mouse("mouse", &hand);
+    ost_mouse_input *input;
+    ost_haptic *device = open_mouse("mouse", &input);
     ost_haptic_state now, last;
     (void)state;
     assert_int_equal(ost_haptic_read(device, &last), OST_HAPTIC_FRESH);
@@ -56,7 +56,7 @@ static void a_hand_is_followed(void **state)
     assert_int_equal(last.tool, 0);
     ost_haptic_state far = at(81, -40, 23, 0);
     far.pose.qw = far.pose.qy = 759250125; /* a quarter turn */
-    ost_hand_put(hand, &far);
+    ost_mouse_input_put(input, &far);
     for (int tick = 0; tick < 1500; tick++, last = now) {
         assert_int_equal(ost_haptic_read(device, &now), OST_HAPTIC_FRESH);
         assert_int_equal(ost_pose_check(&now.pose, NULL), OST_OK);
@@ -66,41 +66,41 @@ static void a_hand_is_followed(void **state)
     assert_true(distance_mm(&now.pose, &far.pose) < 0.001);
     assert_true(angle(&now.pose, &far.pose) < 0.001);
     ost_haptic_close(device);
-    ost_hand_free(hand);
+    ost_mouse_input_free(input);
 }
 
 static void a_tool_taken_up_is_there_at_once(void **state)
 {
-    ost_hand *hand;
-    ost_haptic *device = open_mouse("mouse", &hand);
+    ost_mouse_input *input;
+    ost_haptic *device = open_mouse("mouse", &input);
     ost_haptic_state now, far = at(50, 50, 50, 2);
     (void)state;
     ost_haptic_read(device, &now);
-    ost_hand_put(hand, &far);
+    ost_mouse_input_put(input, &far);
     ost_haptic_read(device, &now);
     assert_int_equal(now.tool, 2);
     assert_true(distance_mm(&now.pose, &far.pose) < 0.001);
     ost_haptic_close(device);
-    ost_hand_free(hand);
+    ost_mouse_input_free(input);
 }
 
 /* The pedal is a button: the operation's motor is switched, and the pose is not changed. */
 static void the_pedal_is_a_button(void **state)
 {
-    ost_hand *hand;
-    ost_haptic *device = open_mouse("mouse", &hand);
+    ost_mouse_input *input;
+    ost_haptic *device = open_mouse("mouse", &input);
     ost_haptic_state first, now, put = at(1, 2, 3, 0);
     (void)state;
     ost_haptic_read(device, &first);
-    put.buttons = OST_HAND_PEDAL;
-    ost_hand_put(hand, &put);
+    put.buttons = OST_MOUSE_PEDAL;
+    ost_mouse_input_put(input, &put);
     for (int tick = 0; tick < 250; tick++) {
         ost_haptic_read(device, &now);
-        assert_int_equal(now.buttons, OST_HAND_PEDAL);
+        assert_int_equal(now.buttons, OST_MOUSE_PEDAL);
         assert_true(angle(&first.pose, &now.pose) < 1e-6);
     }
     ost_haptic_close(device);
-    ost_hand_free(hand);
+    ost_mouse_input_free(input);
 }
 
 /*
@@ -109,44 +109,44 @@ static void the_pedal_is_a_button(void **state)
  */
 static void a_lifted_hand_is_there_at_once(void **state)
 {
-    ost_hand *hand;
-    ost_haptic *device = open_mouse("mouse", &hand);
+    ost_mouse_input *input;
+    ost_haptic *device = open_mouse("mouse", &input);
     ost_haptic_state now, home = at(0, 0, 80, 0);
     (void)state;
     ost_haptic_read(device, &now);
     assert_false(now.lifted);
     home.lifted = true;
-    ost_hand_put(hand, &home);
+    ost_mouse_input_put(input, &home);
     home.lifted = false;
-    ost_hand_put(hand, &home); /* before the first read */
+    ost_mouse_input_put(input, &home); /* before the first read */
     ost_haptic_read(device, &now);
     assert_true(now.lifted && distance_mm(&now.pose, &home.pose) < 0.001);
     ost_haptic_read(device, &now);
     assert_false(now.lifted);
     ost_haptic_close(device);
-    ost_hand_free(hand);
+    ost_mouse_input_free(input);
 }
 
 static void what_is_wrong_is_said(void **state)
 {
     ost_error err = {0};
     ost_haptic *device;
-    ost_hand *hand;
+    ost_mouse_input *input;
     const ost_haptic_state start = at(0, 0, 0, 0), none = {.tool = 0};
     (void)state;
     assert_int_equal(ost_haptic_open("mouse", NULL, &device, &err), OST_ERR_USAGE);
     assert_non_null(strstr(err.text, "needs a window"));
-    assert_ok(ost_hand_create(&start, &hand, &err));
-    assert_int_equal(ost_haptic_open("mouse:speed=3", &(ost_haptic_setup){.hand = hand}, &device, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_haptic_open("mouse:spin=120", &(ost_haptic_setup){.hand = hand}, &device, &err), OST_ERR_USAGE);
-    ost_hand_free(hand);
-    assert_int_equal(ost_hand_create(&none, &hand, &err), OST_ERR_RANGE);
-    ost_hand_free(NULL);
+    assert_ok(ost_mouse_input_create(&start, &input, &err));
+    assert_int_equal(ost_haptic_open("mouse:speed=3", &(ost_haptic_setup){.mouse = input}, &device, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_haptic_open("mouse:spin=120", &(ost_haptic_setup){.mouse = input}, &device, &err), OST_ERR_USAGE);
+    ost_mouse_input_free(input);
+    assert_int_equal(ost_mouse_input_create(&none, &input, &err), OST_ERR_RANGE);
+    ost_mouse_input_free(NULL);
 }
 
 /* The position follows from the tool's number, so a partial state would be detected. */
 typedef struct putter {
-    ost_hand *hand;
+    ost_mouse_input *input;
     _Atomic bool stop;
 } putter;
 
@@ -155,7 +155,7 @@ static void *put_on(void *user)
     putter *p = user;
     for (int i = 0; !atomic_load(&p->stop); i++) {
         const ost_haptic_state s = at(i % 1000, -(i % 1000), 2 * (i % 1000), i % 1000);
-        ost_hand_put(p->hand, &s);
+        ost_mouse_input_put(p->input, &s);
     }
     return NULL;
 }
@@ -163,7 +163,7 @@ static void *put_on(void *user)
 static void states_are_whole(void **state)
 {
     putter p = {0};
-    ost_haptic *device = open_mouse("mouse", &p.hand);
+    ost_haptic *device = open_mouse("mouse", &p.input);
     pthread_t thread;
     int seen = 0;
     (void)state;
@@ -175,8 +175,8 @@ static void states_are_whole(void **state)
             continue;
         last = now.tool;
         seen++;
-        const ost_haptic_state whole = at(now.tool, -now.tool, 2 * now.tool, now.tool);
-        if (tick > 0 && now.tool > 3 && distance_mm(&now.pose, &whole.pose) > 0.001)
+        const ost_haptic_state complete = at(now.tool, -now.tool, 2 * now.tool, now.tool);
+        if (tick > 0 && now.tool > 3 && distance_mm(&now.pose, &complete.pose) > 0.001)
             fail_msg("tool %d is at %g, %g, %g mm", (int)now.tool, (double)now.pose.t.x * 1e-9, (double)now.pose.t.y * 1e-9,
                      (double)now.pose.t.z * 1e-9);
     }
@@ -184,7 +184,7 @@ static void states_are_whole(void **state)
     pthread_join(thread, NULL);
     assert_true(seen > 1);
     ost_haptic_close(device);
-    ost_hand_free(p.hand);
+    ost_mouse_input_free(p.input);
 }
 
 int main(void)

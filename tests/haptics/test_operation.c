@@ -19,18 +19,18 @@
 
 #define MM OST_PM_PER_MM
 
-typedef struct room {
+typedef struct fixture {
     ost_geometry g;
     ost_bone *bone;
     ost_tool *tool;
     ost_world *world;
-} room;
+} fixture;
 
 /* 40 x 20 x 20 mm of bone at 1 mm and a peg of 2 x 2 x 6 mm. */
-static room make_room(ost_backend *backend)
+static fixture make_fixture(ost_backend *backend)
 {
     ost_error err = {0};
-    room r = {.g = cubic_geometry(40, 20, 20, MM, (ost_pm3){0, 0, 0})};
+    fixture r = {.g = cubic_geometry(40, 20, 20, MM, (ost_pm3){0, 0, 0})};
     int16_t *full = malloc(voxel_count(&r.g) * sizeof *full);
     assert_non_null(full);
     for (size_t i = 0; i < voxel_count(&r.g); i++)
@@ -43,7 +43,7 @@ static room make_room(ost_backend *backend)
     return r;
 }
 
-static void free_room(room *r)
+static void free_fixture(fixture *r)
 {
     ost_world_free(r->world);
     ost_tool_free(r->tool);
@@ -63,7 +63,7 @@ static ost_path into_bone(size_t count)
 
 static ost_servo_report report;
 
-static ost_operation_report operate(room *r, const char *device_spec, const ost_path *path, ost_recorder *recorder)
+static ost_operation_report operate(fixture *r, const char *device_spec, const ost_path *path, ost_recorder *recorder)
 {
     ost_error err = {0};
     ost_haptic *device;
@@ -82,7 +82,7 @@ static ost_operation_report operate(room *r, const char *device_spec, const ost_
 static void a_script_is_its_path(void **state)
 {
     ost_error err = {0};
-    room by_hand = make_room(*state), by_device = make_room(*state);
+    fixture by_hand = make_fixture(*state), by_device = make_fixture(*state);
     ost_path path = into_bone(200);
     for (size_t i = 0; i < path.count; i++)
         assert_ok(ost_world_step(by_hand.world, &path.ticks[i], NULL, &err));
@@ -96,8 +96,8 @@ static void a_script_is_its_path(void **state)
     ost_world_totals_get(by_device.world, &totals);
     assert_true(totals.removed_voxels > 100);
     ost_path_free(&path);
-    free_room(&by_hand);
-    free_room(&by_device);
+    free_fixture(&by_hand);
+    free_fixture(&by_device);
 }
 
 /* The bone must be equal to that of the path without the faulty rows. */
@@ -119,7 +119,7 @@ static void what_is_no_hands_is_left_out(void **state)
         {OST_FAULT_TOOL, 30, 33, {{-5 * MM + 30 * MM / 10, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 9},
     };
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
-        room expected = make_room(*state), got = make_room(*state);
+        fixture expected = make_fixture(*state), got = make_fixture(*state);
         ost_path path = into_bone(200);
         for (size_t i = 0; i < path.count; i++)
             if (i < cases[c].from || i >= cases[c].to)
@@ -137,15 +137,15 @@ static void what_is_no_hands_is_left_out(void **state)
         const ost_digest a = digest_of(expected.bone), b = digest_of(got.bone);
         assert_true(ost_digest_equal(&a, &b));
         ost_path_free(&path);
-        free_room(&expected);
-        free_room(&got);
+        free_fixture(&expected);
+        free_fixture(&got);
     }
 }
 
 /* A tool that does not come back stays where it was: from 10 mm on, the bone is unchanged. */
 static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 {
-    room r = make_room(*state);
+    fixture r = make_fixture(*state);
     ost_path path = into_bone(60);
     /* Through the complete bone in one tick: the sweep could span it, but must not. */
     for (size_t i = 50; i < 60; i++)
@@ -159,7 +159,7 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
     assert_true(totals.removed_voxels < 50);
     assert_string_equal(ost_fault_text(OST_FAULT_JUMP), "the pose jumped");
     ost_path_free(&path);
-    free_room(&r);
+    free_fixture(&r);
 }
 
 /*
@@ -184,7 +184,7 @@ static void a_fault_lets_the_hand_alone(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
-    room r = make_room(*state);
+    fixture r = make_fixture(*state);
     ost_force_params params = ost_force_defaults();
     ost_safety_params safety = ost_safety_defaults();
     ost_force *force;
@@ -222,7 +222,7 @@ static void a_fault_lets_the_hand_alone(void **state)
     ost_haptic_close(device);
     ost_force_free(force);
     ost_path_free(&path);
-    free_room(&r);
+    free_fixture(&r);
 }
 
 /*
@@ -248,7 +248,7 @@ static void a_rehearsal_leaves_no_trace(void **state)
     }
     path.ticks[120].pose.qw = 0;
     for (int r = 0; r < 2; r++) {
-        room it = make_room(*state);
+        fixture it = make_fixture(*state);
         ost_force *force;
         ost_operation *operation;
         assert_ok(ost_force_create(it.bone, &params, &force, &err));
@@ -266,7 +266,7 @@ static void a_rehearsal_leaves_no_trace(void **state)
         digests[r] = digest_of(it.bone);
         ost_operation_free(operation);
         ost_force_free(force);
-        free_room(&it);
+        free_fixture(&it);
     }
     assert_memory_equal(wrenches[0], wrenches[1], sizeof wrenches[0]);
     assert_true(ost_digest_equal(&digests[0], &digests[1]));
@@ -282,7 +282,7 @@ static void a_session_of_it_does_it_again(void **state)
     ost_error err = {0};
     char *folder = scratch_folder(), path_name[4200];
     snprintf(path_name, sizeof path_name, "%s/o.session", folder);
-    room r = make_room(*state);
+    fixture r = make_fixture(*state);
     ost_path path = into_bone(300);
     path.ticks[80].pose.t.y = -100 * MM; /* a fault of one tick */
     ost_session_header *header;
@@ -295,10 +295,10 @@ static void a_session_of_it_does_it_again(void **state)
     assert_int_equal(done.steps, 299);
     assert_ok(ost_recorder_close(recorder, &(ost_session_end){.ticks = done.steps}, &err));
 
-    room again = make_room(*state);
+    fixture again = make_fixture(*state);
     ost_session *session;
     assert_ok(ost_session_open(path_name, &session, &err));
-    assert_int_equal(ost_session_summary_of(session)->whole_ticks, 299);
+    assert_int_equal(ost_session_summary_of(session)->complete_ticks, 299);
     int notes = 0;
     uint64_t ticks = 0;
     for (;;) {
@@ -325,8 +325,8 @@ static void a_session_of_it_does_it_again(void **state)
     assert_true(ost_digest_equal(&a, &b));
     ost_session_close(session);
     ost_path_free(&path);
-    free_room(&r);
-    free_room(&again);
+    free_fixture(&r);
+    free_fixture(&again);
     scratch_remove(folder);
 }
 
@@ -375,13 +375,13 @@ static int disk_sync(void *user)
 static void it_does_not_wait_for_its_recorder(void **state)
 {
     static const struct {
-        uint32_t room;
+        uint32_t capacity;
         bool full;
         bool all; /* everything is written in the end */
     } cases[] = {{1024, false, true}, {64, false, false}, {1024, true, false}};
     enum { TICKS = 200 };
     ost_error err = {0};
-    room alone = make_room(*state);
+    fixture alone = make_fixture(*state);
     ost_path path = into_bone(TICKS);
     operate(&alone, "script", &path, NULL);
     const ost_digest expected = digest_of(alone.bone);
@@ -394,10 +394,10 @@ static void it_does_not_wait_for_its_recorder(void **state)
         d = (disk){.size = 0};
         pthread_mutex_init(&d.held, NULL);
         const session_sink sink = {.user = &d, .append = disk_append, .cut = disk_cut, .sync = disk_sync};
-        room r = make_room(*state);
+        fixture r = make_fixture(*state);
         assert_ok(ost_session_header_create(&header, &err));
         assert_ok(ost_session_header_set(header, "format", "osteon session 2", &err));
-        assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.room = cases[c].room}, &recorder, &err));
+        assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.capacity = cases[c].capacity}, &recorder, &err));
         atomic_store(&d.full, cases[c].full);
         pthread_mutex_lock(&d.held);
         const ost_operation_report done = operate(&r, "script", &path, recorder);
@@ -408,7 +408,7 @@ static void it_does_not_wait_for_its_recorder(void **state)
         ost_recorder_state_get(recorder, &now);
         assert_int_equal(now.written, 0);
         assert_int_equal(now.put + now.lost, TICKS);
-        assert_int_equal(now.lost > 0, cases[c].room < TICKS);
+        assert_int_equal(now.lost > 0, cases[c].capacity < TICKS);
         pthread_mutex_unlock(&d.held);
         const ost_status closed = ost_recorder_close(recorder, &(ost_session_end){.ticks = TICKS}, &err);
         assert_int_equal(closed, cases[c].all ? OST_OK : OST_ERR_IO);
@@ -420,11 +420,11 @@ static void it_does_not_wait_for_its_recorder(void **state)
         assert_int_equal(d.size > (now.put + 1) * SESSION_RECORD, !cases[c].full);
         ost_session_header_free(header);
         pthread_mutex_destroy(&d.held);
-        free_room(&r);
+        free_fixture(&r);
     }
     alarm(0);
     ost_path_free(&path);
-    free_room(&alone);
+    free_fixture(&alone);
 }
 
 /*
@@ -452,14 +452,14 @@ static ost_pose pose_at(ost_pm x, ost_pm y, ost_pm z)
 static void a_motor_belongs_to_the_operation(void **state)
 {
     ost_error err = {0};
-    room live_room = make_room(*state), by_hand = make_room(*state);
+    fixture live_fixture = make_fixture(*state), by_hand = make_fixture(*state);
     ost_live *live;
     ost_live_state s;
     ost_operation *operation;
     ost_world_totals totals;
-    assert_ok(ost_live_create(live_room.bone, &live, &err));
+    assert_ok(ost_live_create(live_fixture.bone, &live, &err));
     const ost_operation_options options = {.live = live, .rpm = 300, .motor_waits = true, .buttons = {OST_ACTION_NONE, OST_ACTION_MOTOR, OST_ACTION_SWITCH}};
-    assert_ok(ost_operation_create(live_room.world, &options, &operation, &err));
+    assert_ok(ost_operation_create(live_fixture.world, &options, &operation, &err));
     ost_motor motor = {0};
     for (int i = 0; i < 100; i++) {
         const bool on = i >= 40 && i < 80; /* held from 40 to 59, switched on from 60 to 79 */
@@ -470,12 +470,12 @@ static void a_motor_belongs_to_the_operation(void **state)
         assert_ok(ost_world_step(by_hand.world, &tick, NULL, &err));
         assert_int_equal(s.rpm, tick.rpm);
         assert_memory_equal(&s.pose, &tick.pose, sizeof s.pose);
-        ost_world_totals_get(live_room.world, &totals);
+        ost_world_totals_get(live_fixture.world, &totals);
         if (i < 40)
             assert_int_equal(totals.removals, 0);
     }
     assert_true(totals.removed_voxels > 0);
-    const ost_digest a = digest_of(live_room.bone), b = digest_of(by_hand.bone);
+    const ost_digest a = digest_of(live_fixture.bone), b = digest_of(by_hand.bone);
     assert_true(ost_digest_equal(&a, &b));
     /* At 300 turns a minute an eighth of a turn takes 25 ms. */
     tick_of(operation, 200, pose_at(22 * MM, 10 * MM, 5 * MM), 2, live, &s);
@@ -484,10 +484,10 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_int_equal(s.rpm, 300);
     ost_operation_free(operation);
     /* With speed 0 the motor is off whatever is held; a speed beyond the limit is refused. */
-    assert_int_equal(ost_operation_create(live_room.world, &(ost_operation_options){.rpm = 3001}, &operation, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_operation_create(live_fixture.world, &(ost_operation_options){.rpm = 3001}, &operation, &err), OST_ERR_USAGE);
     ost_live_free(live);
-    free_room(&live_room);
-    free_room(&by_hand);
+    free_fixture(&live_fixture);
+    free_fixture(&by_hand);
 }
 
 /* Next tool, clutch and home, by a button and by a key. */
@@ -495,7 +495,7 @@ static void buttons_do_what_their_table_says(void **state)
 {
     ost_error err = {0};
     for (int by_key = 0; by_key <= 1; by_key++) {
-        room r = make_room(*state);
+        fixture r = make_fixture(*state);
         ost_live *live;
         ost_live_state s;
         ost_operation *o;
@@ -553,7 +553,7 @@ static void buttons_do_what_their_table_says(void **state)
 #undef TICK
         ost_operation_free(o);
         ost_live_free(live);
-        free_room(&r);
+        free_fixture(&r);
     }
 }
 

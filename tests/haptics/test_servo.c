@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "haptics/driver.h"
-#include "haptics/own_work.h"
+#include "haptics/thread_time.h"
 
 /* The device's answers, one letter per read: Fresh, Stale, Unseen, Ended, Lost; the last one repeats. */
 static struct haptic_instance {
@@ -45,8 +45,8 @@ static ost_haptic_answer fake_read(haptic_instance *f, ost_haptic_state *state)
     if (answer == 'F')
         *state = (ost_haptic_state){.pose = {.t = {f->reads, 0, 0}, .qw = OST_Q30_ONE}, .tool = -1, .buttons = 5};
     return answer == 'F'   ? OST_HAPTIC_FRESH
-           : answer == 'S' ? OST_HAPTIC_STALE
-           : answer == 'U' ? OST_HAPTIC_UNSEEN
+           : answer == 'S' ? OST_HAPTIC_NO_SAMPLE
+           : answer == 'U' ? OST_HAPTIC_NOT_TRACKED
            : answer == 'E' ? OST_HAPTIC_ENDED
                            : OST_HAPTIC_LOST;
 }
@@ -104,7 +104,7 @@ static bool never(char reason[256])
 static const haptic_driver absent = {.name = "absent", .usable = never, .open = fake_open, .close = fake_close};
 
 typedef struct seen {
-    uint64_t ticks, declared, unseen, done, missed;
+    uint64_t ticks, declared, tracking_lost, done, missed;
     uint64_t stop_at;  /* 0: never */
     uint64_t sleep_at; /* that tick takes 12 ms */
     uint64_t rehearsals, rehearsed; /* in total; ticks preceded by at least one */
@@ -121,7 +121,7 @@ static bool on_tick(void *user, const ost_servo_sample *sample, ost_wrench *wren
     assert_true(wrench->force_n[0] == 0);
     s->ticks++;
     s->declared += sample->declared;
-    s->unseen += sample->unseen;
+    s->tracking_lost += sample->tracking_lost;
     s->missed += sample->missed;
     s->last = sample->state;
     wrench->force_n[0] = 2;
@@ -145,7 +145,7 @@ static void on_done(void *user, uint64_t number, uint32_t exec_ns)
 
 static ost_servo_report report;
 
-static seen serve_with(const haptic_driver *driver, const char *answers, const ost_servo_options *options, seen s)
+static seen run_with(const haptic_driver *driver, const char *answers, const ost_servo_options *options, seen s)
 {
     ost_error err = {0};
     ost_haptic *device;
@@ -168,16 +168,16 @@ static void a_loop_ends_as_it_says(void **state)
 {
     (void)state;
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true}, hundred = {.no_clock = true, .no_realtime = true, .ticks = 100};
-    assert_int_equal(serve_with(&polled, "F", &hundred, (seen){0}).ticks, 100);
+    assert_int_equal(run_with(&polled, "F", &hundred, (seen){0}).ticks, 100);
     assert_int_equal(report.end, OST_SERVO_TICKS);
     assert_string_equal(report.realtime.scheduling, "as it was");
-    assert_int_equal(serve_with(&polled, "F", &fast, (seen){.stop_at = 7}).ticks, 7);
-    assert_int_equal(report.end, OST_SERVO_ASKED);
-    assert_int_equal(serve_with(&polled, "FFFE", &fast, (seen){0}).ticks, 3);
+    assert_int_equal(run_with(&polled, "F", &fast, (seen){.stop_at = 7}).ticks, 7);
+    assert_int_equal(report.end, OST_SERVO_STOPPED);
+    assert_int_equal(run_with(&polled, "FFFE", &fast, (seen){0}).ticks, 3);
     assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
-    assert_int_equal(serve_with(&polled, "FFL", &fast, (seen){0}).ticks, 2);
+    assert_int_equal(run_with(&polled, "FFL", &fast, (seen){0}).ticks, 2);
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
-    assert_int_equal(serve_with(&polled, "E", &fast, (seen){0}).ticks, 0);
+    assert_int_equal(run_with(&polled, "E", &fast, (seen){0}).ticks, 0);
 }
 
 static void a_silent_device_gets_no_force(void **state)
@@ -186,17 +186,17 @@ static void a_silent_device_gets_no_force(void **state)
     alarm(60); /* a loop without its watchdog would not end */
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true};
     /* Four ticks without a pose are bridged by the last pose; the fifth in a row ends the loop. */
-    seen s = serve_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
+    seen s = run_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
     assert_int_equal(s.ticks, 12);
     assert_int_equal(s.declared, 8);
     assert_int_equal(s.last.buttons, 5);
-    assert_int_equal(report.stale, 8);
+    assert_int_equal(report.without_sample, 8);
     assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
-    s = serve_with(&polled, "FSSSSS", &fast, (seen){0});
+    s = run_with(&polled, "FSSSSS", &fast, (seen){0});
     assert_int_equal(s.ticks, 5);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
     /* Before a device's first pose no tick runs. */
-    s = serve_with(&polled, "S", &fast, (seen){0});
+    s = run_with(&polled, "S", &fast, (seen){0});
     assert_int_equal(s.ticks, 0);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
     alarm(0);
@@ -206,19 +206,19 @@ static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
 {
     (void)state;
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true}, hundred = {.no_clock = true, .no_realtime = true, .ticks = 100};
-    seen s = serve_with(&polled, "FUUUUUUUUUUFSSSSUSSSSFE", &fast, (seen){0});
+    seen s = run_with(&polled, "FUUUUUUUUUUFSSSSUSSSSFE", &fast, (seen){0});
     assert_int_equal(s.ticks, 22);
-    assert_int_equal(s.unseen, 11);
+    assert_int_equal(s.tracking_lost, 11);
     assert_int_equal(s.declared, 19);
-    assert_int_equal(report.unseen, 11);
-    assert_int_equal(report.stale, 8);
+    assert_int_equal(report.tracking_lost, 11);
+    assert_int_equal(report.without_sample, 8);
     assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
     /* A device may start untracked: time advances, and the tick is marked as having no pose. */
-    s = serve_with(&polled, "U", &hundred, (seen){0});
-    assert_int_equal(s.unseen, 100);
+    s = run_with(&polled, "U", &hundred, (seen){0});
+    assert_int_equal(s.tracking_lost, 100);
     assert_int_equal(s.last.pose.qw, 0);
     assert_int_equal(report.end, OST_SERVO_TICKS);
-    s = serve_with(&polled, "UUSSSSS", &fast, (seen){0});
+    s = run_with(&polled, "UUSSSSS", &fast, (seen){0});
     assert_int_equal(s.ticks, 2);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
 }
@@ -227,7 +227,7 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
 {
     (void)state;
     const ost_servo_options options = {.ticks = 30, .no_realtime = true};
-    const seen s = serve_with(&timed, "F", &options, (seen){.sleep_at = 10});
+    const seen s = run_with(&timed, "F", &options, (seen){.sleep_at = 10});
     assert_int_equal(s.ticks, 30);
     /* Of 12 ms, at least 11 complete periods follow the tick's own. */
     assert_true(report.longest_miss >= 11);
@@ -245,39 +245,39 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
 static void who_is_to_blame(void **state)
 {
     (void)state;
-    const own_work from = {.wall_ns = 5000, .cpu_ns = 700, .waits = 3}, taken = {.wall_ns = 9000, .cpu_ns = 800, .waits = 3},
+    const thread_time from = {.wall_ns = 5000, .cpu_ns = 700, .waits = 3}, taken = {.wall_ns = 9000, .cpu_ns = 800, .waits = 3},
                    waited = {.wall_ns = 9000, .cpu_ns = 800, .waits = 4}, coarse = {.wall_ns = 9000, .cpu_ns = 9700, .waits = 3};
-    assert_int_equal(own_work_between(&from, &taken), 100);
-    assert_int_equal(own_work_between(&from, &waited), 4000);
+    assert_int_equal(thread_time_between(&from, &taken), 100);
+    assert_int_equal(thread_time_between(&from, &waited), 4000);
     /* processor time and wall time come from different clocks */
-    assert_int_equal(own_work_between(&from, &coarse), 4000);
-    assert_int_equal(own_work_blame(501, 0, 1000), OWN_BLAME_WORK);
-    assert_int_equal(own_work_blame(501, 5000, 1000), OWN_BLAME_WORK); /* in doubt the tick is the cause */
-    assert_int_equal(own_work_blame(500, 1000, 1000), OWN_BLAME_WOKEN_LATE);
-    assert_int_equal(own_work_blame(500, 999, 1000), OWN_BLAME_TAKEN);
+    assert_int_equal(thread_time_between(&from, &coarse), 4000);
+    assert_int_equal(classify_missed_deadline(501, 0, 1000), MISSED_BY_WORK);
+    assert_int_equal(classify_missed_deadline(501, 5000, 1000), MISSED_BY_WORK); /* in doubt the tick is the cause */
+    assert_int_equal(classify_missed_deadline(500, 1000, 1000), MISSED_WOKEN_LATE);
+    assert_int_equal(classify_missed_deadline(500, 999, 1000), MISSED_PREEMPTED);
 }
 
 /* A thread's own work and its waiting, as measured on this machine. */
-static void own_work_is_what_was_done(void **state)
+static void thread_time_is_what_was_used(void **state)
 {
     (void)state;
-    const own_work begin = own_work_now();
-    own_work now = begin;
+    const thread_time begin = thread_time_now();
+    thread_time now = begin;
     while (now.cpu_ns - begin.cpu_ns < 2000000 || now.wall_ns - begin.wall_ns < 2000000)
-        now = own_work_now();
-    assert_true(own_work_between(&begin, &now) >= 2000000);
-    assert_true(now.wall_ns - begin.wall_ns >= own_work_between(&begin, &now));
+        now = thread_time_now();
+    assert_true(thread_time_between(&begin, &now) >= 2000000);
+    assert_true(now.wall_ns - begin.wall_ns >= thread_time_between(&begin, &now));
     const struct timespec pause = {.tv_nsec = 3000000};
     nanosleep(&pause, NULL);
-    const own_work later = own_work_now();
-    assert_true(own_work_between(&now, &later) >= 3000000);
+    const thread_time later = thread_time_now();
+    assert_true(thread_time_between(&now, &later) >= 3000000);
 }
 
 static void a_device_with_a_clock_of_its_own(void **state)
 {
     (void)state;
     const ost_servo_options options = {.ticks = 50, .idle_ticks = 3, .no_realtime = true};
-    seen s = serve_with(&own, "F", &options, (seen){0});
+    seen s = run_with(&own, "F", &options, (seen){0});
     assert_int_equal(s.ticks, 50);
     assert_int_equal(own_beats, 50);
     assert_int_equal(report.end, OST_SERVO_TICKS);
@@ -286,7 +286,7 @@ static void a_device_with_a_clock_of_its_own(void **state)
     assert_int_equal(report.busy.ticks, 3);
     assert_int_equal(report.busy_wake.count, 3);
     assert_true(report.busy_ns > 0);
-    s = serve_with(&own, "FFL", &options, (seen){0});
+    s = run_with(&own, "FFL", &options, (seen){0});
     assert_int_equal(s.ticks, 2);
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
 }
@@ -314,19 +314,19 @@ static void what_is_beside_knows_the_stage(void **state)
     (void)state;
     stages all = {.stop = 0};
     ost_servo_options options = {.ticks = 5, .idle_ticks = 4, .no_realtime = true, .beside = on_stage, .beside_user = &all};
-    serve_with(&timed, "F", &options, (seen){0});
+    run_with(&timed, "F", &options, (seen){0});
     assert_string_equal(all.text, "qqtbbbbqq");
     assert_int_equal(report.rested.ticks, 0);
     all = (stages){.stop = 0};
-    options.rest_ticks = 3;
-    serve_with(&timed, "F", &options, (seen){0});
+    options.background_ticks = 3;
+    run_with(&timed, "F", &options, (seen){0});
     assert_string_equal(all.text, "tbbbbqqqqrrr");
     assert_int_equal(report.idle.ticks, 4);
     assert_int_equal(report.busy.ticks, 4);
     assert_int_equal(report.rested.ticks, 3);
     assert_int_equal(report.rested_wake.count, 3);
     all = (stages){.stop = 'b', .stop_at = 3};
-    serve_with(&timed, "F", &options, (seen){0});
+    run_with(&timed, "F", &options, (seen){0});
     assert_string_equal(all.text, "tbbqqqqrrr");
     assert_int_equal(report.busy.ticks, 1);
     assert_int_equal(report.busy_wake.count, 1);
@@ -345,18 +345,18 @@ static void every_tick_is_rehearsed(void **state)
 {
     (void)state;
     const ost_servo_options options = {.ticks = 20, .no_realtime = true, .lead_ns = 250000, .rehearse = on_rehearsal};
-    seen s = serve_with(&timed, "F", &options, (seen){0});
+    seen s = run_with(&timed, "F", &options, (seen){0});
     assert_int_equal(s.rehearsed, 20);
     assert_int_equal(report.lead_ns, 250000);
-    s = serve_with(&own, "F", &options, (seen){0});
+    s = run_with(&own, "F", &options, (seen){0});
     assert_int_equal(s.rehearsals, 0);
     assert_int_equal(report.lead_ns, 0);
     const ost_servo_options at_once = {.ticks = 20, .no_realtime = true, .no_clock = true, .lead_ns = 250000, .rehearse = on_rehearsal},
                             never = {.ticks = 20, .no_realtime = true, .rehearse = on_rehearsal},
                             nothing = {.ticks = 20, .no_realtime = true, .lead_ns = 250000};
-    assert_int_equal(serve_with(&polled, "F", &at_once, (seen){0}).rehearsals, 0);
-    assert_int_equal(serve_with(&timed, "F", &never, (seen){0}).rehearsals, 0);
-    assert_int_equal(serve_with(&timed, "F", &nothing, (seen){0}).ticks, 20);
+    assert_int_equal(run_with(&polled, "F", &at_once, (seen){0}).rehearsals, 0);
+    assert_int_equal(run_with(&timed, "F", &never, (seen){0}).rehearsals, 0);
+    assert_int_equal(run_with(&timed, "F", &nothing, (seen){0}).ticks, 20);
     assert_int_equal(report.lead_ns, 0);
 }
 
@@ -384,7 +384,7 @@ static void the_thread_is_afterwards_as_it_was(void **state)
     (void)state;
     const int policy = sched_getscheduler(0);
     const ost_servo_options options = {.ticks = 3};
-    serve_with(&timed, "F", &options, (seen){0});
+    run_with(&timed, "F", &options, (seen){0});
     assert_int_equal(sched_getscheduler(0), policy);
     assert_true(report.realtime.scheduling[0] && report.realtime.memory[0]);
     printf("# %s; memory %s\n", report.realtime.scheduling, report.realtime.memory);
@@ -484,7 +484,7 @@ int main(void)
         cmocka_unit_test(a_device_that_does_not_see_the_hand_is_not_silent),
         cmocka_unit_test(a_tick_that_takes_too_long_is_counted_and_not_caught_up_on),
         cmocka_unit_test(who_is_to_blame),
-        cmocka_unit_test(own_work_is_what_was_done),
+        cmocka_unit_test(thread_time_is_what_was_used),
         cmocka_unit_test(a_device_with_a_clock_of_its_own),
         cmocka_unit_test(what_is_beside_knows_the_stage),
         cmocka_unit_test(every_tick_is_rehearsed),

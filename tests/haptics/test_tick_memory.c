@@ -197,14 +197,14 @@ static void a_tick_allocates_nothing(void **state)
 #if FILTERING
 enum { REFUSED = 7, NO_FILTER = 8, ENDED_EARLY = 9 };
 
-static void say_and_end(int number, siginfo_t *info, void *context)
+static void print_and_end(int number, siginfo_t *info, void *context)
 {
     (void)number, (void)context;
     char text[] = "a tick makes call 000 of the system\n";
     for (int i = 0, left = info->si_syscall; i < 3; i++, left /= 10)
         text[20 - i] = (char)('0' + left % 10);
-    const ssize_t said = write(STDERR_FILENO, text, sizeof text - 1);
-    (void)said;
+    const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)written;
     _exit(REFUSED);
 }
 
@@ -222,7 +222,7 @@ static bool begin_filter(void)
         BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
     };
     const struct sock_fprog program = {sizeof rules / sizeof *rules, rules};
-    const struct sigaction answer = {.sa_sigaction = say_and_end, .sa_flags = SA_SIGINFO};
+    const struct sigaction answer = {.sa_sigaction = print_and_end, .sa_flags = SA_SIGINFO};
     return sigaction(SIGSYS, &answer, NULL) == 0 && prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
            prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
 }

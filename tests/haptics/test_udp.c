@@ -102,7 +102,7 @@ static void send_sealed(int s, link_key *with, const link_packet *p)
 
 static link_packet answer(int s)
 {
-    uint8_t bytes[LINK_ROOM];
+    uint8_t bytes[LINK_BUFFER_BYTES];
     link_packet p = {0};
     struct pollfd wait = {.fd = s, .events = POLLIN};
     assert_int_equal(poll(&wait, 1, ANSWER_MS), 1);
@@ -131,7 +131,7 @@ static client greet(const char *where, uint64_t number)
     return c;
 }
 
-static link_packet say_pose(client *c, ost_pm x, uint16_t flags)
+static link_packet send_pose_packet(client *c, ost_pm x, uint16_t flags)
 {
     c->pose.sequence++;
     c->pose.pose.t.x = x;
@@ -150,23 +150,23 @@ static void poses_in_and_states_out(void **state)
     ost_haptic *device = listen_at(where, "");
     /* No bridge yet: the device waits. */
     for (int i = 0; i < 20; i++)
-        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     client c = greet(where, 77);
     assert_true(c.pose.pose.t.x == MM && c.pose.pose.t.z == 3 * MM); /* the tool's start */
-    say_pose(&c, MM, 0);
-    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    send_pose_packet(&c, MM, 0);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     c.pose.buttons = 6;
     c.pose.tool = 1;
-    say_pose(&c, MM + 1000, LINK_SEEN);
+    send_pose_packet(&c, MM + 1000, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(hand.pose.t.x == MM + 1000 && hand.pose.t.y == 2 * MM && hand.buttons == 6 && hand.tool == 1);
     ost_haptic_write(device, &(ost_wrench){{0, -1.25, 2e-6}, {0, 0, 0.5}});
-    const link_packet s = say_pose(&c, MM + 2000, LINK_SEEN);
+    const link_packet s = send_pose_packet(&c, MM + 2000, LINK_SEEN);
     assert_true(s.pose.t.x == MM + 1000 && s.force_un[1] == -1250000 && s.force_un[2] == 2 && s.torque_unm[2] == 500000);
     assert_true(s.stiffness == 300000 && s.damping == 500 && s.flags == 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     /* The bridge's last packet. */
-    say_pose(&c, MM, LINK_ENDED);
+    send_pose_packet(&c, MM, LINK_ENDED);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_ENDED);
     ost_haptic_close(device);
     assert_true(answer(c.socket).flags & LINK_ENDED); /* the simulation's last packet */
@@ -181,7 +181,7 @@ static void what_is_dropped_is_counted(void **state)
     test_rng rng = rng_seeded("garbage");
     ost_haptic *device = listen_at(where, "");
     client c = greet(where, 5);
-    say_pose(&c, MM, LINK_SEEN);
+    send_pose_packet(&c, MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     const uint64_t good = counted(device, "good");
     assert_int_equal(good, 2);
@@ -234,7 +234,7 @@ static void what_is_dropped_is_counted(void **state)
             assert_int_equal(errno, ENOBUFS);
         if (i % 50 == 0) { /* not more than a socket buffers */
             c.pose.sequence = 1000 + (uint64_t)i;
-            say_pose(&c, MM + i, LINK_SEEN);
+            send_pose_packet(&c, MM + i, LINK_SEEN);
             assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
             assert_true(hand.pose.t.x == MM + i);
         }
@@ -250,24 +250,24 @@ static void silence_is_declared_and_then_the_device_is_lost(void **state)
     ost_haptic_state hand;
     ost_haptic *device = listen_at(where, ",lost=100");
     client c = greet(where, 5);
-    say_pose(&c, MM, LINK_SEEN);
+    send_pose_packet(&c, MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     for (int i = 0; i < 4; i++)
-        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_STALE);
+        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NO_SAMPLE);
     for (int i = 0; i < 16; i++)
-        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+        assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     /*
      * After 20 ticks of silence the hand is 20 mm farther: it could have moved there, and the
      * tool follows in steps below a jump.
      */
-    say_pose(&c, MM + 20 * MM, LINK_SEEN);
+    send_pose_packet(&c, MM + 20 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(llabs(hand.pose.t.x - (MM + 4 * MM)) < 1000);
-    say_pose(&c, MM + 6 * MM, LINK_SEEN);
+    send_pose_packet(&c, MM + 6 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(hand.pose.t.x == MM + 6 * MM);
     for (int i = 0; i < 100; i++)
-        assert_int_equal(ost_haptic_read(device, &hand), i < 4 ? OST_HAPTIC_STALE : OST_HAPTIC_UNSEEN);
+        assert_int_equal(ost_haptic_read(device, &hand), i < 4 ? OST_HAPTIC_NO_SAMPLE : OST_HAPTIC_NOT_TRACKED);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_LOST);
     ost_haptic_close(device);
     close(c.socket);
@@ -280,26 +280,26 @@ static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
     ost_haptic_state hand;
     ost_haptic *device = listen_at(where, "");
     client c = greet(where, 5);
-    say_pose(&c, MM, LINK_SEEN);
+    send_pose_packet(&c, MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
-    say_pose(&c, 50 * MM, LINK_SEEN);
-    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    send_pose_packet(&c, 50 * MM, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     ost_haptic_write(device, &(ost_wrench){{0}, {0}});
     /* Until the bridge releases the tool, none of its poses is accepted, not even a near one. */
-    link_packet s = say_pose(&c, MM, LINK_SEEN);
+    link_packet s = send_pose_packet(&c, MM, LINK_SEEN);
     assert_true((s.flags & LINK_AGAIN) && s.pose.t.x == MM);
-    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
-    say_pose(&c, 50 * MM, 0);
-    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
+    send_pose_packet(&c, 50 * MM, 0);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     ost_haptic_write(device, &(ost_wrench){{0}, {0}});
-    s = say_pose(&c, MM + 5, LINK_SEEN);
+    s = send_pose_packet(&c, MM + 5, LINK_SEEN);
     assert_int_equal(s.flags, 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     /* A rotation that no hand makes is rejected as well. */
     c.pose.pose.qw = 0;
     c.pose.pose.qx = OST_Q30_ONE;
-    say_pose(&c, MM + 5, LINK_SEEN);
-    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_UNSEEN);
+    send_pose_packet(&c, MM + 5, LINK_SEEN);
+    assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     assert_int_equal(counted(device, "too_far"), 2);
     ost_haptic_close(device);
     close(c.socket);
@@ -312,15 +312,15 @@ static void one_bridge_at_a_time(void **state)
     ost_haptic_state hand;
     ost_haptic *device = listen_at(where, "");
     client a = greet(where, 1);
-    say_pose(&a, MM, LINK_SEEN);
+    send_pose_packet(&a, MM, LINK_SEEN);
     /*
      * Within a second of the first bridge's last packet, a second one is refused. On a slow
      * machine that second may have passed; then it is accepted.
      */
     const int s = connect_to(where);
     send_sealed(s, key, &(link_packet){.type = LINK_HELLO, .bridge = 2, .sequence = 1, .tool = -1});
-    const link_packet told = answer(s);
-    if (told.flags & LINK_BUSY) {
+    const link_packet reply = answer(s);
+    if (reply.flags & LINK_BUSY) {
         link_packet p = a.pose;
         p.bridge = 2;
         p.sequence++;
@@ -387,9 +387,9 @@ static void *stand_in_serves(void *user)
     ost_pose tool = {.t = {0, 0, 10 * MM}, .qw = OST_Q30_ONE}, last = tool;
     int64_t last_ns = 0;
     uint64_t sequence = 40, answers = 0;
-    bool held = false;
+    bool tracked = false;
     while (!atomic_load(&s->stop)) {
-        uint8_t bytes[LINK_ROOM];
+        uint8_t bytes[LINK_BUFFER_BYTES];
         struct sockaddr_in from;
         socklen_t from_size = sizeof from;
         struct pollfd wait = {.fd = s->socket, .events = POLLIN};
@@ -408,14 +408,14 @@ static void *stand_in_serves(void *user)
                  * A hand that holds the tool moves 100 pm in a ns, also while this thread waits
                  * for a processor.
                  */
-                s->jumps += way > 2 * MM + (held ? (p.t_ns - last_ns) * 100 : 0);
+                s->jumps += way > 2 * MM + (tracked ? (p.t_ns - last_ns) * 100 : 0);
                 last_ns = p.t_ns;
                 s->seen++;
                 tool = last = p.pose;
             } else {
                 s->let_go++;
             }
-            held = p.flags & LINK_SEEN;
+            tracked = p.flags & LINK_SEEN;
         }
         if (s->silent_from && s->poses >= s->silent_from && s->poses < s->silent_to)
             continue;
@@ -507,7 +507,7 @@ static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(voi
     start(s);
     assert_ok(cross(s->to, key_file, 0, &err));
     assert_true(report.ended);
-    assert_int_equal(report.loop.end, OST_SERVO_ASKED);
+    assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
     assert_true(report.limps >= 1);
     assert_true(report.limp_ticks >= 100);
     /*

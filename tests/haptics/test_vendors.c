@@ -464,7 +464,7 @@ static fake_feed *feed_of(void)
     return feed;
 }
 
-static void say_event(fake_feed *feed, int type, int a, int b, int c, int d, int e, int f)
+static void put_event(fake_feed *feed, int type, int a, int b, int c, int d, int e, int f)
 {
     const int event[8] = {type, a, b, c, d, e, f, 16};
     memcpy(feed->event[feed->count++], event, sizeof event);
@@ -493,29 +493,29 @@ static void spnav_moves_while_it_is_pushed(void **state)
      * Pushed away (libspnav's z) beyond the full deflection: 10 mm/s along the tool's -z. One
      * event is enough for all following ticks.
      */
-    say_event(feed, 1, 5, -9, 500, 0, 0, 0);
+    put_event(feed, 1, 5, -9, 500, 0, 0, 0);
     read_on(device, 1000, &s);
     assert_true(llabs(s.pose.t.x - 0) < 1000 && s.pose.t.y == 20 * MM && s.pose.t.z == 30 * MM);
     /* Half of the range beyond the dead zone to the left: 5 mm/s. */
-    say_event(feed, 1, -180, 0, 0, 0, 0, 0);
+    put_event(feed, 1, -180, 0, 0, 0, 0, 0);
     read_on(device, 200, &s);
     assert_true(llabs(s.pose.t.z - 31 * MM) < 1000 && llabs(s.pose.t.x) < 1000);
     /* After release it does not move. */
-    say_event(feed, 1, 0, 0, 0, 0, 0, 0);
+    put_event(feed, 1, 0, 0, 0, 0, 0, 0);
     read_on(device, 100, &s);
     assert_true(llabs(s.pose.t.z - 31 * MM) < 1000);
     /* Rotated about its y for a second: a quarter turn more about the bone's y. */
-    say_event(feed, 1, 0, 0, 0, 0, 350, 0);
+    put_event(feed, 1, 0, 0, 0, 0, 350, 0);
     read_on(device, 1000, &s);
     assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 && abs(s.pose.qz) < 1 << 10);
     /* Buttons are reported while they are pressed; 32 at most. */
-    say_event(feed, 1, 0, 0, 0, 0, 0, 0);
-    say_event(feed, 2, 1, 1, 0, 0, 0, 0);
-    say_event(feed, 2, 1, 5, 0, 0, 0, 0);
-    say_event(feed, 2, 1, 40, 0, 0, 0, 0);
+    put_event(feed, 1, 0, 0, 0, 0, 0, 0);
+    put_event(feed, 2, 1, 1, 0, 0, 0, 0);
+    put_event(feed, 2, 1, 5, 0, 0, 0, 0);
+    put_event(feed, 2, 1, 40, 0, 0, 0, 0);
     read_on(device, 1, &s);
     assert_int_equal(s.buttons, 1 << 1 | 1 << 5);
-    say_event(feed, 2, 0, 1, 0, 0, 0, 0);
+    put_event(feed, 2, 0, 1, 0, 0, 0, 0);
     read_on(device, 1, &s);
     assert_int_equal(s.buttons, 1 << 5);
     ost_haptic_close(device);
@@ -542,18 +542,18 @@ static void spnav_only_while_held_and_lost(void **state)
     assert_ok(ost_haptic_describe(spnav, &info, &err));
     assert_true(info.available);
     assert_string_equal(note->calls, "o");
-    say_event(feed, 1, 350, 0, 0, 0, 0, 0);
+    put_event(feed, 1, 350, 0, 0, 0, 0, 0);
     read_on(device, 100, &s);
     assert_true(s.pose.t.x == 0);
     assert_int_equal(s.tool, -1);
-    say_event(feed, 2, 1, 0, 0, 0, 0, 0);
+    put_event(feed, 2, 1, 0, 0, 0, 0, 0);
     read_on(device, 100, &s);
     assert_true(llabs(s.pose.t.x - 2 * MM) < 1000);
-    say_event(feed, 2, 0, 0, 0, 0, 0, 0);
+    put_event(feed, 2, 0, 0, 0, 0, 0, 0);
     read_on(device, 100, &s);
     assert_true(llabs(s.pose.t.x - 2 * MM) < 1000);
     /* The device is unplugged. */
-    say_event(feed, 3, 1, 0, 0, 0, 0, 0);
+    put_event(feed, 3, 1, 0, 0, 0, 0, 0);
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
     /* The daemon ends. */

@@ -327,9 +327,9 @@ static void nrrd_values(void **state)
     put_bits(&file, float_bits(1), 4, true);
     put_bits(&file, float_bits(NAN), 4, true);
     write_file("n.nrrd", file.data, file.size);
-    char place[40];
-    snprintf(place, sizeof place, "(1, 0, 0) at byte %zu: ", start + 4);
-    assert_refused(at("n.nrrd"), NULL, OST_ERR_INPUT, place);
+    char location[40];
+    snprintf(location, sizeof location, "(1, 0, 0) at byte %zu: ", start + 4);
+    assert_refused(at("n.nrrd"), NULL, OST_ERR_INPUT, location);
 }
 
 static void nifti_fields(void **state)

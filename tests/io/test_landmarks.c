@@ -194,15 +194,15 @@ static void what_is_refused(void **state)
 static void damage(void **state)
 {
     (void)state;
-    static bytes whole[2], b;
+    static bytes complete[2], b;
     test_rng rng = rng_seeded("landmarks");
-    put_json(&whole[0], "RAS", true);
-    put_text(&whole[1], "# CoordinateSystem = LPS\n");
-    put_rows(&whole[1], false, "id,", ",0,0,0,1,1,1,0,", true, ",\"a, b\",node\n");
+    put_json(&complete[0], "RAS", true);
+    put_text(&complete[1], "# CoordinateSystem = LPS\n");
+    put_rows(&complete[1], false, "id,", ",0,0,0,1,1,1,0,", true, ",\"a, b\",node\n");
     for (int n = 0; n < 2000; n++) {
         ost_error err = {0};
         ost_landmarks all;
-        b = whole[n % 2];
+        b = complete[n % 2];
         for (int64_t k = rng_range(&rng, 0, 5); k >= 0; k--)
             b.data[rng_range(&rng, 0, (int64_t)b.size - 1)] = (unsigned char)"{}[]\",:#\n\r=-e9\xff "[rng_range(&rng, 0, 16)];
         if (n % 5 == 0)

@@ -29,8 +29,8 @@ static int64_t unit_of(int places)
 /* Rounds half to even, as printf does. */
 static ost_pm rounded(ost_pm value, int64_t unit)
 {
-    ost_pm magnitude = value < 0 ? -value : value, units = magnitude / unit, rest = magnitude % unit;
-    units += 2 * rest > unit || (2 * rest == unit && units % 2 == 1);
+    ost_pm magnitude = value < 0 ? -value : value, units = magnitude / unit, remainder = magnitude % unit;
+    units += 2 * remainder > unit || (2 * remainder == unit && units % 2 == 1);
     return value < 0 ? -units * unit : units * unit;
 }
 

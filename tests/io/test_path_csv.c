@@ -263,8 +263,8 @@ static void broken_paths_are_refused(void **state)
         ost_error err = {0};
         ost_path path;
         ost_status status = read_text(cases[i].text, &path, &err);
-        const char *said = strstr(err.text, "p.csv");
-        if (status != cases[i].status || !said || strncmp(said + 5, cases[i].says, strlen(cases[i].says)) != 0)
+        const char *found = strstr(err.text, "p.csv");
+        if (status != cases[i].status || !found || strncmp(found + 5, cases[i].says, strlen(cases[i].says)) != 0)
             fail_msg("case %zu: %s '%s', expected '...p.csv%s'", i, ost_status_name(status), err.text, cases[i].says);
         assert_null(path.ticks);
     }

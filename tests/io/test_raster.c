@@ -33,7 +33,7 @@ static int remove_folder(void **state)
 
 typedef struct text {
     char *bytes;
-    size_t size, room;
+    size_t size, capacity;
     size_t *line; /* offset of each sample's line, in file order */
     int lines;
 } text;
@@ -43,9 +43,9 @@ static void put(text *t, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    int n = vsnprintf(t->bytes + t->size, t->room - t->size, format, args);
+    int n = vsnprintf(t->bytes + t->size, t->capacity - t->size, format, args);
     va_end(args);
-    assert_true(n >= 0 && (size_t)n < t->room - t->size);
+    assert_true(n >= 0 && (size_t)n < t->capacity - t->size);
     t->size += (size_t)n;
 }
 
@@ -85,8 +85,8 @@ static void put_position(text *t, int64_t units, int places, const recipe *r)
 static text make(const recipe *r, test_rng *rng)
 {
     int count = r->dims[0] * r->dims[1] * r->dims[2];
-    text t = {.room = (size_t)count * 80 + 4096, .lines = 0};
-    t.bytes = malloc(t.room);
+    text t = {.capacity = (size_t)count * 80 + 4096, .lines = 0};
+    t.bytes = malloc(t.capacity);
     t.line = malloc((size_t)count * sizeof *t.line);
     assert_non_null(t.bytes);
     assert_non_null(t.line);
@@ -124,7 +124,7 @@ static void unmake(text *t)
 static void replace(text *t, size_t at, size_t length, const char *with)
 {
     size_t n = strlen(with);
-    assert_true(at + length <= t->size && t->size + n < t->room);
+    assert_true(at + length <= t->size && t->size + n < t->capacity);
     memmove(t->bytes + at + n, t->bytes + at + length, t->size - at - length);
     memcpy(t->bytes + at, with, n);
     t->size += n - length;
@@ -500,9 +500,9 @@ static void kernels_agree(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("text kernels");
-    enum { LINES = 40, ROOM = 8192 };
+    enum { LINES = 40, CAPACITY = 8192 };
     ost_text_match *scalar = ost_text_match_for(OST_ISA_SCALAR);
-    char *bytes = malloc(ROOM + OST_TEXT_MARGIN);
+    char *bytes = malloc(CAPACITY + OST_TEXT_MARGIN);
     assert_non_null(bytes);
     for (int round = 0; round < test_rounds(6000); round++) {
         ost_text_pattern pattern = {.carriage = rng_range(&rng, 0, 1), .shortest = OST_TEXT_COLUMN_MAX};
@@ -519,7 +519,7 @@ static void kernels_agree(void **state)
         size_t size = 0, begins[LINES];
         char *text_at = bytes;
         /* The bytes after the end are newlines, or digits that could continue the text. */
-        memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', ROOM + OST_TEXT_MARGIN);
+        memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', CAPACITY + OST_TEXT_MARGIN);
         for (int i = 0; i < LINES; i++) {
             lengths[i] = (uint8_t)rng_range(&rng, 1, OST_TEXT_COLUMN_MAX);
             pattern.shortest = lengths[i] < pattern.shortest ? lengths[i] : pattern.shortest;
@@ -531,7 +531,7 @@ static void kernels_agree(void **state)
             snprintf(density, sizeof density, rng_range(&rng, 0, 20) ? "%lld" : "%05lld",
                      (long long)(rng_range(&rng, 0, 9) ? rng_range(&rng, INT16_MIN, INT16_MAX) : rng_range(&rng, -200000, 200000)));
             size_t begin = begins[i] = size;
-            size += (size_t)snprintf(text_at + size, ROOM - size, "%.*s%.*s%.*s%s%s", (int)pattern.before.length, pattern.before.text,
+            size += (size_t)snprintf(text_at + size, CAPACITY - size, "%.*s%.*s%.*s%s%s", (int)pattern.before.length, pattern.before.text,
                                      (int)lengths[i], columns[i].text, (int)pattern.after.length, pattern.after.text, density,
                                      pattern.carriage ? "\r" : "");
             if (rng_range(&rng, 0, 15) == 0) /* replace a byte by a random one, which may be equal */

@@ -183,7 +183,7 @@ static void what_is_put_is_read(void **state)
     const ost_session_summary *sum = ost_session_summary_of(session);
     assert_true(sum->ended && !sum->header_damaged);
     assert_int_equal(sum->ticks, 10);
-    assert_int_equal(sum->whole_ticks, 10);
+    assert_int_equal(sum->complete_ticks, 10);
     assert_int_equal(sum->records, 11);
     assert_int_equal(sum->first_t_ns, -5);
     assert_int_equal(sum->last_t_ns, 8999995);
@@ -273,11 +273,11 @@ static void any_damaged_byte_costs_one_block(void **state)
             assert_int_equal(sum->header_damaged, hit < 2);
             if (hit < 2) {
                 assert_int_equal(sum->ticks, all);
-                assert_int_equal(sum->whole_ticks, all);
+                assert_int_equal(sum->complete_ticks, all);
             } else {
                 const int block = hit - 2;
                 assert_int_equal(sum->ticks, all - (s.first[block + 1] - s.first[block]));
-                assert_int_equal(sum->whole_ticks, s.first[block]);
+                assert_int_equal(sum->complete_ticks, s.first[block]);
                 assert_int_equal(sum->ended, block != BLOCKS - 1);
                 assert_int_equal(sum->missing_records, block == BLOCKS - 1 ? 0 : block_records[block]);
             }
@@ -305,16 +305,16 @@ static void cut_anywhere_it_keeps_its_whole_blocks(void **state)
             continue;
         }
         assert_int_equal(status, OST_OK);
-        int whole = 0;
-        while (whole + 1 < BLOCKS + 3 && size >= s.begin[whole + 1])
-            whole++;
+        int complete = 0;
+        while (complete + 1 < BLOCKS + 3 && size >= s.begin[complete + 1])
+            complete++;
         const ost_session_summary *sum = ost_session_summary_of(session);
-        assert_int_equal(sum->cut_bytes, size - s.begin[whole]);
+        assert_int_equal(sum->cut_bytes, size - s.begin[complete]);
         assert_int_equal(sum->damaged_bytes, 0);
-        assert_int_equal(sum->ticks, whole < 2 ? 0 : s.first[whole - 2]);
-        assert_int_equal(sum->whole_ticks, sum->ticks);
+        assert_int_equal(sum->ticks, complete < 2 ? 0 : s.first[complete - 2]);
+        assert_int_equal(sum->complete_ticks, sum->ticks);
         assert_int_equal(sum->ended, size == s.b.size);
-        assert_int_equal(sum->header_damaged, whole < 2);
+        assert_int_equal(sum->header_damaged, complete < 2);
         assert_int_equal(check_ticks(session), sum->ticks);
         ost_session_close(session);
     }
@@ -366,7 +366,7 @@ static void noise_is_survived(void **state)
         }
         const ost_session_summary *sum = ost_session_summary_of(session);
         assert_int_equal(check_ticks(session), sum->ticks);
-        assert_true(sum->ticks <= s.first[BLOCKS] && sum->whole_ticks <= sum->ticks);
+        assert_true(sum->ticks <= s.first[BLOCKS] && sum->complete_ticks <= sum->ticks);
         ost_session_close(session);
     }
 }
@@ -404,7 +404,7 @@ static void repair_keeps_what_is_whole(void **state)
     assert_ok(ost_session_repair(session, out, &err));
     assert_ok(ost_session_open(out, &fixed, &err));
     assert_int_equal(ost_session_summary_of(fixed)->missing_records, 3);
-    assert_int_equal(ost_session_summary_of(fixed)->whole_ticks, 0);
+    assert_int_equal(ost_session_summary_of(fixed)->complete_ticks, 0);
     assert_true(ost_session_summary_of(fixed)->ended);
     ost_session_close(fixed);
     ost_session_close(session);
@@ -471,7 +471,7 @@ typedef struct disk {
     pthread_mutex_t held;
     _Atomic int fails;
     _Atomic bool half;  /* a failing write stores half of its bytes */
-    size_t room;        /* capacity in bytes; 0: unlimited */
+    size_t capacity;    /* capacity in bytes; 0: unlimited */
     _Atomic int appends;
 } disk;
 
@@ -480,7 +480,7 @@ static int disk_append(void *user, const void *p, size_t size)
     disk *d = user;
     atomic_fetch_add(&d->appends, 1);
     pthread_mutex_lock(&d->held);
-    const bool full = d->room && d->b.size + size > d->room;
+    const bool full = d->capacity && d->b.size + size > d->capacity;
     const int error = full ? ENOSPC : atomic_load(&d->fails);
     if (!error)
         bytes_append(&d->b, p, size);
@@ -495,7 +495,7 @@ static int disk_cut(void *user, uint64_t size)
     return bytes_cut(&((disk *)user)->b, size);
 }
 
-static ost_recorder *record_on(disk *d, uint32_t room)
+static ost_recorder *record_on(disk *d, uint32_t capacity)
 {
     ost_error err = {0};
     ost_session_header *header = make_header();
@@ -504,7 +504,7 @@ static ost_recorder *record_on(disk *d, uint32_t room)
     pthread_mutex_init(&d->held, NULL);
     d->b.size = 0;
     d->fails = 0;
-    assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.room = room}, &recorder, &err));
+    assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.capacity = capacity}, &recorder, &err));
     ost_session_header_free(header);
     return recorder;
 }
@@ -579,7 +579,7 @@ static void a_recording_is_a_session(void **state)
     assert_ok(ost_session_open(path, &session, &err));
     assert_int_equal(check_ticks(session), 10000);
     assert_true(ost_session_summary_of(session)->ended);
-    assert_int_equal(ost_session_summary_of(session)->whole_ticks, 10000);
+    assert_int_equal(ost_session_summary_of(session)->complete_ticks, 10000);
     ost_session_close(session);
     /* The recorder replaces an existing file by a shorter one. */
     assert_ok(ost_recorder_open(path, header, NULL, &recorder, &err));
@@ -623,7 +623,7 @@ static void a_full_ring_is_counted_and_said(void **state)
     assert_ok(open_bytes(d.b.data, d.b.size, &session, &err));
     const ost_session_summary *sum = ost_session_summary_of(session);
     assert_int_equal(sum->ticks, 70);
-    assert_int_equal(sum->whole_ticks, 65);
+    assert_int_equal(sum->complete_ticks, 65);
     assert_int_equal(sum->lost_records, 10);
     assert_int_equal(sum->missing_records, 0);
     assert_true(sum->ended);
@@ -674,14 +674,14 @@ static void a_nearly_full_disk_takes_what_fits(void **state)
     ost_recorder *recorder = record_on(&d, 1024);
     pthread_mutex_lock(&d.held);
     put_ticks(recorder, 0, 400, true);
-    d.room = d.b.size + 20 * 64 + 200 * 128;
+    d.capacity = d.b.size + 20 * 64 + 200 * 128;
     pthread_mutex_unlock(&d.held);
     assert_int_equal(ost_recorder_close(recorder, NULL, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "the disk is full"));
     ost_session *session;
     assert_ok(open_bytes(d.b.data, d.b.size, &session, &err));
     const ost_session_summary *sum = ost_session_summary_of(session);
-    assert_in_range(sum->whole_ticks, 190, 210);
+    assert_in_range(sum->complete_ticks, 190, 210);
     ost_session_close(session);
 }
 
@@ -699,7 +699,7 @@ static void a_disk_that_stays_full_is_an_error_at_the_end(void **state)
     assert_non_null(strstr(err.text, "the disk is full; 10 records are in the file, 10 are not"));
     ost_session *session;
     assert_ok(open_bytes(d.b.data, d.b.size, &session, &err));
-    assert_int_equal(ost_session_summary_of(session)->whole_ticks, 10);
+    assert_int_equal(ost_session_summary_of(session)->complete_ticks, 10);
     ost_session_close(session);
 
     ost_session_header *header = make_header();
@@ -708,7 +708,7 @@ static void a_disk_that_stays_full_is_an_error_at_the_end(void **state)
         assert_non_null(strstr(err.text, "/dev/full: recording cannot begin: the disk is full"));
     }
     assert_int_equal(ost_recorder_open("/nowhere/x.session", header, NULL, &recorder, &err), OST_ERR_IO);
-    assert_int_equal(ost_recorder_open("x", header, &(ost_recorder_options){.room = 3}, &recorder, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_recorder_open("x", header, &(ost_recorder_options){.capacity = 3}, &recorder, &err), OST_ERR_USAGE);
     ost_session_header_free(header);
 }
 

@@ -95,7 +95,7 @@ static int64_t kill_once(const char *path, shared *s, int64_t after_us)
     const ost_session_summary *sum = ost_session_summary_of(session);
     assert_true(sum->ticks >= written);
     assert_true(sum->ticks <= atomic_load(&s->put) + 1);
-    assert_int_equal(sum->whole_ticks, sum->ticks);
+    assert_int_equal(sum->complete_ticks, sum->ticks);
     assert_false(sum->ended);
     assert_int_equal(sum->damaged_bytes + sum->lost_records + sum->missing_records, 0);
     uint64_t number = 0;

@@ -10,7 +10,7 @@
 #include "io/scratch_group.h"
 
 /* Reads all rows of a text, at most `room`. */
-static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t room, size_t *count, ost_error *err)
+static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t capacity, size_t *count, ost_error *err)
 {
     const char *path = scratch_write(folder, "ct.txt", text, size);
     ost_text_source source;
@@ -18,9 +18,9 @@ static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, s
     size_t got = 1;
     *count = 0;
     while (status == OST_OK && got > 0) {
-        status = ost_text_source_next(&source, rows + *count, room - *count, &got, err);
+        status = ost_text_source_next(&source, rows + *count, capacity - *count, &got, err);
         *count += got;
-        if (*count == room)
+        if (*count == capacity)
             break;
     }
     ost_text_source_close(&source);
@@ -177,8 +177,8 @@ static void broken_texts_are_refused(void **state)
         ost_status status = ost_text_scan(&source, (ost_pm3){0, 0, 0}, NULL, NULL, NULL, &summary, &err);
         ost_text_summary_free(&summary);
         ost_text_source_close(&source);
-        const char *said = strstr(err.text, "ct.txt");
-        if (status != OST_ERR_INPUT || !said || strncmp(said + 6, cases[i].says, strlen(cases[i].says)) != 0)
+        const char *found = strstr(err.text, "ct.txt");
+        if (status != OST_ERR_INPUT || !found || strncmp(found + 6, cases[i].says, strlen(cases[i].says)) != 0)
             fail_msg("case %zu: %s '%s', expected '...ct.txt%s'", i, ost_status_name(status), err.text, cases[i].says);
     }
 }

@@ -184,10 +184,10 @@ static void a_kill_leaves_nothing(void **state)
     (void)state;
     test_rng rng = rng_seeded("a_kill_leaves_nothing");
     ost_volume volume = large_volume();
-    struct stat whole;
+    struct stat complete;
     ost_error err = {0};
     assert_ok(ost_text_write_volume(path, &volume, 4, &err));
-    assert_int_equal(stat(path, &whole), 0);
+    assert_int_equal(stat(path, &complete), 0);
     for (int round = 0; round < 25; round++) {
         unlink(path);
         pid_t child = fork();
@@ -200,7 +200,7 @@ static void a_kill_leaves_nothing(void **state)
         assert_int_equal(waitpid(child, &ended, 0), child);
         struct stat st;
         if (stat(path, &st) == 0)
-            assert_int_equal(st.st_size, whole.st_size);
+            assert_int_equal(st.st_size, complete.st_size);
     }
     ost_volume_free(&volume);
 }

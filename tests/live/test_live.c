@@ -54,7 +54,7 @@ static void assert_same_surface(ost_surface *a, ost_surface *b)
         assert_memory_equal(x->occupancy, y->occupancy, sizeof x->occupancy);
         assert_int_equal(x->count, y->count);
         assert_memory_equal(x->points, y->points, x->count * sizeof *x->points);
-        assert_memory_equal(x->looks, y->looks, x->count * sizeof *x->looks);
+        assert_memory_equal(x->shades, y->shades, x->count * sizeof *x->shades);
     }
     assert_int_equal(i, a->used);
     assert_int_equal(j, b->used);
@@ -111,7 +111,7 @@ static void occupancy_is_what_is_active(void **state)
 
 /* ------------------------------------------------------- tick and viewer */
 
-typedef struct looker {
+typedef struct viewer_thread {
     ost_live *live;
     ost_surface *surface;
     test_rng rng;
@@ -120,7 +120,7 @@ typedef struct looker {
     ost_error err;
     uint64_t ticks, takes;
     bool torn;
-} looker;
+} viewer_thread;
 
 /* All fields of a state follow from its number. */
 static ost_live_state state_of(uint64_t tick)
@@ -132,13 +132,13 @@ static ost_live_state state_of(uint64_t tick)
     return s;
 }
 
-static void look(looker *l)
+static void view(viewer_thread *l)
 {
     ost_live_state s;
     if (ost_live_state_get(l->live, &s)) {
-        const ost_live_state whole = state_of(s.ticks);
-        l->torn = l->torn || s.ticks < l->ticks || s.t_ns != whole.t_ns || s.removed_voxels != whole.removed_voxels || s.fault != whole.fault ||
-                  s.pose.t.z != whole.pose.t.z || s.force_n[2] != whole.force_n[2];
+        const ost_live_state expected = state_of(s.ticks);
+        l->torn = l->torn || s.ticks < l->ticks || s.t_ns != expected.t_ns || s.removed_voxels != expected.removed_voxels || s.fault != expected.fault ||
+                  s.pose.t.z != expected.pose.t.z || s.force_n[2] != expected.force_n[2];
         l->ticks = s.ticks;
     }
     if (l->status == OST_OK)
@@ -150,9 +150,9 @@ static void look(looker *l)
 
 static void *work(void *user)
 {
-    looker *l = user;
+    viewer_thread *l = user;
     while (!atomic_load(&l->stop)) {
-        look(l);
+        view(l);
         const struct timespec nap = {.tv_nsec = rng_range(&l->rng, 0, 9) ? rng_range(&l->rng, 0, 50000) : rng_range(&l->rng, 0, 1000000)};
         nanosleep(&nap, NULL);
     }
@@ -160,7 +160,7 @@ static void *work(void *user)
 }
 
 /* The grids are as wide as their chunks, so that into_surface can derive the size. */
-static void a_looker_ends_with_the_bone(void **state)
+static void a_viewer_ends_with_the_bone(void **state)
 {
     test_rng rng = rng_seeded("live");
     for (int n = 16; n <= 64; n *= 2) {
@@ -172,8 +172,8 @@ static void a_looker_ends_with_the_bone(void **state)
             voxels[i] = 0;
         ost_bone *bone = bone_of(*state, &g, n, voxels);
         ost_tool *tool = random_tool(*state, &rng, (ost_tool_geometry){{9, 12, 20}, MM, {-4 * MM, -6 * MM, 0}});
-        ost_surface seen, whole;
-        looker l = {.surface = &seen, .rng = {rng_next(&rng)}};
+        ost_surface seen, expected;
+        viewer_thread l = {.surface = &seen, .rng = {rng_next(&rng)}};
         ost_report report = {0};
         assert_ok(ost_surface_init(&seen, &g, &err));
         assert_ok(ost_live_create(bone, &l.live, &err));
@@ -195,17 +195,17 @@ static void a_looker_ends_with_the_bone(void **state)
         assert_ok(ost_live_flush(l.live, &err));
         atomic_store(&l.stop, true);
         pthread_join(thread, NULL);
-        look(&l);
+        view(&l);
         assert_ok(ost_surface_update(&seen, &err));
         if (l.status != OST_OK)
             fail_msg("%s", l.err.text);
         assert_false(l.torn);
         assert_int_equal(l.ticks, rounds);
-        surface_of_bone(bone, &g, &whole);
-        assert_same_surface(&seen, &whole);
+        surface_of_bone(bone, &g, &expected);
+        assert_same_surface(&seen, &expected);
         print_message("# chunks of %d: %llu takes beside %d removals, %llu surface voxels\n", n, (unsigned long long)l.takes, rounds,
-                      (unsigned long long)whole.points);
-        ost_surface_free(&whole);
+                      (unsigned long long)expected.points);
+        ost_surface_free(&expected);
         ost_surface_free(&seen);
         ost_live_free(l.live);
         ost_report_free(&report);
@@ -238,7 +238,7 @@ static void an_ended_take_loses_nothing(void **state)
     int16_t *voxels = random_densities(&rng, &g, 5);
     ost_bone *bone = bone_of(*state, &g, 32, voxels);
     ost_live *live;
-    ost_surface seen, whole;
+    ost_surface seen, expected;
     assert_ok(ost_surface_init(&seen, &g, &err));
     assert_ok(ost_live_create(bone, &live, &err));
     ost_live_state none;
@@ -251,9 +251,9 @@ static void an_ended_take_loses_nothing(void **state)
     }
     assert_int_equal(ended, (4 * 3 * 3 - 1) / 5);
     assert_ok(ost_surface_update(&seen, &err));
-    surface_of_bone(bone, &g, &whole);
-    assert_same_surface(&seen, &whole);
-    ost_surface_free(&whole);
+    surface_of_bone(bone, &g, &expected);
+    assert_same_surface(&seen, &expected);
+    ost_surface_free(&expected);
     ost_surface_free(&seen);
     ost_live_free(live);
     ost_bone_free(bone);
@@ -293,7 +293,7 @@ static void an_operation_shows_itself(void **state)
     ost_operation *operation;
     ost_haptic *device;
     ost_path path;
-    ost_surface seen, whole;
+    ost_surface seen, expected;
     static ost_servo_report loop;
     assert_ok(ost_world_create(bone, NULL, &world, &err));
     assert_ok(ost_world_add_tool(world, "peg", tool, NULL, &err));
@@ -318,9 +318,9 @@ static void an_operation_shows_itself(void **state)
     limited l = {.left = -1, .surface = &seen};
     assert_ok(ost_live_take(live, a_few, &l, &err));
     assert_ok(ost_surface_update(&seen, &err));
-    surface_of_bone(bone, &g, &whole);
-    assert_same_surface(&seen, &whole);
-    ost_surface_free(&whole);
+    surface_of_bone(bone, &g, &expected);
+    assert_same_surface(&seen, &expected);
+    ost_surface_free(&expected);
     ost_surface_free(&seen);
     ost_operation_free(operation);
     ost_haptic_close(device);
@@ -336,7 +336,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(occupancy_is_what_is_active),
-        cmocka_unit_test(a_looker_ends_with_the_bone),
+        cmocka_unit_test(a_viewer_ends_with_the_bone),
         cmocka_unit_test(an_ended_take_loses_nothing),
         cmocka_unit_test(an_empty_bone_can_be_looked_at),
         cmocka_unit_test(an_operation_shows_itself),

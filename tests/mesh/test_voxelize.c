@@ -315,40 +315,40 @@ static void two_closed_halves_make_the_whole(void **state)
     (void)state;
     test_rng rng = rng_seeded("halves");
     for (int round = 0; round < 200; round++) {
-        ost_snapped_mesh whole = make_snapped((ost_dims){8, 8, 8}, 5, 6);
+        ost_snapped_mesh complete = make_snapped((ost_dims){8, 8, 8}, 5, 6);
         for (int i = 0; i < 5; i++)
-            make_random_vertex(&whole, &rng);
+            make_random_vertex(&complete, &rng);
         int64_t top[3], bottom[3];
         for (int a = 0; a < 3; a++) {
-            top[a] = whole.vertices[3][a];
-            bottom[a] = whole.vertices[4][a];
+            top[a] = complete.vertices[3][a];
+            bottom[a] = complete.vertices[4][a];
         }
-        if (plane(whole.vertices[0], whole.vertices[1], whole.vertices[2], top) <= 0 ||
-            plane(whole.vertices[0], whole.vertices[1], whole.vertices[2], bottom) >= 0) {
-            ost_snapped_mesh_free(&whole);
+        if (plane(complete.vertices[0], complete.vertices[1], complete.vertices[2], top) <= 0 ||
+            plane(complete.vertices[0], complete.vertices[1], complete.vertices[2], bottom) >= 0) {
+            ost_snapped_mesh_free(&complete);
             continue;
         }
-        ost_snapped_mesh upper = make_snapped(whole.grid.dims, 5, 4), lower = make_snapped(whole.grid.dims, 5, 4);
+        ost_snapped_mesh upper = make_snapped(complete.grid.dims, 5, 4), lower = make_snapped(complete.grid.dims, 5, 4);
         for (int i = 0; i < 5; i++) {
-            make_vertex(&upper, whole.vertices[i][0], whole.vertices[i][1], whole.vertices[i][2]);
-            make_vertex(&lower, whole.vertices[i][0], whole.vertices[i][1], whole.vertices[i][2]);
+            make_vertex(&upper, complete.vertices[i][0], complete.vertices[i][1], complete.vertices[i][2]);
+            make_vertex(&lower, complete.vertices[i][0], complete.vertices[i][1], complete.vertices[i][2]);
         }
         make_triangle(&upper, 0, 2, 1);
         make_triangle(&lower, 0, 1, 2);
         for (uint32_t i = 0; i < 3; i++) {
             make_triangle(&upper, i, (i + 1) % 3, 3);
             make_triangle(&lower, (i + 1) % 3, i, 4);
-            make_triangle(&whole, i, (i + 1) % 3, 3);
-            make_triangle(&whole, (i + 1) % 3, i, 4);
+            make_triangle(&complete, i, (i + 1) % 3, 3);
+            make_triangle(&complete, (i + 1) % 3, i, 4);
         }
-        uint8_t *w = make_grid(&whole, OST_FILL_WINDING, NULL), *u = make_grid(&upper, OST_FILL_WINDING, NULL),
+        uint8_t *w = make_grid(&complete, OST_FILL_WINDING, NULL), *u = make_grid(&upper, OST_FILL_WINDING, NULL),
                 *l = make_grid(&lower, OST_FILL_WINDING, NULL);
         for (int i = 0; i < 512; i++) {
             assert_int_equal(w[i], u[i] | l[i]);
             assert_int_equal(u[i] & l[i], 0); /* a centre on the cut belongs to one half only */
         }
         free(w), free(u), free(l);
-        ost_snapped_mesh_free(&whole), ost_snapped_mesh_free(&upper), ost_snapped_mesh_free(&lower);
+        ost_snapped_mesh_free(&complete), ost_snapped_mesh_free(&upper), ost_snapped_mesh_free(&lower);
     }
 }
 

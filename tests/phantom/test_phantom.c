@@ -166,7 +166,7 @@ static void test_distances_can_be_relied_on(void **state)
         ost_v3 p = {(double)rng_range(&rng, -20000, 130000) / 1000, (double)rng_range(&rng, -65000, 45000) / 1000,
                     (double)rng_range(&rng, -130000, 55000) / 1000};
         ost_v3 d = {(double)rng_range(&rng, -1000, 1000), (double)rng_range(&rng, -1000, 1000), (double)rng_range(&rng, 1, 1000)};
-        ost_scapula_place a, b;
+        ost_scapula_sample a, b;
         ost_scapula_at(&s, p, &a);
         ost_scapula_at(&s, ost_v3_mad(p, d, 3 / ost_v3_length(d)), &b);
         if (a.bone > 4 && b.bone < 4)

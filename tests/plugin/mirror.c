@@ -28,7 +28,7 @@ static int broken(const char *what)
     return current && strcmp(current->broken, what) == 0;
 }
 
-static int32_t told(ost_status status, const ost_error *err, ost_plugin_error *error)
+static int32_t put_error(ost_status status, const ost_error *err, ost_plugin_error *error)
 {
     if (status == OST_OK)
         return OST_PLUGIN_OK;
@@ -54,7 +54,7 @@ static int32_t m_open(const char *options, const ost_plugin_host *host, ost_plug
         current = NULL;
         return OST_PLUGIN_USAGE;
     }
-    const int32_t status = told(ost_backend_open("ref", &self->ref, &err), &err, error);
+    const int32_t status = put_error(ost_backend_open("ref", &self->ref, &err), &err, error);
     if (status == OST_PLUGIN_OK && !broken("nothing")) {
         *out = self;
         return status;
@@ -76,7 +76,7 @@ static void m_close(ost_plugin_instance *self)
 static int32_t m_finish(ost_plugin_instance *self, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return told(ost_backend_finish(self->ref, &err), &err, error);
+    return put_error(ost_backend_finish(self->ref, &err), &err, error);
 }
 
 /* Objects are the library's own, cast to the plugin's types. */
@@ -89,7 +89,7 @@ static int32_t m_grid_create(ost_plugin_instance *self, const ost_plugin_geometr
 {
     ost_error err = {0};
     const ost_geometry g = geometry_of(geometry);
-    return told(ost_grid_create(self->ref, &g, (ost_grid **)out, &err), &err, error);
+    return put_error(ost_grid_create(self->ref, &g, (ost_grid **)out, &err), &err, error);
 }
 
 static void m_grid_free(ost_plugin_grid *grid)
@@ -100,13 +100,13 @@ static void m_grid_free(ost_plugin_grid *grid)
 static int32_t m_grid_upload(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return told(ost_grid_upload((ost_grid *)grid, z0, count, voxels, &err), &err, error);
+    return put_error(ost_grid_upload((ost_grid *)grid, z0, count, voxels, &err), &err, error);
 }
 
 static int32_t m_grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return told(ost_grid_download((const ost_grid *)grid, z0, count, voxels, &err), &err, error);
+    return put_error(ost_grid_download((const ost_grid *)grid, z0, count, voxels, &err), &err, error);
 }
 
 static int32_t m_ct_to_rect(ost_plugin_grid *rect, const ost_plugin_samples *s, ost_plugin_scatter_report *r, ost_plugin_error *error)
@@ -130,19 +130,19 @@ static int32_t m_ct_to_rect(ost_plugin_grid *rect, const ost_plugin_samples *s, 
     r->conflict_line = own.conflict_line;
     r->conflict_had = own.conflict_had;
     r->conflict_has = own.conflict_has;
-    return told(status, &err, error);
+    return put_error(status, &err, error);
 }
 
 static int32_t m_rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule, ost_plugin_grid **out, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return told(ost_rect_to_cubic((const ost_grid *)rect, cubic->spacing_pm[0], (ost_resample)rule, (ost_grid **)out, &err), &err, error);
+    return put_error(ost_rect_to_cubic((const ost_grid *)rect, cubic->spacing_pm[0], (ost_resample)rule, (ost_grid **)out, &err), &err, error);
 }
 
 static int32_t m_cubic_to_chunks(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return told(ost_cubic_to_chunks((const ost_grid *)cubic, chunk_size, threshold, (ost_bone **)out, &err), &err, error);
+    return put_error(ost_cubic_to_chunks((const ost_grid *)cubic, chunk_size, threshold, (ost_bone **)out, &err), &err, error);
 }
 
 static int32_t m_bone_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out,
@@ -150,7 +150,7 @@ static int32_t m_bone_create(ost_plugin_instance *self, const ost_plugin_geometr
 {
     ost_error err = {0};
     const ost_geometry g = geometry_of(geometry);
-    return told(ost_bone_create(self->ref, &g, chunk_size, threshold, (ost_bone **)out, &err), &err, error);
+    return put_error(ost_bone_create(self->ref, &g, chunk_size, threshold, (ost_bone **)out, &err), &err, error);
 }
 
 static void m_bone_free(ost_plugin_bone *bone)
@@ -164,7 +164,7 @@ static int32_t m_bone_stats(const ost_plugin_bone *bone, ost_plugin_bone_stats *
     ost_bone_info info;
     const ost_status status = ost_bone_info_get((const ost_bone *)bone, &info, &err);
     if (status != OST_OK)
-        return told(status, &err, error);
+        return put_error(status, &err, error);
     stats->active_chunks = broken("stats") ? -1 : info.active_chunks;
     stats->active_voxels = info.active_voxels;
     stats->chunk_bytes = info.chunk_bytes;
@@ -175,13 +175,13 @@ static int32_t m_bone_stats(const ost_plugin_bone *bone, ost_plugin_bone_stats *
 static int32_t m_bone_upload(ost_plugin_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return told(ost_bone_upload((ost_bone *)bone, z0, count, voxels, &err), &err, error);
+    return put_error(ost_bone_upload((ost_bone *)bone, z0, count, voxels, &err), &err, error);
 }
 
 static int32_t m_bone_download(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return told(ost_bone_download((const ost_bone *)bone, z0, count, voxels, &err), &err, error);
+    return put_error(ost_bone_download((const ost_bone *)bone, z0, count, voxels, &err), &err, error);
 }
 
 static ost_snapped_mesh mesh_of(const ost_plugin_tool_geometry *g, const ost_plugin_mesh *m)
@@ -203,7 +203,7 @@ static int32_t m_voxelize(ost_plugin_instance *self, const ost_plugin_tool_geome
     r->solid_voxels = own.solid_voxels;
     r->cutting_voxels = own.cutting_voxels;
     r->leaking_rows = own.leaking_rows;
-    return told(status, &err, error);
+    return put_error(status, &err, error);
 }
 
 static int32_t m_tool_upload(ost_plugin_instance *self, const ost_plugin_tool_geometry *g, const uint8_t *voxels, ost_plugin_tool **out, ost_plugin_error *error)
@@ -211,7 +211,7 @@ static int32_t m_tool_upload(ost_plugin_instance *self, const ost_plugin_tool_ge
     ost_error err = {0};
     const ost_tool_volume volume = {.geometry = {{g->dims[0], g->dims[1], g->dims[2]}, g->voxel_pm, {g->corner_pm[0], g->corner_pm[1], g->corner_pm[2]}},
                                     .voxels = (uint8_t *)(uintptr_t)voxels};
-    return told(ost_tool_upload(self->ref, &volume, (ost_tool **)out, &err), &err, error);
+    return put_error(ost_tool_upload(self->ref, &volume, (ost_tool **)out, &err), &err, error);
 }
 
 static int32_t m_tool_download(const ost_plugin_tool *tool, uint8_t *voxels, ost_plugin_error *error)
@@ -220,7 +220,7 @@ static int32_t m_tool_download(const ost_plugin_tool *tool, uint8_t *voxels, ost
     ost_tool_volume volume;
     const ost_status status = ost_tool_download((const ost_tool *)tool, &volume, &err);
     if (status != OST_OK)
-        return told(status, &err, error);
+        return put_error(status, &err, error);
     memcpy(voxels, volume.voxels, (size_t)ost_dims_count(volume.geometry.dims));
     ost_tool_volume_free(&volume);
     return OST_PLUGIN_OK;
@@ -275,14 +275,14 @@ static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_
     const ost_event event = {(int)n, maps, boxes, &classes};
     if (status == OST_OK)
         status = apply ? ost_bone_remove(bone, tool, &event, &own, &err) : ost_bone_collide(bone, tool, &event, &own, &err);
-    int32_t said = told(status, &err, error);
-    for (size_t c = 0; c < own.count && said == OST_PLUGIN_OK; c++)
-        said = report->add(report->sink, broken("report") ? -3 : own.chunks[c].chunk, own.chunks[c].voxels, own.chunks[c].density);
+    int32_t answer = put_error(status, &err, error);
+    for (size_t c = 0; c < own.count && answer == OST_PLUGIN_OK; c++)
+        answer = report->add(report->sink, broken("report") ? -3 : own.chunks[c].chunk, own.chunks[c].voxels, own.chunks[c].density);
     report->touched_voxels = own.touched_voxels;
     ost_report_free(&own);
     free(maps);
     free(boxes);
-    return said;
+    return answer;
 }
 
 /* Makes voxel (1, 2, 3) active without reporting it. */
@@ -344,13 +344,13 @@ static int32_t m_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry 
     (void)self;
     ost_status status = ost_mesh_init(&mesh, raw->vertex_count, raw->triangle_count, &err);
     if (status != OST_OK)
-        return told(status, &err, error);
+        return put_error(status, &err, error);
     memcpy(mesh.vertices, raw->vertices_pm, raw->vertex_count * sizeof *mesh.vertices);
     memcpy(mesh.triangles, raw->triangles, raw->triangle_count * sizeof *mesh.triangles);
     status = ost_mesh_snap(&mesh, &g, &own, &err);
     ost_mesh_free(&mesh);
     if (status != OST_OK)
-        return told(status, &err, error);
+        return put_error(status, &err, error);
     made->fraction_bits = own.fraction_bits;
     made->triangle_count = own.triangle_count;
     memcpy(made->vertices, own.vertices, own.vertex_count * sizeof *own.vertices);
@@ -382,8 +382,8 @@ static int32_t m_steps(ost_plugin_instance *self, const ost_plugin_steps *in, os
     int count = 1;
     (void)self;
     ost_status status = in->from ? ost_sweep_count(&from, &to, &tool, bone.spacing.x, &count, &err) : OST_OK;
-    int32_t said = OST_PLUGIN_OK;
-    for (int k = 1; k <= count && status == OST_OK && said == OST_PLUGIN_OK; k++) {
+    int32_t answer = OST_PLUGIN_OK;
+    for (int k = 1; k <= count && status == OST_OK && answer == OST_PLUGIN_OK; k++) {
         const ost_pose pose = count == 1 ? to : ost_sweep_pose(&from, &to, k, count);
         const ost_plugin_pose p = {sizeof p, {pose.qw, pose.qx, pose.qy, pose.qz}, {pose.t.x, pose.t.y, pose.t.z}};
         ost_map map;
@@ -398,9 +398,9 @@ static int32_t m_steps(ost_plugin_instance *self, const ost_plugin_steps *in, os
         }
         m.step[1][2] += broken("steps");
         if (status == OST_OK)
-            said = in->add(in->sink, &p, &m);
+            answer = in->add(in->sink, &p, &m);
     }
-    return status == OST_OK ? said : told(status, &err, error);
+    return status == OST_OK ? answer : put_error(status, &err, error);
 }
 
 #ifndef MIRROR_SIZE

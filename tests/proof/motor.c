@@ -39,7 +39,7 @@ void motor_component(void)
 
 void motor_parts(void)
 {
-    const ost_tick before = {.t_ns = nondet_int64(), .rpm = OST_RPM_HAND}, row = {.t_ns = nondet_int64(), .rpm = OST_RPM_HAND};
+    const ost_tick before = {.t_ns = nondet_int64(), .rpm = OST_RPM_OF_DEVICE}, row = {.t_ns = nondet_int64(), .rpm = OST_RPM_OF_DEVICE};
     const int64_t parts = parts_of(&before, &row, any32(0, 3000));
     ASSERT(parts >= 1 + WIDER && parts <= OST_MOTOR_PARTS_MAX + 1);
 }

@@ -182,12 +182,12 @@ static void empty_chunks_have_no_memory(void **state)
         ost_chunk_grid grid;
         assert_ok(ost_chunk_grid_init(&grid, g.dims, sizes[s], 120, &err));
         for (int step = 0; step < 3; step++) { /* below the threshold, one voxel at the threshold, empty again */
-            int64_t held = 0;
+            int64_t allocated = 0;
             voxels[5] = (int16_t)(step == 1 ? 120 : step == 0 ? 119 : 0);
             assert_ok(ost_chunk_grid_upload(&grid, 20, 1, voxels, &err));
             for (int64_t i = 0; i < grid.count; i++)
-                held += grid.chunks[i].density != NULL;
-            assert_int_equal(held, step == 1);
+                allocated += grid.chunks[i].density != NULL;
+            assert_int_equal(allocated, step == 1);
         }
         ost_chunk_grid_free(&grid);
     }

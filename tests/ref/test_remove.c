@@ -299,10 +299,10 @@ static void an_event_equals_its_poses_one_by_one(void **state)
         for (int k = 1; k <= n; k++)
             poses[k - 1] = ost_sweep_pose(&a, &b, k, n);
         ost_bone *together = bone_of(*state, &s.g, 32, s.voxels), *single = bone_of(*state, &s.g, 32, s.voxels);
-        ost_report whole = {0}, part = {0};
+        ost_report complete = {0}, part = {0};
         uint64_t voxels = 0;
         int64_t density = 0;
-        remove_at(together, &s.g, s.tool, poses, n, &whole);
+        remove_at(together, &s.g, s.tool, poses, n, &complete);
         for (int k = 0; k < n; k++) {
             remove_at(single, &s.g, s.tool, &poses[k], 1, &part);
             voxels += part.total_voxels;
@@ -310,9 +310,9 @@ static void an_event_equals_its_poses_one_by_one(void **state)
         }
         ost_digest d1 = digest_of(together), d2 = digest_of(single);
         assert_true(ost_digest_equal(&d1, &d2));
-        assert_int_equal(whole.total_voxels, voxels);
-        assert_int_equal(whole.density[0] + whole.density[1] + whole.density[2], density);
-        ost_report_free(&whole);
+        assert_int_equal(complete.total_voxels, voxels);
+        assert_int_equal(complete.density[0] + complete.density[1] + complete.density[2], density);
+        ost_report_free(&complete);
         ost_report_free(&part);
         ost_bone_free(together);
         ost_bone_free(single);

@@ -66,8 +66,8 @@ static ost_pose pose_of(test_rng *rng)
     }
     for (int a = 0; a < 4; a++)
         q[a] /= sqrt(n);
-    const double place[3] = {(double)rng_range(rng, 10, 90), (double)rng_range(rng, 5, 60), (double)rng_range(rng, 5, 60)};
-    assert_ok(ost_pose_from_doubles(place, q, &pose, &err));
+    const double position[3] = {(double)rng_range(rng, 10, 90), (double)rng_range(rng, 5, 60), (double)rng_range(rng, 5, 60)};
+    assert_ok(ost_pose_from_doubles(position, q, &pose, &err));
     return pose;
 }
 
@@ -82,7 +82,7 @@ static ost_camera camera_of(test_rng *rng, int width, int height)
         for (int a = 0; a < 3; a++)
             from[a] = to[a] + far * (double)rng_range(rng, -120, 120);
     while (hypot(from[0] - to[0], from[1] - to[1]) < 20);
-    assert_ok(ost_camera_look(from, to, (double[3]){0, 0, 1}, &c, &err));
+    assert_ok(ost_camera_look_at(from, to, (double[3]){0, 0, 1}, &c, &err));
     return c;
 }
 
@@ -95,7 +95,7 @@ static void make(ost_viewer *v, const ost_volume *bone, ost_isa isa, int threads
     assert_ok(ost_viewer_init(v, &bone->geometry, OST_STYLE_SMOOTH, ost_isa_name(isa), threads, &err));
     assert_ok(ost_volume_init(&before, &bone->geometry, &err));
     memcpy(before.voxels, bone->voxels, COUNT * sizeof *bone->voxels);
-    assert_ok(ost_viewer_set_ground(v, &before, 120, &classes, NULL, NULL, &err));
+    assert_ok(ost_viewer_set_uncut(v, &before, 120, &classes, NULL, NULL, &err));
     assert_ok(ost_surface_set_volume(&v->bone, bone, 120, &err));
     assert_ok(ost_viewer_add_tool(v, &tool, &err));
     assert_ok(ost_viewer_set_ghost(v, &tool, &(ost_pose){.t = {60 * MM, 10 * MM, 20 * MM}, .qw = OST_Q30_ONE}, &err));
@@ -137,7 +137,7 @@ static void change(ost_viewer *v, ost_volume *bone, test_rng *rng, ost_camera *c
     else if (what == 33)
         v->style = v->style == OST_STYLE_SMOOTH ? OST_STYLE_FACES : OST_STYLE_SMOOTH;
     else if (what == 34)
-        ost_viewer_set_contact(v, !v->bone.keep_fresh);
+        ost_viewer_set_contact(v, !v->bone.shows_contact);
     else if (what == 35)
         ost_surface_age(&v->bone);
     else if (what == 36)
@@ -196,18 +196,18 @@ static void draw(ost_viewer *v, const ost_camera *camera, drawn *d)
     ost_error err = {0};
     assert_ok(ost_viewer_update(v, &err));
     assert_ok(ost_viewer_draw(v, camera, &err));
-    const ost_frame kept = v->frame;
+    const ost_frame stored = v->frame;
     v->frame = (ost_frame){0};
     assert_ok(ost_viewer_draw(v, camera, &err));
-    assert_same(&v->frame, &kept);
+    assert_same(&v->frame, &stored);
     d->frames++;
-    const size_t cells = cells_in(&kept.part);
-    if (cells < (size_t)(kept.part.across * kept.part.rows)) {
+    const size_t cells = cells_in(&stored.part);
+    if (cells < (size_t)(stored.part.across * stored.part.rows)) {
         d->parts++;
         d->cells += cells;
     }
     ost_frame_free(&v->frame);
-    v->frame = kept;
+    v->frame = stored;
 }
 
 static void kept_frames_are_as_fresh_ones(void **state)

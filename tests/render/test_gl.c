@@ -66,7 +66,7 @@ static ost_camera look(const ost_geometry *g, double x, double y, double z, doub
     const double mm = 1e-9 * (double)g->spacing.x, length = sqrt(x * x + y * y + z * z), up[3] = {0, 0, 1};
     const double at[3] = {-3 + mm * (0.5 * g->dims.x + aside), mm * 0.5 * g->dims.y, 7 + mm * 0.5 * g->dims.z};
     const double from[3] = {at[0] + mm * distance * x / length, at[1] + mm * distance * y / length, at[2] + mm * distance * z / length};
-    assert_ok(ost_camera_look(from, at, up, &c, &err));
+    assert_ok(ost_camera_look_at(from, at, up, &c, &err));
     return c;
 }
 

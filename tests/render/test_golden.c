@@ -158,7 +158,7 @@ typedef struct golden {
 
 static void walk_all(const thing *t, int count, double scale, golden *g)
 {
-    static const double beside[4][2] = {{-1e-3, -1e-3}, {1e-3, -1e-3}, {-1e-3, 1e-3}, {1e-3, 1e-3}};
+    static const double offset[4][2] = {{-1e-3, -1e-3}, {1e-3, -1e-3}, {-1e-3, 1e-3}, {1e-3, 1e-3}};
     g->covered = g->doubtful = 0;
     g->hash = START;
     for (int y = 0; y < H; y++)
@@ -167,7 +167,7 @@ static void walk_all(const thing *t, int count, double scale, golden *g)
             g->pixel[y][x] = h;
             g->clear[y][x] = true;
             for (int i = 0; i < 4; i++) {
-                const hit other = nearest(t, count, scale, x + beside[i][0], y + beside[i][1]);
+                const hit other = nearest(t, count, scale, x + offset[i][0], y + offset[i][1]);
                 g->clear[y][x] &= other.face == h.face && other.voxel == h.voxel;
             }
             g->covered += h.face != OST_NO_FACE;
@@ -205,7 +205,7 @@ static uint64_t draw(const thing *t, int count, const golden *g, ost_isa isa, in
     for (int i = 0; i < count; i++)
         things[i] = (ost_frame_thing){.surface = &t[i].surface, .eye = t[i].eye, .paint = i ? OST_PAINT_STEEL : OST_PAINT_BONE};
     assert_ok(ost_frame_init(&f, W, H, OST_STYLE_SMOOTH, isa, threads, &err));
-    assert_ok(ost_frame_keep_keys(&f, &err));
+    assert_ok(ost_frame_store_keys(&f, &err));
     assert_ok(ost_frame_draw_things(&f, things, count, &err));
     const uint64_t hash = hash_of(&f, &t[0].surface, g);
     *colours = START;
@@ -244,16 +244,16 @@ static void test_golden(void **state)
     make_thing(&t[0], volume_of(100, 90, 110, MM, bone));
     make_thing(&t[1], volume_of(61, 61, 70, MM / 2, tool));
     /* The tool's dome is in the bowl, its shaft points toward the viewer at an angle. */
-    const double place[3] = {38, 16, 70}, turn[4] = {0.5, 0.7, 0.5, -0.1};
+    const double position[3] = {38, 16, 70}, turn[4] = {0.5, 0.7, 0.5, -0.1};
     ost_pose pose;
-    assert_ok(ost_pose_from_doubles(place, turn, &pose, &err));
+    assert_ok(ost_pose_from_doubles(position, turn, &pose, &err));
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         const view *v = &views[i];
         const double up[3] = {0.1, 0.2, 1};
         ost_camera c = {.focal_milli = v->focal_milli, .width = W, .height = H};
         const int count = v->with_tool ? 2 : 1;
         uint64_t colours, first = 0;
-        assert_ok(ost_camera_look(v->from, v->at, up, &c, &err));
+        assert_ok(ost_camera_look_at(v->from, v->at, up, &c, &err));
         t[0].eye = ost_eye_make(&c, &t[0].volume.geometry);
         t[1].eye = ost_eye_make_from(&c, &t[1].volume.geometry, &pose);
         walk_all(t, count, 0.5, &g);

@@ -63,12 +63,12 @@ static void set_bone(ost_viewer *v, const ost_volume *before, const ost_volume *
     assert_ok(ost_viewer_init(v, &g, OST_STYLE_SMOOTH, NULL, 1, &err));
     assert_ok(ost_volume_init(&copy, &g, &err));
     memcpy(copy.voxels, before->voxels, COUNT * sizeof *copy.voxels);
-    assert_ok(ost_viewer_set_ground(v, &copy, 120, &classes, NULL, NULL, &err));
+    assert_ok(ost_viewer_set_uncut(v, &copy, 120, &classes, NULL, NULL, &err));
     assert_ok(ost_surface_set_volume(&v->bone, now, 120, &err));
     assert_ok(ost_surface_update(&v->bone, &err));
 }
 
-typedef void each_point(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block);
+typedef void each_point(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block);
 
 static void for_points(const ost_surface *s, each_point *visit, void *user)
 {
@@ -76,11 +76,11 @@ static void for_points(const ost_surface *s, each_point *visit, void *user)
         for (uint32_t p = 0; p < s->slot[b]->count; p++) {
             const uint32_t w = s->slot[b]->points[p];
             const int v[3] = {32 * s->slot[b]->at[0] + (int)(w & 31), 32 * s->slot[b]->at[1] + (int)(w >> 5 & 31), 32 * s->slot[b]->at[2] + (int)(w >> 10 & 31)};
-            visit(user, v, w, s->slot[b]->looks[p], s->slot[b]);
+            visit(user, v, w, s->slot[b]->shades[p], s->slot[b]);
         }
 }
 
-static void assert_same_looks(const ost_surface *a, const ost_surface *b)
+static void assert_same_shades(const ost_surface *a, const ost_surface *b)
 {
     assert_int_equal(a->points, b->points);
     for (int32_t i = 0; i < b->used; i++) {
@@ -91,7 +91,7 @@ static void assert_same_looks(const ost_surface *a, const ost_surface *b)
         if (same->count == 0)
             continue;
         assert_memory_equal(same->points, b->slot[i]->points, same->count * sizeof(uint32_t));
-        assert_memory_equal(same->looks, b->slot[i]->looks, same->count * sizeof(uint32_t));
+        assert_memory_equal(same->shades, b->slot[i]->shades, same->count * sizeof(uint32_t));
     }
 }
 
@@ -101,9 +101,9 @@ typedef struct check {
     int seen, painted;
 } check;
 
-static uint32_t paint_of(uint32_t look)
+static uint32_t paint_of(uint32_t shade)
 {
-    return look >> OST_PAINT_SHIFT & 255;
+    return shade >> OST_PAINT_SHIFT & 255;
 }
 
 /* ------------------------------------------------------------------- clip */
@@ -117,7 +117,7 @@ static bool shown(const ost_clip *c, const int v[3])
  * Voxels next to the clip plane show the CT, each by its own density: -100 HU is black, 1300
  * white, in 126 steps.
  */
-static void check_clip(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
+static void check_clip(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
     check *c = user;
     bool cap = false;
@@ -132,7 +132,7 @@ static void check_clip(void *user, const int v[3], uint32_t point, uint32_t look
     }
     const double share = (at(c->now, v[0], v[1], v[2]) + 100) / 1400.0;
     const int step = (int)floor((share > 1 ? 1 : share) * 126 + 0.5);
-    assert_int_equal(paint_of(look), cap ? 128 + step : 0);
+    assert_int_equal(paint_of(shade), cap ? 128 + step : 0);
     c->seen++;
     c->painted += cap;
 }
@@ -176,11 +176,11 @@ static void a_plane_shows_the_ct(void **state)
      */
     const ost_clip across = {{-OST_CLIP_UNIT, 0, 0}, -(INT64_C(40) << 14)};
     ost_camera camera = {.focal_milli = 100000, .width = 64, .height = 64};
-    assert_ok(ost_camera_look((double[3]){-10, -3 + 10, 9}, (double[3]){40, -3 + 10, 9}, (double[3]){0, 0, 1}, &camera, &err));
+    assert_ok(ost_camera_look_at((double[3]){-10, -3 + 10, 9}, (double[3]){40, -3 + 10, 9}, (double[3]){0, 0, 1}, &camera, &err));
     ost_viewer_set_clip(&v, &across);
     assert_ok(ost_viewer_update(&v, &err));
     assert_ok(ost_viewer_draw(&v, &camera, &err));
-    assert_ok(ost_frame_keep_keys(&v.frame, &err));
+    assert_ok(ost_frame_store_keys(&v.frame, &err));
     assert_ok(ost_viewer_draw(&v, &camera, &err));
     const ost_planes *p = &v.frame.planes;
     int pixels = 0;
@@ -206,7 +206,7 @@ static void a_plane_shows_the_ct(void **state)
     set_bone(&fresh, &after, &after);
     ost_viewer_set_clip(&v, NULL);
     assert_ok(ost_surface_update(&v.bone, &err));
-    assert_same_looks(&v.bone, &fresh.bone);
+    assert_same_shades(&v.bone, &fresh.bone);
     ost_viewer_free(&fresh);
     ost_viewer_free(&v);
     ost_volume_free(&before);
@@ -226,14 +226,14 @@ static bool bared(const check *c, const int v[3])
     return false;
 }
 
-static void check_density(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
+static void check_density(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
     check *c = user;
     (void)point;
     (void)block;
     const double share = (at(c->before, v[0], v[1], v[2]) + 100) / 1400.0;
     const int step = (int)floor((share > 1 ? 1 : share) * 126 + 0.5);
-    assert_int_equal(paint_of(look), bared(c, v) ? 1 + 126 - step : 0);
+    assert_int_equal(paint_of(shade), bared(c, v) ? 1 + 126 - step : 0);
     c->painted += bared(c, v);
 }
 
@@ -255,11 +255,11 @@ static int distance(const ost_volume *v, const int from[3])
     return best;
 }
 
-static void check_depth(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
+static void check_depth(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
     check *c = user;
     if (!bared(c, v)) {
-        assert_int_equal(paint_of(look), 0);
+        assert_int_equal(paint_of(shade), 0);
         return;
     }
     if (++c->painted % 5 != 0)
@@ -270,7 +270,7 @@ static void check_depth(void *user, const int v[3], uint32_t point, uint32_t loo
      * Voxels have half a millimetre: the scale ends at 10 mm, and half a voxel lies between the
      * centre and its edge.
      */
-    assert_int_equal(paint_of(look), 1 + (int)floor((sqrt(got) - 0.5) * 0.5 / 10 * 126 + 0.5));
+    assert_int_equal(paint_of(shade), 1 + (int)floor((sqrt(got) - 0.5) * 0.5 / 10 * 126 + 0.5));
 }
 
 static void colours_are_what_the_ct_says(void **state)
@@ -293,7 +293,7 @@ static void colours_are_what_the_ct_says(void **state)
     set_bone(&late, &before, &after);
     ost_viewer_set_colouring(&late, OST_COLOUR_DENSITY);
     assert_ok(ost_surface_update(&late.bone, &err));
-    assert_same_looks(&v.bone, &late.bone);
+    assert_same_shades(&v.bone, &late.bone);
     ost_viewer_free(&late);
     c.painted = 0;
     ost_viewer_set_colouring(&v, OST_COLOUR_DEPTH);
@@ -316,14 +316,14 @@ static void tissues_by_class_and_place(void **state)
     const ost_geometry g = grid();
     const ost_density_classes classes = ost_density_classes_default();
     ost_volume v;
-    ost_ground ground;
+    ost_uncut reference;
     assert_ok(ost_volume_init(&v, &g, &err));
     for (int k = 4; k < 34; k++)
         for (int j = 4; j < 37; j++)
             for (int i = 10; i < 60; i++)
                 v.voxels[index_of(i, j, k)] = i < 14 ? 130 : i == 14 ? 400 : i < 18 ? 1100 : i < 55 ? 300 : 1000;
     const ost_pm3 at_pm = {g.origin.x + 10 * (MM / 2), g.origin.y + 20 * (MM / 2), g.origin.z + 19 * (MM / 2)};
-    assert_ok(ost_ground_init(&ground, &v, 120, &classes, &at_pm, (double[3]){2, 0, 0}, &err));
+    assert_ok(ost_uncut_init(&reference, &v, 120, &classes, &at_pm, (double[3]){2, 0, 0}, &err));
     static const struct {
         int i;
         ost_tissue tissue;
@@ -331,10 +331,10 @@ static void tissues_by_class_and_place(void **state)
                   {18, OST_TISSUE_CANCELLOUS}, {40, OST_TISSUE_CANCELLOUS}, {57, OST_TISSUE_CORTICAL}};
     for (size_t w = 0; w < sizeof wanted / sizeof *wanted; w++) {
         const int32_t p[3] = {wanted[w].i, 20, 19};
-        assert_int_equal(ost_ground_paint(&ground, OST_COLOUR_CLASS, p, 0), OST_PAINT_LIT + wanted[w].tissue);
-        assert_int_equal(ost_ground_cap(&ground, OST_COLOUR_CLASS, p), OST_PAINT_FLAT + wanted[w].tissue);
+        assert_int_equal(ost_uncut_paint(&reference, OST_COLOUR_CLASS, p, 0), OST_PAINT_LIT + wanted[w].tissue);
+        assert_int_equal(ost_uncut_cap(&reference, OST_COLOUR_CLASS, p), OST_PAINT_FLAT + wanted[w].tissue);
     }
-    ost_ground_free(&ground);
+    ost_uncut_free(&reference);
 }
 
 static double luminance(uint32_t colour)
@@ -386,12 +386,12 @@ static void colours_can_be_told_apart(void **state)
 
 /* ----------------------------------------------------------------- contact */
 
-static void count_contact(void *user, const int v[3], uint32_t point, uint32_t look, const ost_surface_block *block)
+static void count_contact(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
     check *c = user;
     (void)point;
     (void)block;
-    const bool hot = look & OST_LOOK_CONTACT;
+    const bool hot = shade & OST_SHADE_CONTACT;
     if (c->before)
         assert_int_equal(hot, bared(c, v));
     c->painted += hot;
@@ -458,7 +458,7 @@ static void only_what_changed_is_made_anew(void **state)
             for (int i = 0; i < 2; i++) {
                 set_bone(&v[i], &before, &before);
                 if (!known)
-                    assert_ok(ost_surface_set_ground(&v[i].bone, NULL, &err));
+                    assert_ok(ost_surface_set_uncut(&v[i].bone, NULL, &err));
                 assert_ok(ost_surface_use(&v[i].bone, i ? OST_ISA_SCALAR : (ost_isa)isa, &err));
                 ost_viewer_set_contact(&v[i], true);
             }
@@ -482,12 +482,12 @@ static void only_what_changed_is_made_anew(void **state)
                     assert_ok(ost_surface_set_volume(s, &now, 120, &err));
                     for (int32_t b = 0; b < s->used; b++)
                         if (i)
-                            s->slot[b]->dirty = s->slot[b]->anew = s->slot[b]->unlisted = s->slot[b]->unmeasured = true;
+                            s->slot[b]->dirty = s->slot[b]->remade = s->slot[b]->unlisted = s->slot[b]->unmeasured = true;
                         else
                             looked_at += s->slot[b]->dirty;
                     assert_ok(ost_surface_update(s, &err));
                 }
-                assert_same_looks(&v[0].bone, &v[1].bone);
+                assert_same_shades(&v[0].bone, &v[1].bone);
                 /* Exactly the blocks whose lists changed are in renewed. */
                 int named = 0;
                 for (int32_t b = 0; b < v[0].bone.used; b++)
@@ -503,13 +503,13 @@ static void only_what_changed_is_made_anew(void **state)
             ost_viewer fresh;
             set_bone(&fresh, &before, &now);
             if (!known)
-                assert_ok(ost_surface_set_ground(&fresh.bone, NULL, &err));
+                assert_ok(ost_surface_set_uncut(&fresh.bone, NULL, &err));
             ost_viewer_set_colouring(&fresh, (ost_colouring)v[0].bone.colouring);
             ost_viewer_set_clip(&v[0], NULL);
             ost_viewer_set_contact(&v[0], false);
             assert_ok(ost_surface_update(&v[0].bone, &err));
             assert_ok(ost_surface_update(&fresh.bone, &err));
-            assert_same_looks(&v[0].bone, &fresh.bone);
+            assert_same_shades(&v[0].bone, &fresh.bone);
             ost_viewer_free(&fresh);
             ost_viewer_free(&v[0]);
             ost_viewer_free(&v[1]);
@@ -543,7 +543,7 @@ static void see_through_and_lines(void **state)
     ost_camera camera = {.focal_milli = 180000, .width = W, .height = H};
     make_bone(&rng, &before, &after);
     set_bone(&v, &before, &after);
-    assert_ok(ost_camera_look((double[3]){22, -50, 9}, (double[3]){22, 7, 9}, (double[3]){0, 0, 1}, &camera, &err));
+    assert_ok(ost_camera_look_at((double[3]){22, -50, 9}, (double[3]){22, 7, 9}, (double[3]){0, 0, 1}, &camera, &err));
     assert_ok(ost_viewer_draw(&v, &camera, &err));
     const size_t count = (size_t)v.frame.planes.stride * H;
     uint32_t *plain = malloc(count * sizeof *plain);
@@ -679,7 +679,7 @@ static void all_sets_show_the_same(void **state)
         ost_clip clip;
         const double to[3] = {22, 7, 9}, from[3] = {(double)rng_range(&rng, -30, 70), (double)rng_range(&rng, -60, -20), (double)rng_range(&rng, -30, 50)};
         const double normal[3] = {from[0] - to[0] + (double)rng_range(&rng, -20, 20), from[1] - to[1], from[2] - to[2]};
-        assert_ok(ost_camera_look(from, to, (double[3]){0, 0, 1}, &camera, &err));
+        assert_ok(ost_camera_look_at(from, to, (double[3]){0, 0, 1}, &camera, &err));
         assert_ok(ost_clip_make(&v[0].bone.geometry, to, normal, &clip, &err));
         for (int i = 0; i < 3; i++) {
             if (!have[i])
@@ -725,7 +725,7 @@ static void opengl_shows_the_same(void **state)
         ost_camera camera = {.focal_milli = 150000, .width = W, .height = H};
         ost_clip clip;
         const double to[3] = {22, 7, 9}, from[3] = {round % 2 ? 60 : 10, -30, 20}, normal[3] = {from[0] - to[0], from[1] - to[1], 3};
-        assert_ok(ost_camera_look(from, to, (double[3]){0, 0, 1}, &camera, &err));
+        assert_ok(ost_camera_look_at(from, to, (double[3]){0, 0, 1}, &camera, &err));
         assert_ok(ost_clip_make(&v[0].bone.geometry, to, normal, &clip, &err));
         for (int i = 0; i < 2; i++) {
             if (round == 3)

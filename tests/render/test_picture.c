@@ -151,10 +151,10 @@ static void test_slices(void **state)
 {
     (void)state;
     ost_error err = {0};
-    ost_volume whole = ball_of_slices(false), cut = ball_of_slices(true);
+    ost_volume uncut = ball_of_slices(false), cut = ball_of_slices(true);
     ost_picture p;
     ost_slices_options o = {.at = {-1, -1, -1}, .pixels = 48};
-    assert_ok(ost_picture_slices(&whole, NULL, &o, &p, &err));
+    assert_ok(ost_picture_slices(&uncut, NULL, &o, &p, &err));
     assert_int_equal(p.width, 48 + 8 + 48 + 8 + 40);
     assert_int_equal(p.height, 40);
     /* 1000 HU in a window of 400 +- 900 is (1000 + 500) / 1800 of white; 0 HU is 500 / 1800. */
@@ -163,16 +163,16 @@ static void test_slices(void **state)
     ost_picture_free(&p);
 
     o.at[0] = 24, o.at[1] = 20, o.at[2] = 8;
-    assert_ok(ost_picture_slices(&cut, &whole, &o, &p, &err));
+    assert_ok(ost_picture_slices(&cut, &uncut, &o, &p, &err));
     const uint8_t *gone = pixel(&p, 20, 10), *left = pixel(&p, 20, 26); /* before and behind the border at 8 mm */
     assert_true(gone[0] > gone[2] + 60);
     assert_int_equal(left[0], left[2]);
     ost_picture_free(&p);
 
     o.at[2] = 16;
-    assert_int_equal(ost_picture_slices(&cut, &whole, &o, &p, &err), OST_ERR_RANGE);
+    assert_int_equal(ost_picture_slices(&cut, &uncut, &o, &p, &err), OST_ERR_RANGE);
     assert_non_null(strstr(err.text, "16 along z"));
-    ost_volume_free(&whole);
+    ost_volume_free(&uncut);
     ost_volume_free(&cut);
 }
 

@@ -54,7 +54,7 @@ static uint32_t faces(const ost_volume *v, int i, int j, int k)
 
 /*
  * Returns the amount of bone around a voxel by a sum over its neighbourhood, rounded between the
- * axes as dress.h specifies.
+ * axes as shading.h specifies.
  */
 static int field(const ost_volume *v, int i, int j, int k)
 {
@@ -122,7 +122,7 @@ static int openness(int value)
  * Uses the wide slope if it agrees with the fine one to within 45 degrees, the fine one if they
  * are 53 degrees apart or more, and a mixture between.
  */
-static uint32_t look_of(const float f[3], const float w[3], int fine, int wide_value)
+static uint32_t shade_from(const float f[3], const float w[3], int fine, int wide_value)
 {
     const float a = sqrtf((f[0] * f[0] + f[1] * f[1]) + f[2] * f[2]), b = sqrtf((w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]);
     const float along = (f[0] * w[0] + f[1] * w[1]) + f[2] * w[2];
@@ -134,7 +134,7 @@ static uint32_t look_of(const float f[3], const float w[3], int fine, int wide_v
     return ost_octahedral_of(out) | (uint32_t)((float)open + (float)(both - open) * t + 0.5f) << OST_OPEN_SHIFT;
 }
 
-static uint32_t look(const ost_volume *v, int i, int j, int k)
+static uint32_t shade_of(const ost_volume *v, int i, int j, int k)
 {
     const uint32_t open = faces(v, i, j, k);
     const float f[3] = {(float)(field(v, i - 1, j, k) - field(v, i + 1, j, k) + 160 * ((int)(open >> 1 & 1) - (int)(open & 1))),
@@ -142,7 +142,7 @@ static uint32_t look(const ost_volume *v, int i, int j, int k)
                         (float)(field(v, i, j, k - 1) - field(v, i, j, k + 1) + 160 * ((int)(open >> 5 & 1) - (int)(open >> 4 & 1)))};
     const float w[3] = {(float)(wide(v, i - 1, j, k) - wide(v, i + 1, j, k)), (float)(wide(v, i, j - 1, k) - wide(v, i, j + 1, k)),
                         (float)(wide(v, i, j, k - 1) - wide(v, i, j, k + 1))};
-    return look_of(f, w, field(v, i, j, k), wide(v, i, j, k));
+    return shade_from(f, w, field(v, i, j, k), wide(v, i, j, k));
 }
 
 static void assert_surface(const ost_surface *s, const ost_volume *v)
@@ -160,7 +160,7 @@ static void assert_surface(const ost_surface *s, const ost_volume *v)
             assert_true(active(v, i, j, k));
             assert_int_equal(w >> OST_FACES_SHIFT, faces(v, i, j, k));
             if (p % 199 == 0)
-                assert_int_equal(block->looks[p], look(v, i, j, k));
+                assert_int_equal(block->shades[p], shade_of(v, i, j, k));
             assert_true(p == 0 || (block->points[p - 1] & 0x7fff) < (w & 0x7fff));
         }
     }
@@ -262,7 +262,7 @@ static ost_camera camera_at(const ost_volume *v, test_rng *rng, double distance,
         up[a] = (double)rng_range(rng, 0, 2000) / 1000.0 - 1;
     }
     from[0] += distance;
-    assert_ok(ost_camera_look(from, centre, up, &c, &err));
+    assert_ok(ost_camera_look_at(from, centre, up, &c, &err));
     assert_ok(ost_camera_check(&c, &err));
     return c;
 }
@@ -390,7 +390,7 @@ static void test_against_rays(void **state)
         } while (hypotf(e.at[0] - 18, hypotf(e.at[1] - 17, e.at[2] - 20)) < 22);
         ost_frame f;
         assert_ok(ost_frame_init(&f, c.width, c.height, OST_STYLE_SMOOTH, OST_ISA_SCALAR, 1, &err));
-        assert_ok(ost_frame_keep_keys(&f, &err));
+        assert_ok(ost_frame_store_keys(&f, &err));
         assert_ok(ost_frame_draw(&f, &s.surface, &e, &err));
         assert_picture(&s, &f, &e, &checked, &doubtful);
         ost_frame_free(&f);
@@ -431,7 +431,7 @@ static void test_sets_and_threads(void **state)
         const ost_style style = round % 5 ? OST_STYLE_SMOOTH : OST_STYLE_FACES;
         ost_frame scalar;
         assert_ok(ost_frame_init(&scalar, c.width, c.height, style, OST_ISA_SCALAR, 1, &err));
-        assert_ok(ost_frame_keep_keys(&scalar, &err));
+        assert_ok(ost_frame_store_keys(&scalar, &err));
         assert_ok(ost_frame_draw(&scalar, &s.surface, &e, &err));
         for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
             if (!ost_isa_available((ost_isa)isa))
@@ -442,7 +442,7 @@ static void test_sets_and_threads(void **state)
                 assert_ok(ost_frame_draw(&f, &s.surface, &e, &err));
                 if (again == 0) {
                     assert_same(&scalar, &f);
-                    assert_ok(ost_frame_keep_keys(&f, &err));
+                    assert_ok(ost_frame_store_keys(&f, &err));
                 }
             }
             assert_same(&scalar, &f);
@@ -566,10 +566,10 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
  * Compares looks for slopes of all sizes, also zero, that agree and that do not, and for every
  * number of points in a call.
  */
-static void assert_looks(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
+static void assert_shades(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
 {
     enum { COUNT = 53 };
-    uint32_t points[COUNT], looks[COUNT + OST_LOOKS_ROOM];
+    uint32_t points[COUNT], shades[COUNT + OST_SHADING_SLACK];
     const ost_field_slice *const fine[3] = {&w->field[0], &w->field[1], &w->field[2]}, *const coarse[3] = {&w->wide[0], &w->wide[1], &w->wide[2]};
     const int count = (int)rng_range(rng, 1, COUNT);
     fill(rng, w->field, sizeof w->field / 2, flat ? flat : 61525);
@@ -579,7 +579,7 @@ static void assert_looks(test_rng *rng, const ost_smooth_kernels *k, words *w, i
     }
     for (int i = 0; i < count; i++)
         points[i] = (uint32_t)rng_range(rng, 0, (1 << 21) - 1);
-    k->looks(points, count, fine, coarse, looks);
+    k->shades(points, count, fine, coarse, shades);
     for (int i = 0; i < count; i++) {
         const int x = 1 + (int)(points[i] & 31), y = 1 + (int)(points[i] >> 5 & 31), f = (int)(points[i] >> OST_FACES_SHIFT);
         const float out[3] = {(float)(w->field[1][y][x - 1] - w->field[1][y][x + 1] + 160 * ((f >> 1 & 1) - (f & 1))),
@@ -587,7 +587,7 @@ static void assert_looks(test_rng *rng, const ost_smooth_kernels *k, words *w, i
                               (float)(w->field[0][y][x] - w->field[2][y][x] + 160 * ((f >> 5 & 1) - (f >> 4 & 1)))};
         const float broad[3] = {(float)(w->wide[1][y][x - 1] - w->wide[1][y][x + 1]), (float)(w->wide[1][y - 1][x] - w->wide[1][y + 1][x]),
                                 (float)(w->wide[0][y][x] - w->wide[2][y][x])};
-        assert_int_equal(looks[i], look_of(out, broad, w->field[1][y][x], w->wide[1][y][x]));
+        assert_int_equal(shades[i], shade_from(out, broad, w->field[1][y][x], w->wide[1][y][x]));
     }
 }
 
@@ -605,7 +605,7 @@ static void test_smooth(void **state)
             assert_sums(&rng, &k, w);
             assert_bone(&rng, &k, w, round % 2);
             assert_cells(&rng, &k, w);
-            assert_looks(&rng, &k, w, round % 3 ? 0 : round % 2 ? 300 : 1);
+            assert_shades(&rng, &k, w, round % 3 ? 0 : round % 2 ? 300 : 1);
         }
     }
     free(w);
@@ -621,7 +621,7 @@ static void test_rows(void **state)
 {
     (void)state;
     static const int reaches[] = {1, 3, 11, 14}, step[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
-    static uint32_t block[3][3][3][OST_BLOCK_ROWS], points[32 * OST_BLOCK_ROWS + OST_POINT_ROOM], behind[OST_BLOCK_ROWS];
+    static uint32_t block[3][3][3][OST_BLOCK_ROWS], points[32 * OST_BLOCK_ROWS + OST_POINT_SLACK], behind[OST_BLOCK_ROWS];
     static ost_rows rows, other, first;
     static ost_faces faces;
     static ost_rim rim;
@@ -674,11 +674,11 @@ static void test_rows(void **state)
                 for (int y = -8; y < 40; y += 8) {
                     const uint32_t(*const n)[OST_BLOCK_ROWS] = (const uint32_t(*)[OST_BLOCK_ROWS])block[(z + 32) / 32][(y + 32) / 32];
                     const int row = (y & 31) + 32 * (z & 31);
-                    k.join(n[0] + row, n[1] + row, n[2] + row, rows.row[z + OST_LOOK_REACH] + y + OST_LOOK_REACH, 8);
+                    k.join(n[0] + row, n[1] + row, n[2] + row, rows.row[z + OST_SHADING_REACH] + y + OST_SHADING_REACH, 8);
                 }
             for (int i = 0; i < 2000; i++) {
                 const int x = (int)rng_range(&rng, -16, 47), y = (int)rng_range(&rng, -8, 39), z = (int)rng_range(&rng, -8, 39);
-                assert_int_equal(rows.row[z + OST_LOOK_REACH][y + OST_LOOK_REACH] >> (x + 16) & 1, bit_at(block, x, y, z));
+                assert_int_equal(rows.row[z + OST_SHADING_REACH][y + OST_SHADING_REACH] >> (x + 16) & 1, bit_at(block, x, y, z));
             }
             const int reach = reaches[(round + isa) % 4];
             memset(&rows, 0, sizeof rows);
@@ -710,7 +710,7 @@ static void test_tints(void **state)
     test_rng rng = rng_seeded("tints");
     static ost_light light, other;
     static ost_directions directions;
-    uint32_t palette[OST_PAINTS], look[COUNT], one[COUNT], many[COUNT];
+    uint32_t palette[OST_PAINTS], shade_of[COUNT], one[COUNT], many[COUNT];
     ost_camera c = {.focal_milli = 100000, .width = 64, .height = 64};
     const ost_geometry g = grid(8, 8, 8);
     ost_eye eye;
@@ -720,21 +720,21 @@ static void test_tints(void **state)
         palette[i] = (uint32_t)rng_range(&rng, 0, 0xffffff);
     for (int round = 0; round < 40; round++) {
         const double from[3] = {(double)rng_range(&rng, 10, 90), (double)rng_range(&rng, -90, 90), (double)rng_range(&rng, -90, 90)};
-        assert_ok(ost_camera_look(from, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, &c, &err));
+        assert_ok(ost_camera_look_at(from, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, &c, &err));
         eye = ost_eye_make(&c, &g);
         directions.shade = plain;
         ost_light_make(&light, &directions, &eye, round % 5 ? OST_STYLE_SMOOTH : OST_STYLE_FACES, round % 2 ? OST_PAINT_STEEL : OST_PAINT_BONE,
                        round % 3 ? palette : NULL);
         for (int i = 0; i < COUNT; i++)
-            look[i] = (uint32_t)rng_range(&rng, 0, round % 4 ? INT32_MAX : (1 << OST_PAINT_SHIFT) - 1);
-        ost_light_tint(&light, look, COUNT, one);
+            shade_of[i] = (uint32_t)rng_range(&rng, 0, round % 4 ? INT32_MAX : (1 << OST_PAINT_SHIFT) - 1);
+        ost_light_tint(&light, shade_of, COUNT, one);
         for (int isa = 0; isa < OST_ISA_COUNT; isa++)
             if (ost_isa_available((ost_isa)isa)) {
                 directions.shade = ost_light_shade_for((ost_isa)isa);
                 other.made = false;
                 ost_light_make(&other, &directions, &eye, OST_STYLE_SMOOTH, round % 2 ? OST_PAINT_STEEL : OST_PAINT_BONE, NULL);
                 assert_memory_equal(light.shade, other.shade, sizeof light.shade);
-                ost_light_tint_for((ost_isa)isa)(&light, look, COUNT, many);
+                ost_light_tint_for((ost_isa)isa)(&light, shade_of, COUNT, many);
                 assert_memory_equal(one, many, sizeof one);
             }
     }
@@ -746,7 +746,7 @@ static void test_camera(void **state)
     ost_error err = {0};
     ost_camera c = {.focal_milli = 1000000, .width = 100, .height = 100};
     const double origin[3] = {0, 0, 0}, up[3] = {0, 0, 1};
-    assert_ok(ost_camera_look((double[3]){0, -10, 0}, origin, up, &c, &err));
+    assert_ok(ost_camera_look_at((double[3]){0, -10, 0}, origin, up, &c, &err));
     const ost_geometry g = {{4, 4, 4}, {OST_PM_PER_MM / 2, OST_PM_PER_MM / 2, OST_PM_PER_MM / 2}, {0, 0, 0}};
     const ost_eye e = ost_eye_make(&c, &g);
     const float at[3] = {0, -20, 0}, right[3] = {1, 0, 0}, above[3] = {0, 0, 1}, forward[3] = {0, 1, 0};
@@ -756,8 +756,8 @@ static void test_camera(void **state)
         assert_float_equal(e.up[a], above[a], 1e-6f);
         assert_float_equal(e.forward[a], forward[a], 1e-6f);
     }
-    assert_int_equal(ost_camera_look(origin, origin, up, &c, &err), OST_ERR_RANGE);
-    assert_int_equal(ost_camera_look((double[3]){0, 0, 5}, origin, up, &c, &err), OST_ERR_RANGE);
+    assert_int_equal(ost_camera_look_at(origin, origin, up, &c, &err), OST_ERR_RANGE);
+    assert_int_equal(ost_camera_look_at((double[3]){0, 0, 5}, origin, up, &c, &err), OST_ERR_RANGE);
     c.focal_milli = 999;
     assert_int_equal(ost_camera_check(&c, &err), OST_ERR_RANGE);
     c.focal_milli = 1000;
@@ -774,7 +774,7 @@ static void test_picture(void **state)
     ost_camera c = {.focal_milli = 100000, .width = 64, .height = 48};
     ost_picture smooth, faces;
     ost_points_options options = {.style = OST_STYLE_FACES, .threads = 2};
-    assert_ok(ost_camera_look((double[3]){17, -60, 27}, (double[3]){17, 20, 27}, (double[3]){0, 0, 1}, &c, &err));
+    assert_ok(ost_camera_look_at((double[3]){17, -60, 27}, (double[3]){17, 20, 27}, (double[3]){0, 0, 1}, &c, &err));
     assert_ok(ost_picture_points(&v, &c, NULL, &smooth, &err));
     assert_ok(ost_picture_points(&v, &c, &options, &faces, &err));
     /* The ball is in the middle, and the corners are background; the light comes from the upper left. */

@@ -60,7 +60,7 @@ static ost_camera camera_from(double x, double y, double z)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = 250000, .width = 300, .height = 200};
-    assert_ok(ost_camera_look((double[3]){x, y, z}, (double[3]){35, 30, 25}, (double[3]){0, 0, 1}, &c, &err));
+    assert_ok(ost_camera_look_at((double[3]){x, y, z}, (double[3]){35, 30, 25}, (double[3]){0, 0, 1}, &c, &err));
     return c;
 }
 
@@ -187,7 +187,7 @@ static void views_look_where_they_say(void **state)
             assert_true(back[1] < -0.9999);
         if (i == OST_VIEW_INFERIOR)
             assert_true(back[2] < -0.999); /* STEEPEST */
-        const bool all = i == OST_VIEW_WHOLE || i == OST_VIEW_MEDIAL || i == OST_VIEW_INFERIOR;
+        const bool all = i == OST_VIEW_OVERVIEW || i == OST_VIEW_MEDIAL || i == OST_VIEW_INFERIOR;
         assert_true(fabs(o.at[0] - (all ? 0 : 30)) < 1e-9);
     }
     /* Along a tool that works toward -y, from behind it. */

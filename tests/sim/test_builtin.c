@@ -44,7 +44,7 @@ static void it_runs_along_the_axis(void **state)
                 const ost_tick *tick = &path.ticks[k];
                 assert_int_equal(tick->t_ns, (int64_t)k * 1000000);
                 assert_int_equal(tick->tool, 3);
-                assert_int_equal(tick->rpm, OST_RPM_HAND);
+                assert_int_equal(tick->rpm, OST_RPM_OF_DEVICE);
                 double t[3], q[4], down[3];
                 ost_pose_to_doubles(&tick->pose, t, q);
                 assert_true(fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) < 1e-8);
@@ -88,7 +88,7 @@ static void a_hand_presses(void **state)
     assert_int_equal(path.count, 60000);
     assert_ok(ost_builtin_press(&glenoid, &reamer, 2, 100000, &longer, &err));
     assert_memory_equal(path.ticks, longer.ticks, path.count * sizeof *path.ticks);
-    double deepest = 0, leaned = 0, beside[4] = {0};
+    double deepest = 0, leaned = 0, sideways[4] = {0};
     for (size_t k = 0; k < longer.count; k++) {
         double t[3], q[4], down[3];
         assert_int_equal(longer.ticks[k].tool, 2);
@@ -102,13 +102,13 @@ static void a_hand_presses(void **state)
             assert_true(fabs(depth - wish) < 1e-6 && fabs(x) + fabs(y) < 1e-6 && down[2] < -1 + 1e-9);
         deepest = fmax(deepest, depth);
         leaned = fmax(leaned, 1 + down[2]);
-        beside[0] = fmax(beside[0], x);
-        beside[1] = fmax(beside[1], -x);
-        beside[2] = fmax(beside[2], y);
-        beside[3] = fmax(beside[3], -y);
+        sideways[0] = fmax(sideways[0], x);
+        sideways[1] = fmax(sideways[1], -x);
+        sideways[2] = fmax(sideways[2], y);
+        sideways[3] = fmax(sideways[3], -y);
     }
     assert_true(deepest > 25.4 && leaned > 1 - cos(2.9 * 3.14159265 / 180));
-    assert_true(beside[0] > 3.9 && beside[1] > 3.9 && beside[2] > 5.9 && beside[3] > 5.9);
+    assert_true(sideways[0] > 3.9 && sideways[1] > 3.9 && sideways[2] > 5.9 && sideways[3] > 5.9);
     ost_path_free(&path);
     ost_path_free(&longer);
     assert_int_equal(ost_builtin_press(&glenoid, &reamer, 0, 0, &path, &err), OST_ERR_USAGE);

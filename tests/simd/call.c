@@ -78,7 +78,7 @@ static void state_get(machine_state *s)
 {
     struct {
         uint16_t control, unused0, status, unused1, tags, unused2;
-        uint32_t rest[4];
+        uint32_t other_state[4];
     } x87;
     s->upper = watches_halves && upper_in_use();
     __asm__ volatile("stmxcsr %0" : "=m"(s->mxcsr));
@@ -232,7 +232,7 @@ void call_watch(double seconds)
     state_init();
 }
 
-static void say_fault(char *text, size_t size)
+static void describe_fault(char *text, size_t size)
 {
     char where[200] = "";
     if (signal_caught == SIGSEGV || signal_caught == SIGBUS)
@@ -268,7 +268,7 @@ call_end call_kernel(check_call_fn *call, check_fn *kernel, void *arguments, cha
     state_get(&before);
     if (sigsetjmp(landing, 1)) {
         state_put(&before);
-        say_fault(text, size);
+        describe_fault(text, size);
         return CALL_FAULT;
     }
     call_number = (call_number + 1) & 0xffffff;

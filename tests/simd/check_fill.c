@@ -5,7 +5,7 @@
  * This test allows what the contract of vox_fill allows: an instruction set may
  * report all rows of a block as unproven if one is, or if they begin differently;
  * their bits are then unspecified and not counted.  So bits are compared in rows
- * that both functions report as proven, and in all rows after ost_vox_fill_odd,
+ * that both functions report as proven, and in all rows after ost_vox_fill_unproven,
  * where they must be equal.
  */
 #include <string.h>
@@ -68,7 +68,7 @@ static uint64_t bits_set(const fill_arguments *a, size_t words)
 {
     uint64_t n = 0;
     for (size_t i = 0; i < a->rows * words; i++)
-        if (!(a->tile.odd[a->first_row + i / words] & OST_VOX_UNPROVEN))
+        if (!(a->tile.row_state[a->first_row + i / words] & OST_VOX_UNPROVEN))
             n += (uint64_t)__builtin_popcountll(a->bits[i]);
     return n;
 }
@@ -91,7 +91,7 @@ static bool block_is_open(const ost_vox_tile *tile, size_t first_row, size_t row
     const size_t begin = first_row + (row - first_row) / in_block * in_block;
     unsigned first = 0;
     for (size_t r = begin; r < begin + in_block && r < first_row + rows; r++) {
-        if (tile->odd[r] & OST_VOX_UNPROVEN)
+        if (tile->row_state[r] & OST_VOX_UNPROVEN)
             return true;
         first |= first_crossing(before + r * words, before + plane_words + r * words, words);
     }
@@ -106,17 +106,17 @@ static void check_rows(check *c, fill_arguments a[2], uint64_t *const before, si
                    (unsigned long long)a[i].count, (unsigned long long)bits_set(&a[i], words));
     for (size_t r = 0; r < all && c->result == CHECK_GOOD; r++) {
         const bool mine = r >= first && r < first + rows;
-        const bool open = a[1].tile.odd[r] & OST_VOX_UNPROVEN;
+        const bool open = a[1].tile.row_state[r] & OST_VOX_UNPROVEN;
         if (!mine)
-            check_that(c, a[0].tile.odd[r] == a[1].tile.odd[r], "changes odd[%zu], which is not its row", r);
-        else if (a[0].tile.odd[r] & OST_VOX_UNPROVEN)
+            check_that(c, a[0].tile.row_state[r] == a[1].tile.row_state[r], "changes odd[%zu], which is not its row", r);
+        else if (a[0].tile.row_state[r] & OST_VOX_UNPROVEN)
             check_that(c, open, "calls row %zu proven", r);
         else if (open)
             check_that(c, block_is_open(&a[0].tile, first, rows, r, before, plane_words), "calls row %zu unproven, and all in its block are proven", r);
         else
             check_same(c, "bits, of a proven row", CHECK_BITS, a[0].bits + (r - first) * words, a[1].bits + (r - first) * words, words);
-        check_that(c, (a[0].tile.odd[r] | OST_VOX_UNPROVEN) == (a[1].tile.odd[r] | OST_VOX_UNPROVEN), "changes odd[%zu] to %d", r,
-                   a[1].tile.odd[r]);
+        check_that(c, (a[0].tile.row_state[r] | OST_VOX_UNPROVEN) == (a[1].tile.row_state[r] | OST_VOX_UNPROVEN), "changes odd[%zu] to %d", r,
+                   a[1].tile.row_state[r]);
         for (size_t plane = 0; plane < 2 && c->result == CHECK_GOOD; plane++) {
             const uint64_t *was = before + plane * plane_words + r * words, *is = a[1].tile.planes + plane * plane_words + r * words;
             static const uint64_t zeros[OST_TOOL_DIM_MAX / 64];
@@ -126,8 +126,8 @@ static void check_rows(check *c, fill_arguments a[2], uint64_t *const before, si
     }
     bool any = keep;
     for (size_t r = first; r < first + rows; r++)
-        any = any || (a[1].tile.odd[r] & OST_VOX_UNPROVEN);
-    check_that(c, a[1].tile.any_odd == any, "any_odd is %d", a[1].tile.any_odd);
+        any = any || (a[1].tile.row_state[r] & OST_VOX_UNPROVEN);
+    check_that(c, a[1].tile.any_unproven == any, "any_odd is %d", a[1].tile.any_unproven);
 }
 
 static void test_fill(check *c)
@@ -143,26 +143,26 @@ static void test_fill(check *c)
         rows = (size_t)check_range(c, 1, (int64_t)(rows / in_block)) * in_block;
     const bool keep = check_chance(c, 4), parity = check_chance(c, 2), inside_out = check_chance(c, 3);
 
-    void *planes[2], *odd[2], *bits[2];
+    void *planes[2], *row_state[2], *bits[2];
     check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
-    check_outputs(c, "odd", all, 1, 1, odd);
+    check_outputs(c, "odd", all, 1, 1, row_state);
     check_outputs(c, "bits", (rows * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK, sizeof(uint64_t), 64, bits);
     uint64_t *before = check_input(c, "planes before", 2 * plane_words, sizeof *before, sizeof *before);
     int32_t *spill = check_input(c, "spill", all * ((size_t)nx + 1), sizeof *spill, sizeof *spill);
     memset(before, 0, 2 * plane_words * sizeof *before);
     memset(spill, 0, all * ((size_t)nx + 1) * sizeof *spill);
-    memset(odd[0], 0, all);
+    memset(row_state[0], 0, all);
     const int one_kind = (int)check_range(c, 0, 12); /* less than 6: of all rows; else by row */
     for (size_t r = 0; r < all; r++) {
         const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;
         const bool swap = inside_out != check_chance(c, 8);
         some_row(c, nx, kind, before + (swap ? plane_words : 0) + r * words, before + (swap ? 0 : plane_words) + r * words);
         if (keep && check_chance(c, 3)) {
-            ((uint8_t *)odd[0])[r] = OST_VOX_SPILLED;
+            ((uint8_t *)row_state[0])[r] = OST_VOX_SPILLED;
             spill[r * ((size_t)nx + 1) + (size_t)check_range(c, 0, nx)] = (int32_t)check_range(c, -2, 2);
         }
     }
-    memcpy(odd[1], odd[0], all);
+    memcpy(row_state[1], row_state[0], all);
     fill_arguments a[2];
     for (int i = 0; i < 2; i++) {
         memcpy(planes[i], before, 2 * plane_words * sizeof *before);
@@ -171,9 +171,9 @@ static void test_fill(check *c)
                                 .rows = rows,
                                 .bits = bits[i]};
         a[i].tile.planes = planes[i];
-        a[i].tile.odd = odd[i];
+        a[i].tile.row_state = row_state[i];
         a[i].tile.spill = spill;
-        a[i].tile.any_odd = keep;
+        a[i].tile.any_unproven = keep;
     }
     check_note(c, "rows %zu to %zu of %zu, %d voxels in %zu words, parity %d, inside out %d, odd ones before %d, kind %d", first, first + rows, all,
                nx, words, parity, inside_out, keep, one_kind);
@@ -184,8 +184,8 @@ static void test_fill(check *c)
         return;
     uint64_t leaking[2] = {0, 0};
     for (int i = 0; i < 2; i++)
-        if (a[i].tile.any_odd)
-            a[i].count += (uint64_t)ost_vox_fill_odd(&a[i].tile, first, rows, parity ? OST_FILL_PARITY : OST_FILL_WINDING, a[i].bits, &leaking[i]);
+        if (a[i].tile.any_unproven)
+            a[i].count += (uint64_t)ost_vox_fill_unproven(&a[i].tile, first, rows, parity ? OST_FILL_PARITY : OST_FILL_WINDING, a[i].bits, &leaking[i]);
     check_same(c, "bits, once the odd rows are summed", CHECK_BITS, bits[0], bits[1], rows * words);
     check_that(c, a[0].count == a[1].count && leaking[0] == leaking[1], "in the end %llu solid voxels and %llu leaking rows, not %llu and %llu",
                (unsigned long long)a[1].count, (unsigned long long)leaking[1], (unsigned long long)a[0].count, (unsigned long long)leaking[0]);
@@ -250,14 +250,14 @@ static void restore_planes(void *with)
 static void bench_fill(check_bench *b)
 {
     static _Alignas(64) uint64_t marked[2 * ROWS * WORDS], planes[2 * ROWS * WORDS], bits[ROWS * WORDS];
-    static uint8_t odd[ROWS];
+    static uint8_t row_state[ROWS];
     for (size_t r = 0; r < ROWS; r++) {
         marked[r * WORDS + 1] = UINT64_C(1) << (r % 64);
         marked[(ROWS + r) * WORDS + 2] = UINT64_C(1) << (r % 61);
     }
     fill_bench f = {.arguments = {.tile = {.nx = 256, .j1 = ROWS, .k1 = 1, .row_bits = 256, .minus = 256 * ROWS}, .rows = ROWS}};
     f.arguments.tile.planes = planes;
-    f.arguments.tile.odd = odd;
+    f.arguments.tile.row_state = row_state;
     f.arguments.bits = bits;
     f.planes = marked;
     bench_time(b, "1024 rows of 256, two crossings", call_fill, restore_planes, &f, ROWS * 256.0, "voxel");

@@ -59,14 +59,14 @@ static void test_blend_rows(check *c)
             from[s][i] = some_density(c);
     }
     /* The elements between the rows must not be written. */
-    const size_t room = count > 0 ? (size_t)OST_ROW_STRIDE * (size_t)(count - 1) + (size_t)width : 0;
+    const size_t capacity = count > 0 ? (size_t)OST_ROW_STRIDE * (size_t)(count - 1) + (size_t)width : 0;
     void *to[2];
-    check_outputs(c, "to", room, sizeof(int16_t), sizeof(int16_t), to);
+    check_outputs(c, "to", capacity, sizeof(int16_t), sizeof(int16_t), to);
     check_note(c, "%d rows of %d, weight %d", count, width, weight);
     blend_arguments a = {from[0], from[1], row, count, width, weight, to[0]}, b = a;
     b.to = to[1];
     if (check_both(c, call_blend_rows, &a, &b))
-        check_same(c, "to", CHECK_I16, to[0], to[1], room);
+        check_same(c, "to", CHECK_I16, to[0], to[1], capacity);
 }
 
 static void bench_blend_rows(check_bench *b)
@@ -112,11 +112,11 @@ static void make_places(check *c, int32_t *at, int width)
 
 static void test_stretch_row(check *c)
 {
-    const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64), room = up_to_16(width);
-    int32_t *at = check_input(c, "at", (size_t)room, sizeof *at, sizeof *at);
-    int16_t *minus = check_input(c, "minus", 2 * (size_t)room, sizeof *minus, sizeof *minus);
+    const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64), capacity = up_to_16(width);
+    int32_t *at = check_input(c, "at", (size_t)capacity, sizeof *at, sizeof *at);
+    int16_t *minus = check_input(c, "minus", 2 * (size_t)capacity, sizeof *minus, sizeof *minus);
     make_places(c, at, width);
-    for (int i = 0; i < room; i++) {
+    for (int i = 0; i < capacity; i++) {
         const int weight = some_weight(c, 0, ONE);
         minus[2 * i] = (int16_t)(weight - ONE);
         minus[2 * i + 1] = (int16_t)-weight;
@@ -126,7 +126,7 @@ static void test_stretch_row(check *c)
     for (size_t i = 0; i < reach; i++)
         from[i] = some_density(c);
     void *to[2];
-    check_outputs(c, "to", (size_t)room, sizeof(int32_t), sizeof(int32_t), to);
+    check_outputs(c, "to", (size_t)capacity, sizeof(int32_t), sizeof(int32_t), to);
     check_note(c, "%d sums of %zu voxels", width, reach);
     stretch_arguments a = {from, at, minus, width, to[0]}, b = a;
     b.to = to[1];
@@ -188,7 +188,7 @@ static void make_tie(check *c, int32_t *const rows[4], const int32_t weight[4], 
 
 static void test_weigh_rows(check *c)
 {
-    const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64), room = up_to_16(width);
+    const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64), capacity = up_to_16(width);
     const bool ties = check_chance(c, 2); /* weights are small then, which lets a sum come near a tie */
     const int count = 1 << check_range(c, 0, 2), sign = check_chance(c, 4) ? -1 : 1;
     const int y = ties ? (int)check_range(c, 1, 8) : some_weight(c, 0, ONE),
@@ -205,15 +205,15 @@ static void test_weigh_rows(check *c)
     }
     int32_t **rows = check_input(c, "rows", 4, sizeof *rows, sizeof *rows);
     for (int r = 0; r < count; r++) {
-        int32_t *row = check_input(c, "a row", (size_t)room, sizeof *row, sizeof *row);
-        for (int i = 0; i < room; i++)
+        int32_t *row = check_input(c, "a row", (size_t)capacity, sizeof *row, sizeof *row);
+        for (int i = 0; i < capacity; i++)
             row[i] = i < width ? some_sum(c, sign) : (int32_t)check_range(c, INT32_MIN, INT32_MAX);
         rows[r] = row;
     }
     for (int i = 0; i < width && ties; i++)
         make_tie(c, rows, weight, count, i);
     void *to[2];
-    check_outputs(c, "to", (size_t)room, sizeof(int16_t), sizeof(int16_t), to);
+    check_outputs(c, "to", (size_t)capacity, sizeof(int16_t), sizeof(int16_t), to);
     check_note(c, "%d sums of %d rows, weights %d %d %d %d", width, count, (int)weight[0], (int)weight[1],
                (int)weight[2], (int)weight[3]);
     weigh_arguments a = {(const int32_t *const *)rows, weight, count, width, to[0]}, b = a;

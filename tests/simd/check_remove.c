@@ -255,9 +255,9 @@ static void test_split(check *c)
     void *mixed[2], *inside[2];
     check_outputs(c, "mixed", 1, sizeof(ost_cubes), _Alignof(ost_cubes), mixed);
     check_outputs(c, "inside", 1, sizeof(ost_numbers), _Alignof(ost_numbers), inside);
-    const size_t room = OST_UNIT_BRICKS - 8 * cubes->count;
-    const size_t mixed_before = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)room);
-    const size_t inside_before = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)room);
+    const size_t capacity = OST_UNIT_BRICKS - 8 * cubes->count;
+    const size_t mixed_before = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)capacity);
+    const size_t inside_before = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)capacity);
     split_arguments a[2];
     for (int i = 0; i < 2; i++) {
         ((ost_cubes *)mixed[i])->count = mixed_before;
@@ -281,12 +281,12 @@ static void test_split(check *c)
     check_same(c, "mixed, as number, u[0], u[1], u[2] of each", CHECK_I32, list[0], list[1], 4 * m[0]->count);
     check_same(c, "inside->number", CHECK_I32, n[0]->number, n[1]->number, n[0]->count);
     /* Beyond the capacity that the contract requires both contain poison, wherever the lists end. */
-    const size_t mixed_room = mixed_before + 8 * cubes->count + OST_CUBES_SLACK, inside_room = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
+    const size_t mixed_capacity = mixed_before + 8 * cubes->count + OST_CUBES_SLACK, inside_capacity = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
     const size_t all = OST_UNIT_BRICKS + OST_CUBES_SLACK;
     for (int b = 0; b < 3; b++)
-        check_same(c, "mixed->u behind the room", CHECK_I32, m[0]->u[b] + mixed_room, m[1]->u[b] + mixed_room, all - mixed_room);
-    check_same(c, "mixed->number behind the room", CHECK_I32, m[0]->number + mixed_room, m[1]->number + mixed_room, all - mixed_room);
-    check_same(c, "inside->number behind the room", CHECK_I32, n[0]->number + inside_room, n[1]->number + inside_room, all - inside_room);
+        check_same(c, "mixed->u behind the room", CHECK_I32, m[0]->u[b] + mixed_capacity, m[1]->u[b] + mixed_capacity, all - mixed_capacity);
+    check_same(c, "mixed->number behind the room", CHECK_I32, m[0]->number + mixed_capacity, m[1]->number + mixed_capacity, all - mixed_capacity);
+    check_same(c, "inside->number behind the room", CHECK_I32, n[0]->number + inside_capacity, n[1]->number + inside_capacity, all - inside_capacity);
 }
 
 /* -------------------------------------------------------------------- match */
@@ -312,9 +312,9 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
     for (int32_t i = 0; i < count; i++) {
         if (cells->value[i] <= -least || cells->value[i] >= least)
             continue;
-        const int64_t place = found++ < MIXED_MAX ? found - 1 : check_range(c, 0, found - 1);
-        if (place < MIXED_MAX)
-            chosen[place] = i;
+        const int64_t index = found++ < MIXED_MAX ? found - 1 : check_range(c, 0, found - 1);
+        if (index < MIXED_MAX)
+            chosen[index] = i;
     }
     return (size_t)(found < MIXED_MAX ? found : MIXED_MAX);
 }
@@ -323,8 +323,8 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
    tool voxels or at most 200 units from it. */
 static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 {
-    static const int32_t beside[] = {0, -1, 1, 127, -128, 128, -129};
-    const int32_t border = check_chance(c, 2) ? beside[check_range(c, 0, 6)] : (int32_t)check_range(c, -200, 200);
+    static const int32_t near_byte[] = {0, -1, 1, 127, -128, 128, -129};
+    const int32_t border = check_chance(c, 2) ? near_byte[check_range(c, 0, 6)] : (int32_t)check_range(c, -200, 200);
     const uint32_t sum = (uint32_t)u + (uint32_t)match->offset[a][check_range(c, 0, 63)] - (uint32_t)border;
     return u - (int32_t)(sum & ((1u << OST_MAP_FRACTION) - 1));
 }

@@ -38,10 +38,10 @@ static char some_byte(check *c)
     return check_chance(c, 20) ? (char)check_range(c, 11, 255) : usual[check_range(c, 0, (int64_t)sizeof usual - 2)];
 }
 
-static void some_bytes(check *c, size_t length, unsigned char *text, unsigned char *mask, size_t room)
+static void some_bytes(check *c, size_t length, unsigned char *text, unsigned char *mask, size_t capacity)
 {
-    memset(text, 0, room);
-    memset(mask, 0, room);
+    memset(text, 0, capacity);
+    memset(mask, 0, capacity);
     for (size_t i = 0; i < length; i++) {
         text[i] = (unsigned char)some_byte(c);
         mask[i] = 0xff;

@@ -136,10 +136,10 @@ static void compare_tiles(check *c, const ost_vox_tile *expected, const ost_vox_
 {
     const size_t rows = ost_vox_rows(expected), stride = (size_t)expected->nx + 1;
     check_same(c, "planes", CHECK_BITS, expected->planes, got->planes, 2 * plane_words);
-    check_same(c, "odd", CHECK_U8, expected->odd, got->odd, rows);
-    check_that(c, expected->any_odd == got->any_odd, "any_odd is %d, not %d", got->any_odd, expected->any_odd);
+    check_same(c, "odd", CHECK_U8, expected->row_state, got->row_state, rows);
+    check_that(c, expected->any_unproven == got->any_unproven, "any_odd is %d, not %d", got->any_unproven, expected->any_unproven);
     for (size_t r = 0; r < rows && c->result == CHECK_GOOD; r++)
-        if (expected->odd[r] & OST_VOX_SPILLED)
+        if (expected->row_state[r] & OST_VOX_SPILLED)
             check_same(c, "spill, of a row", CHECK_I32, expected->spill + r * stride, got->spill + r * stride, stride);
 }
 
@@ -165,9 +165,9 @@ static void test_mark(check *c)
     const size_t plane_words = (rows * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
     tile.row_bits = 64 * (uint32_t)words;
     tile.minus = 64 * (uint32_t)plane_words;
-    void *planes[2], *odd[2];
+    void *planes[2], *row_state[2];
     check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
-    check_outputs(c, "odd", rows, 1, 1, odd);
+    check_outputs(c, "odd", rows, 1, 1, row_state);
     memset(planes[0], 0, 16 * plane_words);
     if (check_chance(c, 3)) /* bits that earlier triangles have marked */
         for (size_t w = 0; w < 2 * plane_words; w++)
@@ -178,10 +178,10 @@ static void test_mark(check *c)
     memcpy(planes[1], planes[0], 16 * plane_words);
     mark_arguments a[2];
     for (int i = 0; i < 2; i++) {
-        memset(odd[i], 0, rows);
+        memset(row_state[i], 0, rows);
         a[i] = (mark_arguments){tile, list, count};
         a[i].tile.planes = planes[i];
-        a[i].tile.odd = odd[i];
+        a[i].tile.row_state = row_state[i];
     }
     check_note(c, "%zu of %zu triangles%s, grid %d x %d x %d, f %d, tile %d..%d, %d..%d", count, triangles, list ? " by list" : "", dims.x,
                dims.y, dims.z, f, tile.j0, tile.j1, tile.k0, tile.k1);
@@ -268,13 +268,13 @@ static void clear_planes(void *with)
 static void bench_mark(check_bench *b)
 {
     static _Alignas(64) uint64_t planes[2 * SIDE * SIDE * 2];
-    static uint8_t odd[SIDE * SIDE];
+    static uint8_t row_state[SIDE * SIDE];
     ost_snapped_mesh mesh;
     sheet(&mesh);
     mark_arguments a = {.tile = {.mesh = &mesh, .f = F, .nx = SIDE, .j1 = SIDE, .k1 = SIDE, .row_bits = 128, .minus = 128 * SIDE * SIDE},
                         .count = mesh.triangle_count};
     a.tile.planes = planes;
-    a.tile.odd = odd;
+    a.tile.row_state = row_state;
     bench_time(b, "18432 triangles of two rows' size", call_mark, clear_planes, &a, (double)mesh.triangle_count, "triangle");
     free(a.tile.spill);
 }

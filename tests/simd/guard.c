@@ -12,7 +12,7 @@ enum { BUFFERS_MAX = 96, CANARY = 512 };
 
 typedef struct buffer {
     unsigned char *data; /* owned; pages with one inaccessible page on either side */
-    size_t room;         /* bytes of data, a multiple of the page size */
+    size_t capacity;     /* bytes of data, a multiple of the page size */
     unsigned char *at;
     size_t size;
     const char *name;
@@ -37,16 +37,16 @@ static void out_of(const char *what)
     exit(99);
 }
 
-static void make_room(buffer *b, size_t size)
+static void map_pages(buffer *b, size_t size)
 {
     const size_t page = page_size();
     if (b->data)
-        munmap(b->data - page, b->room + 2 * page);
-    b->room = (size + page - 1) / page * page;
-    if (b->room == 0)
-        b->room = page;
-    unsigned char *all = mmap(NULL, b->room + 2 * page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (all == MAP_FAILED || mprotect(all + page, b->room, PROT_READ | PROT_WRITE) != 0)
+        munmap(b->data - page, b->capacity + 2 * page);
+    b->capacity = (size + page - 1) / page * page;
+    if (b->capacity == 0)
+        b->capacity = page;
+    unsigned char *all = mmap(NULL, b->capacity + 2 * page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (all == MAP_FAILED || mprotect(all + page, b->capacity, PROT_READ | PROT_WRITE) != 0)
         out_of("memory for guarded buffers");
     b->data = all + page;
 }
@@ -82,7 +82,7 @@ static unsigned char *canary_begin(const buffer *b)
 
 static unsigned char *canary_end(const buffer *b)
 {
-    unsigned char *end = b->at + b->size, *last = b->data + b->room;
+    unsigned char *end = b->at + b->size, *last = b->data + b->capacity;
     return last - end > CANARY ? end + CANARY : last;
 }
 
@@ -91,9 +91,9 @@ void *guard_take(const char *name, size_t size, size_t align, guard_kind kind, b
     if (count == BUFFERS_MAX)
         out_of("guarded buffers");
     buffer *b = &buffers[count++];
-    if (b->room < size || !b->data)
-        make_room(b, size);
-    b->at = at_end ? b->data + (b->room - size) / align * align : b->data;
+    if (b->capacity < size || !b->data)
+        map_pages(b, size);
+    b->at = at_end ? b->data + (b->capacity - size) / align * align : b->data;
     b->size = size;
     b->name = name;
     b->kind = kind;
@@ -104,7 +104,7 @@ void *guard_take(const char *name, size_t size, size_t align, guard_kind kind, b
 void guard_freeze(void)
 {
     for (int i = 0; i < count; i++)
-        if (buffers[i].kind == GUARD_INPUT && mprotect(buffers[i].data, buffers[i].room, PROT_READ) != 0)
+        if (buffers[i].kind == GUARD_INPUT && mprotect(buffers[i].data, buffers[i].capacity, PROT_READ) != 0)
             out_of("protected pages");
     frozen = true;
 }
@@ -131,7 +131,7 @@ void guard_describe(const void *address, char *text, size_t size)
     for (int i = 0; i < count; i++) {
         const buffer *b = &buffers[i];
         const uintptr_t begin = (uintptr_t)b->at, end = begin + b->size;
-        if (a < (uintptr_t)b->data - page_size() || a >= (uintptr_t)(b->data + b->room) + page_size())
+        if (a < (uintptr_t)b->data - page_size() || a >= (uintptr_t)(b->data + b->capacity) + page_size())
             continue;
         if (a < begin)
             snprintf(text, size, "%zu bytes before '%s' (%zu bytes)", (size_t)(begin - a), b->name, b->size);
@@ -148,7 +148,7 @@ void guard_describe(const void *address, char *text, size_t size)
 void guard_reset(void)
 {
     for (int i = 0; i < count && frozen; i++)
-        if (buffers[i].kind == GUARD_INPUT && mprotect(buffers[i].data, buffers[i].room, PROT_READ | PROT_WRITE) != 0)
+        if (buffers[i].kind == GUARD_INPUT && mprotect(buffers[i].data, buffers[i].capacity, PROT_READ | PROT_WRITE) != 0)
             out_of("protected pages");
     frozen = false;
     count = 0;

@@ -290,10 +290,10 @@ static void split_one_more_is_inside(const ost_split *split, const ost_cells *ce
 static void split_writes_beyond(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                                 ost_cubes *mixed, ost_numbers *inside)
 {
-    const size_t room = mixed->count + 8 * cubes->count + OST_CUBES_SLACK;
+    const size_t capacity = mixed->count + 8 * cubes->count + OST_CUBES_SLACK;
     ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
-    if (room < OST_UNIT_BRICKS + OST_CUBES_SLACK)
-        mixed->u[1][room] = 0;
+    if (capacity < OST_UNIT_BRICKS + OST_CUBES_SLACK)
+        mixed->u[1][capacity] = 0;
 }
 
 static void split_reads_before_the_margin(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
@@ -397,9 +397,9 @@ static void mark_reads_beyond(ost_vox_tile *tile, const uint32_t *list, size_t c
 static void mark_saturates(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
     ost_vox_mark_scalar(tile, list, count);
-    if (tile->any_odd)
-        memset(tile->odd, 0, ost_vox_rows(tile));
-    tile->any_odd = false;
+    if (tile->any_unproven)
+        memset(tile->row_state, 0, ost_vox_rows(tile));
+    tile->any_unproven = false;
 }
 
 static void keys_one_beyond(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
@@ -417,22 +417,22 @@ static void keys_never_many(const ost_vox_plan *plan, const ost_snapped_mesh *me
 
 static uint64_t fill_clears_nothing(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
-    const bool odd = tile->any_odd;
-    tile->any_odd = true;
+    const bool row_state = tile->any_unproven;
+    tile->any_unproven = true;
     const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
-    tile->any_odd = odd;
+    tile->any_unproven = row_state;
     for (size_t r = first_row; r < first_row + rows; r++)
-        tile->any_odd = tile->any_odd || (tile->odd[r] & OST_VOX_UNPROVEN);
+        tile->any_unproven = tile->any_unproven || (tile->row_state[r] & OST_VOX_UNPROVEN);
     return count;
 }
 
 static uint64_t fill_proves_all(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
-    const bool odd = tile->any_odd;
+    const bool row_state = tile->any_unproven;
     const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
     for (size_t r = first_row; r < first_row + rows; r++)
-        tile->odd[r] &= OST_VOX_SPILLED;
-    tile->any_odd = odd;
+        tile->row_state[r] &= OST_VOX_SPILLED;
+    tile->any_unproven = row_state;
     return count;
 }
 
@@ -446,7 +446,7 @@ static uint64_t fill_forgets_spills(ost_vox_tile *tile, size_t first_row, size_t
 {
     const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
     for (size_t r = first_row; r < first_row + rows; r++)
-        tile->odd[r] &= OST_VOX_UNPROVEN;
+        tile->row_state[r] &= OST_VOX_UNPROVEN;
     return count;
 }
 

@@ -85,7 +85,7 @@ static compare_difference compared(const char *a, const char *b)
     compare_difference d;
     assert_ok(trace_open(a, &ref, &err));
     assert_ok(trace_open(b, &got, &err));
-    assert_true(ref.whole);
+    assert_true(ref.complete);
     compare_case(&ref, compare_find(&ref, 0), &got, compare_find(&got, 0), &d);
     trace_free(&ref);
     trace_free(&got);
@@ -244,16 +244,16 @@ static void broken(void **state)
     scratch_path("got", got);
     write_reference(ref);
     write_reference(got);
-    trace whole;
+    trace complete;
     ost_error err = {0};
-    assert_ok(trace_open(ref, &whole, &err));
-    const size_t size = whole.size, records = whole.count;
-    trace_free(&whole);
+    assert_ok(trace_open(ref, &complete, &err));
+    const size_t size = complete.size, records = complete.count;
+    trace_free(&complete);
     for (size_t cut = size - 1; cut > size - 400; cut -= 13) {
         trace t;
         assert_int_equal(truncate(got, (off_t)cut), 0);
         assert_ok(trace_open(got, &t, &err));
-        assert_false(t.whole);
+        assert_false(t.complete);
         assert_true(t.count < records);
         trace_free(&t);
     }

@@ -403,7 +403,7 @@ static void removal_operands(void **state)
     scene s;
     trace ref, got;
     grids g;
-    int told = 0;
+    int shown = 0;
     assert_ok(scene_make(&c, &s, &err));
     assert_ok(ost_backend_open("ref", &backend, &err));
     traced(backend, &s, "ref", &ref);
@@ -423,7 +423,7 @@ static void removal_operands(void **state)
             d.voxel[1] = (int32_t)(v / g.dims.x % g.dims.y);
             d.voxel[2] = (int32_t)(v / g.dims.x / g.dims.y);
             operands o;
-            if (g.ref[v] != 0 && told++ % 50)
+            if (g.ref[v] != 0 && shown++ % 50)
                 continue;
             operands_of(&s, &ref, all, &d, g.before, &o);
             const char *decided = value_of(&o, "decided");
@@ -434,7 +434,7 @@ static void removal_operands(void **state)
     trace_free(&ref);
     trace_free(&got);
     scene_free(&s);
-    assert_true(told > 100);
+    assert_true(shown > 100);
 }
 
 static void confusion(void **state)

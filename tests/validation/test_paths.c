@@ -39,7 +39,7 @@ static trace ended_with(const char *name, uint64_t a, uint64_t b, uint64_t c)
     assert_ok(trace_end(w, &err));
     assert_ok(trace_close(w, &err));
     assert_ok(trace_open(path, &t, &err));
-    assert_true(t.whole);
+    assert_true(t.complete);
     return t;
 }
 

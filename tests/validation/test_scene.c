@@ -110,7 +110,7 @@ static void small_bones_are_fetched_whole(void **state)
         const ost_geometry *g = &s.rect;
         const ost_pm n = s.cubic, x = (g->dims.x * g->spacing.x + n - 1) / n, y = (g->dims.y * g->spacing.y + n - 1) / n, z = (g->dims.z * g->spacing.z + n - 1) / n;
         const ost_geometry bone = {{(int32_t)x, (int32_t)y, (int32_t)z}, {n, n, n}, g->origin};
-        assert_true(x * y * z <= PERFORM_WHOLE);
+        assert_true(x * y * z <= PERFORM_ALL_VOXELS);
         for (size_t i = 0; i < s.path.count; i++) /* no tick is refused because of the size of the tool's voxels */
             assert_ok(ost_map_make(&s.path.ticks[i].pose, &bone, &s.tools[s.path.ticks[i].tool].cutting.grid, &map, &err));
         scene_free(&s);
@@ -276,8 +276,8 @@ static void reach_has_what_it_is_for(void **state)
             int64_t beyond = 0;
             for (size_t n = 0; n < s.sample_count; n++) {
                 const ost_pm off = s.samples[n].y - s.rect.origin.y, spacing = s.rect.spacing.y,
-                             rest = ((off % spacing) + spacing) % spacing;
-                beyond += rest > 3 * spacing / 8 && rest < spacing - 3 * spacing / 8;
+                             remainder = ((off % spacing) + spacing) % spacing;
+                beyond += remainder > 3 * spacing / 8 && remainder < spacing - 3 * spacing / 8;
             }
             assert_true(i == 2 ? beyond > 0 : beyond == 0);
             assert_int_equal(s.duplicates, OST_DUPLICATES_ERROR);

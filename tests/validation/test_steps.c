@@ -117,7 +117,7 @@ static void sweep_and_motor_of_the_text(void **state)
     ost_path rows, out;
     assert_ok(ost_path_init(&rows, ROWS, &err));
     for (int i = 0; i < ROWS; i++)
-        rows.ticks[i] = (ost_tick){.t_ns = 1000000 * (int64_t)i, .rpm = OST_RPM_HAND, .pose = a};
+        rows.ticks[i] = (ost_tick){.t_ns = 1000000 * (int64_t)i, .rpm = OST_RPM_OF_DEVICE, .pose = a};
     assert_ok(steps_motor_path(&rows, 200, &out, &err));
     assert_int_equal(out.count, ROWS);
     assert_int_equal(out.ticks[1].pose.qw, 1073688450);
@@ -221,7 +221,7 @@ static void a_difference_is_named(void **state)
     trace t[2];
     assert_ok(dense_open(NULL, &dense, &err));
     assert_ok(scene_make(&c, &s, &err));
-    assert_true(s.hand.count > 0 && !s.sample_count);
+    assert_true(s.handle_path.count > 0 && !s.sample_count);
     for (int second = 0; second < 2; second++) {
         assert_ok(trace_create(paths[second], &w, &err));
         if (second)

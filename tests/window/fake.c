@@ -50,7 +50,7 @@ int clock_gettime(clockid_t clock, struct timespec *t)
 
 /* ------------------------------------------------------------------ events */
 
-static void tell_size(void)
+static void report_size(void)
 {
     struct GLFWwindow *w = &the_window;
     if (w->size)
@@ -63,7 +63,7 @@ void fake_size(int width, int height)
 {
     the_window.width = width;
     the_window.height = height;
-    tell_size();
+    report_size();
 }
 
 void fake_minimise(bool on)
@@ -164,21 +164,21 @@ void glfwWindowHint(int hint, int value)
     if (hint == GLFW_VISIBLE)
         visible = value;
     if (hint == GLFW_CONTEXT_ROBUSTNESS)
-        the_fake.asked_robustness = value;
+        the_fake.requested_robustness = value;
 }
 
 GLFWwindow *glfwCreateWindow(int width, int height, const char *title, GLFWmonitor *monitor, GLFWwindow *share)
 {
     (void)monitor;
     (void)share;
-    const int asked = 10 * major + minor, version = asked == 10 ? the_fake.plain_version : the_fake.version;
-    if (the_window.there || the_fake.no_next || asked > version || version == 0) {
+    const int requested = 10 * major + minor, version = requested == 10 ? the_fake.plain_version : the_fake.version;
+    if (the_window.there || the_fake.no_next || requested > version || version == 0) {
         error_code = the_fake.why ? GLFW_API_UNAVAILABLE : GLFW_VERSION_UNAVAILABLE;
         return NULL;
     }
     the_window = (struct GLFWwindow){.there = true, .visible = visible, .width = width, .height = height, .version = version};
-    the_fake.asked_major = major;
-    the_fake.asked_minor = minor;
+    the_fake.requested_major = major;
+    the_fake.requested_minor = minor;
     the_fake.windows++;
     the_fake.contexts++;
     the_fake.reset_in_upload = false;
@@ -323,7 +323,7 @@ void glfwSetWindowMonitor(GLFWwindow *w, GLFWmonitor *monitor, int x, int y, int
     w->y = y;
     w->width = width;
     w->height = height;
-    tell_size();
+    report_size();
 }
 
 void glfwSetWindowTitle(GLFWwindow *w, const char *title)

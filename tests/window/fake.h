@@ -32,7 +32,7 @@ typedef struct fake {
     int monitor_x[FAKE_MONITORS];
     /* The calls that were made: */
     int inits, windows, contexts, frames, uploads, objects, swap_interval;
-    int asked_major, asked_minor, asked_robustness, viewport[2], polls;
+    int requested_major, requested_minor, requested_robustness, viewport[2], polls;
     bool waited;
     char title[64];
 } fake;

@@ -31,10 +31,10 @@ static uint32_t shown(uint32_t v)
  * Copies the boxes as the server does; every pixel of the screen must then be the picture's.
  * Returns the number of pixels copied.
  */
-static int64_t copied(const ost_window_picture *p, bool whole)
+static int64_t copied(const ost_window_picture *p, bool everything)
 {
     ost_changed_box box[OST_CHANGED_BOXES];
-    const int count = ost_changed_copy(p, whole, shared, box);
+    const int count = ost_changed_copy(p, everything, shared, box);
     int64_t area = 0;
     assert_in_range(count, 0, OST_CHANGED_BOXES);
     for (int i = 0; i < count; i++) {
@@ -69,9 +69,9 @@ static void the_screen_shows_the_picture(void **state)
     static const int sizes[][2] = {{1, 1}, {16, 8}, {15, 7}, {17, 9}, {640, 3}, {3, 640}, {333, 517}, {700, 700}};
     (void)state;
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
-        for (int told = 0; told < 2; told++) {
+        for (int with_cells = 0; with_cells < 2; with_cells++) {
             const int width = sizes[s][0], height = sizes[s][1], words = 1 + width / 1024;
-            const ost_window_picture p = {drawn, width + MARGIN, width, height, told ? cells : NULL, words};
+            const ost_window_picture p = {drawn, width + MARGIN, width, height, with_cells ? cells : NULL, words};
             memset(shared, 0x55, sizeof shared);
             memset(screen, 0xaa, sizeof screen);
             assert_int_equal(copied(&p, true), width * height);

@@ -84,14 +84,14 @@ static void the_newest_context_is_taken(void **state)
     (void)state;
     fake_begin();
     ost_window *w = opened();
-    assert_int_equal(10 * the_fake.asked_major + the_fake.asked_minor, 44);
-    assert_int_equal(the_fake.asked_robustness, GLFW_LOSE_CONTEXT_ON_RESET);
+    assert_int_equal(10 * the_fake.requested_major + the_fake.requested_minor, 44);
+    assert_int_equal(the_fake.requested_robustness, GLFW_LOSE_CONTEXT_ON_RESET);
     assert_string_equal(ost_window_info_get(w).version, "4.5 of a test");
     assert_string_equal(the_fake.title, "a title");
     closed(w);
     the_fake.version = 33;
     w = opened();
-    assert_int_equal(10 * the_fake.asked_major + the_fake.asked_minor, 33);
+    assert_int_equal(10 * the_fake.requested_major + the_fake.requested_minor, 33);
     closed(w);
 }
 

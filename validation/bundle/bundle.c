@@ -17,7 +17,7 @@
 #include "validation/bundle/folder.h"
 #include "validation/bundle/limits.h"
 #include "validation/bundle/manifest.h"
-#include "validation/leftover.h"
+#include "validation/signal_cleanup.h"
 
 enum { LOG_LINE = 1024 };
 
@@ -82,7 +82,7 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
         free(made);
         return status;
     }
-    leftover_folder(made->folder);
+    signal_cleanup_folder(made->folder);
     made->lock = open(made->folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (made->lock >= 0)
         (void)flock(made->lock, LOCK_EX | LOCK_NB);
@@ -204,7 +204,7 @@ ost_status bundle_end(bundle *b, ost_error *err)
     free(text);
     json_decref(manifest);
     if (status == OST_OK) {
-        leftover_folder_gone(b->folder);
+        signal_cleanup_folder_gone(b->folder);
         if (b->lock >= 0)
             close(b->lock);
         free(b);
@@ -236,7 +236,7 @@ void bundle_abandon(bundle *b)
     if (!b)
         return;
     remove_folder(b->folder);
-    leftover_folder_gone(b->folder);
+    signal_cleanup_folder_gone(b->folder);
     if (b->lock >= 0)
         close(b->lock);
     free(b);

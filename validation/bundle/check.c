@@ -26,7 +26,7 @@ typedef struct derivation {
     char other_build[160]; /* "; ..." if another build made the bundle: its files may differ; else "" */
 } derivation;
 
-static void say_problem(const derivation *d, bundle_problem_kind kind, const char *name, const char *text)
+static void report_problem(const derivation *d, bundle_problem_kind kind, const char *name, const char *text)
 {
     d->problem(d->user, kind, name, text);
     ++*d->found;
@@ -42,11 +42,11 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
     if (status != OST_OK)
         return status;
     if (absent)
-        say_problem(d, BUNDLE_ABSENT, name, "is missing");
+        report_problem(d, BUNDLE_ABSENT, name, "is missing");
     else if (!same) {
         char text[256];
         snprintf(text, sizeof text, "does not follow from %s%s", strcmp(name, REPORT_FILE) == 0 ? "the other files" : "the files that it is made of", d->other_build);
-        say_problem(d, BUNDLE_DIFFERENT, name, text);
+        report_problem(d, BUNDLE_DIFFERENT, name, text);
     }
     return OST_OK;
 }
@@ -75,7 +75,7 @@ static void report_verdict(void *user, const char *text)
 {
     const derivation *d = user;
     if (*d->found < PROBLEMS_MAX)
-        say_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, text);
+        report_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, text);
 }
 
 /* Reads a file into *out. If it is invalid, this is reported as a problem and *out is NULL. */
@@ -84,8 +84,8 @@ static ost_status read_protocol(const derivation *d, json_t **out, ost_error *er
     ost_error why = {0};
     ost_status status = bundle_find_json(d->folder, EVIDENCE_PROTOCOL, out, &why);
     if (status == OST_ERR_INPUT || (status == OST_OK && !json_is_object(*out))) {
-        say_problem(d, status == OST_OK && !*out ? BUNDLE_ABSENT : BUNDLE_DIFFERENT, EVIDENCE_PROTOCOL,
-                    status == OST_OK && !*out ? "is missing" : "is no JSON object within the limits of a bundle");
+        report_problem(d, status == OST_OK && !*out ? BUNDLE_ABSENT : BUNDLE_DIFFERENT, EVIDENCE_PROTOCOL,
+                       status == OST_OK && !*out ? "is missing" : "is no JSON object within the limits of a bundle");
         json_decref(*out);
         *out = NULL;
         return OST_OK;
@@ -100,12 +100,12 @@ static ost_status read_cases(const derivation *d, json_t **out, ost_error *err)
     ost_status status = folder_compare(d->folder, EVIDENCE_CASES, "", 0, &absent, &same, err);
     *out = NULL;
     if (status == OST_OK && absent)
-        say_problem(d, BUNDLE_ABSENT, EVIDENCE_CASES, "is missing");
+        report_problem(d, BUNDLE_ABSENT, EVIDENCE_CASES, "is missing");
     if (status != OST_OK || absent)
         return status;
     status = evidence_read_cases(d->folder, false, out, &why);
     if (status == OST_ERR_INPUT) {
-        say_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, why.text);
+        report_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, why.text);
         return OST_OK;
     }
     return status == OST_OK ? OST_OK : ost_fail(err, status, "%s", why.text);

@@ -43,11 +43,11 @@ static void compare_backend(const again *a, const campaign *c, int i, const json
 {
     const case_result *r = &c->results[(size_t)i * (size_t)c->subjects->count + 1];
     const json_t *there = json_object_get(json_object_get(one, "results"), a->spec);
-    const char *said = there ? evidence_text(there, "sha256") : evidence_text(one, "reference_sha256");
+    const char *stated = there ? evidence_text(there, "sha256") : evidence_text(one, "reference_sha256");
     char hex[OST_DIGEST_HEX] = "", text[400];
     if (r->has_made)
         ost_digest_hex(&r->made, hex);
-    if (strcmp(hex, said) == 0)
+    if (strcmp(hex, stated) == 0)
         return;
     snprintf(text, sizeof text, "comes out otherwise on %.200s here (%s%s%.100s) than %s", a->spec,
              case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text,

@@ -32,14 +32,14 @@ static const char *identifier_of(const char *name)
 
 void copyright_spdx(const char *debian, char out[COPYRIGHT_LICENCE])
 {
-    char words[COPYRIGHT_LICENCE], *rest = NULL;
+    char words[COPYRIGHT_LICENCE], *remainder = NULL;
     size_t used = 0;
     bool operand = true;
     out[0] = '\0';
     if (strlen(debian) >= sizeof words)
         return;
     memcpy(words, debian, strlen(debian) + 1);
-    for (char *word = strtok_r(words, " \t", &rest); word; word = strtok_r(NULL, " \t", &rest), operand = !operand) {
+    for (char *word = strtok_r(words, " \t", &remainder); word; word = strtok_r(NULL, " \t", &remainder), operand = !operand) {
         const char *text = operand ? identifier_of(word) : strcmp(word, "and") == 0 ? "AND" : strcmp(word, "or") == 0 ? "OR" : NULL;
         const int n = text ? snprintf(out + used, COPYRIGHT_LICENCE - used, "%s%s", used ? " " : "", text) : -1;
         if (n < 0 || used + (size_t)n >= COPYRIGHT_LICENCE) {

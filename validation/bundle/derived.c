@@ -14,22 +14,22 @@ typedef void derive(FILE *to, const json_t *protocol, const json_t *cases, const
 void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION])
 {
     const json_t *voxel = json_object_get(result, "voxel");
-    char place[64] = "";
+    char location[64] = "";
     if (*evidence_text(result, "stage"))
-        snprintf(place, sizeof place, "%.20s %lld: ", evidence_text(result, "stage"), (long long)json_integer_value(json_object_get(result, "item")));
+        snprintf(location, sizeof location, "%.20s %lld: ", evidence_text(result, "stage"), (long long)json_integer_value(json_object_get(result, "item")));
     const long long is = json_integer_value(json_object_get(result, "got")), ref = json_integer_value(json_object_get(result, "reference"));
     if (voxel)
         snprintf(text, EVIDENCE_DESCRIPTION,
-                 "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", place,
+                 "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", location,
                  (long long)json_integer_value(json_object_get(result, "different_voxels")),
                  (long long)json_integer_value(json_array_get(voxel, 0)),
                  (long long)json_integer_value(json_array_get(voxel, 1)),
                  (long long)json_integer_value(json_array_get(voxel, 2)), is, ref);
     else if (*evidence_text(result, "word"))
-        snprintf(text, EVIDENCE_DESCRIPTION, "%s%.40s is %lld where the reference has %lld", place,
+        snprintf(text, EVIDENCE_DESCRIPTION, "%s%.40s is %lld where the reference has %lld", location,
                  evidence_text(result, "word"), is, ref);
     else
-        snprintf(text, EVIDENCE_DESCRIPTION, "%s%.300s", place, evidence_text(result, "text"));
+        snprintf(text, EVIDENCE_DESCRIPTION, "%s%.300s", location, evidence_text(result, "text"));
     const size_t used = strlen(text);
     if (*evidence_text(result, "class") && used < EVIDENCE_DESCRIPTION)
         snprintf(text + used, EVIDENCE_DESCRIPTION - used, "; looks like %.40s (%.160s)",

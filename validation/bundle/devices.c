@@ -112,25 +112,25 @@ ost_status devices_of(const subject_list *subjects, json_t **out, ost_error *err
 {
     device_visit v = {subjects, json_array()};
     json_t *sets = json_array(), *list = NULL;
-    bool asked = false;
+    bool has_opencl = false;
     ost_status status = OST_OK;
     *out = NULL;
     for (int i = 0; i < OST_ISA_COUNT; i++)
         if (ost_isa_available((ost_isa)i))
             json_array_append_new(sets, json_string(ost_isa_name((ost_isa)i)));
     for (int s = 0; s < subjects->count; s++)
-        asked |= strncmp(subjects->subjects[s].spec, "cl", 2) == 0;
-    for (int i = 0; asked && i < ost_backend_count() && status == OST_OK; i++) {
+        has_opencl |= strncmp(subjects->subjects[s].spec, "cl", 2) == 0;
+    for (int i = 0; has_opencl && i < ost_backend_count() && status == OST_OK; i++) {
         ost_backend_info info;
         status = ost_backend_describe(i, &info, err);
         if (status == OST_OK && strcmp(info.name, "cl") == 0 && info.available)
             status = ost_backend_devices(i, add_device, &v, err);
     }
-    if (status == OST_OK && asked)
+    if (status == OST_OK && has_opencl)
         status = drivers(&list, err);
     if (status == OST_OK)
-        *out = json_pack("{s:{s:O},s:{s:b,s:s,s:o,s:O}}", "cpu", "instruction_sets", sets, "opencl", "asked_for", asked, "not_compared_because",
-                         subjects->opencl ? "" : subjects->no_opencl, "drivers", asked ? list : json_object(), "devices", v.list);
+        *out = json_pack("{s:{s:O},s:{s:b,s:s,s:o,s:O}}", "cpu", "instruction_sets", sets, "opencl", "asked_for", has_opencl, "not_compared_because",
+                         subjects->opencl ? "" : subjects->no_opencl, "drivers", has_opencl ? list : json_object(), "devices", v.list);
     json_decref(v.list);
     json_decref(sets);
     if (status == OST_OK && !*out)

@@ -116,9 +116,9 @@ ost_status digests_of_case(const trace *t, compare_range range, char **lines, os
         ost_digest digest;
         if (r->stage == TRACE_CASE)
             input_of(r, &digest);
-        else if (!(r->flags & TRACE_STANDS_IN))
+        else if (!(r->flags & TRACE_STAND_IN))
             status = digest_of_record(r, &digest, err);
-        if (!(r->flags & TRACE_STANDS_IN))
+        if (!(r->flags & TRACE_STAND_IN))
             ost_digest_hex(&digest, hex);
         used += (size_t)snprintf(*lines + used, LINE, "%s %u %s\n", trace_stage_name(r->stage), r->item, hex);
     }

@@ -372,13 +372,13 @@ ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t 
     const json_int_t bad = counts[CASE_DIFFERS] + counts[CASE_FAILED] + counts[CASE_CRASHED] + counts[CASE_LATE], compared = same + bad;
     const bool complete = json_array_size(cases) > 0 && json_array_size(cases) == json_array_size(json_object_get(protocol, "cases"));
     const bool equal = complete && same > 0 && !bad;
-    const bool whole = complete && strcmp(evidence_text(protocol, "tier"), "smoke") != 0 && !json_object_get(protocol, "case") && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
+    const bool entire = complete && strcmp(evidence_text(protocol, "tier"), "smoke") != 0 && !json_object_get(protocol, "case") && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
                        !*evidence_text(protocol, "only") && compared > 0;
     json_t *verdicts = json_object();
     for (int v = 0; v < CASE_VERDICTS; v++)
         json_object_set_new(verdicts, case_verdict_name((case_verdict)v), json_integer(counts[v]));
     *out = json_pack("{s:s,s:I,s:I,s:b,s:b,s:I,s:I,s:I,s:o,s:o,s:o}", "verdict", bad ? "NOT EQUAL" : equal ? "EQUAL" : same ? "NOT COMPLETE" : "NOT COMPARED", "compared",
-                     compared, "refused", refused, "equal", equal, "evidence", whole, "cases", (json_int_t)json_array_size(cases), "backends",
+                     compared, "refused", refused, "equal", equal, "evidence", entire, "cases", (json_int_t)json_array_size(cases), "backends",
                      (json_int_t)json_array_size(json_object_get(protocol, "backends")), "reference_records", records, "results", verdicts, "not_shown",
                      not_shown(protocol, cases, refused, compared), "findings", findings_of(protocol, cases));
     return *out ? OST_OK : no_memory(err);

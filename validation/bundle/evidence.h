@@ -95,11 +95,11 @@ ost_status evidence_check_format(const char *folder, const json_t *protocol, ost
 
 /*
  * Reads cases.jsonl line by line within the limits of limits.h; the message of
- * OST_ERR_INPUT names the line.  Without keep_leaves the digests of leaves, which
+ * OST_ERR_INPUT names the line.  Without with_leaves the digests of leaves, which
  * are the largest part, are omitted, and each line must be written as this
  * program writes it.
  */
-ost_status evidence_read_cases(const char *folder, bool keep_leaves, json_t **out, ost_error *err);
+ost_status evidence_read_cases(const char *folder, bool with_leaves, json_t **out, ost_error *err);
 
 /* Reads both files of a bundle of this format, with all leaves; the caller owns them. */
 ost_status evidence_read(const char *folder, json_t **protocol, json_t **cases, ost_error *err);

@@ -65,7 +65,7 @@ static void drop_leaves(json_t *row)
         json_object_del(json_array_get(records, k), "leaves");
 }
 
-static ost_status read_lines(FILE *file, bool keep_leaves, json_t *out, ost_error *err)
+static ost_status read_lines(FILE *file, bool with_leaves, json_t *out, ost_error *err)
 {
     char *line = NULL, where[48];
     size_t capacity = 0, size, values, all = 0;
@@ -85,7 +85,7 @@ static ost_status read_lines(FILE *file, bool keep_leaves, json_t *out, ost_erro
             status = limits_parse(where, size ? line : "", size, &row, err);
         if (status == OST_OK && !json_is_object(row))
             status = ost_fail(err, OST_ERR_INPUT, "%s: is no JSON object", where);
-        if (status == OST_OK && !keep_leaves && (status = check_written(row, where, line, size, err)) == OST_OK)
+        if (status == OST_OK && !with_leaves && (status = check_written(row, where, line, size, err)) == OST_OK)
             drop_leaves(row);
         if (status == OST_OK && json_array_append(out, row) != 0)
             status = ost_fail(err, OST_ERR_MEMORY, "no memory for %s", where);
@@ -95,7 +95,7 @@ static ost_status read_lines(FILE *file, bool keep_leaves, json_t *out, ost_erro
     return status;
 }
 
-ost_status evidence_read_cases(const char *folder, bool keep_leaves, json_t **out, ost_error *err)
+ost_status evidence_read_cases(const char *folder, bool with_leaves, json_t **out, ost_error *err)
 {
     ost_file file;
     *out = NULL;
@@ -107,7 +107,7 @@ ost_status evidence_read_cases(const char *folder, bool keep_leaves, json_t **ou
     if (!stream || !list)
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for " EVIDENCE_CASES);
     else
-        status = read_lines(stream, keep_leaves, list, err);
+        status = read_lines(stream, with_leaves, list, err);
     if (stream)
         fclose(stream);
     else

@@ -17,17 +17,17 @@ bool faults_proved(const sensitivity *s)
 
 void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT])
 {
-    const int kinds = DEVIATION_KINDS - 1, silent = kinds - s->kinds_changed;
+    const int kinds = DEVIATION_KINDS - 1, unchanged = kinds - s->kinds_changed;
     char none[64] = "";
-    if (silent)
-        snprintf(none, sizeof none, "; %d kind%s changed nothing in this tier", silent, silent == 1 ? "" : "s");
+    if (unchanged)
+        snprintf(none, sizeof none, "; %d kind%s changed nothing in this tier", unchanged, unchanged == 1 ? "" : "s");
     snprintf(out, FAULTS_STATEMENT, "%d of %d kinds of mistakes, made on purpose in the second implementation (validation/dense) and in no backend, were noticed%s",
              s->kinds_noticed, kinds, none);
 }
 
 ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err)
 {
-    json_t *kinds = json_array(), *silent = json_array();
+    json_t *kinds = json_array(), *unchanged = json_array();
     char statement[FAULTS_STATEMENT];
     faults_statement(s, statement);
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++) {
@@ -45,14 +45,14 @@ ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err)
         json_object_set_new(row, "classes", classes);
         json_array_append_new(kinds, row);
         if (!s->of[k].changed)
-            json_array_append_new(silent, json_string(about->name));
+            json_array_append_new(unchanged, json_string(about->name));
     }
     *out = counts_json(&s->all);
     json_object_set_new(*out, "kinds", kinds);
     json_object_set_new(*out, "kinds_total", json_integer(DEVIATION_KINDS - 1));
     json_object_set_new(*out, "kinds_changed", json_integer(s->kinds_changed));
     json_object_set_new(*out, "kinds_noticed", json_integer(s->kinds_noticed));
-    json_object_set_new(*out, "kinds_silent", silent);
+    json_object_set_new(*out, "kinds_silent", unchanged);
     json_object_set_new(*out, "mistakes_in", json_string("the second implementation (validation/dense), no backend"));
     json_object_set_new(*out, "statement", json_string(statement));
     json_object_set_new(*out, "false_alarms", json_integer((json_int_t)s->false_alarms));

@@ -154,7 +154,7 @@ static bool may_lack(const char *backend, const char *line)
 }
 
 /* Returns true for a line such as "tick 3 -": the dump has no such record, or the backend no such function. */
-static bool stands_in(const char *line, const char *reference)
+static bool is_stand_in(const char *line, const char *reference)
 {
     const char *digest = strrchr(reference, ' ');
     const size_t head = digest ? (size_t)(digest - reference) : 0;
@@ -169,7 +169,7 @@ static long first_other(const json_t *one, const json_t *lines, const char *back
     for (size_t at = 0; at < count || at < all; at++) {
         const char *own = at < count ? json_string_value(json_array_get(lines, at)) : "";
         reference_line(one, at, reference);
-        if (!own || (strcmp(own, reference) != 0 && !(stands_in(own, reference) && may_lack(backend, reference))))
+        if (!own || (strcmp(own, reference) != 0 && !(is_stand_in(own, reference) && may_lack(backend, reference))))
             return (long)at;
     }
     return -1;
@@ -177,11 +177,11 @@ static long first_other(const json_t *one, const json_t *lines, const char *back
 
 /* Writes the stage and the item of a difference at line `at`: the reference's or, after the reference's end, the
    backend's. */
-static void place_of(const char *reference, const json_t *lines, long at, char place[LINE])
+static void location_of(const char *reference, const json_t *lines, long at, char location[LINE])
 {
     const char *line = *reference ? reference : json_string_value(json_array_get(lines, (size_t)at));
-    snprintf(place, LINE, "%s", line ? line : "");
-    char *last = strrchr(place, ' ');
+    snprintf(location, LINE, "%s", line ? line : "");
+    char *last = strrchr(location, ' ');
     if (last)
         *last = '\0';
 }
@@ -207,7 +207,7 @@ static int verdict_named(const char *name)
 static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 {
     const json_t *lines = json_object_get(r, "records");
-    char hex[OST_DIGEST_HEX], reference[LINE], place[LINE], stated[LINE];
+    char hex[OST_DIGEST_HEX], reference[LINE], location[LINE], stated[LINE];
     if (!own_digest(lines, hex) || strcmp(hex, evidence_text(r, "sha256")) != 0) {
         report(j, "its records do not give its sha256");
         return;
@@ -218,16 +218,16 @@ static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
             report(j, "says '%s', and all digests are the reference's", case_verdict_name(verdict));
         return;
     }
-    place_of(reference, lines, at, place);
+    location_of(reference, lines, at, location);
     const bool failed = ends_failed(lines) && (size_t)at + 1 >= json_array_size(lines);
     const case_verdict derived = failed ? CASE_FAILED : CASE_DIFFERS;
     snprintf(stated, sizeof stated, "%.40s %lld", evidence_text(r, "stage"),
              (long long)json_integer_value(json_object_get(r, "item")));
     if (verdict != derived)
         report(j, "says '%s', and its digests say '%s', first at %s", case_verdict_name(verdict),
-               case_verdict_name(derived), place);
-    else if (verdict == CASE_DIFFERS && strcmp(stated, place) != 0)
-        report(j, "says that %s differs first, and its digests differ first at %s", stated, place);
+               case_verdict_name(derived), location);
+    else if (verdict == CASE_DIFFERS && strcmp(stated, location) != 0)
+        report(j, "says that %s differs first, and its digests differ first at %s", stated, location);
 }
 
 /* Returns true for a difference in the bounds of a broad phase. Bounds are compared but are part of no digest

@@ -114,7 +114,7 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
  * Reads the output of a program, cut at PROGRAM_TEXT bytes. The caller frees *text, which is NULL if the program is not
  * installed. It is an error if the program cannot be started or read, or if it fails: its list would be incomplete.
  */
-static ost_status said_by(char *const argv[], char **text, ost_error *err)
+static ost_status output_of(char *const argv[], char **text, ost_error *err)
 {
     enum { NOTHING_FOUND = 1, NOT_INSTALLED = 127 };
     int ends[2], state = 0, failed;
@@ -123,8 +123,8 @@ static ost_status said_by(char *const argv[], char **text, ost_error *err)
     *text = NULL;
     if (pipe2(ends, O_CLOEXEC) != 0)
         return ost_fail(err, OST_ERR_IO, "no pipe for %s: %s", argv[2], strerror(errno));
-    char *said = malloc(PROGRAM_TEXT + 1);
-    failed = said ? posix_spawn_file_actions_init(&actions) : ENOMEM;
+    char *output = malloc(PROGRAM_TEXT + 1);
+    failed = output ? posix_spawn_file_actions_init(&actions) : ENOMEM;
     if (!failed) {
         failed = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
         failed = failed ? failed : posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
@@ -135,10 +135,10 @@ static ost_status said_by(char *const argv[], char **text, ost_error *err)
     close(ends[1]);
     const bool started = !failed;
     size_t used = 0;
-    char rest[4096];
+    char discarded[4096];
     while (started) { /* read up to the end, since the program blocks on a full pipe */
         const ssize_t n =
-            used < PROGRAM_TEXT ? read(ends[0], said + used, PROGRAM_TEXT - used) : read(ends[0], rest, sizeof rest);
+            used < PROGRAM_TEXT ? read(ends[0], output + used, PROGRAM_TEXT - used) : read(ends[0], discarded, sizeof discarded);
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
@@ -162,11 +162,11 @@ static ost_status said_by(char *const argv[], char **text, ost_error *err)
     if (status == OST_OK && code < 0)
         status = ost_fail(err, OST_ERR_IO, "%s was ended by a signal, which lists the packages of libraries", argv[2]);
     if (status != OST_OK || code == NOT_INSTALLED) {
-        free(said);
+        free(output);
         return status;
     }
-    said[used] = '\0';
-    *text = said;
+    output[used] = '\0';
+    *text = output;
     return OST_OK;
 }
 
@@ -214,7 +214,7 @@ static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
             complete = (argv[n++] = strdup(names[k])) && (argv[n++] = strdup(other));
         }
     }
-    ost_status status = !complete ? no_memory(err) : count ? said_by(argv, &text, err) : OST_OK;
+    ost_status status = !complete ? no_memory(err) : count ? output_of(argv, &text, err) : OST_OK;
     for (char *line = text ? strtok(text, "\n") : NULL; line && status == OST_OK; line = strtok(NULL, "\n")) {
         char *path = strstr(line, ": /");
         if (!path || strncmp(line, "diversion", 9) == 0)
@@ -242,7 +242,7 @@ static ost_status versions(json_t *packages, json_t *out, ost_error *err)
     argv[n++] = env, argv[n++] = locale, argv[n++] = program, argv[n++] = show, argv[n++] = format;
     json_object_foreach(packages, path, value)
         complete = complete && (argv[n++] = strdup(json_string_value(value)));
-    ost_status status = !complete ? no_memory(err) : n > 5 ? said_by(argv, &text, err) : OST_OK;
+    ost_status status = !complete ? no_memory(err) : n > 5 ? output_of(argv, &text, err) : OST_OK;
     for (char *line = text ? strtok(text, "\n") : NULL; line && status == OST_OK; line = strtok(NULL, "\n")) {
         char *version = strchr(line, '\t'), *maintainer = version ? strchr(version + 1, '\t') : NULL;
         if (!maintainer)

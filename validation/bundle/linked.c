@@ -61,7 +61,7 @@ static const json_t *backend_named(const check *c, const char *name)
     return NULL;
 }
 
-static bool all_asked(const check *c)
+static bool all_checked(const check *c)
 {
     return !*evidence_text(c->protocol, "chosen");
 }
@@ -124,7 +124,7 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
     subject_list expected = {0};
     for (int i = 0; i < SETS && subjects_isa(i); i++)
         here[i] = has_text(sets, subjects_isa(i));
-    const ost_status status = all_asked(c) ? subjects_cpu(tier_of(c->protocol), here, &expected, err) : OST_OK;
+    const ost_status status = all_checked(c) ? subjects_cpu(tier_of(c->protocol), here, &expected, err) : OST_OK;
     for (int s = 0; s < expected.count; s++) {
         const char *spec = expected.subjects[s].spec;
         if (backend_named(c, spec) || strstr(spec, "embree")) /* another build may lack Embree */
@@ -149,7 +149,7 @@ static void check_opencl(const check *c, const json_t *devices)
     const json_t *list = json_object_get(json_object_get(devices, "opencl"), "devices");
     const char *options;
     char text[500], spec[SUBJECT_SPEC];
-    if (!all_asked(c) || json_is_true(json_object_get(c->protocol, "cpu_only")))
+    if (!all_checked(c) || json_is_true(json_object_get(c->protocol, "cpu_only")))
         return;
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *one = json_array_get(list, i);

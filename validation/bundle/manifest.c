@@ -171,13 +171,13 @@ static bool digest_in(const char *hex, ost_digest *out)
 
 /* Returns true if the rows of a manifest give its root. The manifest is then unchanged, and a file without a row, or
    a row without a file, is a problem of the folder. */
-static bool rows_give_root(const json_t *said)
+static bool rows_give_root(const json_t *stated)
 {
-    const json_t *files = json_object_get(said, "files");
+    const json_t *files = json_object_get(stated, "files");
     const size_t count = json_array_size(files);
     ost_digest root, digest, *leaves = calloc(count + 1, sizeof *leaves);
     ost_error none = {0};
-    bool same = leaves != NULL && digest_in(json_string_value(json_object_get(said, "root")), &root);
+    bool same = leaves != NULL && digest_in(json_string_value(json_object_get(stated, "root")), &root);
     for (size_t i = 0; same && i < count; i++) {
         const json_t *row = json_array_get(files, i);
         const char *name = json_string_value(json_object_get(row, "name"));
@@ -189,13 +189,13 @@ static bool rows_give_root(const json_t *said)
     return same;
 }
 
-static void compare_rows(const json_t *said, const json_t *is, bundle_problem *problem, void *user, int *found)
+static void compare_rows(const json_t *stated, const json_t *is, bundle_problem *problem, void *user, int *found)
 {
-    const json_t *a = json_object_get(said, "files");
-    json_t *there = rows_by_name(is), *described = rows_by_name(said), *row;
+    const json_t *a = json_object_get(stated, "files");
+    json_t *there = rows_by_name(is), *described = rows_by_name(stated), *row;
     const char *key;
     char name[256];
-    const bool as_written = rows_give_root(said);
+    const bool as_written = rows_give_root(stated);
     if (!as_written) {
         problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, "has rows that do not give its root");
         ++*found;
@@ -228,7 +228,7 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
     size_t size = 0;
     folder_files l;
     ost_error unread = {0};
-    json_t *is = NULL, *said = NULL;
+    json_t *is = NULL, *stated = NULL;
     ost_status status = folder_list(folder, &l, problem, user, found, err);
     const int before = *found;
     if (status != OST_OK)
@@ -243,15 +243,15 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
         problem(user, BUNDLE_ABSENT, MANIFEST_FILE, "is missing");
         ++*found;
     } else if (status == OST_OK && (strlen(text) != size || memcmp(text, bytes, size) != 0)) {
-        if (limits_parse(MANIFEST_FILE, bytes, size, &said, &unread) == OST_ERR_MEMORY)
+        if (limits_parse(MANIFEST_FILE, bytes, size, &stated, &unread) == OST_ERR_MEMORY)
             status = ost_fail(err, OST_ERR_MEMORY, "%s", unread.text);
-        if (said)
-            compare_rows(said, is, problem, user, found);
+        if (stated)
+            compare_rows(stated, is, problem, user, found);
         if (status == OST_OK && *found == before) { /* the files match their rows: the manifest was changed */
-            problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, said ? "is not what the files give" : unread.text);
+            problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, stated ? "is not what the files give" : unread.text);
             ++*found;
         }
-        json_decref(said);
+        json_decref(stated);
     }
     free(bytes);
     free(text);

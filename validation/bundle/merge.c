@@ -94,27 +94,27 @@ static ost_status put_in_order(const char *folder, merged *m, const json_t *by_i
     const char *tier_name = json_string_value(json_object_get(m->protocol, "tier")), *seed = json_string_value(json_object_get(m->protocol, "seed"));
     const char *only = json_string_value(json_object_get(m->protocol, "only"));
     int tier = 0;
-    plan whole;
+    plan all_cases;
     while (tier < PLAN_TIERS && (!tier_name || strcmp(tier_name, plan_tier_name((plan_tier)tier)) != 0))
         tier++;
     if (tier == PLAN_TIERS || !seed)
         return ost_fail(err, OST_ERR_INPUT, "%s: a protocol without tier or seed", folder);
     const plan_user user = {.count = (int)json_array_size(json_object_get(json_object_get(m->protocol, "user"), "cases"))};
-    ost_status status = plan_make((plan_tier)tier, strtoull(seed, NULL, 10), 1, 1, only && *only ? only : NULL, &user, &whole, err);
+    ost_status status = plan_make((plan_tier)tier, strtoull(seed, NULL, 10), 1, 1, only && *only ? only : NULL, &user, &all_cases, err);
     if (status != OST_OK)
         return status;
     json_t *ids = json_array();
     m->cases = json_array();
-    for (int i = 0; i < whole.count && status == OST_OK; i++) {
-        json_t *one = json_object_get(by_id, whole.cases[i].id);
+    for (int i = 0; i < all_cases.count && status == OST_OK; i++) {
+        json_t *one = json_object_get(by_id, all_cases.cases[i].id);
         if (!one)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: no shard has case %s", folder, whole.cases[i].id);
+            status = ost_fail(err, OST_ERR_INPUT, "%s: no shard has case %s", folder, all_cases.cases[i].id);
         json_array_append(m->cases, one);
-        json_array_append_new(ids, json_string(whole.cases[i].id));
+        json_array_append_new(ids, json_string(all_cases.cases[i].id));
     }
     json_object_set_new(m->protocol, "cases", ids);
     json_object_set_new(m->protocol, "shard", json_pack("[i,i]", 1, 1));
-    plan_free(&whole);
+    plan_free(&all_cases);
     return status;
 }
 

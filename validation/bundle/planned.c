@@ -50,7 +50,7 @@ static ost_status plan_of_file(const json_t *file, const plan_user *user, plan *
             plan_free(out);
             return status;
         }
-        out->whole = ++out->count;
+        out->total = ++out->count;
     }
     out->tier = out->cases[0].tier;
     out->seed = out->cases[0].seed;

@@ -258,17 +258,17 @@ static bool take_claim(const json_t *annotations, const char *key, char *to, siz
    if it is invalid, else NULL. */
 static ost_status compare_statement(const check *c, const sign_envelope *e, claim *claimed, const char **why, ost_error *err)
 {
-    json_t *said = json_loadb(e->payload, e->payload_size, JSON_REJECT_DUPLICATES, NULL), *is = NULL;
-    const json_t *annotations = json_object_get(json_array_get(json_object_get(said, "subject"), 0), "annotations");
+    json_t *stated = json_loadb(e->payload, e->payload_size, JSON_REJECT_DUPLICATES, NULL), *is = NULL;
+    const json_t *annotations = json_object_get(json_array_get(json_object_get(stated, "subject"), 0), "annotations");
     ost_status status = OST_OK;
     *why = NULL;
     if (!take_claim(annotations, "signer", claimed->by, sizeof claimed->by) ||
         !take_claim(annotations, "meaning", claimed->meaning, sizeof claimed->meaning) ||
         !take_claim(annotations, "time", claimed->time, sizeof claimed->time))
         *why = "holds no statement of osteon sign: signer, meaning or time are missing";
-    else if (c->is && (status = statement_of(c->is, claimed, &is, err)) == OST_OK && !json_equal(said, is))
+    else if (c->is && (status = statement_of(c->is, claimed, &is, err)) == OST_OK && !json_equal(stated, is))
         *why = "is a statement about another bundle than this one";
-    json_decref(said);
+    json_decref(stated);
     json_decref(is);
     return status;
 }

@@ -22,7 +22,7 @@ static int by_text(const void *a, const void *b)
 /* Splits a line's field of tests at its semicolons and appends the names; at most TESTS_MAX in all. */
 static void names_of_line(char *line, char **names, size_t *count)
 {
-    char *field = line, *rest = NULL;
+    char *field = line, *remainder = NULL;
     for (int i = 0; field && i < FIELD_TESTS; i++) {
         field = strchr(field, ',');
         field = field ? field + 1 : NULL;
@@ -30,17 +30,17 @@ static void names_of_line(char *line, char **names, size_t *count)
     if (!field || *line == ',') /* a row without an id is a test that no requirement names */
         return;
     field[strcspn(field, ",")] = '\0';
-    for (char *name = strtok_r(field, ";", &rest); name && *count < TESTS_MAX; name = strtok_r(NULL, ";", &rest))
+    for (char *name = strtok_r(field, ";", &remainder); name && *count < TESTS_MAX; name = strtok_r(NULL, ";", &remainder))
         names[(*count)++] = name;
 }
 
 json_t *suite_tests(const char *requirements)
 {
-    char *text = strdup(requirements), **names = calloc(TESTS_MAX, sizeof *names), *rest = NULL;
+    char *text = strdup(requirements), **names = calloc(TESTS_MAX, sizeof *names), *remainder = NULL;
     json_t *list = text && names ? json_array() : NULL;
     size_t count = 0;
     bool heading = true;
-    for (char *line = list ? strtok_r(text, "\n", &rest) : NULL; line; line = strtok_r(NULL, "\n", &rest), heading = false)
+    for (char *line = list ? strtok_r(text, "\n", &remainder) : NULL; line; line = strtok_r(NULL, "\n", &remainder), heading = false)
         if (!heading)
             names_of_line(line, names, &count);
     if (count)
@@ -133,9 +133,9 @@ static void check_all(const check *c, const json_t *suite, const json_t *protoco
     for (size_t i = 0; i < json_array_size(expected); i++)
         check_test(c, json_array_get(tests, i), json_string_value(json_array_get(expected, i)));
     for (int r = 0; r < RESULTS; r++) {
-        const json_t *said = json_object_get(suite, results[r]);
-        if (!json_is_integer(said) || json_integer_value(said) != count_of(suite, results[r]))
-            report(c, "says %lld %s, and its results give %lld", (long long)json_integer_value(said), results[r],
+        const json_t *stated = json_object_get(suite, results[r]);
+        if (!json_is_integer(stated) || json_integer_value(stated) != count_of(suite, results[r]))
+            report(c, "says %lld %s, and its results give %lld", (long long)json_integer_value(stated), results[r],
                    (long long)count_of(suite, results[r]));
     }
 }

@@ -164,9 +164,9 @@ static void add_text(char *to, size_t size, const char *format, ...)
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
                       size_t result_size)
 {
-    char *rest = NULL, others[1024] = "";
+    char *remainder = NULL, others[1024] = "";
     int passed = 0, failed = 0;
-    for (char *test = suite ? strtok_r(tests, ";", &rest) : NULL; test; test = strtok_r(NULL, ";", &rest)) {
+    for (char *test = suite ? strtok_r(tests, ";", &remainder) : NULL; test; test = strtok_r(NULL, ";", &remainder)) {
         const json_t *one = result_of(suite, test);
         const char *is = evidence_text(one, "result");
         passed += strcmp(is, "passed") == 0;

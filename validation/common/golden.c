@@ -15,11 +15,11 @@ static const char *list(const int16_t *v, int count, char text[200])
     return text;
 }
 
-static void say_list(lab *l, const char *name, const char *requirements, const char *what, const int16_t *expected, const int16_t *got, int count)
+static void record_list(lab *l, const char *name, const char *requirements, const char *what, const int16_t *expected, const int16_t *got, int count)
 {
     char a[200], b[200];
     list(expected, count, a);
-    lab_say(l, "golden", name, requirements, what, memcmp(expected, got, (size_t)count * sizeof *got) == 0, a, "%s", list(got, count, b));
+    lab_record(l, "golden", name, requirements, what, memcmp(expected, got, (size_t)count * sizeof *got) == 0, a, "%s", list(got, count, b));
 }
 
 /* Scatters samples of a 2 x 2 x 2 grid, spacing 1, 1, 2 mm from (10, 20, 30), in reverse order, one of them twice. */
@@ -42,7 +42,7 @@ static void scatter(lab *l)
     if (l->status == OST_OK)
         l->status = ost_grid_download(rect, 0, 2, got, l->err);
     ost_grid_free(rect);
-    say_list(l, "samples", "AR-CT-4 AR-CT-6 AR-GRID-2", "eight samples given backwards and one of them twice lie at x first, then y, then z", expected, got, 8);
+    record_list(l, "samples", "AR-CT-4 AR-CT-6 AR-GRID-2", "eight samples given backwards and one of them twice lie at x first, then y, then z", expected, got, 8);
 }
 
 /*
@@ -85,9 +85,9 @@ static void layers(lab *l)
             l->status = ost_bone_download(bone, 0, 8, bone_got, l->err);
         ost_bone_free(bone);
         ost_grid_free(cubic);
-        say_list(l, rules[r].name, rules[r].requirements, "three layers 2.5 mm apart become eight layers of 1 mm that begin 0.75 mm before them", rules[r].cubic, cubic_got, 8);
+        record_list(l, rules[r].name, rules[r].requirements, "three layers 2.5 mm apart become eight layers of 1 mm that begin 0.75 mm before them", rules[r].cubic, cubic_got, 8);
         if (r == 0)
-            say_list(l, "threshold", "AR-CHK-1", "119 is no bone, 120 is", bone_expected, bone_got, 8);
+            record_list(l, "threshold", "AR-CHK-1", "119 is no bone, 120 is", bone_expected, bone_got, 8);
     }
     ost_grid_free(rect);
 }
@@ -110,8 +110,8 @@ static void cube(lab *l)
         const int x = i % 4, y = i / 4 % 4, z = i / 16;
         as_expected &= v.voxels[i] == ((x == 1 || x == 2) && (y == 1 || y == 2) && (z == 1 || z == 2) ? OST_TOOL_CUTTING : OST_TOOL_VOID);
     }
-    lab_say(l, "golden", "cube", "AR-TOOL-2 AR-TOOL-3 AR-VOX-1 AR-VOX-2 AR-VOX-3 AR-VOX-4", "a mesh of 2 mm at a voxel of 1 mm is 4 x 4 x 4 voxels with the inner 8 solid",
-            grid && as_expected, "4 x 4 x 4 from -1 mm, 8 solid", "%d x %d x %d, %lld solid", d.x, d.y, d.z, l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0);
+    lab_record(l, "golden", "cube", "AR-TOOL-2 AR-TOOL-3 AR-VOX-1 AR-VOX-2 AR-VOX-3 AR-VOX-4", "a mesh of 2 mm at a voxel of 1 mm is 4 x 4 x 4 voxels with the inner 8 solid",
+               grid && as_expected, "4 x 4 x 4 from -1 mm, 8 solid", "%d x %d x %d, %lld solid", d.x, d.y, d.z, l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0);
     ost_tool_volume_free(&v);
     ost_mesh_free(&mesh);
 }
@@ -135,7 +135,7 @@ static void gone(lab *l, const char *name, const char *what, const char *expecte
         removed += voxels[i] == 0;
     }
     ost_tool_free(tool);
-    lab_say(l, "golden", name, "AR-REM-1 AR-REM-2 AR-MAP-1 AR-POSE-1", what, right == 512, expected, "%d of 512 voxels as expected, %d gone", right, removed);
+    lab_record(l, "golden", name, "AR-REM-1 AR-REM-2 AR-MAP-1 AR-POSE-1", what, right == 512, expected, "%d of 512 voxels as expected, %d gone", right, removed);
 }
 
 /* A row under the tool classes cutting, cutting, cutting, not cutting and void. Density classes are half-open, so
@@ -158,10 +158,10 @@ static void classes(lab *l)
     }
     ost_tool_volume_free(&volume);
     lab_remove(l, &g, 16, voxels, tool, &here, 1, &r);
-    say_list(l, "not cutting", "AR-REM-1 AR-REM-2 AR-TOOL-4", "what does not cut removes nothing", expected, voxels, 5);
-    lab_say(l, "golden", "classes", "AR-CLS-1 AR-CLS-2 AR-REM-6", "149, 150 and 650 are of three classes; one voxel is touched",
-            r.voxels[0] == 1 && r.voxels[1] == 1 && r.voxels[2] == 1 && r.touched_voxels == 1, "1, 1, 1; 1 touched", "%llu, %llu, %llu; %llu touched",
-            (unsigned long long)r.voxels[0], (unsigned long long)r.voxels[1], (unsigned long long)r.voxels[2], (unsigned long long)r.touched_voxels);
+    record_list(l, "not cutting", "AR-REM-1 AR-REM-2 AR-TOOL-4", "what does not cut removes nothing", expected, voxels, 5);
+    lab_record(l, "golden", "classes", "AR-CLS-1 AR-CLS-2 AR-REM-6", "149, 150 and 650 are of three classes; one voxel is touched",
+               r.voxels[0] == 1 && r.voxels[1] == 1 && r.voxels[2] == 1 && r.touched_voxels == 1, "1, 1, 1; 1 touched", "%llu, %llu, %llu; %llu touched",
+               (unsigned long long)r.voxels[0], (unsigned long long)r.voxels[1], (unsigned long long)r.voxels[2], (unsigned long long)r.touched_voxels);
     ost_report_free(&r);
     ost_tool_free(tool);
 }
@@ -207,12 +207,12 @@ static void digests(lab *l)
     ost_tool_volume_free(&volume);
     ost_tool_free(tool);
     ost_bone_free(bone);
-    lab_say(l, "golden", "digest of a bone", "AR-DIG-2 AR-DIG-3 AR-DIG-4",
-            "a bone of 65 x 1 x 33 voxels, six leaves, has the digest that an independent implementation computes",
-            strcmp(bone_hex, bone_expected) == 0, bone_expected, "%s", bone_hex);
-    lab_say(l, "golden", "digest of a tool", "AR-DIG-2 AR-DIG-4 AR-DIG-5",
-            "a tool of 5 voxels has the digest that an independent implementation computes",
-            strcmp(tool_hex, tool_expected) == 0, tool_expected, "%s", tool_hex);
+    lab_record(l, "golden", "digest of a bone", "AR-DIG-2 AR-DIG-3 AR-DIG-4",
+               "a bone of 65 x 1 x 33 voxels, six leaves, has the digest that an independent implementation computes",
+               strcmp(bone_hex, bone_expected) == 0, bone_expected, "%s", bone_hex);
+    lab_record(l, "golden", "digest of a tool", "AR-DIG-2 AR-DIG-4 AR-DIG-5",
+               "a tool of 5 voxels has the digest that an independent implementation computes",
+               strcmp(tool_hex, tool_expected) == 0, tool_expected, "%s", tool_hex);
 }
 
 /* The example of section 11: |d|^2 = 2.5 * 10^17, and n = 3 is the least n with 10^18 <= n^2 * 2.209 * 10^17. */
@@ -227,10 +227,10 @@ static void sweep(lab *l)
         l->status = ost_sweep_count(&a, &b, &tool, 470000000, &count, l->err);
     if (l->status == OST_OK)
         first = ost_sweep_pose(&a, &b, 1, 3);
-    lab_say(l, "golden", "sweep", "AR-SWEEP-2 AR-SWEEP-4",
-            "a tool that moves by 0.5 mm in a bone of 0.47 mm has three poses; the first is a third of the way",
-            count == 3 && first.t.x == 100000000 && first.t.y == 133333333 && first.t.z == 0,
-            "3; 100000000, 133333333, 0", "%d; %lld, %lld, %lld", count, (long long)first.t.x, (long long)first.t.y, (long long)first.t.z);
+    lab_record(l, "golden", "sweep", "AR-SWEEP-2 AR-SWEEP-4",
+               "a tool that moves by 0.5 mm in a bone of 0.47 mm has three poses; the first is a third of the way",
+               count == 3 && first.t.x == 100000000 && first.t.y == 133333333 && first.t.z == 0,
+               "3; 100000000, 133333333, 0", "%d; %lld, %lld, %lld", count, (long long)first.t.x, (long long)first.t.y, (long long)first.t.z);
 }
 
 /*
@@ -249,8 +249,8 @@ static void borders(lab *l)
     const ost_pm3 min = {-end + 3 * LAB_MM / 2, 0, 0}, max = {-end + 7 * LAB_MM / 2, 2 * LAB_MM, 2 * LAB_MM};
     lab_box(l, min, max, false, &mesh);
     lab_voxelize(l, &mesh, NULL, LAB_MM, &v);
-    lab_say(l, "golden", "corner at 8 m", "AR-TOOL-1 AR-TOOL-2", "a tool's grid may begin at -8 m",
-            l->status == OST_OK && v.geometry.corner.x == -end, "-8000 mm", "%lld pm", (long long)v.geometry.corner.x);
+    lab_record(l, "golden", "corner at 8 m", "AR-TOOL-1 AR-TOOL-2", "a tool's grid may begin at -8 m",
+               l->status == OST_OK && v.geometry.corner.x == -end, "-8000 mm", "%lld pm", (long long)v.geometry.corner.x);
     ost_tool_volume_free(&v);
     ost_mesh_free(&mesh);
     for (int a = 0; a < 6 && l->status == OST_OK; a++) {
@@ -261,8 +261,8 @@ static void borders(lab *l)
         refused += ost_map_make(&beyond, &g, &tool, &map, NULL) == OST_ERR_RANGE;
         refused += ost_sweep_count(&beyond, &beyond, &tool, LAB_MM, &count, NULL) == OST_ERR_RANGE;
     }
-    lab_say(l, "golden", "pose beyond 8 m", "AR-POSE-3 AR-LEN-1",
-            "neither a map nor a sweep takes a pose a picometre beyond 8 m", l->status == OST_OK && refused == 12, "12 refused", "%d refused", refused);
+    lab_record(l, "golden", "pose beyond 8 m", "AR-POSE-3 AR-LEN-1",
+               "neither a map nor a sweep takes a pose a picometre beyond 8 m", l->status == OST_OK && refused == 12, "12 refused", "%d refused", refused);
 }
 
 void lab_golden(lab *l)

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void lab_say(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed, const char *expected, const char *got, ...)
+void lab_record(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed, const char *expected, const char *got, ...)
 {
     char text[300];
     va_list args;

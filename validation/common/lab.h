@@ -26,7 +26,7 @@ typedef struct lab {
 
 /* Adds the result of a check. requirements are separated by blanks. Only `passed` decides; expected and got are for
    readers. */
-void lab_say(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed, const char *expected, const char *got, ...)
+void lab_record(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed, const char *expected, const char *got, ...)
     OST_PRINTF(8, 9);
 
 /* Returns a geometry with equal spacing on all axes and its first centre at the origin. */

@@ -154,10 +154,10 @@ static void removal_laws(lab *l)
             }
             end(&s);
         }
-        lab_say(l, "relation", laws[k].name, laws[k].requirements, laws[k].what, wrong == 0, "0 voxels differ", "%lld voxels differ in %d rounds", (long long)wrong, rounds);
+        lab_record(l, "relation", laws[k].name, laws[k].requirements, laws[k].what, wrong == 0, "0 voxels differ", "%lld voxels differ in %d rounds", (long long)wrong, rounds);
     }
-    lab_say(l, "relation", "only removed", "AR-LAW-2 AR-REM-2", "a voxel is what it was or empty, and some are removed at all", added == 0 && removed > 0, "0 other voxels",
-            "%lld other voxels, %lld removed", (long long)added, (long long)removed);
+    lab_record(l, "relation", "only removed", "AR-LAW-2 AR-REM-2", "a voxel is what it was or empty, and some are removed at all", added == 0 && removed > 0, "0 other voxels",
+               "%lld other voxels, %lld removed", (long long)added, (long long)removed);
 }
 
 static int64_t differ_tools(const ost_tool_volume *a, const ost_tool_volume *b)
@@ -207,10 +207,10 @@ static void mesh_laws(lab *l)
             ost_mesh_free(&m[i]);
         }
     }
-    lab_say(l, "relation", "inside out", "AR-LAW-8", "a mesh with all its faces turned over is the same body", reversed == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)reversed, rounds);
-    lab_say(l, "relation", "two halves", "AR-LAW-7 AR-VOX-2", "a mesh cut in two closed halves: each voxel is in exactly one of them", halves == 0 && solid > 0, "0 voxels differ",
-            "%lld differ in %d rounds", (long long)halves, rounds);
-    lab_say(l, "relation", "moved mesh", "AR-LAW-4", "a mesh moved by whole voxels is the same grid", moved_by == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)moved_by, rounds);
+    lab_record(l, "relation", "inside out", "AR-LAW-8", "a mesh with all its faces turned over is the same body", reversed == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)reversed, rounds);
+    lab_record(l, "relation", "two halves", "AR-LAW-7 AR-VOX-2", "a mesh cut in two closed halves: each voxel is in exactly one of them", halves == 0 && solid > 0, "0 voxels differ",
+               "%lld differ in %d rounds", (long long)halves, rounds);
+    lab_record(l, "relation", "moved mesh", "AR-LAW-4", "a mesh moved by whole voxels is the same grid", moved_by == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)moved_by, rounds);
 }
 
 /* Scatters samples in random order and in batches of random size. */
@@ -244,8 +244,8 @@ static void sample_laws(lab *l)
             s[j] = t;
         }
     }
-    lab_say(l, "relation", "samples in any order", "AR-CT-9", "shuffled and in batches of any size they make the same grid", memcmp(got[0], got[1], sizeof got[0]) == 0, "the same grid",
-            memcmp(got[0], got[1], sizeof got[0]) == 0 ? "the same grid" : "another grid");
+    lab_record(l, "relation", "samples in any order", "AR-CT-9", "shuffled and in batches of any size they make the same grid", memcmp(got[0], got[1], sizeof got[0]) == 0, "the same grid",
+               memcmp(got[0], got[1], sizeof got[0]) == 0 ? "the same grid" : "another grid");
 }
 
 void lab_relations(lab *l)

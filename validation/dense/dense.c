@@ -90,6 +90,6 @@ deviation_record dense_record(ost_backend *backend)
 {
     dense *d = dense_of(backend);
     if (d->unsettled)
-        dense_grid_settle(d->unsettled);
+        dense_grid_finish(d->unsettled);
     return d->own.record;
 }

@@ -92,9 +92,9 @@ static int64_t cube(const ost_dims d, int32_t n, const int32_t v[3])
     return number((ost_dims){(d.x + n - 1) / n, (d.y + n - 1) / n, (d.z + n - 1) / n}, v[0] / n, v[1] / n, v[2] / n);
 }
 
-static deviation_place place(const deviant *m, int64_t item, const int32_t *v, int64_t chunk)
+static deviation_position position(const deviant *m, int64_t item, const int32_t *v, int64_t chunk)
 {
-    deviation_place p = {.stage = m->stage, .call = m->call, .item = item, .voxel = {-1, -1, -1}, .leaf = -1, .chunk = chunk};
+    deviation_position p = {.stage = m->stage, .call = m->call, .item = item, .voxel = {-1, -1, -1}, .leaf = -1, .chunk = chunk};
     if (v) {
         memcpy(p.voxel, v, sizeof p.voxel);
         p.leaf = cube(m->dims, 32, v);
@@ -105,7 +105,7 @@ static deviation_place place(const deviant *m, int64_t item, const int32_t *v, i
 
 /* Updates *kept: the first call is kept, and within a call the least voxel, leaf and chunk. Returns false if nothing
    is updated. */
-static bool first(const deviant *m, uint64_t *times, deviation_place *kept, deviation_place p)
+static bool first(const deviant *m, uint64_t *times, deviation_position *kept, deviation_position p)
 {
     if ((*times)++ == 0) {
         *kept = p;
@@ -125,7 +125,7 @@ static bool first(const deviant *m, uint64_t *times, deviation_place *kept, devi
 
 void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3])
 {
-    first(m, &m->record.acted, &m->record.first_acted, place(m, (int64_t)item, voxel, -1));
+    first(m, &m->record.acted, &m->record.first_acted, position(m, (int64_t)item, voxel, -1));
 }
 
 /* For the thesis' floats there is no right value inside the algorithm to compare with: the changed position is also
@@ -135,7 +135,7 @@ void deviant_changed_voxel(deviant *m, const int32_t voxel[3])
     bool fused;
     if (deviant_thesis(m, &fused))
         deviant_acted(m, 0, voxel);
-    if (first(m, &m->record.changed, &m->record.first_changed, place(m, -1, voxel, -1)))
+    if (first(m, &m->record.changed, &m->record.first_changed, position(m, -1, voxel, -1)))
         m->record.voxels = true;
 }
 
@@ -144,6 +144,6 @@ void deviant_changed_report(deviant *m, int64_t chunk)
     bool fused;
     if (deviant_thesis(m, &fused))
         deviant_acted(m, 0, NULL);
-    if (first(m, &m->record.changed, &m->record.first_changed, place(m, -1, NULL, chunk)))
+    if (first(m, &m->record.changed, &m->record.first_changed, position(m, -1, NULL, chunk)))
         m->record.report = true;
 }

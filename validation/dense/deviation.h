@@ -275,18 +275,18 @@ const char *deviation_stage_name(deviation_stage stage);
  * order of AR-GRID-2, the least leaf and the least chunk are stored, each
  * independently of the others.
  */
-typedef struct deviation_place {
+typedef struct deviation_position {
     deviation_stage stage;
     uint64_t call; /* number of earlier calls of the stage since the backend was opened */
     int64_t item;  /* the unit: a sample, a chunk, a triangle ...; -1 for changed */
     int32_t voxel[3];
     int64_t leaf;
     int64_t chunk;
-} deviation_place;
+} deviation_position;
 
 typedef struct deviation_record {
     uint64_t acted, changed; /* counts; if 0 the position is not valid */
-    deviation_place first_acted, first_changed;
+    deviation_position first_acted, first_changed;
     bool report; /* true if the first change is in the call's report */
     bool voxels; /* true if the first change is in the call's grid */
 } deviation_record;

@@ -29,7 +29,7 @@ ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry,
 void dense_grid_free(ost_grid *base)
 {
     dense_grid *grid = (dense_grid *)base;
-    dense_grid_settle(grid);
+    dense_grid_finish(grid);
     free(grid->made.voxels);
     free(grid->made.seen);
     free(grid->right.voxels);
@@ -253,7 +253,7 @@ ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t co
     dense *d = dense_of(rect->backend);
     if (!grid->made.seen) {
         if (d->unsettled)
-            dense_grid_settle(d->unsettled);
+            dense_grid_finish(d->unsettled);
         const ost_status status = prepare(grid, err);
         if (status != OST_OK)
             return status;
@@ -290,7 +290,7 @@ static bool same_report(const ost_scatter_report *a, const ost_scatter_report *b
            a->conflict_line == b->conflict_line && a->conflict_had == b->conflict_had && a->conflict_has == b->conflict_has;
 }
 
-void dense_grid_settle(dense_grid *grid)
+void dense_grid_finish(dense_grid *grid)
 {
     dense *d = dense_of(grid->base.backend);
     if (d->unsettled != grid)
@@ -439,7 +439,7 @@ ost_status dense_rect_to_cubic(const ost_grid *base, const ost_geometry *geometr
     dense *d = dense_of(base->backend);
     ost_grid *right = NULL;
     if (d->unsettled)
-        dense_grid_settle(d->unsettled);
+        dense_grid_finish(d->unsettled);
     ost_status status = dense_grid_create(base->backend, geometry, out, err);
     if (status == OST_OK && deviant_in(d->deviant, DEVIATION_CUBIC))
         status = dense_grid_create(base->backend, geometry, &right, err);

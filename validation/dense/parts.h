@@ -94,7 +94,7 @@ static inline ost_int128 dense_nearest(ost_int128 n, ost_int128 d)
 /* ------------------------------------------------------------- the parts */
 
 /* Records what the deviation changed in a rect grid, once after its last batch. */
-void dense_grid_settle(dense_grid *grid);
+void dense_grid_finish(dense_grid *grid);
 
 ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
 void dense_grid_free(ost_grid *grid);

@@ -24,9 +24,9 @@ static const ost_tick *taken(const steps_history *h, size_t position)
 }
 
 /* Returns true if the removal period allows an event at this tick (AR-REM-7). */
-static bool is_due(const steps_history *h, const ost_tick *tick, bool anew)
+static bool is_due(const steps_history *h, const ost_tick *tick, bool restarts)
 {
-    if (anew || h->period_ns == 0 || taken(h, h->count - 1)->rpm == 0)
+    if (restarts || h->period_ns == 0 || taken(h, h->count - 1)->rpm == 0)
         return true;
     const wide p = wide_of(h->period_ns);
     return wide_order(wide_floor(wide_of(tick->t_ns), p), wide_floor(wide_of(taken(h, h->last_event)->t_ns), p)) != 0;
@@ -47,12 +47,12 @@ static bool turns_too_far(const steps_history *h, const ost_tick *tick)
 steps_event steps_next(steps_history *h, size_t i, const ost_tool_geometry *grid, ost_pm bone_voxel)
 {
     const ost_tick *tick = &h->ticks[i];
-    const bool on = tick->rpm != 0, anew = h->count == 0 || taken(h, h->count - 1)->tool != tick->tool || tick->lifted;
+    const bool on = tick->rpm != 0, restarts = h->count == 0 || taken(h, h->count - 1)->tool != tick->tool || tick->lifted;
     steps_event e = {.from = tick->pose};
-    if (on && is_due(h, tick, anew)) {
+    if (on && is_due(h, tick, restarts)) {
         e.removal = true;
         e.count = 1;
-        if (!anew && !h->sweep_off) { /* AR-SWEEP-5, AR-SWEEP-6 */
+        if (!restarts && !h->sweep_off) { /* AR-SWEEP-5, AR-SWEEP-6 */
             e.from = taken(h, h->begin[tick->tool])->pose;
             e.count = turns_too_far(h, tick) ? 0 : steps_sweep_count(&e.from, &tick->pose, grid, bone_voxel);
             if (e.count == 0)

@@ -14,19 +14,19 @@ static wide way_of(int64_t from, int64_t to, int64_t rpm)
 }
 
 /* Returns the tool's pose at phase P for a pose of the device (AR-MOTOR-3, AR-MOTOR-4). */
-static ost_pose turned(const ost_pose *hand, wide phase)
+static ost_pose turned(const ost_pose *handle, wide phase)
 {
     const int64_t k = wide_to_int64(wide_floor(wide_times(wide_of(4096), phase), wide_of(turn)));
     const long double angle = acosl(-1.0L) * (long double)k / 4096;
     const wide c = wide_of(llrintl(1073741824.0L * cosl(angle))), s = wide_of(llrintl(1073741824.0L * sinl(angle)));
-    const int32_t q[4] = {hand->qw, hand->qx, hand->qy, hand->qz};
+    const int32_t q[4] = {handle->qw, handle->qx, handle->qy, handle->qz};
     static const int other[4] = {3, 2, 1, 0}, sign[4] = {1, -1, 1, -1}; /* w with +z, x with -y, y with +x, z with -w */
     int32_t out[4];
     for (int i = 0; i < 4; i++) {
         const wide sum = wide_plus(wide_times(wide_of(q[i]), c), wide_times(wide_of(sign[i] * (int64_t)q[other[i]]), s));
         out[i] = (int32_t)wide_to_int64(wide_nearest(sum, wide_power_of_two(30)));
     }
-    return (ost_pose){hand->t, out[0], out[1], out[2], out[3]};
+    return (ost_pose){handle->t, out[0], out[1], out[2], out[3]};
 }
 
 /* Returns the greatest r with r^2 <= n, by bisection. */
@@ -47,7 +47,7 @@ static int32_t of_unit_length(int32_t c, wide r)
 }
 
 /* Returns the device's pose between two rows of a path. */
-static ost_pose hand_between(const ost_pose *a, const ost_pose *b, int j, int m)
+static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int m)
 {
     ost_pose p = steps_sweep_pose(a, b, j, m);
     const wide r = root_of(steps_norm(&p));
@@ -60,7 +60,7 @@ static int64_t parts_of(const ost_path *rows, size_t i, int32_t rpm)
     if (i == 0 || rpm <= 0)
         return 1;
     const ost_tick *before = &rows->ticks[i - 1], *row = &rows->ticks[i];
-    if (row->rpm != OST_RPM_HAND || before->rpm != OST_RPM_HAND || row->tool != before->tool || row->lifted)
+    if (row->rpm != OST_RPM_OF_DEVICE || before->rpm != OST_RPM_OF_DEVICE || row->tool != before->tool || row->lifted)
         return 1;
     const wide way = wide_times(wide_of(8), way_of(before->t_ns, row->t_ns, rpm));
     const int64_t down = wide_to_int64(wide_floor(way, wide_of(turn))),
@@ -89,15 +89,15 @@ ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, os
                 const ost_tick *before = row - 1;
                 const wide part = wide_times(wide_of(j), wide_minus(wide_of(row->t_ns), wide_of(before->t_ns)));
                 tick->t_ns = before->t_ns + wide_to_int64(wide_floor(part, wide_of(m)));
-                tick->pose = hand_between(&before->pose, &row->pose, j, m);
+                tick->pose = handle_between(&before->pose, &row->pose, j, m);
             }
-            if (row->rpm == OST_RPM_HAND)
+            if (row->rpm == OST_RPM_OF_DEVICE)
                 tick->rpm = rpm;
             if (at > 0 && tick->rpm > 0) { /* AR-MOTOR-2: modulo a turn, by subtracting its multiples */
                 phase = wide_plus(phase, way_of(out->ticks[at - 1].t_ns, tick->t_ns, tick->rpm));
                 phase = wide_minus(phase, wide_times(wide_floor(phase, wide_of(turn)), wide_of(turn)));
             }
-            if (row->rpm == OST_RPM_HAND)
+            if (row->rpm == OST_RPM_OF_DEVICE)
                 tick->pose = turned(&tick->pose, phase);
         }
     }

@@ -92,14 +92,14 @@ static bool read_triangles(const json_t *v, scene_cut *cut)
     return !v || json_is_array(v);
 }
 
-static ost_status read_keep(const json_t *keep, const char *where, scene_cut *cut, ost_error *err)
+static ost_status read_cut(const json_t *cut_json, const char *where, scene_cut *cut, ost_error *err)
 {
     static const char *const keys[] = {"ct", "collide", "crop", "samples", "ticks", "no_tools", "triangles"};
     const char *key;
     json_t *value;
-    if (!json_is_object(keep))
+    if (!json_is_object(cut_json))
         return bad(where, err, "'keep' is no object");
-    json_object_foreach((json_t *)(uintptr_t)keep, key, value) {
+    json_object_foreach((json_t *)(uintptr_t)cut_json, key, value) {
         size_t k = 0;
         while (k < sizeof keys / sizeof keys[0] && strcmp(key, keys[k]) != 0)
             k++;
@@ -108,15 +108,15 @@ static ost_status read_keep(const json_t *keep, const char *where, scene_cut *cu
         if (k < 2 && !json_is_boolean(value))
             return ost_fail(err, OST_ERR_INPUT, "%.200s: '%s' is neither true nor false", where, key);
     }
-    cut->no_ct = json_is_false(json_object_get(keep, "ct"));
-    cut->no_collide = json_is_false(json_object_get(keep, "collide"));
-    if (!read_crop(json_object_get(keep, "crop"), cut))
+    cut->no_ct = json_is_false(json_object_get(cut_json, "ct"));
+    cut->no_collide = json_is_false(json_object_get(cut_json, "collide"));
+    if (!read_crop(json_object_get(cut_json, "crop"), cut))
         return bad(where, err, "'crop' must be [[x, y, z], [x, y, z]], the second beyond the first");
-    if (!read_list(json_object_get(keep, "samples"), &cut->samples) || !read_list(json_object_get(keep, "ticks"), &cut->ticks))
+    if (!read_list(json_object_get(cut_json, "samples"), &cut->samples) || !read_list(json_object_get(cut_json, "ticks"), &cut->ticks))
         return bad(where, err, "'samples' and 'ticks' must be [[from, to], ...], ascending, at most 64 of them");
-    if (!read_tools(json_object_get(keep, "no_tools"), cut))
+    if (!read_tools(json_object_get(cut_json, "no_tools"), cut))
         return bad(where, err, "'no_tools' must be numbers of tools");
-    if (!read_triangles(json_object_get(keep, "triangles"), cut))
+    if (!read_triangles(json_object_get(cut_json, "triangles"), cut))
         return bad(where, err, "'triangles' must be [[tool, part, from, to], ...], ascending, at most 64 of a part");
     return OST_OK;
 }
@@ -141,13 +141,13 @@ ost_status case_of_json(const json_t *o, const char *where, const plan_user *use
         return ost_fail(err, OST_ERR_INPUT, "%.200s: case '%.40s' is made of the user's own files: give them with --ct, --tool and --path", where, id);
     if (!id || !plan_find((plan_tier)t, number, id, user, out))
         return ost_fail(err, OST_ERR_INPUT, "%.200s: tier %s has no case '%.40s'", where, tier, id ? id : "");
-    const json_t *keep = json_object_get(o, "keep");
-    if (!keep)
+    const json_t *cut_json = json_object_get(o, "keep");
+    if (!cut_json)
         return OST_OK;
     scene_cut *cut = calloc(1, sizeof *cut);
     if (!cut)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a case");
-    ost_status status = read_keep(keep, where, cut, err);
+    ost_status status = read_cut(cut_json, where, cut, err);
     if (status == OST_OK)
         out->cut = cut;
     else
@@ -167,17 +167,17 @@ static json_t *list_json(const cut_list *list)
 
 json_t *case_to_json(const plan_case *c, const scene_cut *cut)
 {
-    json_t *keep = json_object(), *no_tools = json_array(), *triangles = json_array();
+    json_t *cut_json = json_object(), *no_tools = json_array(), *triangles = json_array();
     if (cut->no_ct)
-        json_object_set_new(keep, "ct", json_false());
+        json_object_set_new(cut_json, "ct", json_false());
     if (cut->no_collide)
-        json_object_set_new(keep, "collide", json_false());
+        json_object_set_new(cut_json, "collide", json_false());
     if (cut->cropped)
-        json_object_set_new(keep, "crop", json_pack("[[i,i,i],[i,i,i]]", cut->lo[0], cut->lo[1], cut->lo[2], cut->hi[0], cut->hi[1], cut->hi[2]));
+        json_object_set_new(cut_json, "crop", json_pack("[[i,i,i],[i,i,i]]", cut->lo[0], cut->lo[1], cut->lo[2], cut->hi[0], cut->hi[1], cut->hi[2]));
     if (cut->samples.some)
-        json_object_set_new(keep, "samples", list_json(&cut->samples));
+        json_object_set_new(cut_json, "samples", list_json(&cut->samples));
     if (cut->ticks.some)
-        json_object_set_new(keep, "ticks", list_json(&cut->ticks));
+        json_object_set_new(cut_json, "ticks", list_json(&cut->ticks));
     for (int t = 0; t < SCENE_TOOLS_MAX; t++) {
         if (cut->no_tools >> t & 1)
             json_array_append_new(no_tools, json_integer(t));
@@ -186,12 +186,12 @@ json_t *case_to_json(const plan_case *c, const scene_cut *cut)
                 json_array_append_new(triangles, json_pack("[i,i,i,i]", t, part, (int)cut->triangles[t][part].range[i][0], (int)cut->triangles[t][part].range[i][1]));
     }
     if (json_array_size(no_tools))
-        json_object_set(keep, "no_tools", no_tools);
+        json_object_set(cut_json, "no_tools", no_tools);
     if (json_array_size(triangles))
-        json_object_set(keep, "triangles", triangles);
+        json_object_set(cut_json, "triangles", triangles);
     json_decref(no_tools);
     json_decref(triangles);
-    json_t *o = json_pack("{s:i,s:s,s:s,s:o}", "osteon_case", 1, "id", c->id, "tier", plan_tier_name(c->tier), "keep", keep);
+    json_t *o = json_pack("{s:i,s:s,s:s,s:o}", "osteon_case", 1, "id", c->id, "tier", plan_tier_name(c->tier), "keep", cut_json);
     if (o)
         json_object_set_new(o, "seed", json_sprintf("%llu", (unsigned long long)c->seed));
     return o;
@@ -212,7 +212,7 @@ static ost_status load(const char *path, json_t **out, ost_error *err)
     return status;
 }
 
-ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **whole, ost_error *err)
+ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **document, ost_error *err)
 {
     json_t *o;
     *out = (plan){.shard = 1, .shards = 1, .file = path, .user = user ? user->store : NULL};
@@ -228,13 +228,13 @@ ost_status case_file_read(const char *path, const plan_user *user, plan *out, js
     for (size_t i = 0; i < count && status == OST_OK; i++) {
         status = case_of_json(list ? json_array_get(list, i) : o, path, user, &out->cases[i], err);
         if (status == OST_OK)
-            out->whole = ++out->count;
+            out->total = ++out->count;
     }
     if (status == OST_OK) {
         out->tier = out->cases[0].tier;
         out->seed = out->cases[0].seed;
-        if (whole)
-            *whole = json_incref(o);
+        if (document)
+            *document = json_incref(o);
     } else
         plan_free(out);
     json_decref(o);

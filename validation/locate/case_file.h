@@ -27,6 +27,6 @@ json_t *case_to_json(const plan_case *c, const scene_cut *cut);
 
 /* Reads all cases of a file as a plan. If whole is not NULL, *whole receives the content of the file, owned by the
    caller. */
-ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **whole, ost_error *err);
+ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **document, ost_error *err);
 
 #endif

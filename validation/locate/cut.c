@@ -36,10 +36,10 @@ static ost_status cut_ct(const scene_cut *cut, scene *s, ost_error *err)
             return ost_fail(err, OST_ERR_INPUT, "crop: nothing of the grid's %d voxels on axis %d lies in %d..%d", n[a], a, cut->lo[a], cut->hi[a]);
     }
     const ost_geometry g = s->rect;
-    size_t kept = 0, room = s->sample_count;
+    size_t kept = 0, capacity = s->sample_count;
     ost_sample *to = s->samples;
-    if (s->lent && !(to = malloc((room ? room : 1) * sizeof *to)))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", room);
+    if (s->lent && !(to = malloc((capacity ? capacity : 1) * sizeof *to)))
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", capacity);
     for (size_t i = 0; i < s->sample_count; i++) {
         const ost_sample *one = &s->samples[i];
         const int64_t at[3] = {ost_rhe_div(one->x - g.origin.x, g.spacing.x), ost_rhe_div(one->y - g.origin.y, g.spacing.y),
@@ -118,8 +118,8 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
         s->tools[i] = (scene_tool){.name = ""};
     s->tool_count = tools;
     if (ticks != s->path.count || cut->no_tools) { /* the indices are those of ticks, not of the device's rows */
-        ost_path_free(&s->hand);
-        s->hand = (ost_path){.count = 0};
+        ost_path_free(&s->handle_path);
+        s->handle_path = (ost_path){.count = 0};
     }
     s->path.count = ticks;
     if (has_bone && !s->sample_count)

@@ -47,8 +47,8 @@ void finding_make(const scene *s, const trace *ref, compare_range in_ref, const 
     *out = (finding){.chunk_size = 0};
     find_chunk(s, ref, in_ref, d, out);
     compare_difference tick;
-    const bool asked = tick_of_collide(ref, in_ref, got, in_got, d, &tick);
-    if (asked)
+    const bool has_tick = tick_of_collide(ref, in_ref, got, in_got, d, &tick);
+    if (has_tick)
         d = &tick;
     if (d->kind == COMPARE_WORD && (d->stage == TRACE_SNAP || d->stage == TRACE_STEPS)) {
         char name[TRACE_WORD];
@@ -70,7 +70,7 @@ void finding_make(const scene *s, const trace *ref, compare_range in_ref, const 
     pattern_list list;
     pattern_find(&view, &list);
     out->class = pattern_name(list.of_all);
-    snprintf(out->text, sizeof out->text, "%s%s", asked ? "of the tick at the same pose: " : "",
+    snprintf(out->text, sizeof out->text, "%s%s", has_tick ? "of the tick at the same pose: " : "",
              list.of_all == PATTERN_UNCLASSIFIED ? "none of the known shapes" : list.text[list.of_all]);
     operands_of(s, ref, in_ref, d, d->stage == TRACE_TICK ? g.before : NULL, &out->operands);
     grids_free(&g);

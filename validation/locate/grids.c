@@ -17,7 +17,7 @@ int16_t grids_voxel(const trace_block_view *b, size_t i)
     return wide;
 }
 
-static bool whole_block(const trace_record *r, trace_block_view *out)
+static bool complete_block(const trace_record *r, trace_block_view *out)
 {
     size_t walk = 0;
     return trace_next_block(r, &walk, out) && !out->lo[0] && !out->lo[1] && !out->lo[2];
@@ -28,7 +28,7 @@ bool grids_block(const trace *t, compare_range in, trace_stage stage, uint32_t i
     for (size_t i = 0; i < in.count; i++) {
         const trace_record *r = &t->records[in.first + i];
         if (r->stage == stage && r->item == item)
-            return whole_block(r, out);
+            return complete_block(r, out);
     }
     return false;
 }
@@ -161,7 +161,7 @@ bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trac
     if (there && a->stage == TRACE_TICK)
         there = tick_grids(ref, in_ref, b, at, out);
     else if (there) {
-        there = whole_block(a, &one) && whole_block(b, &two) && same_dims(one.dims, two.dims);
+        there = complete_block(a, &one) && complete_block(b, &two) && same_dims(one.dims, two.dims);
         if (there) {
             out->dims = one.dims;
             out->ref = widened(&one);

@@ -191,8 +191,8 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
         cut.no_tools = 0; /* other tools may have removed voxels that matter */
         add(&list, &cut);
     }
-    scene_cut whole = {.no_collide = false};
-    add(&list, &whole);
+    scene_cut uncut = {.no_collide = false};
+    add(&list, &uncut);
     return try_all(j, &list, found, err);
 }
 

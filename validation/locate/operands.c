@@ -188,7 +188,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
 {
     ost_pose last[SCENE_TOOLS_MAX];
     int64_t since[SCENE_TOOLS_MAX], removal_t = 0;
-    int held = -1;
+    int current_tool = -1;
     bool running = false;
     event_poses e = {.count = 0};
     for (size_t i = 0; i <= tick && i < s->path.count; i++) {
@@ -197,7 +197,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
         e = (event_poses){.count = 0, .since = -1};
         if (t->tool < 0 || t->tool >= s->tool_count)
             continue;
-        const bool taken_up = t->tool != held || t->lifted;
+        const bool taken_up = t->tool != current_tool || t->lifted;
         if (t->rpm == 0) {
             last[t->tool] = t->pose;
             since[t->tool] = (int64_t)i;
@@ -216,7 +216,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
             since[t->tool] = (int64_t)i;
             removal_t = t->t_ns;
         }
-        held = t->tool;
+        current_tool = t->tool;
         running = t->rpm != 0;
     }
     return e;
@@ -254,13 +254,13 @@ static mapped map_voxel(const ost_map *map, const trace_block_view *tool, const 
     m.is = class_of(tool, m.at);
     for (int n = 0; n < 27; n++) {
         const int by[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-        int32_t beside[3], gap = 0;
+        int32_t neighbour[3], gap = 0;
         for (int a = 0; a < 3; a++) {
             const int32_t in = m.u[a] & ((1 << OST_MAP_FRACTION) - 1), way = by[a] < 0 ? in + 1 : by[a] > 0 ? (1 << OST_MAP_FRACTION) - in : 0;
-            beside[a] = m.at[a] + by[a];
+            neighbour[a] = m.at[a] + by[a];
             gap = way > gap ? way : gap;
         }
-        if ((class_of(tool, beside) == OST_TOOL_CUTTING) != (m.is == OST_TOOL_CUTTING) && (m.gap < 0 || gap < m.gap))
+        if ((class_of(tool, neighbour) == OST_TOOL_CUTTING) != (m.is == OST_TOOL_CUTTING) && (m.gap < 0 || gap < m.gap))
             m.gap = gap;
     }
     return m;

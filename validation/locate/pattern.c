@@ -13,7 +13,7 @@ const char *pattern_name(pattern p)
     return names[p];
 }
 
-bool pattern_say(char *text, const char *format, ...)
+bool pattern_describe(char *text, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -63,7 +63,7 @@ static bool byte_order(const pattern_scan *s, char *text)
             return false;
         telling |= v->b[i] != 0;
     }
-    return telling && pattern_say(text, "every voxel that differs is the right one with its two bytes swapped");
+    return telling && pattern_describe(text, "every voxel that differs is the right one with its two bytes swapped");
 }
 
 static bool offset(const pattern_scan *s, char *text)
@@ -75,7 +75,7 @@ static bool offset(const pattern_scan *s, char *text)
     PATTERN_EACH(s, p, i)
         if (v->b[i] - v->a[i] != by || v->a[i] < v->solid_a || v->b[i] < v->solid_b)
             return false;
-    return s->count >= PATTERN_TELLING && pattern_say(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
+    return s->count >= PATTERN_TELLING && pattern_describe(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
 }
 
 /* Checks each chunk by the grid before the threshold. */
@@ -83,15 +83,15 @@ static bool threshold_of_chunks(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     const int n = v->chunk;
-    bool kept = true, gone = true, rest = false;
+    bool unchanged = true, gone = true, other = false;
     int16_t most = INT16_MIN;
     PATTERN_EACH(s, p, i) {
-        kept &= v->a[i] == 0 && v->b[i] == v->in[i];
+        unchanged &= v->a[i] == 0 && v->b[i] == v->in[i];
         gone &= v->b[i] == 0 && v->a[i] == v->in[i];
         most = v->in[i] > most ? v->in[i] : most;
     }
-    if (kept)
-        return pattern_say(text, "every voxel that differs kept a density below the threshold %d", v->solid_a);
+    if (unchanged)
+        return pattern_describe(text, "every voxel that differs kept a density below the threshold %d", v->solid_a);
     if (!gone)
         return false;
     for (int32_t z = s->lo[2] / n * n; z < s->hi[2]; z += n)
@@ -108,11 +108,11 @@ static bool threshold_of_chunks(const pattern_scan *s, char *text)
                         }
                 if (differs && some)
                     return false;
-                rest |= differs && some_more;
+                other |= differs && some_more;
             }
-    if (rest && most == v->solid_a)
-        return pattern_say(text, "in every chunk that differs, all of density %d, the threshold itself, are missing and nothing denser: > in place of >=", most);
-    return rest && pattern_say(text, "in every chunk that differs, all of density %d to %d are missing and nothing denser", v->solid_a, most);
+    if (other && most == v->solid_a)
+        return pattern_describe(text, "in every chunk that differs, all of density %d, the threshold itself, are missing and nothing denser: > in place of >=", most);
+    return other && pattern_describe(text, "in every chunk that differs, all of density %d to %d are missing and nothing denser", v->solid_a, most);
 }
 
 static bool threshold(const pattern_scan *s, char *text)
@@ -122,21 +122,21 @@ static bool threshold(const pattern_scan *s, char *text)
         return false;
     if (v->input == PATTERN_THRESHOLDED)
         return threshold_of_chunks(s, text);
-    int32_t gone = INT32_MIN, come = INT32_MIN, kept = INT32_MAX, old = INT32_MAX;
+    int32_t gone = INT32_MIN, appeared = INT32_MIN, unchanged = INT32_MAX, old = INT32_MAX;
     bool removed = true, added = true;
     const int64_t n = ost_dims_count(v->dims);
     for (int64_t i = 0; i < n; i++) {
         const bool a = v->a[i] >= v->solid_a, b = v->b[i] >= v->solid_b;
         removed &= v->a[i] == v->b[i] || (a && !b);
         added &= v->a[i] == v->b[i] || (b && !a);
-        kept = b && v->b[i] < kept ? v->b[i] : kept;
+        unchanged = b && v->b[i] < unchanged ? v->b[i] : unchanged;
         old = a && v->a[i] < old ? v->a[i] : old;
         gone = a && !b && v->a[i] > gone ? v->a[i] : gone;
-        come = b && !a && v->b[i] > come ? v->b[i] : come;
+        appeared = b && !a && v->b[i] > appeared ? v->b[i] : appeared;
     }
-    if (removed && gone < kept && kept != INT32_MAX)
-        return pattern_say(text, "B lacks exactly what is less dense than %d", gone + 1);
-    return added && come < old && old != INT32_MAX && pattern_say(text, "A lacks exactly what is less dense than %d", come + 1);
+    if (removed && gone < unchanged && unchanged != INT32_MAX)
+        return pattern_describe(text, "B lacks exactly what is less dense than %d", gone + 1);
+    return added && appeared < old && old != INT32_MAX && pattern_describe(text, "A lacks exactly what is less dense than %d", appeared + 1);
 }
 
 void pattern_find(const pattern_view *view, pattern_list *out)

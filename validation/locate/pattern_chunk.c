@@ -5,14 +5,14 @@
 /* Number of work-items in a work-group: at most this many samples are lost at the end of a batch. */
 enum { GROUP = 256 };
 
-typedef struct chunk_look {
+typedef struct chunk_counts {
     bool differs, as_before, hit; /* as_before: B equals `in` everywhere; hit: A does not */
     bool solid_a, solid_b;
-} chunk_look;
+} chunk_counts;
 
-static chunk_look look_at(const pattern_view *v, int32_t x, int32_t y, int32_t z)
+static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int32_t z)
 {
-    chunk_look l = {.as_before = v->input == PATTERN_BEFORE};
+    chunk_counts l = {.as_before = v->input == PATTERN_BEFORE};
     for (int32_t k = z; k < z + v->chunk && k < v->dims.z; k++)
         for (int32_t j = y; j < y + v->chunk && j < v->dims.y; j++)
             for (int32_t i = x; i < x + v->chunk && i < v->dims.x; i++) {
@@ -37,7 +37,7 @@ static chunk_sums sum_chunks(const pattern_view *v)
     for (int32_t z = 0; z < v->dims.z; z += v->chunk)
         for (int32_t y = 0; y < v->dims.y; y += v->chunk)
             for (int32_t x = 0; x < v->dims.x; x += v->chunk) {
-                const chunk_look l = look_at(v, x, y, z);
+                const chunk_counts l = count_chunk(v, x, y, z);
                 n.hit += l.hit;
                 n.hit_after += n.differ && l.hit && !l.differs;
                 n.differ += l.differs;
@@ -53,7 +53,7 @@ bool pattern_stale_chunk(const pattern_scan *s, char *text)
         return false;
     const chunk_sums n = sum_chunks(s->v);
     return n.undone == n.differ &&
-           pattern_say(text, "%lld chunk%s as before the event, though the report counts what was cut there", (long long)n.differ, n.differ == 1 ? " is" : "s are");
+           pattern_describe(text, "%lld chunk%s as before the event, though the report counts what was cut there", (long long)n.differ, n.differ == 1 ? " is" : "s are");
 }
 
 bool pattern_lost_chunk(const pattern_scan *s, char *text)
@@ -61,10 +61,10 @@ bool pattern_lost_chunk(const pattern_scan *s, char *text)
     if (s->v->tool || s->count < PATTERN_TELLING)
         return false;
     const chunk_sums n = sum_chunks(s->v);
-    const char *whole = n.differ == 1 ? " " : "s ";
+    const char *every = n.differ == 1 ? " " : "s ";
     if (n.undone == n.differ && s->v->input == PATTERN_BEFORE && s->v->reported_too)
-        return pattern_say(text, "%lld whole chunk%sleft out: neither cut nor reported", (long long)n.differ, whole);
-    return n.one_sided == n.differ && pattern_say(text, "%lld whole chunk%ssolid on one side only", (long long)n.differ, n.differ == 1 ? " is " : "s are ");
+        return pattern_describe(text, "%lld whole chunk%sleft out: neither cut nor reported", (long long)n.differ, every);
+    return n.one_sided == n.differ && pattern_describe(text, "%lld whole chunk%ssolid on one side only", (long long)n.differ, n.differ == 1 ? " is " : "s are ");
 }
 
 /* Checks that only the last samples of batches are missing. */
@@ -77,7 +77,7 @@ static bool lost_samples(const pattern_scan *s, char *text)
             return false;
         most = behind > most ? behind : most;
     }
-    return s->count > 1 && pattern_say(text, "every voxel that differs has its last sample among the last %d of a batch", most + 1);
+    return s->count > 1 && pattern_describe(text, "every voxel that differs has its last sample among the last %d of a batch", most + 1);
 }
 
 bool pattern_lost_tail(const pattern_scan *s, char *text)
@@ -88,7 +88,7 @@ bool pattern_lost_tail(const pattern_scan *s, char *text)
     if (v->input == PATTERN_BEFORE) {
         const chunk_sums n = sum_chunks(v);
         return v->reported_too && n.undone == n.differ && n.hit > n.differ && n.hit_after == 0 &&
-               pattern_say(text, "the last %lld of %lld chunks that are hit: neither cut nor reported", (long long)n.differ, (long long)n.hit);
+               pattern_describe(text, "the last %lld of %lld chunks that are hit: neither cut nor reported", (long long)n.differ, (long long)n.hit);
     }
     if (v->behind && lost_samples(s, text))
         return true;
@@ -99,12 +99,12 @@ bool pattern_lost_tail(const pattern_scan *s, char *text)
     PATTERN_EACH(s, p, i)
         last_layer &= v->b[i] == 0;
     if (last_layer)
-        return pattern_say(text, "all that differs lies in the last layer, z = %d, and is 0", s->lo[2]);
+        return pattern_describe(text, "all that differs lies in the last layer, z = %d, and is 0", s->lo[2]);
     for (int64_t i = s->first; i < all; i++)
         if (v->a[i] != 0 && v->b[i] != 0)
             return false;
     for (int64_t i = 0; i < s->first && !head; i++)
         head = v->a[i] != 0;
-    return head && pattern_say(text, "nothing is there from voxel %lld of %lld on, in the order of memory", (long long)s->first, (long long)all);
+    return head && pattern_describe(text, "nothing is there from voxel %lld of %lld on, in the order of memory", (long long)s->first, (long long)all);
 }
 

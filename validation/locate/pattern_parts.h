@@ -30,7 +30,7 @@ pattern_rule pattern_stale_chunk, pattern_lost_tail, pattern_lost_chunk;        
 pattern_rule pattern_column_parity, pattern_tool_class, pattern_boundary_layer, pattern_carried_rows, pattern_speckle; /* pattern_shape.c */
 
 /* Writes text and returns true. */
-bool pattern_say(char *text, const char *format, ...) OST_PRINTF(2, 3);
+bool pattern_describe(char *text, const char *format, ...) OST_PRINTF(2, 3);
 
 /* Returns a density as the stage stores it. */
 int16_t pattern_stored(const pattern_view *v, int16_t density);

@@ -58,7 +58,7 @@ bool pattern_column_parity(const pattern_scan *s, char *text)
             }
             rows += runs > before;
         }
-    return s->count >= 2 * runs && pattern_say(text, "whole runs of voxels along x, between crossings of the surface, in %lld row%s", (long long)rows, rows == 1 ? "" : "s");
+    return s->count >= 2 * runs && pattern_describe(text, "whole runs of voxels along x, between crossings of the surface, in %lld row%s", (long long)rows, rows == 1 ? "" : "s");
 }
 
 bool pattern_tool_class(const pattern_scan *s, char *text)
@@ -69,7 +69,7 @@ bool pattern_tool_class(const pattern_scan *s, char *text)
     PATTERN_EACH(s, p, i)
         if (v->a[i] < v->solid_a || v->b[i] < v->solid_b)
             return false;
-    return pattern_say(text, "every voxel that differs is solid in both: one has it cutting, the other not");
+    return pattern_describe(text, "every voxel that differs is solid in both: one has it cutting, the other not");
 }
 
 static const int ways[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
@@ -133,7 +133,7 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
             }
     if (2 * known < s->count || (!cut && solid >= PATTERN_TELLING && 4 * surface > 3 * solid))
         return false;
-    return pattern_say(text, cut ? "every difference lies on the border of what is cut, one voxel deep" : "every difference lies on A's surface, one voxel deep");
+    return pattern_describe(text, cut ? "every difference lies on the border of what is cut, one voxel deep" : "every difference lies on A's surface, one voxel deep");
 }
 
 /*
@@ -142,13 +142,13 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
  * exactly one of them is (parity).  Adds to *told the number of its voxels that
  * became solid or void.
  */
-static bool is_carried(const pattern_view *v, int64_t row, int64_t *told)
+static bool is_carried(const pattern_view *v, int64_t row, int64_t *differing)
 {
     bool differs = false, either = true, one = true, known = true;
     for (int64_t i = row; i < row + v->dims.x; i++) {
         const bool a = v->a[i] != 0, b = v->b[i] != 0, before = row > 0 && v->b[i - v->dims.x] != 0;
         differs |= v->a[i] != v->b[i];
-        *told += a != b;
+        *differing += a != b;
         either &= b == (a || before);
         one &= b == (a != before);
         known &= v->a[i] == v->b[i] || before;
@@ -159,14 +159,14 @@ static bool is_carried(const pattern_view *v, int64_t row, int64_t *told)
 bool pattern_carried_rows(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
-    int64_t told = 0;
+    int64_t differing = 0;
     if (!v->tool)
         return false;
     for (int32_t z = s->lo[2]; z < s->hi[2]; z++)
         for (int32_t y = s->lo[1]; y < s->hi[1]; y++)
-            if (!is_carried(v, pattern_at(v->dims, 0, y, z), &told))
+            if (!is_carried(v, pattern_at(v->dims, 0, y, z), &differing))
                 return false;
-    return told >= PATTERN_TELLING && pattern_say(text, "every row that differs is what the row before it and its own make together");
+    return differing >= PATTERN_TELLING && pattern_describe(text, "every row that differs is what the row before it and its own make together");
 }
 
 bool pattern_speckle(const pattern_scan *s, char *text)
@@ -181,6 +181,6 @@ bool pattern_speckle(const pattern_scan *s, char *text)
         }
         alone += !company;
     }
-    return alone * 2 > s->count && pattern_say(text, "%lld of %lld voxel%s no neighbour that differs", (long long)alone, (long long)s->count, s->count == 1 ? " has" : "s have");
+    return alone * 2 > s->count && pattern_describe(text, "%lld of %lld voxel%s no neighbour that differs", (long long)alone, (long long)s->count, s->count == 1 ? " has" : "s have");
 }
 

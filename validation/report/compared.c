@@ -94,12 +94,12 @@ void section_compared(const page *p)
         }
         fputs("</tr>\n", p->to);
     }
-    int said = 0;
+    int printed = 0;
     fputs("</table></div>\n<p>", p->to);
     for (int f = 0; f < PLAN_FAMILIES; f++) {
         if (!has_cases(p, f))
             continue;
-        fprintf(p->to, "%s<b>%s</b>: ", said++ ? "; " : "", plan_family_name((plan_family)f));
+        fprintf(p->to, "%s<b>%s</b>: ", printed++ ? "; " : "", plan_family_name((plan_family)f));
         page_text(p, plan_family_about((plan_family)f));
     }
     fputs(".</p>\n<p><b>What counts as passed</b>, fixed before anything ran: ", p->to);

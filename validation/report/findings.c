@@ -113,13 +113,13 @@ static void operand_table(const page *p, const json_t *r)
 }
 
 /* The number of findings, and the numbers of those with pictures and with small cases. */
-typedef struct kept {
+typedef struct totals {
     int found, drawn, small;
-} kept;
+} totals;
 
 /* Writes a finding with its small case, operands and pictures. A finding with neither small case nor picture is only
    in the table. */
-static void detail(const page *p, int number, const json_t *one, size_t s, const json_t *r, kept *n)
+static void detail(const page *p, int number, const json_t *one, size_t s, const json_t *r, totals *n)
 {
     static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
     char name[PICTURE_NAME];
@@ -143,10 +143,10 @@ static void detail(const page *p, int number, const json_t *one, size_t s, const
 }
 
 /* Writes all findings in the order of cases, then backends; their numbers are those of anomalies.csv. */
-static kept each_finding(const page *p, bool pictures)
+static totals each_finding(const page *p, bool pictures)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
-    kept n = {.found = 0};
+    totals n = {.found = 0};
     for (size_t i = 0; i < json_array_size(p->cases); i++)
         for (size_t s = 1; s < json_array_size(backends); s++) {
             const json_t *one = json_array_get(p->cases, i), *backend = json_array_get(backends, s);
@@ -193,7 +193,7 @@ void section_differences(const page *p)
           "<i class=\"c\"></i>barred: another value</span></p>\n<p class=\"from\">Places and operands are from ", p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(".</p>\n", p->to);
-    const kept n = each_finding(p, true);
+    const totals n = each_finding(p, true);
     if (!n.drawn && !n.small)
         fputs("<p>None were kept: no voxels differ, or the program was built without pictures.</p>\n", p->to);
     else

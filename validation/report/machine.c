@@ -92,12 +92,12 @@ static void note_threads(const json_t *environment, bool used[THREADS_MAX])
 
 static void threads(const page *p, const bool used[THREADS_MAX])
 {
-    int said = 0;
+    int printed = 0;
     begin_row(p, "Threads");
     for (int n = 2; n < THREADS_MAX; n++)
         if (used[n])
-            fprintf(p->to, "%s%d", said++ ? ", " : "work was shared among ", n);
-    fputs(said ? " threads, as the backends counted" : "no backend counted work that threads shared", p->to);
+            fprintf(p->to, "%s%d", printed++ ? ", " : "work was shared among ", n);
+    fputs(printed ? " threads, as the backends counted" : "no backend counted work that threads shared", p->to);
     end_row(p, "environment.json");
 }
 
@@ -105,21 +105,21 @@ static void threads(const page *p, const bool used[THREADS_MAX])
 static void opencl(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
-    int said = 0;
+    int printed = 0;
     begin_row(p, "OpenCL");
     for (size_t s = 1; s < json_array_size(backends); s++) {
         const json_t *one = json_array_get(backends, s);
         const char *name = evidence_text(one, "name"), *set = strstr(name, "kernels=");
         if (strncmp(name, "cl", 2) != 0 || !json_is_true(json_object_get(one, "available")))
             continue;
-        fputs(said++ ? "<br>" : "", p->to);
+        fputs(printed++ ? "<br>" : "", p->to);
         page_text(p, evidence_text(one, "what"));
         if (!set)
             fputs("; kernels: the set that the device's type chooses", p->to);
         else if (!strstr(evidence_text(one, "what"), "kernels for"))
             fputs(strncmp(set, "kernels=gpu", 11) == 0 ? "; kernels for GPUs" : "; kernels for CPUs", p->to);
     }
-    if (!said)
+    if (!printed)
         fputs("no device was compared", p->to);
     end_row(p, EVIDENCE_PROTOCOL);
 }

@@ -100,7 +100,7 @@ static bool volume_of(const trace_record *r, ost_volume *out)
 /* ------------------------------------------------------------ operation */
 
 /* Computes the view direction, in which the first tool enters the bone. */
-static void look_along(const scene *s, double direction[3])
+static void view_direction(const scene *s, double direction[3])
 {
     size_t last = 0;
     while (last + 1 < s->path.count && s->path.ticks[last + 1].tool == s->path.ticks[0].tool)
@@ -119,7 +119,7 @@ static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume 
     ost_status status = OST_OK;
     before->geometry.spacing = after->geometry.spacing = cube;
     if (s->path.count)
-        look_along(s, view.direction);
+        view_direction(s, view.direction);
     for (int k = 0; k < 4 && status == OST_OK; k++) {
         static const char *const names[4] = {PICTURE_BEFORE, PICTURE_AFTER, PICTURE_SLICES_BEFORE, PICTURE_SLICES_AFTER};
         const ost_volume *now = k % 2 ? after : before, *old = k % 2 ? before : NULL;
@@ -188,12 +188,12 @@ static bool volumes_at(const campaign *c, int case_index, size_t at, const trace
     return lay_record(&in[at], a) && lay_record(got, b);
 }
 
-void pictures_of_difference(void *keeper, const campaign *c, int case_index, int whom, const trace *got, compare_range in_got)
+void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got, compare_range in_got)
 {
     picture_keeper *k = keeper;
-    const compare_difference *d = &c->results[(size_t)case_index * (size_t)c->subjects->count + (size_t)whom].difference;
+    const compare_difference *d = &c->results[(size_t)case_index * (size_t)c->subjects->count + (size_t)subject_index].difference;
     ost_volume a = {.voxels = NULL}, b = {.voxels = NULL};
-    if (k->err.status != OST_OK || whom >= PICTURES_BACKENDS || k->kept[whom] >= PICTURES_A_BACKEND || d->records < 1)
+    if (k->err.status != OST_OK || subject_index >= PICTURES_BACKENDS || k->drawn[subject_index] >= PICTURES_A_BACKEND || d->records < 1)
         return;
     /* A report may differ before any voxel does; until a voxel differs, both bones are the reference's. */
     const compare_range in_ref = c->ranges[case_index];
@@ -216,13 +216,13 @@ void pictures_of_difference(void *keeper, const campaign *c, int case_index, int
         for (int role = 0; role < PICTURE_ROLES && status == OST_OK; role++) {
             char name[PICTURE_NAME];
             ost_picture picture = {0};
-            picture_name(name, c->plan->cases[case_index].id, (size_t)whom, (picture_role)role);
+            picture_name(name, c->plan->cases[case_index].id, (size_t)subject_index, (picture_role)role);
             status = triplet_draw(&t, (picture_role)role, &picture, &k->err);
             if (status == OST_OK)
                 status = put_picture(&picture, name, k->sink, k->user, &k->err);
             ost_picture_free(&picture);
         }
-        k->kept[whom]++;
+        k->drawn[subject_index]++;
     }
     ost_volume_free(&a);
     ost_volume_free(&b);

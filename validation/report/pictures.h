@@ -39,10 +39,10 @@ ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *u
 typedef struct picture_keeper {
     evidence_sink *sink;
     void *user;
-    int kept[PICTURES_BACKENDS]; /* number of pictures of each backend */
+    int drawn[PICTURES_BACKENDS]; /* number of pictures of each backend */
     ost_error err; /* the first error */
 } picture_keeper;
-void pictures_of_difference(void *keeper, const campaign *c, int case_index, int whom, const trace *got, compare_range in_got);
+void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got, compare_range in_got);
 
 /* Copies from the shards' bundles in a folder the pictures that a single run would have made; protocol and cases are
    those of the complete campaign. */

@@ -42,7 +42,7 @@ ost_status pictures_of_shards(const char *folder, const json_t *protocol, const 
     for (size_t i = 0; i < sizeof operation / sizeof operation[0] && status == OST_OK; i++)
         status = take(folder, operation[i], &taken, sink, user, err);
     for (size_t s = 1; s < json_array_size(backends) && status == OST_OK; s++) {
-        int kept = 0;
+        int count = 0;
         for (size_t i = 0; i < json_array_size(cases) && status == OST_OK; i++) {
             const json_t *one = json_array_get(cases, i);
             const json_t *r = json_object_get(json_object_get(one, "results"), evidence_text(json_array_get(backends, s), "name"));
@@ -50,14 +50,14 @@ ost_status pictures_of_shards(const char *folder, const json_t *protocol, const 
                 continue;
             if (reproduce_name_ok(evidence_text(r, "reproduce")) && status == OST_OK)
                 status = take(folder, evidence_text(r, "reproduce"), &taken, sink, user, err);
-            if (kept >= PICTURES_A_BACKEND)
+            if (count >= PICTURES_A_BACKEND)
                 continue;
             for (int role = 0; role < PICTURE_ROLES && status == OST_OK; role++) {
                 char name[PICTURE_NAME];
                 picture_name(name, evidence_text(one, "id"), s, (picture_role)role);
                 status = take(folder, name, &taken, sink, user, err);
             }
-            kept += taken;
+            count += taken;
         }
     }
     return status;

@@ -16,44 +16,44 @@
 #define OST_LENGTH_MAX 8000000000000l
 #define OST_OWNER_FLAG 0x40000000u /* above every key of max, which are below 2^17 */
 
-typedef struct ost_place {
+typedef struct ost_ct_position {
     ulong voxel;
     uint ppm;
     int read;   /* the sample's coordinates are within the range of lengths */
     int off;    /* off the lattice by more than 1/8 of a voxel */
     int inside; /* the sample is readable, not rejected, and in the grid */
-} ost_place;
+} ost_ct_position;
 
-static ost_place ost_place_of(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *sample)
+static ost_ct_position ost_ct_position_of(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *sample)
 {
-    ost_place place;
+    ost_ct_position position;
     long index[3];
-    place.voxel = 0;
-    place.ppm = 0;
-    place.off = 0;
-    place.read = 1;
+    position.voxel = 0;
+    position.ppm = 0;
+    position.off = 0;
+    position.read = 1;
     for (int a = 0; a < 3; a++)
         if (sample->at[a] < -OST_LENGTH_MAX || sample->at[a] > OST_LENGTH_MAX)
-            place.read = 0;
-    place.inside = place.read;
-    if (!place.read)
-        return place;
+            position.read = 0;
+    position.inside = position.read;
+    if (!position.read)
+        return position;
     for (int a = 0; a < 3; a++) {
         const long spacing = scatter->spacing[a], from = sample->at[a] - scatter->origin[a];
         index[a] = ost_rhe_div(from, spacing);
         const long signed_off = from - index[a] * spacing;
         const long off = signed_off < 0 ? -signed_off : signed_off;
         const uint ppm = (uint)(off * 1000000 / spacing);
-        if (ppm > place.ppm)
-            place.ppm = ppm;
+        if (ppm > position.ppm)
+            position.ppm = ppm;
         if (8 * off > spacing)
-            place.off = 1;
+            position.off = 1;
         if (8 * off > 3 * spacing || index[a] < 0 || index[a] >= scatter->dims[a])
-            place.inside = 0;
+            position.inside = 0;
     }
-    if (place.inside)
-        place.voxel = (ulong)index[0] + (ulong)scatter->dims[0] * ((ulong)index[1] + (ulong)scatter->dims[1] * (ulong)index[2]);
-    return place;
+    if (position.inside)
+        position.voxel = (ulong)index[0] + (ulong)scatter->dims[0] * ((ulong)index[1] + (ulong)scatter->dims[1] * (ulong)index[2]);
+    return position;
 }
 
 /* Returns a key from 1 to 2^31 - 1; the sample with the greatest key wins. */
@@ -78,17 +78,17 @@ __kernel void ost_ct_claim(__global const ost_cl_scatter *scatter, __global cons
     if (item >= scatter->count)
         return;
     const uint i = (uint)item;
-    const ost_place place = ost_place_of(scatter, &samples[i]);
-    if (place.off)
+    const ost_ct_position position = ost_ct_position_of(scatter, &samples[i]);
+    if (position.off)
         atomic_inc(&report->off_lattice);
-    if (place.ppm > 0)
-        atomic_max(&report->worst_ppm, place.ppm);
-    if (!place.inside) {
+    if (position.ppm > 0)
+        atomic_max(&report->worst_ppm, position.ppm);
+    if (!position.inside) {
         atomic_min(&report->rejected_line, samples[i].line);
         return;
     }
-    const uint old = atomic_max(&owner[place.voxel], ost_key(scatter, i, samples[i].density));
-    if (old != 0 || ost_is_seen(seen, place.voxel))
+    const uint old = atomic_max(&owner[position.voxel], ost_key(scatter, i, samples[i].density));
+    if (old != 0 || ost_is_seen(seen, position.voxel))
         atomic_inc(&report->duplicates);
 }
 
@@ -99,35 +99,35 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
     if (item >= scatter->count)
         return;
     const uint i = (uint)item;
-    const ost_place place = ost_place_of(scatter, &samples[i]);
+    const ost_ct_position position = ost_ct_position_of(scatter, &samples[i]);
     /* worst_ppm is final: it was computed by the previous launch. */
-    if (place.ppm > 0 && place.ppm == report->worst_ppm)
+    if (position.ppm > 0 && position.ppm == report->worst_ppm)
         atomic_min(&report->worst_line, samples[i].line);
-    if (!place.inside)
+    if (!position.inside)
         return;
 
     const short density = (short)samples[i].density;
     const uint key = ost_key(scatter, i, samples[i].density);
-    const int seen_before = ost_is_seen(seen, place.voxel);
+    const int seen_before = ost_is_seen(seen, position.voxel);
     if (scatter->duplicates == OST_CL_DUPLICATES_MAX) {
-        if ((atomic_or(&owner[place.voxel], 0u) & ~OST_OWNER_FLAG) != key)
+        if ((atomic_or(&owner[position.voxel], 0u) & ~OST_OWNER_FLAG) != key)
             return;
-        if (atomic_or(&owner[place.voxel], OST_OWNER_FLAG) & OST_OWNER_FLAG)
+        if (atomic_or(&owner[position.voxel], OST_OWNER_FLAG) & OST_OWNER_FLAG)
             return; /* another sample with the same density writes */
-        if (!seen_before || density > voxels[place.voxel])
-            voxels[place.voxel] = density;
+        if (!seen_before || density > voxels[position.voxel])
+            voxels[position.voxel] = density;
         return;
     }
-    if (owner[place.voxel] != key)
+    if (owner[position.voxel] != key)
         return;
     if (!seen_before || scatter->duplicates == OST_CL_DUPLICATES_LAST)
-        voxels[place.voxel] = density;
+        voxels[position.voxel] = density;
 }
 
 /* Returns true if a sample conflicts with its voxel, after all samples of the batch have been placed. */
-static int ost_differs(__global const ost_cl_sample *sample, const ost_place place, __global const short *voxels)
+static int ost_differs(__global const ost_cl_sample *sample, const ost_ct_position position, __global const short *voxels)
 {
-    return place.inside && sample->density != voxels[place.voxel];
+    return position.inside && sample->density != voxels[position.voxel];
 }
 
 __kernel void ost_ct_check(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, volatile __global uint *seen,
@@ -138,23 +138,23 @@ __kernel void ost_ct_check(__global const ost_cl_scatter *scatter, __global cons
     if (item >= scatter->count)
         return;
     const uint i = (uint)item;
-    const ost_place place = ost_place_of(scatter, &samples[i]);
-    if (!place.inside)
+    const ost_ct_position position = ost_ct_position_of(scatter, &samples[i]);
+    if (!position.inside)
         return;
-    atomic_xchg(&owner[place.voxel], 0u);
-    atomic_or(&seen[place.voxel / 32], 1u << (uint)(place.voxel % 32));
-    if (scatter->duplicates == OST_CL_DUPLICATES_ERROR && ost_differs(&samples[i], place, voxels))
+    atomic_xchg(&owner[position.voxel], 0u);
+    atomic_or(&seen[position.voxel / 32], 1u << (uint)(position.voxel % 32));
+    if (scatter->duplicates == OST_CL_DUPLICATES_ERROR && ost_differs(&samples[i], position, voxels))
         atomic_min(&report->conflict_line, samples[i].line);
 }
 
-__kernel void ost_ct_blame(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const short *voxels,
-                           volatile __global ost_cl_scatter_report *report)
+__kernel void ost_ct_report_first_bad(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const short *voxels,
+                                      volatile __global ost_cl_scatter_report *report)
 {
     const size_t item = get_global_id(0);
     if (item >= scatter->count)
         return;
     const uint i = (uint)item;
-    if (samples[i].line == report->conflict_line && ost_differs(&samples[i], ost_place_of(scatter, &samples[i]), voxels))
+    if (samples[i].line == report->conflict_line && ost_differs(&samples[i], ost_ct_position_of(scatter, &samples[i]), voxels))
         atomic_min(&report->conflict_index, i);
 }
 
@@ -163,8 +163,8 @@ __kernel void ost_ct_had(__global const ost_cl_scatter *scatter, __global const 
 {
     if (get_global_id(0) > 0 || report->conflict_index >= scatter->count)
         return;
-    const ost_place place = ost_place_of(scatter, &samples[report->conflict_index]);
-    report->conflict_had = voxels[place.voxel];
+    const ost_ct_position position = ost_ct_position_of(scatter, &samples[report->conflict_index]);
+    report->conflict_had = voxels[position.voxel];
 }
 
 /* ---------------------------------------------------- rect grid to cubic */

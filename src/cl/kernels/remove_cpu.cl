@@ -57,7 +57,7 @@ typedef struct ost_view {
     uint lowest[3]; /* offset from a brick's first voxel to the least of each coordinate */
     int dims[3], wide[3]; /* dimensions of the tool and of its windows */
     int planes;     /* planes of a window that a brick may meet; 0: the brick may not fit a window */
-    uint whole[3];
+    uint complete[3];
 } ost_view;
 
 static void ost_load_rows(ost_block_rows *rows, __global const ushort *words, ulong corner, int n)
@@ -115,7 +115,7 @@ static uint ost_block_class(const ost_view *view, __global const uchar *cells)
         u[a] = (int)(view->at[a] - 0x40000000u) + 15 * sum / 2;
     }
     const uint cell = ost_cell_at(cells, view->dims, u[0], u[1], u[2]);
-    return cell >> 2 >= view->whole[2] ? cell & 3u : 3u;
+    return cell >> 2 >= view->complete[2] ? cell & 3u : 3u;
 }
 
 /* Returns the offsets from a cube's first voxel to the middles of its eight parts of edge^3 voxels. */
@@ -132,7 +132,7 @@ static uint8 ost_middles(const ost_view *view, int a, int edge)
 static int ost_part_classes(const ost_view *view, __global const uchar *cells, uint ux, uint uy, uint uz, int level, int classes[8])
 {
     const uint first[3] = {ux, uy, uz};
-    int place[8], cell[8];
+    int index_of[8], cell[8];
     int8 index = OST_ALL8(0), away = OST_ALL8(0);
     for (int a = 2; a >= 0; a--) {
         const int8 v = as_int8((view->eighths[level][a] + first[a]) >> 20u) - 1024;
@@ -142,16 +142,16 @@ static int ost_part_classes(const ost_view *view, __global const uchar *cells, u
         index = index * view->dims[a] + c;
         away = (away & ~farther) | (far & farther);
     }
-    vstore8(index, 0, place);
+    vstore8(index, 0, index_of);
     for (int p = 0; p < 8; p++)
-        cell[p] = cells[place[p]];
+        cell[p] = cells[index_of[p]];
     const int8 found = vload8(0, cell), beyond = away > OST_CL_REACH_MAX, outside = away > 0;
     away = (away & ~beyond) | (beyond & OST_CL_REACH_MAX);
     int8 reach = found >> 2, kind = found & 3;
     const int8 of_void = reach & (kind == 0), nearer = away > of_void;
     reach = (reach & ~outside) | (((away & nearer) | (of_void & ~nearer)) & outside);
     kind = kind & ~outside;
-    const int8 decided = reach >= (int)view->whole[level];
+    const int8 decided = reach >= (int)view->complete[level];
     const int8 result = (kind & decided) | (~decided & 3);
     vstore8(result, 0, classes);
     int any = 0;
@@ -163,7 +163,7 @@ static int ost_part_classes(const ost_view *view, __global const uchar *cells, u
 /* --------------------------------------------------------------- windows */
 
 /* Returns the index of a byte of the windows; its voxel's coordinates are counted from -8. */
-static int ost_window_place(const ost_view *view, int x, int y, int z)
+static int ost_window_index(const ost_view *view, int x, int y, int z)
 {
     return y + view->wide[1] * (z + view->wide[2] * (x >> 1)); /* < 2^30 */
 }
@@ -184,7 +184,7 @@ static void ost_open_window(ost_window *w, const ost_view *view, __global const 
     begin[0] &= ~1;
     for (int a = 0; a < 3; a++)
         w->from[a] = u[a] - ((uint)(begin[a] + 1016) << 20);
-    __global const uchar *from = windows + ost_window_place(view, begin[0], begin[1], begin[2]);
+    __global const uchar *from = windows + ost_window_index(view, begin[0], begin[1], begin[2]);
     ulong any = 0, all = ~0ul;
     for (int p = 0; p < 6; p++) {
         w->plane[p] = as_ulong(vload8(0, from + p * view->wide[1]));
@@ -203,7 +203,7 @@ static void ost_open_window(ost_window *w, const ost_view *view, __global const 
 
 /* Returns the bits of a brick's voxels that have the window's class. Coordinates relative to the window are all in
    [0, 2^23). */
-static ulong ost_look_into(const ost_view *view, const ost_window *w)
+static ulong ost_lookup_window(const ost_view *view, const ost_window *w)
 {
     if (w->any == 0 || w->all == ~0ul)
         return w->all;
@@ -238,7 +238,7 @@ static ulong ost_look_into(const ost_view *view, const ost_window *w)
 
 /* The same for a brick that may be larger than a window: sixteen loads per plane. volatile keeps the loads separate,
    which is faster than the processor's gather instruction. */
-static ulong ost_look_up(const ost_view *view, volatile __global const uchar *windows, const uint u[3])
+static ulong ost_lookup(const ost_view *view, volatile __global const uchar *windows, const uint u[3])
 {
     ulong bits = 0;
     for (uint k = 0; k < 4; k++) {
@@ -251,7 +251,7 @@ static ulong ost_look_up(const ost_view *view, volatile __global const uchar *wi
             x[v] = ost_clamped(x[v], 1023u, 1024u + (uint)view->dims[0]) - 1016u;
             y[v] = ost_clamped(y[v], 1023u, 1024u + (uint)view->dims[1]) - 1016u;
             z[v] = ost_clamped(z[v], 1023u, 1024u + (uint)view->dims[2]) - 1016u;
-            y[v] = (uint)ost_window_place(view, (int)x[v], (int)y[v], (int)z[v]);
+            y[v] = (uint)ost_window_index(view, (int)x[v], (int)y[v], (int)z[v]);
         }
         for (int v = 0; v < 16; v++)
             found[v] = windows[y[v]];
@@ -294,7 +294,7 @@ static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __globa
         ost_open_window(&bricks->window[i], view, windows, bricks->u[i]);
     for (int i = 0; i < bricks->count; i++) {
         const int x = bricks->at[i][0], y = bricks->at[i][1], z = bricks->at[i][2], four = y / 4 + 4 * z;
-        const ulong met = bricks->open[i] & (view->planes ? ost_look_into(view, &bricks->window[i]) : ost_look_up(view, windows, bricks->u[i]));
+        const ulong met = bricks->open[i] & (view->planes ? ost_lookup_window(view, &bricks->window[i]) : ost_lookup(view, windows, bricks->u[i]));
         if (met == 0)
             continue;
         const uint group = 1u << (y / 4 + z);
@@ -322,7 +322,7 @@ static void ost_view_make(ost_view *view, const ost_cl_entry *entry, __global co
             view->step[b][a] = (uint)pose->step[b][a];
             view->lowest[a] += pose->step[b][a] < 0 ? 3u * view->step[b][a] : 0u;
         }
-        view->whole[a] = pose->whole[a];
+        view->complete[a] = pose->complete[a];
     }
     view->wide[0] = OST_CL_WINDOWS_X(view->dims[0]);
     view->wide[1] = OST_CL_WINDOWS_Y(view->dims[1]);
@@ -476,15 +476,15 @@ static void ost_clear_hits(const ost_hit_rows *list, __global short *density, __
     }
 }
 
-/* Consecutive items process blocks that are OST_CL_HANDS apart, so that cores which take ranges of items get blocks
+/* Consecutive items process blocks that are OST_CL_BATCHES apart, so that cores which take ranges of items get blocks
    from all parts of the event. */
 __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global const uchar *cells, __global const uchar *windows,
                                 __global short *density, __global ushort *words, __global ost_cl_block_report *reports)
 {
-    const size_t hand = (event->blocks + OST_CL_HANDS - 1) / OST_CL_HANDS;
-    if (hand == 0 || get_global_id(0) / hand >= OST_CL_HANDS)
+    const size_t batch = (event->blocks + OST_CL_BATCHES - 1) / OST_CL_BATCHES;
+    if (batch == 0 || get_global_id(0) / batch >= OST_CL_BATCHES)
         return;
-    const size_t index = get_global_id(0) % hand * OST_CL_HANDS + get_global_id(0) / hand;
+    const size_t index = get_global_id(0) % batch * OST_CL_BATCHES + get_global_id(0) / batch;
     if (index >= event->blocks)
         return;
     const ost_cl_block block = ost_blocks_of(event)[index];

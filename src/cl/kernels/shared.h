@@ -67,7 +67,7 @@ typedef uint64_t ost_cl_u64;
  *   ost_ct_claim(scatter, samples, seen, owner, report)
  *   ost_ct_place(scatter, samples, seen, owner, voxels, report)
  *   ost_ct_check(scatter, samples, seen, owner, voxels, report)
- *   ost_ct_blame(scatter, samples, voxels, report)                only after a conflict
+ *   ost_ct_report_first_bad(scatter, samples, voxels, report)                only after a conflict
  *   ost_ct_had(scatter, samples, voxels, report)                  only after a conflict; one item
  *
  *   scatter  const ost_cl_scatter[1]
@@ -289,7 +289,7 @@ typedef struct ost_cl_tool {
  *
  *   ost_remove(event, cells, density, words, reports)                   event.blocks * 256 / OST_ROWS; one dimension
  *   ost_remove_blocks(event, cells, windows, density, words, reports)   event.blocks, rounded up to a multiple of
- *                                                                       OST_CL_HANDS; one dimension
+ *                                                                       OST_CL_BATCHES; one dimension
  *
  *   event    const ost_cl_event[1] and its arrays in one buffer; each array begins at the given offset in bytes, a
  *            multiple of 8:
@@ -320,7 +320,7 @@ typedef struct ost_cl_tool {
  * overflow.
  */
 #define OST_CL_CLASSES 8
-#define OST_CL_HANDS 8 /* parts among which ost_remove_blocks distributes neighbouring blocks */
+#define OST_CL_BATCHES 8 /* parts among which ost_remove_blocks distributes neighbouring blocks */
 
 typedef struct ost_cl_event {
     ost_cl_i32 tool_dims[3];
@@ -347,7 +347,7 @@ typedef struct ost_cl_entry {
 typedef struct ost_cl_pose {
     ost_cl_i32 step[3][3]; /* [bone axis][tool axis], as in ost_map */
     ost_cl_i32 lo[3], hi[3]; /* its box, as in ost_event */
-    ost_cl_u8 whole[3]; /* reach at its middle that decides a cube of 4, 8, 16 voxels; > OST_CL_REACH_MAX: none */
+    ost_cl_u8 complete[3]; /* reach at its middle that decides a cube of 4, 8, 16 voxels; > OST_CL_REACH_MAX: none */
     ost_cl_u8 planes;   /* planes of a window that a brick may meet: 6 or 8; 0: a brick may be larger than a window */
     ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* whole, planes and skip are set by ost_cl_pose_reach */
 } ost_cl_pose;
@@ -460,7 +460,7 @@ static inline void ost_cl_pose_reach(ost_cl_pose *pose)
     }
     for (int c = 0; c < 3; c++) {
         const ost_cl_i32 r = ((((4 << c) - 1) * t + 1) / 2 + 1) / (1 << 20) + 2;
-        pose->whole[c] = (ost_cl_u8)(r > OST_CL_REACH_MAX ? OST_CL_REACH_MAX + 1 : r);
+        pose->complete[c] = (ost_cl_u8)(r > OST_CL_REACH_MAX ? OST_CL_REACH_MAX + 1 : r);
     }
     ost_cl_i32 j = 0;
     for (ost_cl_i32 r = 0; r <= OST_CL_REACH_MAX; r++) {

@@ -124,31 +124,31 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     long8 e0 = dy0 * (z - az) - dz0 * (y - ay) + ost_edge_bias8(dy0, dz0);
     long8 e1 = dy1 * (z - bz) - dz1 * (y - by) + ost_edge_bias8(dy1, dz1);
     long8 e2 = dy2 * (z - cz) - dz2 * (y - cy) + ost_edge_bias8(dy2, dz2);
-    long8 rest = nx * (ax - (long)mid - ost_shifted8(convert_long8(least[0]), f)) - ny * (y - ay) - nz * (z - az);
-    const long8 e0_k = ost_shifted8(dy0, f), e1_k = ost_shifted8(dy1, f), e2_k = ost_shifted8(dy2, f), rest_k = ost_shifted8(nz, f);
-    const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f), rest_j = ost_shifted8(ny, f);
+    long8 residual = nx * (ax - (long)mid - ost_shifted8(convert_long8(least[0]), f)) - ny * (y - ay) - nz * (z - az);
+    const long8 e0_k = ost_shifted8(dy0, f), e1_k = ost_shifted8(dy1, f), e2_k = ost_shifted8(dy2, f), residual_k = ost_shifted8(nz, f);
+    const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f), residual_j = ost_shifted8(ny, f);
     const long8 wide = ost_shifted8(nx, f);
     const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* greatest q - 1 */
     const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
-    int row[8], place[8], step[8];
+    int row[8], row_at[8], step[8];
     vstore8(j_first - pass->j0 + pass->height * (k_first - pass->k0), 0, row);
     vstore8(-2 * convert_int8(turn) - 1, 0, step);
 
     for (int k = 0; k <= slices; k++) {
         const long8 rows_here = rows_of | (slices_of < (long)k);
-        long8 at0 = e0, at1 = e1, at2 = e2, at_rest = rest;
+        long8 at0 = e0, at1 = e1, at2 = e2, at_residual = residual;
         for (int j = 0; j <= rows; j++) {
             ulong owned = as_ulong(convert_char8(((at0 | at1 | at2) >= 0) & (rows_here >= (long)j)));
             if (owned != 0) {
-                long8 left = at_rest, q = left & 0;
+                long8 left = at_residual, q = left & 0;
                 for (int b = bits - 1; b >= 0; b--) {
                     const long8 part = ost_shifted8(wide, b), beyond = left > part;
                     left -= part & beyond;
                     q |= beyond & (1l << b);
                 }
-                vstore8(least[0] + convert_int8(q - (left > 0)), 0, place);
+                vstore8(least[0] + convert_int8(q - (left > 0)), 0, row_at);
                 for (; owned != 0;) {
-                    const int l = ost_lowest_mark(owned) / 8, i = place[l];
+                    const int l = ost_lowest_mark(owned) / 8, i = row_at[l];
                     const size_t r = (size_t)(row[l] + j + pass->height * k);
                     __global ulong *word = marks + r * pass->row_words + (size_t)(i / 64);
                     __global int *sum = steps + r * pass->row_steps + (size_t)i;
@@ -161,12 +161,12 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
             at0 -= e0_j;
             at1 -= e1_j;
             at2 -= e2_j;
-            at_rest -= rest_j;
+            at_residual -= residual_j;
         }
         e0 += e0_k;
         e1 += e1_k;
         e2 += e2_k;
-        rest -= rest_k;
+        residual -= residual_k;
     }
 }
 

@@ -140,7 +140,7 @@ static inline size_t find_lines(const ost_match *match, size_t count, places *at
 }
 
 /* Returns sixteen voxels as bytes of 0 or -1; a byte of x, y, z has three bits of voxel and five of fraction. */
-static inline uint8x16_t look_up(uint8x16x4_t line, uint8x16_t x, uint8x16_t y, uint8x16_t z)
+static inline uint8x16_t lookup(uint8x16x4_t line, uint8x16_t x, uint8x16_t y, uint8x16_t z)
 {
     const uint8x16_t row = vqtbl4q_u8(line, vsriq_n_u8(vshrq_n_u8(y, 2), z, 5)); /* row 8 y + z, below 64 */
     const uint8x16_t bit = vshlq_u8(vdupq_n_u8(1), vreinterpretq_s8_u8(vshrq_n_u8(x, 5)));
@@ -181,7 +181,7 @@ static inline __attribute__((always_inline)) uint64_t match_brick(const ost_matc
         for (int a = 0; a < 3; a++)
             bytes[a] = tied ? coordinate_tied(match->high[a] + 16 * s, c[a], match->low[a] + 16 * s, low[a])
                             : coordinate(match->high[a] + 16 * s, c[a]);
-        hit[s] = look_up(table, bytes[0], bytes[1], bytes[2]);
+        hit[s] = lookup(table, bytes[0], bytes[1], bytes[2]);
     }
     return ost_neon_bits64(hit[0], hit[1], hit[2], hit[3]);
 }

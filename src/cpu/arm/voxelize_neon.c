@@ -142,15 +142,15 @@ void ost_vox_expand_neon(const uint64_t *cutting, const uint64_t *noncutting, si
                          uint8_t *voxels)
 {
     (void)stream;
-    const size_t whole = (size_t)nx / 16, rest = (size_t)nx % 16;
+    const size_t full = (size_t)nx / 16, remainder = (size_t)nx % 16;
     for (size_t r = 0; r < rows; r++, voxels += nx) {
         const size_t first = r * (size_t)words;
-        for (size_t h = 0; h < whole; h++)
+        for (size_t h = 0; h < full; h++)
             vst1q_u8(voxels + 16 * h, classes_of(cutting, noncutting, first + h / 4, 16 * (h % 4)));
-        if (rest) {
+        if (remainder) {
             uint8_t last[16];
-            vst1q_u8(last, classes_of(cutting, noncutting, first + whole / 4, 16 * (whole % 4)));
-            memcpy(voxels + 16 * whole, last, rest);
+            vst1q_u8(last, classes_of(cutting, noncutting, first + full / 4, 16 * (full % 4)));
+            memcpy(voxels + 16 * full, last, remainder);
         }
     }
 }

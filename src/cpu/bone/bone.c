@@ -136,20 +136,20 @@ static const int16_t *slab_row(const slab *s, int32_t y, int32_t z)
     return s->voxels + ((size_t)(z - s->z0) * (size_t)s->dims.y + (size_t)y) * (size_t)s->dims.x;
 }
 
-typedef struct chunk_place {
+typedef struct chunk_position {
     int32_t first[3]; /* the chunk's first voxel */
     int32_t end[3];   /* end of its voxels within the grid, exclusive */
-} chunk_place;
+} chunk_position;
 
-static chunk_place place_of(const cpu_bone *bone, int64_t index)
+static chunk_position chunk_position_of(const cpu_bone *bone, int64_t index)
 {
     const ost_dims d = bone->chunk_dims, g = bone->base.geometry.dims;
     const int32_t n = bone->base.chunk_size;
     const int32_t x = (int32_t)(index % d.x) * n, y = (int32_t)(index / d.x % d.y) * n, z = (int32_t)(index / d.x / d.y) * n;
-    return (chunk_place){{x, y, z}, {min32(x + n, g.x), min32(y + n, g.y), min32(z + n, g.z)}};
+    return (chunk_position){{x, y, z}, {min32(x + n, g.x), min32(y + n, g.y), min32(z + n, g.z)}};
 }
 
-static bool any_active(const cpu_bone *bone, const chunk_place *at, const slab *s)
+static bool any_active(const cpu_bone *bone, const chunk_position *at, const slab *s)
 {
     for (int32_t z = max32(at->first[2], s->z0); z < min32(at->end[2], s->z1); z++)
         for (int32_t y = at->first[1]; y < at->end[1]; y++) {
@@ -177,7 +177,7 @@ static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, in
  * Finds the sixteen rows of the row of bricks at (y, z): in the slab if a row is complete there,
  * otherwise assembled in spare.
  */
-static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_place *at, const slab *s, int32_t y, int32_t z,
+static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_position *at, const slab *s, int32_t y, int32_t z,
                          int16_t spare[16][CHUNK_MAX], const int16_t *rows[16])
 {
     const int32_t n = bone->base.chunk_size, width = at->end[0] - at->first[0];
@@ -209,7 +209,7 @@ static int32_t active_in(const uint64_t *occupancy, size_t words)
     return active;
 }
 
-static void store_chunk(const cpu_bone *bone, cpu_chunk *chunk, const chunk_place *at, const slab *s)
+static void store_chunk(const cpu_bone *bone, cpu_chunk *chunk, const chunk_position *at, const slab *s)
 {
     const ost_cpu_kernels *kernels = &((const cpu_backend *)bone->base.backend)->kernels;
     const int32_t n = bone->base.chunk_size;
@@ -245,7 +245,7 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
         ost_member me = ost_team_join(&filling);
         for (int64_t n; (n = ost_team_next(&filling, &me)) >= 0;) {
             const int64_t i = from + n;
-            chunk_place at = place_of(bone, i);
+            chunk_position at = chunk_position_of(bone, i);
             if (!bone->chunks[i].density && any_active(bone, &at, &s))
                 enough = fill(bone, &bone->chunks[i]) && enough;
         }
@@ -255,7 +255,7 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
         ost_member me = ost_team_join(&storing);
         for (int64_t n; (n = ost_team_next(&storing, &me)) >= 0;) {
             cpu_chunk *chunk = &bone->chunks[from + n];
-            chunk_place at = place_of(bone, from + n);
+            chunk_position at = chunk_position_of(bone, from + n);
             if (chunk->density && enough)
                 store_chunk(bone, chunk, &at, &s);
             if (chunk->density && chunk->active == 0)

@@ -16,7 +16,7 @@
 enum { EXTENTS_MAX = 64 };
 #define HUGE_PAGE ((size_t)1 << 21)
 /* The most bytes of touched blocks that a trim leaves mapped if no block is in use. */
-#define KEPT_BYTES ((size_t)1 << 28)
+#define RETAINED_BYTES ((size_t)1 << 28)
 
 typedef struct extent {
     unsigned char *base; /* aligned to a huge page */
@@ -70,8 +70,8 @@ void ost_chunk_pool_close(ost_chunk_pool *pool)
  */
 static unsigned char *map_aligned(size_t bytes)
 {
-    size_t whole = bytes + HUGE_PAGE;
-    void *map = mmap(NULL, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    size_t mapped_bytes = bytes + HUGE_PAGE;
+    void *map = mmap(NULL, mapped_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (map == MAP_FAILED)
         return NULL;
     unsigned char *begin = map;
@@ -141,7 +141,7 @@ void ost_chunk_pool_give(ost_chunk_pool *pool, void *block)
 void ost_chunk_pool_trim(ost_chunk_pool *pool)
 {
     int64_t fresh = atomic_load(&pool->fresh);
-    if (atomic_load(&pool->available) == pool->total && (size_t)(pool->total - fresh) * pool->block_bytes > KEPT_BYTES) {
+    if (atomic_load(&pool->available) == pool->total && (size_t)(pool->total - fresh) * pool->block_bytes > RETAINED_BYTES) {
         unmap_all(pool);
         return;
     }

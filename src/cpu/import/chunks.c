@@ -61,7 +61,7 @@ typedef struct task {
     /* With weights, per four y: all source rows of the layer, as offsets in the store. */
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
-    size_t quiet[COLUMNS_MAX]; /* per column: source slices below this offset have no active voxel in the chunk */
+    size_t empty_columns[COLUMNS_MAX]; /* per column: source slices below this offset have no active voxel in the chunk */
 } task;
 
 /* Fills the taps of the layer from z on and lists its source slices from offset `above` on. Returns the number of taps. */
@@ -82,7 +82,7 @@ static void enter_task(const filling *f, task *t, int32_t y0, int32_t height)
 {
     t->height = height;
     t->rows = 0;
-    memset(t->quiet, 0, (size_t)f->bone->chunk_dims.x * sizeof t->quiet[0]);
+    memset(t->empty_columns, 0, (size_t)f->bone->chunk_dims.x * sizeof t->empty_columns[0]);
     for (int32_t y = 0; y < t->height; y++) {
         if (y % 4 == 0)
             t->first[y / 4] = t->rows;
@@ -152,14 +152,14 @@ static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
     for (int i = 0; i < t->sources; i++) {
-        if (t->source[i] < t->quiet[cx])
+        if (t->source[i] < t->empty_columns[cx])
             continue;
         /* Without a list of indices, the voxels of a narrower chunk are consecutive too. */
         const bool selected = !f->linear && !f->run[cx] && f->view.map[0];
         if (selected ? any_gathered(f, t, t->source[i], x0, width)
                      : any_in_box(f, t->source[i], t->row, t->rows, first, span))
             return true;
-        t->quiet[cx] = t->source[i] + 1;
+        t->empty_columns[cx] = t->source[i] + 1;
     }
     return false;
 }

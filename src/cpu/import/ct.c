@@ -30,27 +30,27 @@ typedef struct axis {
     double inverse;
 } axis;
 
-typedef struct place {
+typedef struct axis_position {
     int64_t index;
     int64_t off; /* |p - lattice point| */
-} place;
+} axis_position;
 
 /*
  * Finds the lattice point nearest to p. |p| and |origin| are at most 8 m < 2^43 pm, so the difference
  * and all products are below 2^45.
  */
-static inline place place_on(const axis *a, ost_pm p)
+static inline axis_position axis_position_of(const axis *a, ost_pm p)
 {
     int64_t n = p - a->origin;
     int64_t q = (int64_t)((double)n * a->inverse);
-    int64_t rest = n - q * a->spacing;
-    for (; rest < 0; q--)
-        rest += a->spacing;
-    for (; rest >= a->spacing; q++)
-        rest -= a->spacing;
-    int64_t other = a->spacing - rest;
-    bool up = rest > other || (rest == other && (q & 1));
-    return up ? (place){q + 1, other} : (place){q, rest};
+    int64_t remainder = n - q * a->spacing;
+    for (; remainder < 0; q--)
+        remainder += a->spacing;
+    for (; remainder >= a->spacing; q++)
+        remainder -= a->spacing;
+    int64_t other = a->spacing - remainder;
+    bool up = remainder > other || (remainder == other && (q & 1));
+    return up ? (axis_position){q + 1, other} : (axis_position){q, remainder};
 }
 
 static bool readable(const ost_sample *s)
@@ -74,7 +74,7 @@ static void reject(int64_t line, ost_scatter_report *report)
  * Updates the report's worst offset. off * 10^6 <= 5 * 10^10 * 10^6 < 2^56 and
  * worst * spacing <= 5 * 10^5 * 10^11 < 2^56.
  */
-static void note_worst(const axis axes[3], const place at[3], int64_t line, ost_scatter_report *report)
+static void note_worst(const axis axes[3], const axis_position at[3], int64_t line, ost_scatter_report *report)
 {
     for (int a = 0; a < 3; a++) {
         if (at[a].off * 1000000 < (int64_t)report->worst_offset_ppm * axes[a].spacing)
@@ -87,7 +87,7 @@ static void note_worst(const axis axes[3], const place at[3], int64_t line, ost_
     }
 }
 
-static bool beyond(const axis axes[3], const place at[3], int eighths)
+static bool beyond(const axis axes[3], const axis_position at[3], int eighths)
 {
     return 8 * at[0].off > eighths * axes[0].spacing || 8 * at[1].off > eighths * axes[1].spacing ||
            8 * at[2].off > eighths * axes[2].spacing;
@@ -100,7 +100,7 @@ static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_
         reject(line, report);
         return -1;
     }
-    const place at[3] = {place_on(&axes[0], sample->x), place_on(&axes[1], sample->y), place_on(&axes[2], sample->z)};
+    const axis_position at[3] = {axis_position_of(&axes[0], sample->x), axis_position_of(&axes[1], sample->y), axis_position_of(&axes[2], sample->z)};
     note_worst(axes, at, line, report);
     if (beyond(axes, at, 1)) {
         report->off_lattice++;

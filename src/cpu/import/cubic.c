@@ -16,28 +16,28 @@
 #include "cpu/import/import.h"
 
 /* Voxel `index` has the weight 2^15 - weight and the next one `weight`; the next one lies in the grid if weight > 0. */
-typedef struct place {
+typedef struct source_position {
     int32_t index, weight;
-} place;
+} source_position;
 
 /*
  * Finds the place of cubic voxel i among n rect voxels.  (2 i + 1) * spacing <
  * 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38.  The floor of rule thesis is below n,
  * since i < ceil(n rect / cubic).
  */
-static place place_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
+static source_position source_position_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
     const int64_t last = n - 1;
     if (rule == OST_RESAMPLE_THESIS)
-        return (place){(int32_t)ost_floor_div(i * cubic, rect), 0};
+        return (source_position){(int32_t)ost_floor_div(i * cubic, rect), 0};
     if (rule == OST_RESAMPLE_NEAREST) {
         const int64_t nearest = ost_floor_div((2 * i + 1) * cubic, 2 * rect);
-        return (place){(int32_t)(nearest < last ? nearest : last), 0};
+        return (source_position){(int32_t)(nearest < last ? nearest : last), 0};
     }
     const int64_t at = (2 * i + 1) * cubic - rect, index = at < 0 ? 0 : at / (2 * rect);
     if (at <= 0 || index >= last)
-        return (place){(int32_t)(at <= 0 ? 0 : last), 0};
-    return (place){(int32_t)index, (int32_t)ost_rhe_div((at - index * 2 * rect) << OST_WEIGHT_BITS, 2 * rect)};
+        return (source_position){(int32_t)(at <= 0 ? 0 : last), 0};
+    return (source_position){(int32_t)index, (int32_t)ost_rhe_div((at - index * 2 * rect) << OST_WEIGHT_BITS, 2 * rect)};
 }
 
 /* The lists of the three axes, owned. */
@@ -65,15 +65,15 @@ static void free_lists(lists *l)
 /* Makes the lists of an axis, with room up to a multiple of 16 (kernels.h). Returns false if there is no memory. */
 static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, ost_pm rect, ost_resample rule)
 {
-    const size_t room = ((size_t)to + 15) / 16 * 16;
-    l->map[a] = calloc(room, sizeof *l->map[a]);
+    const size_t capacity = ((size_t)to + 15) / 16 * 16;
+    l->map[a] = calloc(capacity, sizeof *l->map[a]);
     if (rule == OST_RESAMPLE_LINEAR)
-        l->minus[a] = calloc(2 * room, sizeof *l->minus[a]);
+        l->minus[a] = calloc(2 * capacity, sizeof *l->minus[a]);
     if (!l->map[a] || (rule == OST_RESAMPLE_LINEAR && !l->minus[a]))
         return false;
     l->same[a] = from == to;
     for (int32_t i = 0; i < to; i++) {
-        const place p = place_at(i, cubic, rect, from, rule);
+        const source_position p = source_position_of(i, cubic, rect, from, rule);
         l->map[a][i] = p.index;
         l->same[a] = l->same[a] && p.index == i && p.weight == 0;
         l->weighted[a] = l->weighted[a] || p.weight != 0;
@@ -90,7 +90,7 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
  * those of y and z without a weight above 0.  If x has weights, its last voxel is
  * represented as the upper neighbour of the previous one, so that both exist.
  */
-static void settle_weights(lists *l, int32_t width, int32_t last)
+static void finish_weights(lists *l, int32_t width, int32_t last)
 {
     const bool planes = !l->same[0] || !l->same[1], any = l->weighted[0] || l->weighted[1] || l->weighted[2];
     for (int a = 0; a < 3; a++)
@@ -118,7 +118,7 @@ ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geome
             free_lists(&l);
             return ost_fail(err, OST_ERR_MEMORY, "no memory for %d indices", (int)to[a]);
         }
-    settle_weights(&l, to[0], from[0] - 1);
+    finish_weights(&l, to[0], from[0] - 1);
     const cpu_view view = ost_cpu_grid_view(rect);
     if (view.map[0] && (ost_cpu_view_linear(&view) || l.minus[0] || l.minus[2])) {
         const ost_status status = ost_cpu_grid_own(rect, err);

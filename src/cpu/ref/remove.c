@@ -77,9 +77,9 @@ static ost_voxel_box clipped(const ost_voxel_box *box, ost_dims dims)
  * int32 (AR-MAP-5).
  */
 static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const int32_t first[3], const ref_tool *tool,
-                      const ost_map *map, const ost_voxel_box *whole, block_marks *marks)
+                      const ost_map *map, const ost_voxel_box *all, block_marks *marks)
 {
-    const ost_voxel_box box = clipped(whole, grid->dims);
+    const ost_voxel_box box = clipped(all, grid->dims);
     int32_t lo[3], hi[3], base[3];
     for (int a = 0; a < 3; a++) {
         lo[a] = max32(box.lo[a] - first[a], 0);

@@ -158,10 +158,10 @@ static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *
 }
 
 /* Lists the hits of mixed bricks, of bricks inside and of cubes inside, and makes these voxels inactive. */
-static inline __attribute__((always_inline)) void settle(hit_list *list, uint64_t *occupancy, const ost_cubes *bricks,
-                                                         const uint64_t *hits, const ost_numbers *inside_bricks,
-                                                         const ost_numbers *inside, const int32_t unit[3], const ost_voxel_box *box,
-                                                         uint64_t across)
+static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uint64_t *occupancy, const ost_cubes *bricks,
+                                                             const uint64_t *hits, const ost_numbers *inside_bricks,
+                                                             const ost_numbers *inside, const int32_t unit[3], const ost_voxel_box *box,
+                                                             uint64_t across)
 {
     /* Most mixed bricks have no active voxel that is hit, so the others are selected first. */
     int32_t hit[OST_UNIT_BRICKS + 1];
@@ -202,9 +202,9 @@ static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, 
     kernels->match(&plan->match, &bricks, hits);
 
     if (across == 0)
-        settle(&list, occupancy, &bricks, hits, &inside_bricks, &inside, unit, &plan->box, 0);
+        apply_hits(&list, occupancy, &bricks, hits, &inside_bricks, &inside, unit, &plan->box, 0);
     else
-        settle(&list, occupancy, &bricks, hits, &inside_bricks, &inside, unit, &plan->box, across);
+        apply_hits(&list, occupancy, &bricks, hits, &inside_bricks, &inside, unit, &plan->box, across);
     if (list.count > 0)
         kernels->take(take, density, list.number, list.hits, list.count, tally);
 }
@@ -358,7 +358,7 @@ static size_t words(const cpu_bone *bone)
     return n * n * n / 64;
 }
 
-static ost_status room_for_copies(const cpu_bone *bone, ost_event_scratch *scratch, ost_error *err)
+static ost_status reserve_copies(const cpu_bone *bone, ost_event_scratch *scratch, ost_error *err)
 {
     const size_t needed = scratch->count * words(bone);
     if (needed <= scratch->copy_capacity)
@@ -409,7 +409,7 @@ static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const os
     if (status == OST_OK)
         status = reserve(report, scratch->count, err);
     if (status == OST_OK && (!apply || shapes->touches))
-        status = room_for_copies(bone, scratch, err);
+        status = reserve_copies(bone, scratch, err);
     if (status != OST_OK)
         return status;
     if (!apply)

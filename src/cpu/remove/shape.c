@@ -345,7 +345,7 @@ void ost_shape_free(ost_shape *shape)
     *shape = (ost_shape){0};
 }
 
-bool ost_shape_serves(const ost_shape *shape, int32_t ratio)
+bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio)
 {
     const grain g = grain_for(ratio);
     return shape->cells.value && shape->windows.step == window_step(ratio) && shape->cells.shift == OST_MAP_FRACTION + g.granule + (g.per == 2) &&

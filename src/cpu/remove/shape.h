@@ -76,6 +76,6 @@ typedef struct ost_shape {
 ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out, ost_error *err);
 void ost_shape_free(ost_shape *shape);
 /* Returns true if the shape's tables are those that ost_shape_make would make for this ratio. */
-bool ost_shape_serves(const ost_shape *shape, int32_t ratio);
+bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio);
 
 #endif

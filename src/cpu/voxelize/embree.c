@@ -51,21 +51,21 @@ void ost_embree_free(ost_embree *embree)
     (void)embree;
 }
 
-ost_embree_desk *ost_embree_desk_new(const ost_embree *embree)
+ost_embree_scratch *ost_embree_scratch_new(const ost_embree *embree)
 {
     (void)embree;
     return NULL;
 }
 
-void ost_embree_desk_free(ost_embree_desk *desk)
+void ost_embree_scratch_free(ost_embree_scratch *scratch)
 {
-    (void)desk;
+    (void)scratch;
 }
 
-void ost_embree_mark(const ost_embree *embree, ost_embree_desk *desk, ost_vox_tile *tile, ost_vox_mark_fn *mark)
+void ost_embree_mark(const ost_embree *embree, ost_embree_scratch *scratch, ost_vox_tile *tile, ost_vox_mark_fn *mark)
 {
     (void)embree;
-    (void)desk;
+    (void)scratch;
     (void)tile;
     (void)mark;
 }
@@ -93,7 +93,7 @@ struct ost_embree {
     size_t primitives;
 };
 
-struct ost_embree_desk {
+struct ost_embree_scratch {
     uint32_t *last_tile; /* per primitive, the number of the tile whose rays hit it last; 0: none */
     uint32_t tiles;      /* count of tiles so far; the number of the current tile */
     ost_vox_tile *tile;
@@ -109,7 +109,7 @@ typedef struct cast_context {
 #else
     struct RTCIntersectContext base;
 #endif
-    ost_embree_desk *desk;
+    ost_embree_scratch *scratch;
 } cast_context;
 
 /* ------------------------------------------------------------- hierarchy */
@@ -132,24 +132,24 @@ static void bounds_of(const struct RTCBoundsFunctionArguments *args)
                                          .upper_x = (float)(hi[0] + 1), .upper_y = (float)(hi[1] + 1), .upper_z = (float)(hi[2] + 1)};
 }
 
-static void mark_candidates(ost_embree_desk *desk)
+static void mark_candidates(ost_embree_scratch *scratch)
 {
-    desk->mark(desk->tile, desk->candidates, desk->count);
-    desk->count = 0;
+    scratch->mark(scratch->tile, scratch->candidates, scratch->count);
+    scratch->count = 0;
 }
 
 static void note_primitive(const struct RTCIntersectFunctionNArguments *args)
 {
-    ost_embree_desk *desk = ((cast_context *)args->context)->desk;
-    if (desk->last_tile[args->primID] == desk->tiles)
+    ost_embree_scratch *scratch = ((cast_context *)args->context)->scratch;
+    if (scratch->last_tile[args->primID] == scratch->tiles)
         return;
-    desk->last_tile[args->primID] = desk->tiles;
+    scratch->last_tile[args->primID] = scratch->tiles;
     const ost_snapped_mesh *mesh = args->geometryUserPtr;
     const size_t first = (size_t)args->primID * GROUP;
     for (size_t t = first; t < first + GROUP && t < mesh->triangle_count; t++)
-        desk->candidates[desk->count++] = (uint32_t)t;
-    if (desk->count > CANDIDATES)
-        mark_candidates(desk);
+        scratch->candidates[scratch->count++] = (uint32_t)t;
+    if (scratch->count > CANDIDATES)
+        mark_candidates(scratch);
 }
 
 static void build(ost_embree *e)
@@ -221,34 +221,34 @@ void ost_embree_free(ost_embree *e)
 
 /* ------------------------------------------------------------------ rays */
 
-ost_embree_desk *ost_embree_desk_new(const ost_embree *embree)
+ost_embree_scratch *ost_embree_scratch_new(const ost_embree *embree)
 {
-    ost_embree_desk *desk = calloc(1, sizeof *desk);
-    if (desk)
-        desk->last_tile = calloc(embree->primitives + 1, sizeof *desk->last_tile);
-    if (desk && !desk->last_tile) {
-        free(desk);
-        desk = NULL;
+    ost_embree_scratch *scratch = calloc(1, sizeof *scratch);
+    if (scratch)
+        scratch->last_tile = calloc(embree->primitives + 1, sizeof *scratch->last_tile);
+    if (scratch && !scratch->last_tile) {
+        free(scratch);
+        scratch = NULL;
     }
-    return desk;
+    return scratch;
 }
 
-void ost_embree_desk_free(ost_embree_desk *desk)
+void ost_embree_scratch_free(ost_embree_scratch *scratch)
 {
-    if (!desk)
+    if (!scratch)
         return;
-    free(desk->last_tile);
-    free(desk);
+    free(scratch->last_tile);
+    free(scratch);
 }
 
 /* Casts rays through those rows j0 <= j < j0 + SIDE of slices k0 <= k < k0 + SIDE that belong to the tile. */
-static void cast(const ost_embree *e, ost_embree_desk *desk, int32_t j0, int32_t k0)
+static void cast(const ost_embree *e, ost_embree_scratch *scratch, int32_t j0, int32_t k0)
 {
-    const ost_vox_tile *tile = desk->tile;
+    const ost_vox_tile *tile = scratch->tile;
     const int32_t half = 1 << (tile->f - 1);
     int valid[PACKET] __attribute__((aligned(64)));
     struct RTCRayHit16 rays __attribute__((aligned(64)));
-    cast_context c = {.desk = desk};
+    cast_context c = {.scratch = scratch};
     memset(&rays, 0, sizeof rays);
     for (int r = 0; r < PACKET; r++) {
         const int32_t j = j0 + r % SIDE, k = k0 + r / SIDE;
@@ -277,15 +277,15 @@ static void cast(const ost_embree *e, ost_embree_desk *desk, int32_t j0, int32_t
 #endif
 }
 
-void ost_embree_mark(const ost_embree *e, ost_embree_desk *desk, ost_vox_tile *tile, ost_vox_mark_fn *mark)
+void ost_embree_mark(const ost_embree *e, ost_embree_scratch *scratch, ost_vox_tile *tile, ost_vox_mark_fn *mark)
 {
-    desk->tile = tile;
-    desk->mark = mark;
-    desk->tiles++; /* at most 2^24, since a grid has at most 2^24 rows */
+    scratch->tile = tile;
+    scratch->mark = mark;
+    scratch->tiles++; /* at most 2^24, since a grid has at most 2^24 rows */
     for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
         for (int32_t j = tile->j0; j < tile->j1; j += SIDE)
-            cast(e, desk, j, k);
-    mark_candidates(desk);
+            cast(e, scratch, j, k);
+    mark_candidates(scratch);
 }
 
 #endif

@@ -21,11 +21,11 @@ ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree 
 void ost_embree_free(ost_embree *embree);
 
 /* The scratch memory of one thread for casting rays. new returns NULL if there is no memory; free accepts NULL. */
-typedef struct ost_embree_desk ost_embree_desk;
-ost_embree_desk *ost_embree_desk_new(const ost_embree *embree);
-void ost_embree_desk_free(ost_embree_desk *desk);
+typedef struct ost_embree_scratch ost_embree_scratch;
+ost_embree_scratch *ost_embree_scratch_new(const ost_embree *embree);
+void ost_embree_scratch_free(ost_embree_scratch *scratch);
 
 /* Marks the crossings of all triangles with the rows of the tile, with one ray along x for each row. */
-void ost_embree_mark(const ost_embree *embree, ost_embree_desk *desk, ost_vox_tile *tile, ost_vox_mark_fn *mark);
+void ost_embree_mark(const ost_embree *embree, ost_embree_scratch *scratch, ost_vox_tile *tile, ost_vox_mark_fn *mark);
 
 #endif

@@ -61,7 +61,7 @@ uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, 
 {
     const size_t words = tile->row_bits / 64;
     uint64_t *plus = tile->planes + first_row * words, *minus = plus + tile->minus / 64;
-    const bool keep = tile->any_odd;
+    const bool keep = tile->any_unproven;
     bool inside_out = false;
     uint64_t count = 0;
     for (size_t r = first_row; r < first_row + rows; r++, plus += words, minus += words, bits += words) {
@@ -71,8 +71,8 @@ uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, 
             proven = fill_row(inside_out ? minus : plus, inside_out ? plus : minus, words, bits, &count);
         }
         if (!proven) {
-            tile->odd[r] |= OST_VOX_UNPROVEN;
-            tile->any_odd = true;
+            tile->row_state[r] |= OST_VOX_UNPROVEN;
+            tile->any_unproven = true;
         } else if (!keep) {
             memset(plus, 0, words * sizeof *plus);
             memset(minus, 0, words * sizeof *minus);
@@ -107,22 +107,22 @@ static bool sum_steps(const uint64_t *plus, const uint64_t *minus, const int32_t
     return !((winding + steps[n]) & mask);
 }
 
-int64_t ost_vox_fill_odd(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
-                         uint64_t *leaking_rows)
+int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
+                              uint64_t *leaking_rows)
 {
     const size_t words = tile->row_bits / 64;
     const uint64_t *plus = tile->planes, *minus = tile->planes + tile->minus / 64;
     const int32_t mask = rule == OST_FILL_PARITY ? 1 : -1;
     int64_t more = 0;
     for (size_t r = first_row; r < first_row + rows; r++) {
-        if (!tile->odd[r])
+        if (!tile->row_state[r])
             continue;
         uint64_t *row = bits + (r - first_row) * words;
         for (size_t w = 0; w < words; w++) {
-            more -= tile->odd[r] & OST_VOX_UNPROVEN ? 0 : count_bits(row[w]);
+            more -= tile->row_state[r] & OST_VOX_UNPROVEN ? 0 : count_bits(row[w]);
             row[w] = 0;
         }
-        const bool sound = tile->odd[r] & OST_VOX_SPILLED
+        const bool sound = tile->row_state[r] & OST_VOX_SPILLED
                                ? sum_steps(plus + r * words, minus + r * words, tile->spill + r * ((size_t)tile->nx + 1), tile->nx,
                                            mask, row)
                                : sum_bits(plus + r * words, minus + r * words, (int)words, mask, row);

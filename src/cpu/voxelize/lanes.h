@@ -232,19 +232,19 @@ static inline void mark_list(ost_vox_tile *tile, const uint32_t *list, size_t co
  */
 static inline void mark_all(ost_vox_tile *tile, size_t count, pending *p)
 {
-    uint32_t kept[3 * LANES];
+    uint32_t listed[3 * LANES];
     size_t n = 0, i = 0;
     for (; i + LANES <= count; i += LANES) {
         uint32_t t[LANES];
         for (uint32_t l = 0; l < LANES; l++)
             t[l] = (uint32_t)i + l;
-        n += emit_bits(kept + n, vi_load(t), bounds_meet_rows(tile, t));
+        n += emit_bits(listed + n, vi_load(t), bounds_meet_rows(tile, t));
         if (n >= LANES) {
             n -= LANES;
-            mark_lanes(tile, kept + n, LANES, p);
+            mark_lanes(tile, listed + n, LANES, p);
         }
     }
-    mark_list(tile, kept, n, p);
+    mark_list(tile, listed, n, p);
     for (; i < count; i++)
         ost_vox_mark_triangle(tile, (uint32_t)i);
 }

@@ -79,10 +79,10 @@ void ost_vox_spill(ost_vox_tile *tile, uint32_t row, int32_t i, int step)
     if (tile->no_memory)
         return;
     int32_t *steps = tile->spill + row * stride;
-    if (!(tile->odd[row] & OST_VOX_SPILLED)) {
+    if (!(tile->row_state[row] & OST_VOX_SPILLED)) {
         memset(steps, 0, stride * sizeof *steps);
-        tile->odd[row] |= OST_VOX_SPILLED;
-        tile->any_odd = true;
+        tile->row_state[row] |= OST_VOX_SPILLED;
+        tile->any_unproven = true;
     }
     steps[i] += step;
 }

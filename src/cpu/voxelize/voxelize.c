@@ -39,12 +39,12 @@ typedef struct job {
 } job;
 
 /* The scratch memory of one thread. */
-typedef struct desk {
+typedef struct scratch {
     ost_vox_tile tile;
     uint64_t *bits[2];
-    ost_embree_desk *embree[2];
+    ost_embree_scratch *embree[2];
     size_t plane_words; /* with padding */
-} desk;
+} scratch;
 
 /*
  * Estimates the time of the work on one thread.  Further threads pay for their
@@ -104,14 +104,14 @@ static void make_plan(ost_vox_plan *plan, const ost_snapped_mesh *mesh, const os
     plan->tiles_z = tiles_of(dims.z, plan->shift_z);
 }
 
-static void free_desk(desk *d)
+static void free_scratch(scratch *d)
 {
     free(d->tile.planes);
-    free(d->tile.odd);
+    free(d->tile.row_state);
     free(d->bits[0]);
     free(d->bits[1]);
-    ost_embree_desk_free(d->embree[0]);
-    ost_embree_desk_free(d->embree[1]);
+    ost_embree_scratch_free(d->embree[0]);
+    ost_embree_scratch_free(d->embree[1]);
 }
 
 static void *blocks(size_t words)
@@ -120,26 +120,26 @@ static void *blocks(size_t words)
     return posix_memalign(&p, 64, words * 8) == 0 ? p : NULL;
 }
 
-static bool make_desk(desk *d, const job *j)
+static bool make_scratch(scratch *d, const job *j)
 {
     const ost_vox_plan *plan = &j->plan;
     const int64_t rows_y = INT64_C(1) << plan->shift_y, rows_z = INT64_C(1) << plan->shift_z;
     const size_t rows = (size_t)(rows_y < plan->dims.y ? rows_y : plan->dims.y) * (size_t)(rows_z < plan->dims.z ? rows_z : plan->dims.z);
-    *d = (desk){.plane_words = (rows * (size_t)plan->words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK};
+    *d = (scratch){.plane_words = (rows * (size_t)plan->words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK};
     d->tile = (ost_vox_tile){
         .f = plan->f,
         .nx = plan->dims.x,
         .row_bits = 64 * (uint32_t)plan->words,
         .minus = 64 * (uint32_t)d->plane_words,
         .planes = blocks(2 * d->plane_words),
-        .odd = calloc(rows + OST_VOX_BLOCK, 1),
+        .row_state = calloc(rows + OST_VOX_BLOCK, 1),
     };
     d->bits[0] = blocks(d->plane_words);
     d->bits[1] = j->mesh[1] ? blocks(d->plane_words) : NULL;
-    if (!d->tile.planes || !d->tile.odd || !d->bits[0] || (j->mesh[1] && !d->bits[1]))
+    if (!d->tile.planes || !d->tile.row_state || !d->bits[0] || (j->mesh[1] && !d->bits[1]))
         return false;
     for (int m = 0; m < 2; m++)
-        if (j->embree[m] && !(d->embree[m] = ost_embree_desk_new(j->embree[m])))
+        if (j->embree[m] && !(d->embree[m] = ost_embree_scratch_new(j->embree[m])))
             return false;
     memset(d->tile.planes, 0, 2 * d->plane_words * 8);
     return true;
@@ -163,7 +163,7 @@ static bool is_void(const job *j, int m, size_t number)
  * Computes the solid bits of one mesh in this tile, in the result if direct, otherwise in d->bits[m].
  * Returns the number of solid voxels.
  */
-static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t *leaking_rows)
+static uint64_t fill_mesh(const job *j, scratch *d, int m, size_t number, uint64_t *leaking_rows)
 {
     const ost_cpu_kernels *kernels = &j->backend->kernels;
     const ost_vox_bins *bins = &j->bins[m];
@@ -182,13 +182,13 @@ static uint64_t fill_mesh(const job *j, desk *d, int m, size_t number, uint64_t 
     for (size_t r = 0; r < rows; r += run) {
         uint64_t *bits = j->direct ? j->result.cutting + result_row(j, tile, r) * words : d->bits[m];
         count += kernels->vox_fill(tile, r, run, bits);
-        if (tile->any_odd && !tile->no_memory)
-            count += (uint64_t)ost_vox_fill_odd(tile, r, run, j->rule, bits, leaking_rows);
+        if (tile->any_unproven && !tile->no_memory)
+            count += (uint64_t)ost_vox_fill_unproven(tile, r, run, j->rule, bits, leaking_rows);
     }
-    if (tile->any_odd) { /* otherwise the kernel has cleared the planes */
+    if (tile->any_unproven) { /* otherwise the kernel has cleared the planes */
         memset(tile->planes, 0, 2 * d->plane_words * 8);
-        memset(tile->odd, 0, rows);
-        tile->any_odd = false;
+        memset(tile->row_state, 0, rows);
+        tile->any_unproven = false;
         free(tile->spill);
         tile->spill = NULL;
     }
@@ -221,7 +221,7 @@ static void deliver_void(const job *j, const ost_vox_tile *tile)
 }
 
 /* Writes the rows of this tile to the results. */
-static void deliver(const job *j, const desk *d)
+static void deliver(const job *j, const scratch *d)
 {
     const ost_vox_tile *tile = &d->tile;
     const ost_vox_plan *plan = &j->plan;
@@ -241,7 +241,7 @@ static void deliver(const job *j, const desk *d)
     }
 }
 
-static void run_tile(const job *j, desk *d, size_t number, ost_voxelize_report *report)
+static void run_tile(const job *j, scratch *d, size_t number, ost_voxelize_report *report)
 {
     const ost_vox_plan *plan = &j->plan;
     const int32_t y = (int32_t)(number % (size_t)plan->tiles_y), z = (int32_t)(number / (size_t)plan->tiles_y);
@@ -279,13 +279,13 @@ static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error
     {
         const ost_floats caller = ost_floats_enter();
         ost_voxelize_report sums = {0};
-        desk d;
-        const bool ready = make_desk(&d, j);
+        scratch d;
+        const bool ready = make_scratch(&d, j);
         ost_member me = ost_team_join(&team);
         for (int64_t t; ready && (t = ost_team_next(&team, &me)) >= 0;)
             run_tile(j, &d, (size_t)t, &sums);
         failed = !ready || d.tile.no_memory;
-        free_desk(&d);
+        free_scratch(&d);
         solid = sums.solid_voxels;
         cutting = sums.cutting_voxels;
         leaking = sums.leaking_rows;

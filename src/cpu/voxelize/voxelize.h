@@ -40,9 +40,9 @@ struct ost_vox_tile {
     uint32_t row_bits;  /* 64 * words of a row, >= nx */
     uint32_t minus;     /* bit offset of the minus plane in planes; both planes have < 2^31 bits */
     uint64_t *planes;   /* plus rows, padding to complete blocks, minus rows, padding */
-    uint8_t *odd;       /* flags per row: OST_VOX_SPILLED, OST_VOX_UNPROVEN */
+    uint8_t *row_state; /* flags per row: OST_VOX_SPILLED, OST_VOX_UNPROVEN */
     int32_t *spill;     /* nx + 1 steps per row, valid for rows that are OST_VOX_SPILLED; NULL before the first spill */
-    bool any_odd;
+    bool any_unproven;
     bool no_memory; /* there was no memory for spill: the result is invalid */
 };
 
@@ -95,8 +95,8 @@ void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
  * replaced. Adds the number of leaking rows to *leaking_rows. Returns the correction
  * to the kernel's count of solid voxels.
  */
-int64_t ost_vox_fill_odd(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
-                         uint64_t *leaking_rows);
+int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
+                              uint64_t *leaking_rows);
 
 /* Returns the number of rows of a tile. */
 static inline size_t ost_vox_rows(const ost_vox_tile *tile)

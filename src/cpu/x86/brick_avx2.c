@@ -82,12 +82,12 @@ ost_brick_sums ost_brick_row_avx2(const int16_t *const rows[16], size_t bricks, 
 bool ost_any_active_avx2(const int16_t *base, const size_t *row, int count, int width, int16_t threshold)
 {
     const __m256i below = _mm256_set1_epi16((int16_t)(threshold - 1));
-    const int whole = width / LANES * LANES;
+    const int full = width / LANES * LANES;
     __m256i most = _mm256_setzero_si256();
     for (int r = 0; r < count; r++) {
-        for (int x = 0; x < whole; x += LANES)
+        for (int x = 0; x < full; x += LANES)
             most = _mm256_max_epi16(most, _mm256_loadu_si256((const void *)(base + row[r] + x)));
-        for (int x = whole; x < width; x++)
+        for (int x = full; x < width; x++)
             if (base[row[r] + (size_t)x] >= threshold)
                 return true;
     }

@@ -167,7 +167,7 @@ static inline quarters quarters_of(const uint8_t line[64])
 }
 
 /* Returns the bits of 32 voxels; a byte of x, y, z has three bits of voxel and five of fraction. */
-static inline uint32_t look_up(const quarters *line, __m256i x, __m256i y, __m256i z)
+static inline uint32_t lookup(const quarters *line, __m256i x, __m256i y, __m256i z)
 {
     const __m256i one_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(1, 2, 4, 8, 16, 32, 64, -128, 1, 2, 4, 8, 16, 32, 64, -128));
     const __m256i sixteen = _mm256_set1_epi8(16), seven = _mm256_set1_epi8(7);
@@ -219,7 +219,7 @@ static void match_tied(const ost_match *match, const offsets *high, const places
                     u[s] = _mm256_add_epi16(_mm256_add_epi16(c, high->v[h][s][a]), _mm256_srli_epi16(_mm256_add_epi16(l, low.v[h][s][a]), LOW));
                 bytes[a] = high_bytes(u[0], u[1]);
             }
-            word |= (uint64_t)look_up(&line, bytes[0], bytes[1], bytes[2]) << (32 * h);
+            word |= (uint64_t)lookup(&line, bytes[0], bytes[1], bytes[2]) << (32 * h);
         }
         hits[i] = word;
     }
@@ -240,9 +240,9 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
                           z = _mm256_set1_epi32((int32_t)at.high[2][i]);
             uint32_t half[2];
             for (int h = 0; h < 2; h++)
-                half[h] = look_up(&line, high_bytes(_mm256_add_epi16(x, o.v[h][0][0]), _mm256_add_epi16(x, o.v[h][1][0])),
-                                  high_bytes(_mm256_add_epi16(y, o.v[h][0][1]), _mm256_add_epi16(y, o.v[h][1][1])),
-                                  high_bytes(_mm256_add_epi16(z, o.v[h][0][2]), _mm256_add_epi16(z, o.v[h][1][2])));
+                half[h] = lookup(&line, high_bytes(_mm256_add_epi16(x, o.v[h][0][0]), _mm256_add_epi16(x, o.v[h][1][0])),
+                                 high_bytes(_mm256_add_epi16(y, o.v[h][0][1]), _mm256_add_epi16(y, o.v[h][1][1])),
+                                 high_bytes(_mm256_add_epi16(z, o.v[h][0][2]), _mm256_add_epi16(z, o.v[h][1][2])));
             hits[i] = (uint64_t)half[0] | (uint64_t)half[1] << 32;
         }
         match_tied(match, &o, &at, tied, hits);

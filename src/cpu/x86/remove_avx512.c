@@ -203,15 +203,15 @@ void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_
     size_t m = mixed->count, n = inside->count;
     for (size_t from = 0; from < cubes->count; from += 8 * GROUPS) {
         const size_t left = cubes->count - from, piece_count = left < 8 * GROUPS ? left : 8 * GROUPS;
-        const size_t rest = piece_count % 8, full = piece_count / 8 + (rest > 4);
-        const bool narrow = rest > 0 && rest <= 4;
+        const size_t remainder = piece_count % 8, full = piece_count / 8 + (remainder > 4);
+        const bool narrow = remainder > 0 && remainder <= 4;
         for (size_t g = 0; g < full; g++) {
             const size_t count = piece_count - 8 * g < 8 ? piece_count - 8 * g : 8;
             piece.keep[g] = parts_kept(cubes, from + 8 * g, count, occupancy);
             find_cells(split, cells, cubes, from + 8 * g, 8, piece.cell[g]);
         }
         if (narrow) {
-            piece.keep[full] = parts_kept(cubes, from + 8 * full, rest, occupancy);
+            piece.keep[full] = parts_kept(cubes, from + 8 * full, remainder, occupancy);
             find_cells(split, cells, cubes, from + 8 * full, 4, piece.cell[full]);
         }
         for (size_t g = 0; g < full; g++)
@@ -327,7 +327,7 @@ static inline bool is_tied(const ost_match *match, const places *at, size_t i)
 }
 
 /* Returns the bits of 32 voxels from their coordinates in the window. */
-static inline __mmask32 look_up(__m512i line, __m512i x, __m512i y, __m512i z)
+static inline __mmask32 lookup(__m512i line, __m512i x, __m512i y, __m512i z)
 {
     /* The function 0xe4 selects the first operand's bit where the third is set, otherwise the second's. */
     const __m512i word = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 14), _mm512_srli_epi16(y, 11), _mm512_set1_epi16(3), 0xe4);
@@ -351,7 +351,7 @@ static void match_tied(const ost_match *match, const places *at, size_t count, u
                 const __m512i high = _mm512_add_epi16(_mm512_load_si512(match->high[a] + 32 * h), _mm512_set1_epi32((int32_t)at->high[a][i]));
                 u[a] = _mm512_add_epi16(high, _mm512_srli_epi16(low, LOW));
             }
-            half[h] = look_up(line, u[0], u[1], u[2]);
+            half[h] = lookup(line, u[0], u[1], u[2]);
         }
         hits[i] = (uint64_t)half[0] | (uint64_t)half[1] << 32;
     }
@@ -374,8 +374,8 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
                           z = _mm512_set1_epi32((int32_t)at.high[2][i]);
             /* Stores the masks directly, without moving them to a general register first. */
             __mmask32 *half = (__mmask32 *)(void *)(hits + i);
-            _store_mask32(half, look_up(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));
-            _store_mask32(half + 1, look_up(window, _mm512_add_epi16(x, x1), _mm512_add_epi16(y, y1), _mm512_add_epi16(z, z1)));
+            _store_mask32(half, lookup(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));
+            _store_mask32(half + 1, lookup(window, _mm512_add_epi16(x, x1), _mm512_add_epi16(y, y1), _mm512_add_epi16(z, z1)));
         }
         match_tied(match, &at, tied, hits);
     }

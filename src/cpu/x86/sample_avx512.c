@@ -23,9 +23,9 @@ static inline halves wide(__m512i v)
 }
 
 /* Reads 64 bits at each address whose lane is set in ask; other lanes are 0. */
-static inline __m512i fetch(__mmask8 ask, __m512i address)
+static inline __m512i fetch(__mmask8 mask, __m512i address)
 {
-    return _mm512_mask_i64gather_epi64(_mm512_setzero_si512(), ask, address, (const void *)0, 1);
+    return _mm512_mask_i64gather_epi64(_mm512_setzero_si512(), mask, address, (const void *)0, 1);
 }
 
 static inline __m512i sum(__m512i a, __m512i b)
@@ -34,15 +34,15 @@ static inline __m512i sum(__m512i a, __m512i b)
 }
 
 /* Returns eight densities in the low halves of 32-bit lanes; lanes that are not active or not set in ask are 0. */
-static inline __m256i densities_of(const cpu_bone *bone, __mmask8 ask, __m512i chunk, __m512i brick, __m512i in)
+static inline __m256i densities_of(const cpu_bone *bone, __mmask8 mask, __m512i chunk, __m512i brick, __m512i in)
 {
     const __m512i entry = sum(_mm512_set1_epi64((long long)(uintptr_t)bone->chunks), _mm512_slli_epi64(chunk, 5));
-    const __m512i occupancy = fetch(ask, sum(entry, _mm512_set1_epi64(8)));
-    ask = _mm512_mask_test_epi64_mask(ask, occupancy, occupancy);
-    const __m512i word = fetch(ask, sum(occupancy, _mm512_slli_epi64(brick, 3)));
-    ask = _mm512_mask_test_epi64_mask(ask, _mm512_srlv_epi64(word, in), _mm512_set1_epi64(1));
-    const __m512i at = sum(fetch(ask, entry), _mm512_slli_epi64(sum(_mm512_slli_epi64(brick, 6), in), 1));
-    return _mm512_mask_i64gather_epi32(_mm256_setzero_si256(), ask, at, (const void *)0, 1);
+    const __m512i occupancy = fetch(mask, sum(entry, _mm512_set1_epi64(8)));
+    mask = _mm512_mask_test_epi64_mask(mask, occupancy, occupancy);
+    const __m512i word = fetch(mask, sum(occupancy, _mm512_slli_epi64(brick, 3)));
+    mask = _mm512_mask_test_epi64_mask(mask, _mm512_srlv_epi64(word, in), _mm512_set1_epi64(1));
+    const __m512i at = sum(fetch(mask, entry), _mm512_slli_epi64(sum(_mm512_slli_epi64(brick, 6), in), 1));
+    return _mm512_mask_i64gather_epi32(_mm256_setzero_si256(), mask, at, (const void *)0, 1);
 }
 
 void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities)
@@ -57,9 +57,9 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         const __m512i x = _mm512_maskz_loadu_epi32(some, at[0] + i), y = _mm512_maskz_loadu_epi32(some, at[1] + i),
                       z = _mm512_maskz_loadu_epi32(some, at[2] + i);
         /* Compared as unsigned, a negative coordinate exceeds all dimensions. */
-        __mmask16 ask = _mm512_mask_cmplt_epu32_mask(some, x, _mm512_set1_epi32(dims.x));
-        ask = _mm512_mask_cmplt_epu32_mask(ask, y, _mm512_set1_epi32(dims.y));
-        ask = _mm512_mask_cmplt_epu32_mask(ask, z, _mm512_set1_epi32(dims.z));
+        __mmask16 mask = _mm512_mask_cmplt_epu32_mask(some, x, _mm512_set1_epi32(dims.x));
+        mask = _mm512_mask_cmplt_epu32_mask(mask, y, _mm512_set1_epi32(dims.y));
+        mask = _mm512_mask_cmplt_epu32_mask(mask, z, _mm512_set1_epi32(dims.z));
         /* Where ask is set, the index is below 2^31; the values of other lanes are not used. */
         __m512i chunk = _mm512_mullo_epi32(_mm512_sra_epi32(z, down), _mm512_set1_epi32(bone->chunk_dims.y));
         chunk = _mm512_mullo_epi32(_mm512_add_epi32(chunk, _mm512_sra_epi32(y, down)), _mm512_set1_epi32(bone->chunk_dims.x));
@@ -72,8 +72,8 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         in = _mm512_or_epi32(in, _mm512_slli_epi32(_mm512_and_epi32(b, three), 2));
         in = _mm512_or_epi32(in, _mm512_slli_epi32(_mm512_and_epi32(c, three), 4));
         const halves chunks = wide(chunk), bricks = wide(brick), ins = wide(in);
-        const __m256i first = densities_of(bone, (__mmask8)ask, chunks.low, bricks.low, ins.low);
-        const __m256i second = densities_of(bone, (__mmask8)(ask >> 8), chunks.high, bricks.high, ins.high);
+        const __m256i first = densities_of(bone, (__mmask8)mask, chunks.low, bricks.low, ins.low);
+        const __m256i second = densities_of(bone, (__mmask8)(mask >> 8), chunks.high, bricks.high, ins.high);
         /* Each lane has a density in its low half and the two bytes behind it in its high half. */
         const __m512i both = _mm512_inserti64x4(_mm512_castsi256_si512(first), second, 1);
         _mm512_mask_cvtepi32_storeu_epi16(densities + i, some, both);

@@ -188,7 +188,7 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, ui
     const unsigned ends = words >= 4 ? 0x10 : words == 2 ? 0x14 : 0x1e;
     uint64_t *enter = tile->planes + first_row * words, *leave = enter + tile->minus / 64;
     __m256i counts = _mm256_setzero_si256();
-    const bool keep = tile->any_odd;
+    const bool keep = tile->any_unproven;
     for (size_t w = 0; w < total; w += step) {
         bool marked = false, proven = fill_vectors(enter + w, leave + w, step, ends, bits + w, &marked, &counts);
         if (__builtin_expect(!proven, 0)) {
@@ -199,8 +199,8 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, ui
         }
         if (__builtin_expect(!proven, 0)) {
             for (size_t r = w / words; r < w / words + rows_in_step && r < rows; r++)
-                tile->odd[first_row + r] |= OST_VOX_UNPROVEN;
-            tile->any_odd = true;
+                tile->row_state[first_row + r] |= OST_VOX_UNPROVEN;
+            tile->any_unproven = true;
         } else if (marked && !keep) {
             for (size_t b = w; b < w + step; b += WORDS) {
                 _mm256_store_si256((__m256i *)(enter + b), _mm256_setzero_si256());
@@ -237,21 +237,21 @@ static inline __m256i classes_of(const uint64_t *cutting, const uint64_t *noncut
 void ost_vox_expand_avx2(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
                          uint8_t *voxels)
 {
-    const size_t whole = (size_t)nx / 32, rest = (size_t)nx % 32;
-    const bool past = stream && rest == 0 && (uintptr_t)voxels % 32 == 0;
+    const size_t full = (size_t)nx / 32, remainder = (size_t)nx % 32;
+    const bool past = stream && remainder == 0 && (uintptr_t)voxels % 32 == 0;
     for (size_t r = 0; r < rows; r++, voxels += nx) {
         const size_t first = r * (size_t)words;
-        for (size_t h = 0; h < whole; h++) {
+        for (size_t h = 0; h < full; h++) {
             const __m256i v = classes_of(cutting, noncutting, first + h / 2, 32 * (h % 2));
             if (past)
                 _mm256_stream_si256((__m256i *)(voxels + 32 * h), v);
             else
                 _mm256_storeu_si256((__m256i *)(voxels + 32 * h), v);
         }
-        if (rest) {
+        if (remainder) {
             uint8_t last[32];
-            _mm256_storeu_si256((__m256i *)last, classes_of(cutting, noncutting, first + whole / 2, 32 * (whole % 2)));
-            memcpy(voxels + 32 * whole, last, rest);
+            _mm256_storeu_si256((__m256i *)last, classes_of(cutting, noncutting, first + full / 2, 32 * (full % 2)));
+            memcpy(voxels + 32 * full, last, remainder);
         }
     }
     if (past)

@@ -181,7 +181,7 @@ uint64_t ost_vox_fill_avx512(ost_vox_tile *tile, size_t first_row, size_t rows, 
     const unsigned ends = words >= 8 ? 0x100 : words == 4 ? 0x110 : words == 2 ? 0x154 : 0x1fe;
     uint64_t *enter = tile->planes + first_row * words, *leave = enter + tile->minus / 64;
     __m512i counts = _mm512_setzero_si512();
-    const bool keep = tile->any_odd;
+    const bool keep = tile->any_unproven;
     for (size_t w = 0; w < total; w += step) {
         bool marked = false, proven = fill_blocks(enter + w, leave + w, step, ends, bits + w, &marked, &counts);
         if (__builtin_expect(!proven, 0)) {
@@ -192,8 +192,8 @@ uint64_t ost_vox_fill_avx512(ost_vox_tile *tile, size_t first_row, size_t rows, 
         }
         if (__builtin_expect(!proven, 0)) {
             for (size_t r = w / words; r < w / words + rows_in_step && r < rows; r++)
-                tile->odd[first_row + r] |= OST_VOX_UNPROVEN;
-            tile->any_odd = true;
+                tile->row_state[first_row + r] |= OST_VOX_UNPROVEN;
+            tile->any_unproven = true;
         } else if (marked && !keep) {
             for (size_t b = w; b < w + step; b += OST_VOX_BLOCK) {
                 _mm512_store_si512(enter + b, _mm512_setzero_si512());
@@ -217,20 +217,20 @@ static inline __m512i classes_of(const uint64_t *cutting, const uint64_t *noncut
 void ost_vox_expand_avx512(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
                            uint8_t *voxels)
 {
-    const size_t whole = (size_t)nx / 64, rest = (size_t)nx % 64;
-    const __mmask64 last = (UINT64_C(1) << rest) - 1;
-    const bool past = stream && rest == 0 && (uintptr_t)voxels % 64 == 0;
+    const size_t full = (size_t)nx / 64, remainder = (size_t)nx % 64;
+    const __mmask64 last = (UINT64_C(1) << remainder) - 1;
+    const bool past = stream && remainder == 0 && (uintptr_t)voxels % 64 == 0;
     for (size_t r = 0; r < rows; r++, voxels += nx) {
         const size_t first = r * (size_t)words;
         if (past) {
-            for (size_t w = 0; w < whole; w++)
+            for (size_t w = 0; w < full; w++)
                 _mm512_stream_si512((__m512i *)(voxels + 64 * w), classes_of(cutting, noncutting, first + w));
             continue;
         }
-        for (size_t w = 0; w < whole; w++)
+        for (size_t w = 0; w < full; w++)
             _mm512_storeu_si512(voxels + 64 * w, classes_of(cutting, noncutting, first + w));
-        if (rest)
-            _mm512_mask_storeu_epi8(voxels + 64 * whole, last, classes_of(cutting, noncutting, first + whole));
+        if (remainder)
+            _mm512_mask_storeu_epi8(voxels + 64 * full, last, classes_of(cutting, noncutting, first + full));
     }
     if (past)
         _mm_sfence();

@@ -362,7 +362,7 @@ static ost_status no_memory(const mesh_input *in, ost_error *err)
 ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err)
 {
     ost_status status;
-    mesh_plain whole;
+    mesh_plain parsed;
     ost_memory_stream body = {.bytes = NULL};
     ply *p = calloc(1, sizeof *p);
     if (!p || !(p->out = ost_memory_stream_open(&body))) {
@@ -377,11 +377,11 @@ ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err)
     if (!ost_memory_stream_close(p->out, &body) && status == OST_OK)
         status = no_memory(in, err);
     if (status == OST_OK)
-        status = ost_mesh_plain_open(in, &whole, err);
+        status = ost_mesh_plain_open(in, &parsed, err);
     if (status == OST_OK) {
-        put_header(p, whole.out);
-        fwrite(body.bytes, 1, body.size, whole.out);
-        status = ost_mesh_plain_close(in, &whole, status, err);
+        put_header(p, parsed.out);
+        fwrite(body.bytes, 1, body.size, parsed.out);
+        status = ost_mesh_plain_close(in, &parsed, status, err);
     }
 cleanup:
     free(body.bytes);

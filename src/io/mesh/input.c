@@ -14,7 +14,7 @@
 /* Twice the size of a binary STL with OST_MESH_FILE_TRIANGLES_MAX triangles; for text, 128 bytes per triangle. */
 #define FILE_MAX (INT64_C(1) << 30)
 
-enum { STL_HEADER = 84, STL_RECORD = 50, STL_LOOK = 4096 };
+enum { STL_HEADER = 84, STL_RECORD = 50, STL_SNIFF = 4096 };
 
 static bool starts_with(const mesh_input *in, const char *word)
 {
@@ -36,8 +36,8 @@ static mesh_kind stl_kind(const mesh_input *in, uint64_t file_size)
 {
     if (in->size >= STL_HEADER && file_size - STL_HEADER == stl_count(in) * STL_RECORD)
         return MESH_STL_BINARY;
-    size_t look = in->size < STL_LOOK ? in->size : STL_LOOK;
-    if (starts_with(in, "solid") && !memchr(in->bytes, 0, look))
+    size_t sniffed = in->size < STL_SNIFF ? in->size : STL_SNIFF;
+    if (starts_with(in, "solid") && !memchr(in->bytes, 0, sniffed))
         return MESH_STL_ASCII;
     return MESH_STL_BINARY;
 }
@@ -52,12 +52,12 @@ static const char *extension_of(const char *path)
 /* Refuses a binary STL by its first bytes and its size, before the remaining bytes are read. */
 static ost_status check_stl_header(const ost_file *file, const char *path, ost_error *err)
 {
-    uint8_t look[STL_LOOK + 1] = {0};
-    const ssize_t got = pread(file->fd, look, STL_LOOK, 0);
+    uint8_t sniffed[STL_SNIFF + 1] = {0};
+    const ssize_t got = pread(file->fd, sniffed, STL_SNIFF, 0);
     if (got < 0)
         return ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
-    const mesh_input in = {.path = path, .bytes = look, .size = (size_t)got};
-    if (in.size < STL_HEADER || memcmp(look, "ply", 3) == 0 || stl_kind(&in, (uint64_t)file->size) != MESH_STL_BINARY)
+    const mesh_input in = {.path = path, .bytes = sniffed, .size = (size_t)got};
+    if (in.size < STL_HEADER || memcmp(sniffed, "ply", 3) == 0 || stl_kind(&in, (uint64_t)file->size) != MESH_STL_BINARY)
         return OST_OK;
     return ost_mesh_check_stl_count(path, (uint64_t)file->size, stl_count(&in), err);
 }

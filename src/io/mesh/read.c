@@ -68,9 +68,9 @@ static memory_file *file_of(struct aiFile *handle)
 static size_t memory_read(struct aiFile *handle, char *out, size_t size, size_t count)
 {
     memory_file *file = file_of(handle);
-    size_t whole = size ? (file->in->size - file->at) / size : 0;
-    if (count > whole)
-        count = whole;
+    size_t elements = size ? (file->in->size - file->at) / size : 0;
+    if (count > elements)
+        count = elements;
     memcpy(out, file->in->bytes + file->at, count * size);
     file->at += count * size;
     return count;
@@ -82,7 +82,7 @@ static size_t memory_write(struct aiFile *handle, const char *bytes, size_t size
     return 0;
 }
 
-static size_t memory_tell(struct aiFile *handle)
+static size_t memory_position(struct aiFile *handle)
 {
     return file_of(handle)->at;
 }
@@ -119,7 +119,7 @@ static struct aiFile *memory_open(struct aiFileIO *io, const char *name, const c
     if (!file)
         return NULL;
     *file = (memory_file){.in = in};
-    file->handle = (struct aiFile){memory_read, memory_write, memory_tell, memory_size, memory_seek, memory_flush, NULL};
+    file->handle = (struct aiFile){memory_read, memory_write, memory_position, memory_size, memory_seek, memory_flush, NULL};
     file->handle.UserData = (char *)(void *)file;
     return &file->handle;
 }

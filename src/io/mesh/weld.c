@@ -16,7 +16,7 @@ static uint64_t mix(uint64_t z)
     return z ^ (z >> 31);
 }
 
-static uint64_t place(const ost_pm3 *p)
+static uint64_t hash(const ost_pm3 *p)
 {
     return mix(mix(mix((uint64_t)p->x) + (uint64_t)p->y) + (uint64_t)p->z);
 }
@@ -42,7 +42,7 @@ ost_status ost_mesh_weld(ost_mesh *mesh, ost_error *err)
     uint32_t kept = 0;
     for (size_t i = 0; i < mesh->vertex_count; i++) {
         const ost_pm3 p = mesh->vertices[i];
-        size_t slot = place(&p) & (slots - 1);
+        size_t slot = hash(&p) & (slots - 1);
         while (table[slot] != UINT32_MAX && !same(&mesh->vertices[table[slot]], &p))
             slot = (slot + 1) & (slots - 1);
         if (table[slot] == UINT32_MAX) {

@@ -73,31 +73,31 @@ ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, 
     return OST_OK;
 }
 
-/* Appends a formatted line; the caller's buffer is large enough (see EXTENSION_ROOM in write.c). */
-static size_t put(unsigned char *out, size_t room, size_t used, const char *key, const char *value)
+/* Appends a formatted line; the caller's buffer is large enough (see EXTENSION_CAPACITY in write.c). */
+static size_t put(unsigned char *out, size_t capacity, size_t used, const char *key, const char *value)
 {
-    int n = snprintf((char *)out + used, room - used, "%s%s: %s\n", prefix, key, value);
-    assert(n > 0 && (size_t)n < room - used);
+    int n = snprintf((char *)out + used, capacity - used, "%s%s: %s\n", prefix, key, value);
+    assert(n > 0 && (size_t)n < capacity - used);
     return used + (size_t)n;
 }
 
-static size_t put_lengths(unsigned char *out, size_t room, size_t used, const char *key, ost_pm3 v)
+static size_t put_lengths(unsigned char *out, size_t capacity, size_t used, const char *key, ost_pm3 v)
 {
     char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT], line[3 * OST_PM_TEXT + 3];
     snprintf(line, sizeof line, "%s %s %s", ost_pm_format(v.x, x), ost_pm_format(v.y, y), ost_pm_format(v.z, z));
-    return put(out, room, used, key, line);
+    return put(out, capacity, used, key, line);
 }
 
-size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geometry, unsigned char *out, size_t room)
+size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geometry, unsigned char *out, size_t capacity)
 {
-    memset(out, 0, room);
+    memset(out, 0, capacity);
     out[0] = 1;
     size_t used = 12;
-    used = put_lengths(out, room, used, OST_NIFTI_SPACING, geometry->spacing);
-    used = put_lengths(out, room, used, OST_NIFTI_ORIGIN, geometry->origin);
+    used = put_lengths(out, capacity, used, OST_NIFTI_SPACING, geometry->spacing);
+    used = put_lengths(out, capacity, used, OST_NIFTI_ORIGIN, geometry->origin);
     for (int i = 0; i < meta->count; i++)
         if (!ost_meta_key_is_geometry(meta->entry[i].key))
-            used = put(out, room, used, meta->entry[i].key, meta->entry[i].value);
+            used = put(out, capacity, used, meta->entry[i].key, meta->entry[i].value);
     uint32_t size = (uint32_t)((used - 4 + 15) / 16 * 16);
     for (int i = 0; i < 4; i++)
         out[4 + i] = (unsigned char)(size >> 8 * i);

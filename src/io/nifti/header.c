@@ -143,7 +143,7 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
 }
 
 /* Sets the spacing of a column that is straight except for noise to that of pixdim, if the two agree. */
-static void settle_spacing(ost_pm column[3], ost_pm pixdim)
+static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 {
     int major = 0;
     for (int w = 1; w < 3; w++)
@@ -189,7 +189,7 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
     }
     for (int a = 0; a < 3; a++)
         if (spacing[a] > 0)
-            settle_spacing(out->column[a], spacing[a]);
+            resolve_spacing(out->column[a], spacing[a]);
     return OST_OK;
 }
 

@@ -123,8 +123,8 @@ ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, o
     status = ost_volume_orientation(ost_input_path(input), options, &header.affine, &header.oriented, meta, report, err);
     if (status != OST_OK)
         return status;
-    status = ost_volume_settle(ost_input_path(input), &header.affine, header.sizes, options, header.oriented, &placement, geometry,
-                               report, err);
+    status = ost_volume_resolve(ost_input_path(input), &header.affine, header.sizes, options, header.oriented, &placement, geometry,
+                                report, err);
     if (status == OST_OK && out) {
         status = read_voxels(input, &header, options, &placement, geometry, out, report, err);
         if (status == OST_OK)

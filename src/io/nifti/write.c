@@ -25,7 +25,7 @@
 #include "io/nifti/extension.h"
 
 /* Bytes for OST_META_MAX lines of the greatest length, both exact lengths and the extension's own fields. */
-enum { EXTENSION_ROOM = OST_META_MAX * (OST_META_KEY + OST_META_VALUE + 16) + 512 };
+enum { EXTENSION_CAPACITY = OST_META_MAX * (OST_META_KEY + OST_META_VALUE + 16) + 512 };
 
 static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_header *h)
 {
@@ -63,10 +63,10 @@ static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_
 ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, bool compress,
                                   ost_error *err)
 {
-    unsigned char *extension = malloc(EXTENSION_ROOM);
+    unsigned char *extension = malloc(EXTENSION_CAPACITY);
     if (!extension)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a NIfTI header");
-    size_t size = ost_nifti_extension_format(meta, geometry, extension, EXTENSION_ROOM);
+    size_t size = ost_nifti_extension_format(meta, geometry, extension, EXTENSION_CAPACITY);
     nifti_1_header header;
     fill_header(geometry, size, &header);
     ost_status status = compress ? ost_volume_writer_pack(writer, err) : OST_OK;

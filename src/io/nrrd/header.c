@@ -30,17 +30,17 @@ static ost_nrrd_field find_field(const char *name)
 /* ------------------------------------------------------------------ lines */
 
 /* Appends one byte; the buffer doubles up to the limit. */
-static ost_status append(ost_nrrd_text *text, size_t *room, int byte, const char *path, ost_error *err)
+static ost_status append(ost_nrrd_text *text, size_t *capacity, int byte, const char *path, ost_error *err)
 {
     if (text->size == OST_NRRD_HEADER_MAX)
         return ost_fail(err, OST_ERR_INPUT, "%s: its header goes on after %d bytes; an empty line should end it", path, OST_NRRD_HEADER_MAX);
-    if (text->size == *room) {
-        size_t more = *room ? 2 * *room : 4096;
+    if (text->size == *capacity) {
+        size_t more = *capacity ? 2 * *capacity : 4096;
         char *bytes = realloc(text->bytes, more);
         if (!bytes)
             return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a header of %zu bytes", path, more);
         text->bytes = bytes;
-        *room = more;
+        *capacity = more;
     }
     text->bytes[text->size++] = (char)byte;
     return OST_OK;
@@ -50,7 +50,7 @@ static ost_status append(ost_nrrd_text *text, size_t *room, int byte, const char
  * Appends one line, terminated by NUL. Sets *ended at the end of the file, if no byte precedes it. *start is an
  * offset, because the buffer moves.
  */
-static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *room, size_t *start, bool *ended, ost_error *err)
+static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *capacity, size_t *start, bool *ended, ost_error *err)
 {
     const char *path = ost_input_path(input);
     *start = text->size;
@@ -70,9 +70,9 @@ static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *roo
         if (byte < 0 || byte == '\n') {
             if (text->size > *start && text->bytes[text->size - 1] == '\r')
                 text->bytes[text->size - 1] = 0;
-            return append(text, room, 0, path, err);
+            return append(text, capacity, 0, path, err);
         }
-        status = append(text, room, byte, path, err);
+        status = append(text, capacity, byte, path, err);
         if (status != OST_OK)
             return status;
     }
@@ -151,14 +151,14 @@ ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *e
 {
     const char *path = ost_input_path(input);
     memset(out, 0, sizeof *out);
-    size_t room = 0, list_start = 0;
+    size_t capacity = 0, list_start = 0;
     size_t *starts = NULL; /* of the field lines; these are split after the buffer has its final address */
-    size_t lines = 0, starts_room = 0;
+    size_t lines = 0, starts_capacity = 0;
     bool in_list = false, ended;
     ost_status status = OST_OK;
     for (;;) {
         size_t start;
-        status = append_line(input, out, &room, &start, &ended, err);
+        status = append_line(input, out, &capacity, &start, &ended, err);
         if (status != OST_OK || ended)
             break;
         if (lines == 0 && (status = check_magic(path, out->bytes + start, err)) != OST_OK)
@@ -167,15 +167,15 @@ ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *e
             continue;
         if (out->bytes[start] == 0)
             break;
-        if (lines == starts_room) {
-            size_t more = starts_room ? 2 * starts_room : 64;
+        if (lines == starts_capacity) {
+            size_t more = starts_capacity ? 2 * starts_capacity : 64;
             size_t *bigger = realloc(starts, more * sizeof *starts);
             if (!bigger) {
                 status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu header lines", path, more);
                 break;
             }
             starts = bigger;
-            starts_room = more;
+            starts_capacity = more;
         }
         starts[lines++] = start;
         const char *line = out->bytes + start;

@@ -50,7 +50,7 @@ typedef struct name_value {
 } name_value;
 
 /* Returns the value whose names include this one, without regard to case, or -1. */
-static int look_up(const name_value *table, size_t rows, const char *name, size_t length)
+static int lookup(const name_value *table, size_t rows, const char *name, size_t length)
 {
     for (size_t r = 0; r < rows; r++) {
         for (const char *s = table[r].names; *s;) {
@@ -63,10 +63,10 @@ static int look_up(const name_value *table, size_t rows, const char *name, size_
     return -1;
 }
 
-#define LOOK_UP(table, text) look_up(table, sizeof table / sizeof table[0], text, strlen(text))
+#define LOOKUP(table, text) lookup(table, sizeof table / sizeof table[0], text, strlen(text))
 
 /* Reads an integer that ends at a blank or at the end of the text. Returns false if there is none. */
-static bool read_whole(const char **p, int64_t *out)
+static bool read_integer(const char **p, int64_t *out)
 {
     ost_decimal d;
     const char *end = *p + strlen(*p);
@@ -103,14 +103,14 @@ static ost_status mean_elements(const meaning *m, ost_nrrd_header *out)
 {
     if (!value_of(m, OST_NRRD_TYPE))
         return missing(m, "type");
-    int type = LOOK_UP(types, value_of(m, OST_NRRD_TYPE));
+    int type = LOOKUP(types, value_of(m, OST_NRRD_TYPE));
     if (type < 0)
         return wrong(m, OST_NRRD_TYPE, "no type of a density; an integer type of 8 to 64 bits, float or double was expected");
     out->element = (ost_element)type;
 
     if (!value_of(m, OST_NRRD_ENCODING))
         return missing(m, "encoding");
-    int encoding = LOOK_UP(encodings, value_of(m, OST_NRRD_ENCODING));
+    int encoding = LOOKUP(encodings, value_of(m, OST_NRRD_ENCODING));
     if (encoding < 0)
         return wrong(m, OST_NRRD_ENCODING, "no encoding of the NRRD format; raw, gzip or text was expected");
     if (encoding == ENCODING_REFUSED)
@@ -130,11 +130,11 @@ static ost_status mean_skips(const meaning *m, ost_nrrd_header *out)
 {
     int64_t lines = 0;
     const char *p = value_of(m, OST_NRRD_LINE_SKIP);
-    if (p && (!read_whole(&p, &lines) || *p || lines < 0))
+    if (p && (!read_integer(&p, &lines) || *p || lines < 0))
         return wrong(m, OST_NRRD_LINE_SKIP, "a count of lines was expected");
     out->line_skip = (uint64_t)lines;
     p = value_of(m, OST_NRRD_BYTE_SKIP);
-    if (p && (!read_whole(&p, &out->byte_skip) || *p || out->byte_skip < -1))
+    if (p && (!read_integer(&p, &out->byte_skip) || *p || out->byte_skip < -1))
         return wrong(m, OST_NRRD_BYTE_SKIP, "a count of bytes, or -1 for data at the file's end, was expected");
     if (out->byte_skip == -1 && out->encoding != OST_NRRD_RAW)
         return wrong(m, OST_NRRD_BYTE_SKIP, "only raw data can be counted from the file's end");
@@ -149,7 +149,7 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
     const char *p = value_of(m, OST_NRRD_DIMENSION);
     if (!p)
         return missing(m, "dimension");
-    if (!read_whole(&p, &dimension) || *p || dimension < 1)
+    if (!read_integer(&p, &dimension) || *p || dimension < 1)
         return wrong(m, OST_NRRD_DIMENSION, "a count of axes was expected");
     const char *kinds = value_of(m, OST_NRRD_KINDS);
     if (dimension != 3)
@@ -160,7 +160,7 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
     if (!p)
         return missing(m, "sizes");
     for (int a = 0; a < 3; a++)
-        if (!read_whole(&p, &sizes[a]))
+        if (!read_integer(&p, &sizes[a]))
             return wrong(m, OST_NRRD_SIZES, "three whole numbers were expected");
     if (*p)
         return wrong(m, OST_NRRD_SIZES, "three whole numbers were expected, since there are three axes");
@@ -182,7 +182,7 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
         size_t n = strcspn(p, " \t");
         if (n == 0)
             return wrong(m, OST_NRRD_KINDS, "three kinds were expected");
-        if (look_up(plain, 1, p, n) < 0)
+        if (lookup(plain, 1, p, n) < 0)
             return wrong(m, OST_NRRD_KINDS, "three axes of space were expected (domain or space), not vectors, colours or time");
         p = blanks(p + n);
     }
@@ -205,7 +205,7 @@ static uint64_t unit_of(const char *name, size_t length)
     };
     if (length == 0)
         return (uint64_t)OST_PM_PER_MM;
-    int power = look_up(units, sizeof units / sizeof units[0], name, length);
+    int power = lookup(units, sizeof units / sizeof units[0], name, length);
     uint64_t pm = power < 0 ? 0 : 1;
     for (int i = 0; i < power; i++)
         pm *= 10;
@@ -261,13 +261,13 @@ static bool read_vector(const char **p, const uint64_t unit[3], ost_pm out[3])
 }
 
 /* The kinds of space; each determines the signs that convert its coordinates to LPS. */
-typedef enum space_kind { SPACE_AS_IT_STANDS, SPACE_LPS, SPACE_RAS, SPACE_LAS, SPACE_TIME } space_kind;
+typedef enum space_kind { SPACE_UNSPECIFIED, SPACE_LPS, SPACE_RAS, SPACE_LAS, SPACE_TIME } space_kind;
 
 static const name_value spaces[] = {
     {"left-posterior-superior|LPS", SPACE_LPS},
     {"right-anterior-superior|RAS", SPACE_RAS},
     {"left-anterior-superior|LAS", SPACE_LAS},
-    {"scanner-xyz|3D-right-handed|3D-left-handed", SPACE_AS_IT_STANDS},
+    {"scanner-xyz|3D-right-handed|3D-left-handed", SPACE_UNSPECIFIED},
     {"left-posterior-superior-time|LPST|right-anterior-superior-time|RAST|left-anterior-superior-time|LAST|scanner-xyz-time|"
      "3D-right-handed-time|3D-left-handed-time",
      SPACE_TIME},
@@ -306,17 +306,17 @@ static bool has_spacings(const meaning *m)
 
 static ost_status mean_space(const meaning *m, ost_nrrd_header *out)
 {
-    int space = SPACE_AS_IT_STANDS;
+    int space = SPACE_UNSPECIFIED;
     const char *name = value_of(m, OST_NRRD_SPACE), *p = value_of(m, OST_NRRD_SPACE_DIMENSION);
     int64_t dimension;
-    if (name && (space = LOOK_UP(spaces, name)) < 0)
+    if (name && (space = LOOKUP(spaces, name)) < 0)
         return wrong(m, OST_NRRD_SPACE, "a space that is not known here; left-posterior-superior (LPS), right-anterior-superior (RAS), "
                                         "left-anterior-superior (LAS), scanner-xyz, 3D-right-handed or 3D-left-handed was expected");
     if (space == SPACE_TIME)
         return wrong(m, OST_NRRD_SPACE, "a space with time; a CT has three axes of space");
     if (name && p)
         return wrong(m, OST_NRRD_SPACE_DIMENSION, "given beside 'space', which has its dimension already");
-    if (p && (!read_whole(&p, &dimension) || *p || dimension != 3))
+    if (p && (!read_integer(&p, &dimension) || *p || dimension != 3))
         return wrong(m, OST_NRRD_SPACE_DIMENSION, "3 was expected");
     bool has_space = name || value_of(m, OST_NRRD_SPACE_DIMENSION);
     static const ost_nrrd_field needs[] = {OST_NRRD_SPACE_DIRECTIONS, OST_NRRD_SPACE_ORIGIN, OST_NRRD_SPACE_UNITS};
@@ -352,7 +352,7 @@ static ost_status mean_space(const meaning *m, ost_nrrd_header *out)
         for (int a = 0; a < 3; a++)
             out->affine.column[a][w] = -out->affine.column[a][w];
     }
-    out->oriented = space != SPACE_AS_IT_STANDS;
+    out->oriented = space != SPACE_UNSPECIFIED;
     return OST_OK;
 }
 

@@ -51,11 +51,11 @@ static ost_status join(const ost_nrrd_parts *own, const char *name, char out[OST
  * pattern is never passed to printf.  Returns the number of conversions, or -1 for
  * any other conversion or if out is too small.
  */
-static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t room)
+static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t capacity)
 {
     int conversions = 0;
     size_t used = 0;
-    for (size_t i = 0; i < length && used + 1 < room; i++) {
+    for (size_t i = 0; i < length && used + 1 < capacity; i++) {
         if (pattern[i] != '%') {
             out[used++] = pattern[i];
             continue;
@@ -72,14 +72,14 @@ static int expand(const char *pattern, size_t length, int64_t number, char *out,
             width = width * 10 + (pattern[p++] - '0');
         if (p == length || (pattern[p] != 'd' && pattern[p] != 'i' && pattern[p] != 'u') || width > 20)
             return -1;
-        int n = snprintf(out + used, room - used, zeros ? "%0*lld" : "%*lld", width, (long long)number);
+        int n = snprintf(out + used, capacity - used, zeros ? "%0*lld" : "%*lld", width, (long long)number);
         used += n > 0 ? (size_t)n : 0;
-        if (used >= room)
+        if (used >= capacity)
             return -1;
         conversions++;
         i = p;
     }
-    out[used < room ? used : room - 1] = 0;
+    out[used < capacity ? used : capacity - 1] = 0;
     return conversions;
 }
 
@@ -235,12 +235,12 @@ static ost_status count_numbered(ost_nrrd_parts *own, int64_t *subdimension, boo
 
 static ost_status count_listed(ost_nrrd_parts *own, int64_t *subdimension, ost_error *err)
 {
-    const char *rest = own->text->field[OST_NRRD_DATA_FILE].value + 4;
-    rest += strspn(rest, " \t");
-    if (*rest) {
+    const char *tail = own->text->field[OST_NRRD_DATA_FILE].value + 4;
+    tail += strspn(tail, " \t");
+    if (*tail) {
         ost_decimal d;
         bool exact;
-        if (ost_decimal_read(rest, rest + strlen(rest), &d) != rest + strlen(rest) || !ost_decimal_scale(&d, 1, subdimension, &exact) ||
+        if (ost_decimal_read(tail, tail + strlen(tail), &d) != tail + strlen(tail) || !ost_decimal_scale(&d, 1, subdimension, &exact) ||
             !exact)
             return wrong(own, "LIST, with a number of axes at most, was expected", err);
     }
@@ -270,11 +270,11 @@ ost_status ost_nrrd_parts_init(ost_nrrd_parts *own, ost_parts *parts, const char
     if (status != OST_OK)
         return status;
 
-    uint64_t voxels = 1, whole = 1;
+    uint64_t voxels = 1, product = 1;
     for (int a = 0; a < 3; a++) {
         voxels *= (uint64_t)header->sizes[a];
         if (a < subdimension)
-            whole *= (uint64_t)header->sizes[a];
+            product *= (uint64_t)header->sizes[a];
     }
     uint64_t in_part = voxels;
     if (several) {
@@ -283,7 +283,7 @@ ost_status ost_nrrd_parts_init(ost_nrrd_parts *own, ost_parts *parts, const char
         if (own->count > OST_NRRD_PARTS_MAX)
             return ost_fail(err, OST_ERR_RANGE, "%s:%ld: %llu data files; at most %d are supported", path, value_line(own),
                             (unsigned long long)own->count, OST_NRRD_PARTS_MAX);
-        if (subdimension < 3 ? own->count != voxels / whole : (uint64_t)header->sizes[2] % own->count != 0)
+        if (subdimension < 3 ? own->count != voxels / product : (uint64_t)header->sizes[2] % own->count != 0)
             return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %llu data files of %lld axes each do not fit sizes %d %d %d", path,
                             value_line(own), (unsigned long long)own->count, (long long)subdimension, header->sizes[0],
                             header->sizes[1], header->sizes[2]);

@@ -55,7 +55,7 @@ ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, os
         status = ost_volume_orientation(path, options, &header.affine, &header.oriented, meta, report, err);
     }
     if (status == OST_OK)
-        status = ost_volume_settle(path, &header.affine, header.sizes, options, header.oriented, &placement, geometry, report, err);
+        status = ost_volume_resolve(path, &header.affine, header.sizes, options, header.oriented, &placement, geometry, report, err);
     if (status == OST_OK && out) {
         status = read_voxels(path, &text, &header, header_end, options, &placement, geometry, out, report, err);
         if (status == OST_OK)

@@ -24,9 +24,9 @@ static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *l
     } while (status == OST_OK && is_blank(byte));
     while (status == OST_OK && byte >= 0 && !is_blank(byte)) {
         if (*length == WORD_MAX || byte == 0) {
-            char place[OST_PLACE_TEXT];
+            char location[OST_LOCATION_TEXT];
             return ost_fail(err, OST_ERR_INPUT, "%s: at %s: no number; decimals separated by blanks were expected",
-                            ost_input_path(input), ost_input_place(input, *length + 1, place));
+                            ost_input_path(input), ost_input_location(input, *length + 1, location));
         }
         word[(*length)++] = (char)byte;
         status = ost_input_byte(input, &byte, err);
@@ -52,13 +52,13 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
 {
     ost_input *input = rows->parts->input;
     ost_converter *c = &rows->converter;
-    char word[WORD_MAX + 1], place[OST_PLACE_TEXT];
+    char word[WORD_MAX + 1], location[OST_LOCATION_TEXT];
     size_t length;
     ost_status status = read_word(input, word, &length, err);
     if (status != OST_OK)
         return status;
     /* The byte after the word has been consumed too, except at the end of the file. */
-    ost_input_place(input, length + (ost_input_file_left(input) > 0 || length == 0), place);
+    ost_input_location(input, length + (ost_input_file_left(input) > 0 || length == 0), location);
     if (length == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: ends after %lld of the %lld values that the header's sizes need", ost_input_path(input),
                         (long long)number, (long long)rows->sizes[0] * rows->sizes[1] * rows->sizes[2]);
@@ -66,16 +66,16 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     ost_bad bad = {OST_BAD_NAN, ""};
     snprintf(bad.value, sizeof bad.value, "%.30s", word);
     if (ost_decimal_read(word, word + length, &d) != word + length)
-        return ost_rows_bad(rows, number, ost_input_path(input), place, &bad, err);
+        return ost_rows_bad(rows, number, ost_input_path(input), location, &bad, err);
     int64_t value;
     bool exact = true;
     bool fits = ost_decimal_scale(&d, 1, &value, &exact);
     if (!type_holds(c->element, &d))
-        return ost_fail(err, OST_ERR_INPUT, "%s: at %s: %.30s is no %s", ost_input_path(input), place, word, ost_element_name(c->element));
+        return ost_fail(err, OST_ERR_INPUT, "%s: at %s: %.30s is no %s", ost_input_path(input), location, word, ost_element_name(c->element));
     if (!fits || value < INT16_MIN || value > INT16_MAX) {
         bad.kind = OST_BAD_RANGE;
         if (!c->clamp)
-            return ost_rows_bad(rows, number, ost_input_path(input), place, &bad, err);
+            return ost_rows_bad(rows, number, ost_input_path(input), location, &bad, err);
         value = (fits ? value < 0 : d.negative) ? INT16_MIN : INT16_MAX;
         c->clamped++;
         exact = true;

@@ -62,13 +62,13 @@ static void format_half(ost_pm value, char text[OST_PM_TEXT])
 }
 
 ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                 bool odd_half, bool compress, ost_error *err)
+                                 bool odd_voxel, bool compress, ost_error *err)
 {
     char length[6][OST_PM_TEXT], text[1024];
     const ost_pm lengths[6] = {geometry->spacing.x, geometry->spacing.y, geometry->spacing.z,
                                geometry->origin.x,  geometry->origin.y,  geometry->origin.z};
     for (int i = 0; i < 6; i++) {
-        if (odd_half && i >= 3)
+        if (odd_voxel && i >= 3)
             format_half(lengths[i], length[i]);
         else
             ost_pm_format(lengths[i], length[i]);

@@ -224,13 +224,13 @@ static void add_dataspace(h5 *f, int node)
 
 static void add_datatype(h5 *f, node_kind kind, uint64_t characters)
 {
-    const bool real = kind == REALS, whole = kind == WHOLES;
+    const bool real = kind == REALS, complete = kind == WHOLES;
     /*
      * Version 1 and the class, then the class's bits: for reals IEEE order and sign, for integers the sign, for text
      * null padding and UTF-8.
      */
-    add_number(f, real ? 0x11 : whole ? 0x10 : 0x13, 1);
-    add_number(f, real ? 0x3f20 : whole ? 0x08 : 0x11, 3);
+    add_number(f, real ? 0x11 : complete ? 0x10 : 0x13, 1);
+    add_number(f, real ? 0x3f20 : complete ? 0x08 : 0x11, 3);
     add_number(f, characters ? characters : 8, 4);
     if (kind == CHARACTERS)
         return;

@@ -97,11 +97,11 @@ static bool is_escaped(unsigned char c)
 
 ost_status ost_session_header_encode(const ost_session_header *header, unsigned char **out, uint32_t *size, ost_error *err)
 {
-    size_t room = 0;
+    size_t capacity = 0;
     for (int i = 0; i < header->count; i++)
-        room += strlen(header->entry[i].key) + 3 + 4 * strlen(header->entry[i].value);
-    room = (room + SESSION_ALIGN) / SESSION_ALIGN * SESSION_ALIGN;
-    unsigned char *bytes = calloc(1, room + SESSION_ALIGN), *p = bytes;
+        capacity += strlen(header->entry[i].key) + 3 + 4 * strlen(header->entry[i].value);
+    capacity = (capacity + SESSION_ALIGN) / SESSION_ALIGN * SESSION_ALIGN;
+    unsigned char *bytes = calloc(1, capacity + SESSION_ALIGN), *p = bytes;
     if (!bytes)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a session's header");
     for (int i = 0; i < header->count; i++) {

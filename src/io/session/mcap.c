@@ -68,7 +68,7 @@ static const struct {
 
 typedef struct bytes {
     unsigned char *p; /* owned */
-    size_t size, room;
+    size_t size, capacity;
     bool *failed;     /* set if an allocation fails; shared by all buffers of a file, so no failure is missed */
 } bytes;
 
@@ -77,15 +77,15 @@ static void add(bytes *b, const void *what, size_t size)
 {
     if (*b->failed || size == 0)
         return;
-    if (b->size + size > b->room) {
-        const size_t room = 2 * (b->size + size);
-        unsigned char *p = realloc(b->p, room);
+    if (b->size + size > b->capacity) {
+        const size_t capacity = 2 * (b->size + size);
+        unsigned char *p = realloc(b->p, capacity);
         if (!p) {
             *b->failed = true;
             return;
         }
         b->p = p;
-        b->room = room;
+        b->capacity = capacity;
     }
     memcpy(b->p + b->size, what, size);
     b->size += size;
@@ -369,13 +369,13 @@ static void add_value(bytes *b, const char *value)
         while (k <= more && (p[k] & 0xc0) == 0x80)
             k++;
         const uint32_t two = (uint32_t)p[0] << 8 | (more > 0 ? p[1] : 0u);
-        const bool whole = more >= 0 && k > more && !(two >= 0xe000 && two < 0xe0a0) && !(two >= 0xeda0 && two < 0xee00) &&
+        const bool complete = more >= 0 && k > more && !(two >= 0xe000 && two < 0xe0a0) && !(two >= 0xeda0 && two < 0xee00) &&
                            !(two >= 0xf000 && two < 0xf090) && !(two >= 0xf490 && two < 0xf500);
-        if (whole)
+        if (complete)
             add(b, p, (size_t)more + 1);
         else
             add(b, "?", 1);
-        p += whole ? more + 1 : 1;
+        p += complete ? more + 1 : 1;
     }
     end_array(b, from);
 }

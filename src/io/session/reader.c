@@ -34,15 +34,15 @@ typedef struct scan {
 } scan;
 
 /* Reads up to count bytes at offset place; *got is less only at the end of the file. */
-static ost_status read_at(const ost_session *s, uint64_t place, void *out, size_t count, size_t *got, ost_error *err)
+static ost_status read_at(const ost_session *s, uint64_t offset, void *out, size_t count, size_t *got, ost_error *err)
 {
     *got = 0;
     while (*got < count) {
-        ssize_t n = pread(s->fd, (char *)out + *got, count - *got, (off_t)(place + *got));
+        ssize_t n = pread(s->fd, (char *)out + *got, count - *got, (off_t)(offset + *got));
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
-            return ost_fail(err, OST_ERR_IO, "%s: cannot be read at byte %llu: %s", s->path, (unsigned long long)(place + *got),
+            return ost_fail(err, OST_ERR_IO, "%s: cannot be read at byte %llu: %s", s->path, (unsigned long long)(offset + *got),
                             strerror(errno));
         if (n == 0)
             break;
@@ -51,17 +51,17 @@ static ost_status read_at(const ost_session *s, uint64_t place, void *out, size_
     return OST_OK;
 }
 
-static ost_status keep_block(ost_session *s, const session_block *block, uint64_t at, ost_error *err)
+static ost_status store_block(ost_session *s, const session_block *block, uint64_t at, ost_error *err)
 {
-    if (s->block_count == s->block_room) {
-        const size_t room = s->block_room ? 2 * s->block_room : 256;
-        session_place *grown = realloc(s->blocks, room * sizeof *grown);
+    if (s->block_count == s->block_capacity) {
+        const size_t capacity = s->block_capacity ? 2 * s->block_capacity : 256;
+        session_block_place *grown = realloc(s->blocks, capacity * sizeof *grown);
         if (!grown)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a list of %zu blocks", s->path, room);
+            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a list of %zu blocks", s->path, capacity);
         s->blocks = grown;
-        s->block_room = room;
+        s->block_capacity = capacity;
     }
-    s->blocks[s->block_count++] = (session_place){.at = at, .first_record = block->first_record, .lost = block->lost, .records = block->records};
+    s->blocks[s->block_count++] = (session_block_place){.at = at, .first_record = block->first_record, .lost = block->lost, .records = block->records};
     return OST_OK;
 }
 
@@ -86,7 +86,7 @@ static void count_ticks(scan *c, const session_block *block)
         sum->last_tick = tick->number;
         sum->last_t_ns = tick->tick.t_ns;
         sum->ticks++;
-        sum->whole_ticks += !c->gap;
+        sum->complete_ticks += !c->gap;
     }
 }
 
@@ -125,7 +125,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
     s->summary.records += block->records;
     s->summary.lost_records = block->lost;
     count_ticks(c, block);
-    return keep_block(s, block, c->at, err);
+    return store_block(s, block, c->at, err);
 }
 
 /* Returns true if a block with a valid block header can follow the blocks before it. */
@@ -156,9 +156,9 @@ static ost_status scan_one(scan *c, bool *done, ost_error *err)
         status = read_at(s, c->at + SESSION_BLOCK, s->payload, block.payload, &got, err);
         if (status != OST_OK)
             return status;
-        const bool whole = got == block.payload && ost_session_crc(s->payload, block.payload) == block.payload_crc &&
+        const bool complete = got == block.payload && ost_session_crc(s->payload, block.payload) == block.payload_crc &&
                            (block.kind != SESSION_KIND_HEADER || block.identity == block.payload_crc);
-        if (whole) {
+        if (complete) {
             status = take_block(c, &block, err);
             c->at += SESSION_BLOCK + block.payload;
             return status;
@@ -183,8 +183,8 @@ static ost_status scan_all(ost_session *s, uint64_t size, ost_error *err)
         status = scan_one(&c, &done, err);
     if (status != OST_OK)
         return status;
-    const uint64_t whole_to = c.damage_from < c.size ? c.damage_from : c.at < c.size ? c.at : c.size;
-    s->summary.cut_bytes = c.size - whole_to;
+    const uint64_t complete_to = c.damage_from < c.size ? c.damage_from : c.at < c.size ? c.at : c.size;
+    s->summary.cut_bytes = c.size - complete_to;
     s->summary.file_bytes = c.size;
     s->summary.header_damaged = s->header_copies < 2;
     if (!c.have_header && s->summary.blocks == 0 && s->summary.cut_bytes == c.size) {
@@ -256,18 +256,18 @@ void ost_session_rewind(ost_session *session)
 
 ost_status ost_session_load(ost_session *s, size_t block, ost_error *err)
 {
-    const session_place *place = &s->blocks[block];
-    const size_t bytes = (size_t)place->records * SESSION_RECORD;
+    const session_block_place *offset = &s->blocks[block];
+    const size_t bytes = (size_t)offset->records * SESSION_RECORD;
     unsigned char own[SESSION_BLOCK];
     session_block head;
     size_t got = 0;
-    ost_status status = read_at(s, place->at, own, sizeof own, &got, err);
+    ost_status status = read_at(s, offset->at, own, sizeof own, &got, err);
     if (status == OST_OK && got == sizeof own)
-        status = read_at(s, place->at + SESSION_BLOCK, s->payload, bytes, &got, err);
+        status = read_at(s, offset->at + SESSION_BLOCK, s->payload, bytes, &got, err);
     if (status != OST_OK)
         return status;
     if (got != bytes || !ost_session_block_decode(own, &head) || ost_session_crc(s->payload, bytes) != head.payload_crc)
-        return ost_fail(err, OST_ERR_IO, "%s: changed at byte %llu while it was read", s->path, (unsigned long long)place->at);
+        return ost_fail(err, OST_ERR_IO, "%s: changed at byte %llu while it was read", s->path, (unsigned long long)offset->at);
     return OST_OK;
 }
 
@@ -320,8 +320,8 @@ const char *ost_session_missing(const ost_session *session, char text[OST_SESSIO
         add(text, "%llu records are missing there", (unsigned long long)s->missing_records);
     if (s->lost_records)
         add(text, "%llu records were lost while it was recorded", (unsigned long long)s->lost_records);
-    if (s->whole_ticks < s->ticks)
-        add(text, "only the first %llu of its %llu ticks can be done again", (unsigned long long)s->whole_ticks, (unsigned long long)s->ticks);
+    if (s->complete_ticks < s->ticks)
+        add(text, "only the first %llu of its %llu ticks can be done again", (unsigned long long)s->complete_ticks, (unsigned long long)s->ticks);
     if (s->header_damaged)
         add(text, "one of the two copies of its header is damaged");
     return text;
@@ -329,7 +329,7 @@ const char *ost_session_missing(const ost_session *session, char text[OST_SESSIO
 
 ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err)
 {
-    const uint64_t count = session->summary.whole_ticks;
+    const uint64_t count = session->summary.complete_ticks;
     *out = (ost_path){0};
     if (count == 0 || count > OST_PATH_TICKS_MAX)
         return ost_fail(err, OST_ERR_INPUT, "%s: has %llu ticks that can be done again; 1 to %d are supported", session->path,

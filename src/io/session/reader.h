@@ -5,10 +5,10 @@
 
 #include "io/session/layout.h"
 
-typedef struct session_place {
+typedef struct session_block_place {
     uint64_t at, first_record, lost;
     uint32_t records;
-} session_place;
+} session_block_place;
 
 struct ost_session {
     int fd;
@@ -17,8 +17,8 @@ struct ost_session {
     int header_copies;
     uint32_t identity;
     ost_session_summary summary;
-    session_place *blocks;      /* owned; the valid blocks that contain records */
-    size_t block_count, block_room;
+    session_block_place *blocks; /* owned; the valid blocks that contain records */
+    size_t block_count, block_capacity;
     unsigned char *payload;     /* owned; the payload of one block */
     /* The position of ost_session_next. */
     size_t next_block;

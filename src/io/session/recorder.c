@@ -33,12 +33,12 @@
 enum { MOST = 1000 };
 _Static_assert(MOST <= (int)SESSION_BLOCK_RECORDS, "readers have room for a block");
 
-enum { ROOM = 65536, ROOM_MAX = 1 << 24, LOOK_MS = 25, RETRY_MS = 250, PATIENCE_MS = 10000 };
+enum { CAPACITY = 65536, CAPACITY_MAX = 1 << 24, POLL_MS = 25, RETRY_MS = 250, PATIENCE_MS = 10000 };
 
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    bool impatient; /* of the producer: after a long failure of the disk, ost_recorder_put_patiently no longer waits */
+    bool impatient; /* of the producer: after a long failure of the disk, ost_recorder_put_waiting no longer waits */
 
     char *name;  /* owned */
     int fd;      /* of the file; -1 with a sink from the caller */
@@ -154,7 +154,7 @@ static void *work(void *user)
         struct timespec now;
         clock_gettime(CLOCK_MONOTONIC, &now);
         next = now;
-        next.tv_nsec += (atomic_load(&r->failing) ? RETRY_MS : LOOK_MS) * 1000000L;
+        next.tv_nsec += (atomic_load(&r->failing) ? RETRY_MS : POLL_MS) * 1000000L;
         next.tv_sec += next.tv_nsec / 1000000000L;
         next.tv_nsec %= 1000000000L;
         while (!atomic_load(&r->stop) && pthread_cond_timedwait(&r->wake, &r->wake_lock, &next) != ETIMEDOUT)
@@ -210,10 +210,10 @@ static void recorder_free(ost_recorder *r)
 static ost_status recorder_make(const char *name, const ost_recorder_options *options, ost_recorder **out, ost_error *err)
 {
     const ost_recorder_options chosen = options ? *options : (ost_recorder_options){0};
-    const uint32_t room = chosen.room ? chosen.room : ROOM;
+    const uint32_t capacity = chosen.capacity ? chosen.capacity : CAPACITY;
     *out = NULL;
-    if (room > ROOM_MAX || (room & (room - 1)) != 0)
-        return ost_fail(err, OST_ERR_USAGE, "a recorder's room of %u records; a power of two up to %d is needed", (unsigned)room, ROOM_MAX);
+    if (capacity > CAPACITY_MAX || (capacity & (capacity - 1)) != 0)
+        return ost_fail(err, OST_ERR_USAGE, "a recorder's room of %u records; a power of two up to %d is needed", (unsigned)capacity, CAPACITY_MAX);
     /* aligned_alloc, because the ring's numbers need cache lines of their own, which calloc does not align. */
     const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
     ost_recorder *r = aligned_alloc(RING_LINE, size);
@@ -224,9 +224,9 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     r->sync = !chosen.no_sync;
     r->name = strdup(name);
     r->block = malloc(SESSION_BLOCK + SESSION_PAYLOAD_MAX);
-    if (!r->name || !r->block || !ring_open(&r->ring, room)) {
+    if (!r->name || !r->block || !ring_open(&r->ring, capacity)) {
         recorder_free(r);
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a recorder of %u records", name, (unsigned)room);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a recorder of %u records", name, (unsigned)capacity);
     }
     *out = r;
     return OST_OK;
@@ -321,7 +321,7 @@ bool ost_recorder_put(ost_recorder *recorder, const ost_record *record)
     return true;
 }
 
-bool ost_recorder_put_patiently(ost_recorder *recorder, const ost_record *record)
+bool ost_recorder_put_waiting(ost_recorder *recorder, const ost_record *record)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
     for (int ms = 0; !ring_slot(&recorder->ring) && !recorder->impatient; ms++) {

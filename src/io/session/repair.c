@@ -53,13 +53,13 @@ ost_status ost_session_repair(ost_session *session, const char *out, ost_error *
     if (status == OST_OK && ost_session_write_header(&writer, header, header_size) != 0)
         status = c.status != OST_OK ? c.status : ost_fail(err, OST_ERR_MEMORY, "no memory for a session's header");
     for (size_t b = 0; b < session->block_count && status == OST_OK; b++) {
-        const session_place *place = &session->blocks[b];
+        const session_block_place *block = &session->blocks[b];
         status = ost_session_load(session, b, err);
         if (status != OST_OK)
             break;
-        memcpy(bytes + SESSION_BLOCK, session->payload, (size_t)place->records * SESSION_RECORD);
-        writer.records = place->first_record;
-        if (ost_session_write_records(&writer, bytes + SESSION_BLOCK, place->records, place->lost) != 0)
+        memcpy(bytes + SESSION_BLOCK, session->payload, (size_t)block->records * SESSION_RECORD);
+        writer.records = block->first_record;
+        if (ost_session_write_records(&writer, bytes + SESSION_BLOCK, block->records, block->lost) != 0)
             status = c.status;
     }
     ost_session_rewind(session);

@@ -24,20 +24,20 @@ enum { RING_LINE = 64 };
 
 typedef struct session_ring {
     unsigned char *slots; /* owned; capacity for `room` records */
-    uint64_t room;        /* a power of two */
+    uint64_t capacity;    /* a power of two */
     _Alignas(RING_LINE) _Atomic uint64_t head;
     uint64_t tail_known; /* the last tail that the producer has read */
     _Alignas(RING_LINE) _Atomic uint64_t tail;
 } session_ring;
 
 /* Allocates the ring and touches every page, so that no page fault occurs during a tick. */
-static inline bool ring_open(session_ring *ring, uint64_t room)
+static inline bool ring_open(session_ring *ring, uint64_t capacity)
 {
-    ring->slots = malloc(room * SESSION_RECORD);
+    ring->slots = malloc(capacity * SESSION_RECORD);
     if (!ring->slots)
         return false;
-    memset(ring->slots, 0xff, room * SESSION_RECORD);
-    ring->room = room;
+    memset(ring->slots, 0xff, capacity * SESSION_RECORD);
+    ring->capacity = capacity;
     return true;
 }
 
@@ -50,12 +50,12 @@ static inline void ring_close(session_ring *ring)
 static inline unsigned char *ring_slot(session_ring *ring)
 {
     const uint64_t head = atomic_load_explicit(&ring->head, memory_order_relaxed);
-    if (head - ring->tail_known == ring->room) {
+    if (head - ring->tail_known == ring->capacity) {
         ring->tail_known = atomic_load_explicit(&ring->tail, memory_order_acquire);
-        if (head - ring->tail_known == ring->room)
+        if (head - ring->tail_known == ring->capacity)
             return NULL;
     }
-    return ring->slots + (head & (ring->room - 1)) * SESSION_RECORD;
+    return ring->slots + (head & (ring->capacity - 1)) * SESSION_RECORD;
 }
 
 static inline void ring_push(session_ring *ring)
@@ -71,8 +71,8 @@ static inline uint64_t ring_waiting(session_ring *ring)
 
 static inline void ring_copy(const session_ring *ring, unsigned char *out, uint64_t count)
 {
-    const uint64_t at = atomic_load_explicit(&ring->tail, memory_order_relaxed) & (ring->room - 1);
-    const uint64_t first = count < ring->room - at ? count : ring->room - at;
+    const uint64_t at = atomic_load_explicit(&ring->tail, memory_order_relaxed) & (ring->capacity - 1);
+    const uint64_t first = count < ring->capacity - at ? count : ring->capacity - at;
     memcpy(out, ring->slots + at * SESSION_RECORD, first * SESSION_RECORD);
     memcpy(out + first * SESSION_RECORD, ring->slots, (count - first) * SESSION_RECORD);
 }

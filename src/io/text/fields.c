@@ -8,8 +8,8 @@
 
 const char *ost_text_quote(const char *field, const char *end, char quote[OST_TEXT_QUOTE])
 {
-    size_t length = (size_t)(end - field), room = OST_TEXT_QUOTE - 1;
-    size_t taken = length <= room ? length : room - 3;
+    size_t length = (size_t)(end - field), capacity = OST_TEXT_QUOTE - 1;
+    size_t taken = length <= capacity ? length : capacity - 3;
     for (size_t i = 0; i < taken; i++)
         quote[i] = field[i] ? field[i] : '?';
     quote[taken] = 0;

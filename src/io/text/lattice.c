@@ -194,13 +194,13 @@ static side probe_axis(const fit *f, int64_t s, int64_t slack)
     int64_t most = INT64_MIN, least = INT64_MAX;
     int32_t k_most = 0, k_least = 0;
     for (size_t i = 0; i < f->axis->count; i++) {
-        int64_t rest = span(f, i) - f->steps[i] * s;
-        if (rest > most) {
-            most = rest;
+        int64_t remainder = span(f, i) - f->steps[i] * s;
+        if (remainder > most) {
+            most = remainder;
             k_most = f->steps[i];
         }
-        if (rest < least) {
-            least = rest;
+        if (remainder < least) {
+            least = remainder;
             k_least = f->steps[i];
         }
     }

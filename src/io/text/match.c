@@ -19,9 +19,9 @@ static size_t match(const ost_text_pattern *pattern, const ost_text_column *colu
     size_t i = 0;
     const size_t before = pattern->before.length, after = pattern->after.length;
     for (; i < lines && text < end; i++) {
-        const char *column = text + before, *rest = column + lengths[i], *q = rest + after;
+        const char *column = text + before, *tail = column + lengths[i], *q = tail + after;
         if (memcmp(text, pattern->before.text, before) != 0 || memcmp(column, columns[i].text, lengths[i]) != 0 ||
-            memcmp(rest, pattern->after.text, after) != 0)
+            memcmp(tail, pattern->after.text, after) != 0)
             break;
         uint64_t w = ost_text_word(q);
         int64_t bytes = ost_text_bytes_of_line(w);

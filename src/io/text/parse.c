@@ -142,13 +142,13 @@ static ost_status parse_other(ost_text_parser *parser, const char *p, const char
     return OST_OK;
 }
 
-ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t room, size_t *count,
+ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t capacity, size_t *count,
                           ost_error *err)
 {
     ost_status status = OST_OK;
     size_t filled = 0;
     const char *p = block->begin;
-    while (p < block->end && filled < room && status == OST_OK) {
+    while (p < block->end && filled < capacity && status == OST_OK) {
         const char *newline = memchr(p, '\n', (size_t)(block->end - p));
         const char *end = newline > p && newline[-1] == '\r' ? newline - 1 : newline;
         parser->line++;

@@ -265,12 +265,12 @@ static void report_progress(const reading *r, shared *s)
     }
 }
 
-static int thread_count(int asked)
+static int thread_count(int requested)
 {
 #if defined _OPENMP
-    return asked > 0 ? asked : omp_get_max_threads();
+    return requested > 0 ? requested : omp_get_max_threads();
 #else
-    (void)asked;
+    (void)requested;
     return 1;
 #endif
 }
@@ -516,7 +516,7 @@ void ost_text_raster_free(ost_text_raster *raster)
 }
 
 /* Returns true unless the text's own dims show that it is incomplete. */
-static bool is_whole(const ost_text_summary *summary, int64_t voxels, bool terminated)
+static bool is_complete(const ost_text_summary *summary, int64_t voxels, bool terminated)
 {
     const ost_text_own *dims = &summary->own_dims;
     return dims->line == 0 || (terminated && dims->value[0] * dims->value[1] * dims->value[2] == voxels);
@@ -556,7 +556,7 @@ ost_status ost_text_raster_read(const char *path, const ost_text_raster_options 
     bool good = file.size > 0 && learn(&r, &terminated);
     if (good) {
         int64_t voxels = (int64_t)raster->count[0] * raster->count[1] * raster->count[2];
-        good = voxels <= (r.plan.end - r.plan.begin + 1) / LINE_MIN && is_whole(summary, voxels, terminated) && map_voxels(raster, voxels) &&
+        good = voxels <= (r.plan.end - r.plan.begin + 1) / LINE_MIN && is_complete(summary, voxels, terminated) && map_voxels(raster, voxels) &&
                walk_all(&r, voxels, &cancelled) && summarise(&r, voxels) && is_sound(&r);
     }
     close(r.plan.fd);

@@ -176,7 +176,7 @@ static ost_status hash_rows(ost_hasher *hasher, const ost_text_row *rows, size_t
     return ost_hasher_add(hasher, records, count * sizeof records[0], err);
 }
 
-static ost_status check_whole(const ost_text_source *source, const ost_text_summary *summary, ost_error *err)
+static ost_status check_complete(const ost_text_source *source, const ost_text_summary *summary, ost_error *err)
 {
     const char *path = source->parser.path;
     int64_t lines = source->parser.line;
@@ -234,7 +234,7 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
     source->parser.fact = NULL;
     free(rows);
     if (status == OST_OK)
-        status = check_whole(source, summary, err);
+        status = check_complete(source, summary, err);
     for (int a = 0; a < 3 && status == OST_OK; a++)
         set_sort(&summary->axis[a]);
     return status;
@@ -298,9 +298,9 @@ static ost_status check_origin(const char *path, const ost_text_summary *summary
     int64_t off = summary->axis[a].min - summary->own_origin.value[a];
     if (8 * (off < 0 ? -off : off) <= spacing)
         return OST_OK;
-    char said[OST_PM_TEXT], is[OST_PM_TEXT];
+    char stated[OST_PM_TEXT], is[OST_PM_TEXT];
     return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the text's own origin is %c = %s mm, but its lowest is %s mm", path,
-                    (long long)summary->own_origin.line, "xyz"[a], ost_pm_format(summary->own_origin.value[a], said),
+                    (long long)summary->own_origin.line, "xyz"[a], ost_pm_format(summary->own_origin.value[a], stated),
                     ost_pm_format(summary->axis[a].min, is));
 }
 

@@ -26,7 +26,7 @@ typedef struct ost_text_source {
 
 ost_status ost_text_source_open(ost_text_source *source, const char *path, ost_error *err);
 /* Reads the next rows. *count == 0 means that the file has ended. */
-ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t room, size_t *count, ost_error *err);
+ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t capacity, size_t *count, ost_error *err);
 ost_status ost_text_source_rewind(ost_text_source *source, ost_error *err);
 void ost_text_source_close(ost_text_source *source);
 

@@ -8,7 +8,7 @@ ost_status ost_text_source_open(ost_text_source *source, const char *path, ost_e
     return ost_text_lines_open(path, &source->lines, err);
 }
 
-ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t room, size_t *count, ost_error *err)
+ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t capacity, size_t *count, ost_error *err)
 {
     *count = 0;
     while (*count == 0) {
@@ -17,7 +17,7 @@ ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, siz
             if (status != OST_OK || source->block.begin == source->block.end)
                 return status;
         }
-        ost_status status = ost_text_parse(&source->parser, &source->block, rows, room, count, err);
+        ost_status status = ost_text_parse(&source->parser, &source->block, rows, capacity, count, err);
         if (status != OST_OK)
             return status;
     }

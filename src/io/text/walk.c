@@ -173,7 +173,7 @@ static void enter_slice(ost_text_walker *walker, ost_pm slow)
 }
 
 /* Determines the position of the first line of a piece from its coordinates. */
-static bool place(ost_text_walker *walker, const ost_pm by_rank[3])
+static bool place_row(ost_text_walker *walker, const ost_pm by_rank[3])
 {
     const ost_text_raster *raster = walker->plan->raster;
     int32_t i = find(raster->at[0], raster->count[0], by_rank[0]);
@@ -239,7 +239,7 @@ static bool parse_line(ost_text_walker *walker, const char *p, const char *newli
         return false;
     const ost_pm by_rank[3] = {row.position[raster->axis[0]], row.position[raster->axis[1]], row.position[raster->axis[2]]};
     if (!walker->placed) {
-        if (!place(walker, by_rank))
+        if (!place_row(walker, by_rank))
             return false;
     } else if (walker->at[0] == raster->count[0]) {
         if (!next_row(walker, by_rank))
@@ -358,8 +358,8 @@ bool ost_text_walk(ost_text_walker *walker, int64_t begin, int64_t end, bool ins
     int64_t at = inside ? begin - 1 : begin;
     bool more = true;
     while (more && !walker->done) {
-        size_t want = end - at < CHUNK ? (size_t)(end - at) : CHUNK, got;
-        if (!read_at(plan->fd, text + filled, want, at, &got) || got < want)
+        size_t wanted = end - at < CHUNK ? (size_t)(end - at) : CHUNK, got;
+        if (!read_at(plan->fd, text + filled, wanted, at, &got) || got < wanted)
             return false;
         at += (int64_t)got;
         filled += got;

@@ -34,17 +34,17 @@ static number format_position(ost_pm value, int decimals)
 {
     int64_t units = ost_rhe_div(value, unit_of(decimals));
     bool negative = units < 0;
-    uint64_t rest = (uint64_t)(negative ? -units : units);
+    uint64_t remainder = (uint64_t)(negative ? -units : units);
     char digits[NUMBER];
     int at = NUMBER;
-    for (int i = 0; i < decimals; i++, rest /= 10)
-        digits[--at] = (char)('0' + rest % 10);
+    for (int i = 0; i < decimals; i++, remainder /= 10)
+        digits[--at] = (char)('0' + remainder % 10);
     if (decimals > 0)
         digits[--at] = '.';
     do {
-        digits[--at] = (char)('0' + rest % 10);
-        rest /= 10;
-    } while (rest > 0);
+        digits[--at] = (char)('0' + remainder % 10);
+        remainder /= 10;
+    } while (remainder > 0);
     if (negative)
         digits[--at] = '-';
     number n = {.length = NUMBER - at};
@@ -68,13 +68,13 @@ static char *put(char *to, const char *text, int length)
 
 static char *put_density(char *to, int16_t density)
 {
-    unsigned rest = density < 0 ? (unsigned)-density : (unsigned)density;
+    unsigned remainder = density < 0 ? (unsigned)-density : (unsigned)density;
     char digits[6];
     int at = sizeof digits;
     do {
-        digits[--at] = (char)('0' + rest % 10);
-        rest /= 10;
-    } while (rest > 0);
+        digits[--at] = (char)('0' + remainder % 10);
+        remainder /= 10;
+    } while (remainder > 0);
     if (density < 0)
         *to++ = '-';
     return put(to, digits + at, (int)sizeof digits - at);

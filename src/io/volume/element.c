@@ -85,20 +85,20 @@ static int binary_round(ost_binary value, int32_t *out, bool *exact)
         return 0;
     }
     int shift = -value.exponent; /* 1..53 */
-    int64_t whole = value.mantissa >> shift; /* floor */
-    int64_t rest = value.mantissa & ((INT64_C(1) << shift) - 1);
+    int64_t integral = value.mantissa >> shift; /* floor */
+    int64_t remainder = value.mantissa & ((INT64_C(1) << shift) - 1);
     int64_t half = INT64_C(1) << (shift - 1);
-    whole += rest > half || (rest == half && (whole & 1));
-    if (whole > INT32_MAX || whole < INT32_MIN)
-        return sign_of(whole);
-    *out = (int32_t)whole;
-    *exact = rest == 0;
+    integral += remainder > half || (remainder == half && (integral & 1));
+    if (integral > INT32_MAX || integral < INT32_MIN)
+        return sign_of(integral);
+    *out = (int32_t)integral;
+    *exact = remainder == 0;
     return 0;
 }
 
 /* ----------------------------------------------------------------- scaling */
 
-enum { SCALE_BITS = 78, SCALE_WHOLE = 47 };
+enum { SCALE_BITS = 78, SCALE_INTEGER = 47 };
 
 /*
  * Computes floor(mantissa * 2^(exponent + 78)), |mantissa| < 2^117. Returns false if
@@ -114,14 +114,14 @@ static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
     if (shift <= 0) {
         *out = mantissa >> (shift < -126 ? 126 : -shift);
     } else {
-        if (shift >= SCALE_BITS + SCALE_WHOLE)
+        if (shift >= SCALE_BITS + SCALE_INTEGER)
             return false;
-        ost_i128 limit = (ost_i128)1 << (SCALE_BITS + SCALE_WHOLE - shift);
+        ost_i128 limit = (ost_i128)1 << (SCALE_BITS + SCALE_INTEGER - shift);
         if (mantissa >= limit || mantissa <= -limit)
             return false;
         *out = mantissa * ((ost_i128)1 << shift);
     }
-    ost_i128 limit = (ost_i128)1 << (SCALE_BITS + SCALE_WHOLE);
+    ost_i128 limit = (ost_i128)1 << (SCALE_BITS + SCALE_INTEGER);
     return *out < limit && *out > -limit;
 }
 
@@ -138,10 +138,10 @@ static int scale_value(const ost_converter *c, ost_i128 mantissa, int exponent, 
         return sign_of(c->intercept.mantissa);
     ost_i128 sum = product + intercept;
     ost_i128 one = (ost_i128)1 << SCALE_BITS;
-    ost_i128 whole = ost_rhe_div128(sum, one);
-    if (whole > INT32_MAX || whole < INT32_MIN)
-        return sign_of(whole);
-    *out = (int32_t)whole;
+    ost_i128 integral = ost_rhe_div128(sum, one);
+    if (integral > INT32_MAX || integral < INT32_MIN)
+        return sign_of(integral);
+    *out = (int32_t)integral;
     *exact = (sum & (one - 1)) == 0;
     return 0;
 }

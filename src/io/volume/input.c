@@ -108,9 +108,9 @@ uint64_t ost_input_at_most(const ost_input *input)
     return (left + 8) * DEFLATE_LIMIT + (input->out_end - input->out_at);
 }
 
-char *ost_input_place(const ost_input *input, uint64_t back, char text[OST_PLACE_TEXT])
+char *ost_input_location(const ost_input *input, uint64_t back, char text[OST_LOCATION_TEXT])
 {
-    snprintf(text, OST_PLACE_TEXT, "byte %llu%s", (unsigned long long)(ost_input_offset(input) - back),
+    snprintf(text, OST_LOCATION_TEXT, "byte %llu%s", (unsigned long long)(ost_input_offset(input) - back),
              input->packed ? " of the unpacked data" : "");
     return text;
 }
@@ -234,11 +234,11 @@ static void take(ost_input *input, size_t count)
         input->raw_at += count;
 }
 
-ost_status ost_input_read(ost_input *input, void *bytes, size_t want, size_t *got, ost_error *err)
+ost_status ost_input_read(ost_input *input, void *bytes, size_t wanted, size_t *got, ost_error *err)
 {
     unsigned char *to = bytes;
     *got = 0;
-    while (*got < want) {
+    while (*got < wanted) {
         const unsigned char *from;
         size_t count;
         ost_status status = have(input, &from, &count, err);
@@ -246,8 +246,8 @@ ost_status ost_input_read(ost_input *input, void *bytes, size_t want, size_t *go
             return status;
         if (count == 0)
             break;
-        if (count > want - *got)
-            count = want - *got;
+        if (count > wanted - *got)
+            count = wanted - *got;
         memcpy(to + *got, from, count);
         take(input, count);
         *got += count;
@@ -280,7 +280,7 @@ ost_status ost_input_skip(ost_input *input, uint64_t count, ost_error *err)
                             (unsigned long long)input->file_bytes, (unsigned long long)count, (unsigned long long)at);
         return ost_input_seek(input, at + count, err);
     }
-    for (uint64_t rest = count; rest > 0;) {
+    for (uint64_t remaining = count; remaining > 0;) {
         const unsigned char *from;
         size_t there;
         ost_status status = have(input, &from, &there, err);
@@ -289,10 +289,10 @@ ost_status ost_input_skip(ost_input *input, uint64_t count, ost_error *err)
         if (there == 0)
             return ost_fail(err, OST_ERR_INPUT, "%s: unpacks to %llu bytes, but %llu were to be skipped", input->path,
                             (unsigned long long)input->unpacked, (unsigned long long)count);
-        if (there > rest)
-            there = (size_t)rest;
+        if (there > remaining)
+            there = (size_t)remaining;
         take(input, there);
-        rest -= there;
+        remaining -= there;
     }
     return OST_OK;
 }
@@ -304,10 +304,10 @@ ost_status ost_input_expect_end(ost_input *input, ost_error *err)
     ost_status status = have(input, &from, &count, err);
     if (status != OST_OK || count == 0)
         return status;
-    char place[OST_PLACE_TEXT];
+    char location[OST_LOCATION_TEXT];
     if (input->packed)
         return ost_fail(err, OST_ERR_INPUT, "%s: data go on at %s, where the header's sizes say they end", input->path,
-                        ost_input_place(input, 0, place));
+                        ost_input_location(input, 0, location));
     return ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes too many: data go on at %s, where the header's sizes say they end", input->path,
-                    (unsigned long long)ost_input_file_left(input), ost_input_place(input, 0, place));
+                    (unsigned long long)ost_input_file_left(input), ost_input_location(input, 0, location));
 }

@@ -41,7 +41,7 @@ bool ost_input_is_packed(const ost_input *input);
 uint64_t ost_input_at_most(const ost_input *input);
 
 /* Reads want bytes; *got is less only at the end. Packed data that are truncated or damaged are OST_ERR_INPUT. */
-ost_status ost_input_read(ost_input *input, void *bytes, size_t want, size_t *got, ost_error *err);
+ost_status ost_input_read(ost_input *input, void *bytes, size_t wanted, size_t *got, ost_error *err);
 /* Reads one byte; *byte is -1 at the end. */
 ost_status ost_input_byte(ost_input *input, int *byte, ost_error *err);
 ost_status ost_input_skip(ost_input *input, uint64_t count, ost_error *err);
@@ -50,8 +50,8 @@ ost_status ost_input_expect_end(ost_input *input, ost_error *err);
 
 /* Returns the offset of the next byte: in the file or, after gunzip, in the unpacked data. */
 uint64_t ost_input_offset(const ost_input *input);
-enum { OST_PLACE_TEXT = 64 };
+enum { OST_LOCATION_TEXT = 64 };
 /* Formats the offset `back` bytes before the next one as "byte 12" or "byte 12 of the unpacked data". Returns text. */
-char *ost_input_place(const ost_input *input, uint64_t back, char text[OST_PLACE_TEXT]);
+char *ost_input_location(const ost_input *input, uint64_t back, char text[OST_LOCATION_TEXT]);
 
 #endif

@@ -9,18 +9,18 @@ static ost_status check_part(const ost_parts *parts, const ost_input *input, ost
 {
     uint64_t most = ost_input_at_most(input);
     uint64_t at = ost_input_file_bytes(input) - ost_input_file_left(input);
-    char place[OST_PLACE_TEXT];
+    char location[OST_LOCATION_TEXT];
     if (most < parts->part_bytes) {
         if (ost_input_is_packed(input))
             return ost_fail(err, OST_ERR_INPUT, "%s: its %llu packed bytes from byte %llu on cannot unpack to the %llu that the header's sizes need",
                             ost_input_path(input), (ull)ost_input_file_left(input), (ull)at, (ull)parts->part_bytes);
         return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %llu: %llu bytes of data from %s on, but the header's sizes need %s%llu",
-                        ost_input_path(input), (ull)ost_input_file_bytes(input), (ull)most, ost_input_place(input, 0, place),
+                        ost_input_path(input), (ull)ost_input_file_bytes(input), (ull)most, ost_input_location(input, 0, location),
                         parts->text ? "at least " : "", (ull)parts->part_bytes);
     }
     if (!parts->text && !ost_input_is_packed(input) && most > parts->part_bytes)
         return ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes too many: %llu bytes of data from %s on, but the header's sizes need %llu",
-                        ost_input_path(input), (ull)(most - parts->part_bytes), (ull)most, ost_input_place(input, 0, place),
+                        ost_input_path(input), (ull)(most - parts->part_bytes), (ull)most, ost_input_location(input, 0, location),
                         (ull)parts->part_bytes);
     return OST_OK;
 }
@@ -72,18 +72,18 @@ ost_status ost_parts_read(ost_parts *parts, void *bytes, size_t size, ost_error 
             return status;
         if ((status = ost_parts_ready(parts, err)) != OST_OK)
             return status;
-        size_t want = size < parts->left ? size : (size_t)parts->left;
+        size_t wanted = size < parts->left ? size : (size_t)parts->left;
         size_t got;
-        status = ost_input_read(parts->input, to, want, &got, err);
+        status = ost_input_read(parts->input, to, wanted, &got, err);
         if (status != OST_OK)
             return status;
         to += got;
         size -= got;
         parts->left -= got;
-        if (got < want) {
-            char place[OST_PLACE_TEXT];
+        if (got < wanted) {
+            char location[OST_LOCATION_TEXT];
             return ost_fail(err, OST_ERR_INPUT, "%s: data end at %s, %llu bytes before the end that the header's sizes give",
-                            ost_input_path(parts->input), ost_input_place(parts->input, 0, place), (ull)parts->left);
+                            ost_input_path(parts->input), ost_input_location(parts->input, 0, location), (ull)parts->left);
         }
     }
     return OST_OK;

@@ -53,9 +53,9 @@ ost_status ost_volume_orientation(const char *path, const ost_volume_options *op
     return status;
 }
 
-ost_status ost_volume_settle(const char *path, const ost_affine *affine, const int32_t sizes[3], const ost_volume_options *options,
-                             bool oriented, ost_placement *placement, ost_geometry *geometry, ost_volume_report *report,
-                             ost_error *err)
+ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const int32_t sizes[3], const ost_volume_options *options,
+                              bool oriented, ost_placement *placement, ost_geometry *geometry, ost_volume_report *report,
+                              ost_error *err)
 {
     ost_status status = ost_orient(affine, sizes, placement, err);
     if (status == OST_OK && placement->oblique && !(options && options->resample_oblique))
@@ -81,7 +81,7 @@ ost_status ost_volume_settle(const char *path, const ost_affine *affine, const i
 
 /* ------------------------------------------------------------------- rows */
 
-ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *place, const ost_bad *bad, ost_error *err)
+ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *location, const ost_bad *bad, ost_error *err)
 {
     int64_t i = number % rows->sizes[0];
     int64_t j = number / rows->sizes[0] % rows->sizes[1];
@@ -91,7 +91,7 @@ ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, 
         wrong = rows->converter.scaled ? "is beyond int16 (-32768..32767) after slope and intercept; --clamp cuts it to these ends"
                                        : "is beyond int16 (-32768..32767); --clamp cuts it to these ends";
     return ost_fail(err, OST_ERR_INPUT, "%s: voxel (%lld, %lld, %lld) at %s: %s %s", file, (long long)i, (long long)j, (long long)k,
-                    place, bad->value, wrong);
+                    location, bad->value, wrong);
 }
 
 ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost_error *err)
@@ -106,9 +106,9 @@ ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost
     if (done == count)
         return OST_OK;
     /* A row never spans two parts, so its bytes are the last ones that were read from the open part. */
-    char place[OST_PLACE_TEXT];
-    ost_input_place(rows->parts->input, (count - done) * size, place);
-    return ost_rows_bad(rows, first + (int64_t)done, ost_input_path(rows->parts->input), place, &bad, err);
+    char location[OST_LOCATION_TEXT];
+    ost_input_location(rows->parts->input, (count - done) * size, location);
+    return ost_rows_bad(rows, first + (int64_t)done, ost_input_path(rows->parts->input), location, &bad, err);
 }
 
 static ost_status fill_rows(ost_rows *rows, const ost_placement *placement, int16_t *voxels, ost_error *err)

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-ost_status ost_gl_room_for_blocks(ost_gl *gl, int32_t count, ost_error *err)
+ost_status ost_gl_reserve_blocks(ost_gl *gl, int32_t count, ost_error *err)
 {
-    if (count <= gl->block_room)
+    if (count <= gl->block_capacity)
         return OST_OK;
     free(gl->blocks);
     free(gl->bases);
@@ -20,31 +20,31 @@ ost_status ost_gl_room_for_blocks(ost_gl *gl, int32_t count, ost_error *err)
     gl->firsts = malloc((size_t)count * sizeof *gl->firsts);
     gl->counts = malloc((size_t)count * sizeof *gl->counts);
     gl->wanted = malloc((size_t)count * sizeof *gl->wanted);
-    gl->block_room = gl->blocks && gl->bases && gl->firsts && gl->counts && gl->wanted ? count : 0;
-    return gl->block_room ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory to draw %d blocks", (int)count);
+    gl->block_capacity = gl->blocks && gl->bases && gl->firsts && gl->counts && gl->wanted ? count : 0;
+    return gl->block_capacity ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory to draw %d blocks", (int)count);
 }
 
-ost_status ost_gl_room_for_list(ost_gl *gl, uint64_t count, ost_error *err)
+ost_status ost_gl_reserve_list(ost_gl *gl, uint64_t count, ost_error *err)
 {
     GLint limit = 0;
-    const uint64_t room = count + count / 4 + 1024;
-    if (count <= gl->list_room)
+    const uint64_t capacity = count + count / 4 + 1024;
+    if (count <= gl->list_capacity)
         return OST_OK;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-    if (room > (uint64_t)limit)
+    if (capacity > (uint64_t)limit)
         return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) draws lists of up to %d voxels; here are more: --renderer points draws them",
                         gl->context.info.driver, (int)limit);
     free(gl->numbers);
-    gl->list_room = 0;
-    gl->numbers = malloc(room * sizeof *gl->numbers);
+    gl->list_capacity = 0;
+    gl->numbers = malloc(capacity * sizeof *gl->numbers);
     if (!gl->numbers)
         return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu voxels", (unsigned long long)count);
     glDeleteBuffers(1, &gl->list);
     glDeleteTextures(1, &gl->list_texture);
-    gl->list = ost_gl_buffer_make(&gl->context, GL_COPY_WRITE_BUFFER, room * sizeof *gl->numbers, &gl->list_mapped);
+    gl->list = ost_gl_buffer_make(&gl->context, GL_COPY_WRITE_BUFFER, capacity * sizeof *gl->numbers, &gl->list_mapped);
     gl->list_texture = ost_gl_buffer_texture(gl->list, GL_R32UI);
     ost_status status = ost_gl_context_check(&gl->context, "makes room for a list", err);
-    gl->list_room = status == OST_OK ? (uint32_t)room : 0;
+    gl->list_capacity = status == OST_OK ? (uint32_t)capacity : 0;
     return status;
 }
 

@@ -5,8 +5,8 @@
 
 #include "render/gl/insides.h"
 
-ost_status ost_gl_room_for_blocks(ost_gl *gl, int32_t count, ost_error *err);
-ost_status ost_gl_room_for_list(ost_gl *gl, uint64_t count, ost_error *err);
+ost_status ost_gl_reserve_blocks(ost_gl *gl, int32_t count, ost_error *err);
+ost_status ost_gl_reserve_list(ost_gl *gl, uint64_t count, ost_error *err);
 
 /* Selects the blocks into gl->blocks and marks all their cells as wanted; l->eye must be set. */
 void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l);

@@ -150,7 +150,7 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
 {
     ost_gl_layer *l = &gl->layer[number];
     bool missing = false;
-    ost_status status = ost_gl_hide_look(gl, v, l, &missing, err);
+    ost_status status = ost_gl_hide_test(gl, v, l, &missing, err);
     ost_gl_set_state(gl);
     if (status != OST_OK || !missing)
         return status;
@@ -210,7 +210,7 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
     const ost_surface *s = l->thing->surface;
     ost_status status = ost_blocks_check(s, &l->thing->eye, err);
     if (status == OST_OK)
-        status = ost_gl_room_for_blocks(gl, s->used, err);
+        status = ost_gl_reserve_blocks(gl, s->used, err);
     if (status != OST_OK)
         return status;
     l->eye = ost_splat_prepare(&l->thing->eye);
@@ -233,7 +233,7 @@ static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_s
     for (int i = 0; i < count; i++)
         points += gl->layer[i].thing->surface->points;
     if (v->facing || v->occlusion)
-        status = ost_gl_room_for_list(gl, points + 1, err);
+        status = ost_gl_reserve_list(gl, points + 1, err);
     gl->list_used = 0;
     const bool together = v->target != OST_GL_COMPACT;
     for (int i = 0; i < count && status == OST_OK; i++) {

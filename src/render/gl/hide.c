@@ -30,8 +30,8 @@ void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l)
         gl->wanted[i] = ~run_of(gl, l, i)->hidden;
         any = any || run_of(gl, l, i)->hidden;
     }
-    gl->look = any || l->resident->pause == 0;
-    l->resident->pause -= !gl->look;
+    gl->tests_depth = any || l->resident->pause == 0;
+    l->resident->pause -= !gl->tests_depth;
 }
 
 static void range(float p, float h, int count, int *from, int *to)
@@ -119,7 +119,7 @@ static void find_tiles(const ost_gl_targets *t)
     }
 }
 
-static ost_status look_at_depths(ost_gl *gl, const ost_gl_variant *v, ost_error *err)
+static ost_status test_depths(ost_gl *gl, const ost_gl_variant *v, ost_error *err)
 {
     ost_gl_targets *t = &gl->targets;
     if (v->tiles || !gl->context.info.software)
@@ -134,13 +134,13 @@ static ost_status look_at_depths(ost_gl *gl, const ost_gl_variant *v, ost_error 
     return status;
 }
 
-ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err)
+ost_status ost_gl_hide_test(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err)
 {
     uint32_t all = 0, hidden = 0;
     *missing = false;
-    if (!gl->look)
+    if (!gl->tests_depth)
         return OST_OK;
-    ost_status status = look_at_depths(gl, v, err);
+    ost_status status = test_depths(gl, v, err);
     if (status != OST_OK)
         return status;
     for (int32_t i = 0; i < l->blocks; i++) {

@@ -32,6 +32,6 @@ void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l);
  * not drawn although they may be visible, and *missing to true if there are any.
  * May change the framebuffer, the viewport and the program.
  */
-ost_status ost_gl_hide_look(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err);
+ost_status ost_gl_hide_test(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err);
 
 #endif

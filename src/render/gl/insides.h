@@ -33,16 +33,16 @@ struct ost_gl {
     GLint eye_stride;
     GLuint list, list_texture;
     void *list_mapped;
-    uint32_t list_room, list_used;
-    uint32_t *numbers;      /* owned; list_room entries */
+    uint32_t list_capacity, list_used;
+    uint32_t *numbers;      /* owned; list_capacity entries */
     ost_gl_layer layer[OST_FRAME_LAYERS];
-    ost_frame_block *blocks; /* owned; block_room entries */
+    ost_frame_block *blocks; /* owned; block_capacity entries */
     float *bases;           /* owned; 4 for each block */
-    GLint *firsts;          /* owned; block_room entries, as counts and wanted */
+    GLint *firsts;          /* owned; block_capacity entries, as counts and wanted */
     GLsizei *counts;        /* owned */
     uint64_t *wanted;       /* owned; for each block the cells to list next, as bits of ost_gl_run.cells */
-    int32_t block_room;
-    bool look;              /* this frame searches for hidden cells (hide.c) */
+    int32_t block_capacity;
+    bool tests_depth;       /* this frame searches for hidden cells (hide.c) */
     ost_light light;
     ost_directions directions;
     uint32_t palette[OST_OCTAHEDRAL_COUNT + OST_PAINTS];

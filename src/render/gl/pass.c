@@ -15,7 +15,7 @@ void ost_gl_bind_layer(ost_gl *gl, int number, ost_gl_form form)
     bind(OST_GL_UNIT_PAGES, GL_TEXTURE_BUFFER, ost_gl_store_pool(&gl->store, form)->page_texture);
     bind(OST_GL_UNIT_PALETTE, GL_TEXTURE_BUFFER, gl->layer[number].palette_texture);
     bind(OST_GL_UNIT_POINTS, GL_TEXTURE_BUFFER, gl->store.points.texture);
-    bind(OST_GL_UNIT_LOOKS, GL_TEXTURE_BUFFER, gl->store.looks.texture);
+    bind(OST_GL_UNIT_SHADES, GL_TEXTURE_BUFFER, gl->store.shades.texture);
     bind(OST_GL_UNIT_LIST, GL_TEXTURE_BUFFER, gl->list_texture);
     glBindBufferRange(GL_UNIFORM_BUFFER, OST_GL_EYE, gl->eyes, (GLintptr)number * gl->eye_stride, sizeof(ost_gl_eye_block));
 }

@@ -7,7 +7,7 @@
 enum { BLOCK_VOXELS = OST_BLOCK * OST_BLOCK * OST_BLOCK, BRICKS = 512, ACTIVE = 1000 };
 
 typedef struct brick {
-    uint32_t place, low, high, first;
+    uint32_t index, low, high, first;
 } brick;
 
 void ost_gl_store_init(ost_gl_store *store)
@@ -15,7 +15,7 @@ void ost_gl_store_init(ost_gl_store *store)
     memset(store, 0, sizeof *store);
     ost_gl_pool_init(&store->points, "surface voxels", 2 * sizeof(uint32_t), 8, GL_RG32UI);
     ost_gl_pool_init(&store->bricks, "bricks", sizeof(brick), 5, 0);
-    ost_gl_pool_init(&store->looks, "surface voxels", sizeof(uint32_t), 8, GL_R32UI);
+    ost_gl_pool_init(&store->shades, "surface voxels", sizeof(uint32_t), 8, GL_R32UI);
     ost_gl_pool_init(&store->voxels, "voxels", sizeof(int16_t), 15, 0);
 }
 
@@ -26,8 +26,8 @@ static void forget(ost_gl_store *store, ost_gl_resident *r)
             const ost_gl_run *run = &r->run[form][i];
             if (run->granules)
                 ost_gl_pool_give(ost_gl_store_pool(store, (ost_gl_form)form), run->first, run->granules);
-            if (run->look_granules)
-                ost_gl_pool_give(&store->looks, run->look_first, run->look_granules);
+            if (run->shade_granules)
+                ost_gl_pool_give(&store->shades, run->shade_first, run->shade_granules);
         }
         free(r->run[form]);
     }
@@ -42,7 +42,7 @@ void ost_gl_store_free(ost_gl_store *store)
         forget(store, &store->resident[i]);
     ost_gl_pool_free(&store->points);
     ost_gl_pool_free(&store->bricks);
-    ost_gl_pool_free(&store->looks);
+    ost_gl_pool_free(&store->shades);
     ost_gl_pool_free(&store->voxels);
 }
 
@@ -73,7 +73,7 @@ static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surf
 /* ------------------------------------------------------------------- forms */
 
 /* Reserves a run for count elements; keeps the present one if it is large enough. */
-static ost_status room_for(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules, ost_error *err)
+static ost_status reserve(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules, ost_error *err)
 {
     if ((uint64_t)*granules << pool->bits >= count)
         return OST_OK;
@@ -86,12 +86,12 @@ static ost_status room_for(ost_gl_context *c, ost_gl_pool *pool, uint32_t count,
 static ost_status bring_points(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
 {
     uint32_t pair[2 * 256];
-    ost_status status = room_for(c, &store->points, b->count, &run->first, &run->granules, err);
+    ost_status status = reserve(c, &store->points, b->count, &run->first, &run->granules, err);
     for (uint32_t i = 0; i < b->count && status == OST_OK; i += 256) {
         const uint32_t count = b->count - i < 256 ? b->count - i : 256;
         for (uint32_t k = 0; k < count; k++) {
             pair[2 * k] = b->points[i + k];
-            pair[2 * k + 1] = b->looks[i + k];
+            pair[2 * k + 1] = b->shades[i + k];
         }
         ost_gl_pool_write(&store->points, run->first + i, pair, count);
     }
@@ -114,28 +114,28 @@ static uint32_t cell_of(uint32_t p)
 static ost_status bring_bricks(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
 {
     uint64_t mask[BRICKS] = {0};
-    uint32_t first[BRICKS], used = 0, looks = 0;
+    uint32_t first[BRICKS], used = 0, shades = 0;
     brick list[BRICKS];
     uint32_t *sorted = malloc((b->count + 1) * sizeof *sorted);
     if (!sorted)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for the bricks of %u voxels", (unsigned)b->count);
     for (uint32_t i = 0; i < b->count; i++)
         mask[brick_of(b->points[i])] |= UINT64_C(1) << cell_of(b->points[i]);
-    ost_status status = room_for(c, &store->looks, b->count, &run->look_first, &run->look_granules, err);
+    ost_status status = reserve(c, &store->shades, b->count, &run->shade_first, &run->shade_granules, err);
     for (uint32_t k = 0; k < BRICKS; k++) {
-        first[k] = looks;
+        first[k] = shades;
         if (mask[k])
-            list[used++] = (brick){k, (uint32_t)mask[k], (uint32_t)(mask[k] >> 32), run->look_first + looks};
-        looks += (uint32_t)__builtin_popcountll(mask[k]);
+            list[used++] = (brick){k, (uint32_t)mask[k], (uint32_t)(mask[k] >> 32), run->shade_first + shades};
+        shades += (uint32_t)__builtin_popcountll(mask[k]);
     }
     for (uint32_t i = 0; i < b->count; i++) {
         const uint32_t k = brick_of(b->points[i]), cell = cell_of(b->points[i]);
-        sorted[first[k] + (uint32_t)__builtin_popcountll(mask[k] & ((UINT64_C(1) << cell) - 1))] = b->looks[i];
+        sorted[first[k] + (uint32_t)__builtin_popcountll(mask[k] & ((UINT64_C(1) << cell) - 1))] = b->shades[i];
     }
     if (status == OST_OK)
-        status = room_for(c, &store->bricks, used, &run->first, &run->granules, err);
+        status = reserve(c, &store->bricks, used, &run->first, &run->granules, err);
     if (status == OST_OK) {
-        ost_gl_pool_write(&store->looks, run->look_first, sorted, b->count);
+        ost_gl_pool_write(&store->shades, run->shade_first, sorted, b->count);
         ost_gl_pool_write(&store->bricks, run->first, list, used);
     }
     run->count = used;
@@ -146,7 +146,7 @@ static ost_status bring_bricks(ost_gl_context *c, ost_gl_store *store, const ost
 
 static ost_status bring_voxels(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
 {
-    ost_status status = room_for(c, &store->voxels, BLOCK_VOXELS, &run->first, &run->granules, err);
+    ost_status status = reserve(c, &store->voxels, BLOCK_VOXELS, &run->first, &run->granules, err);
     for (uint32_t row = 0; row < OST_BLOCK_ROWS && status == OST_OK; row++) {
         int16_t density[OST_BLOCK];
         for (uint32_t x = 0; x < OST_BLOCK; x++)
@@ -169,7 +169,7 @@ static void find_cells(const ost_surface_block *b, ost_gl_run *run)
     }
 }
 
-static ost_status room_for_slots(ost_gl_resident *r, ost_gl_form form, int32_t slots, ost_error *err)
+static ost_status reserve_slots(ost_gl_resident *r, ost_gl_form form, int32_t slots, ost_error *err)
 {
     if (slots <= r->runs[form])
         return OST_OK;
@@ -187,7 +187,7 @@ ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, cons
 {
     ost_gl_resident *r = *out = resident_of(store, surface);
     ost_gl_pool *pool = ost_gl_store_pool(store, form);
-    ost_status status = room_for_slots(r, form, surface->used, err);
+    ost_status status = reserve_slots(r, form, surface->used, err);
     for (int32_t i = 0; i < surface->used && status == OST_OK; i++) {
         const ost_surface_block *b = surface->slot[i];
         ost_gl_run *run = &r->run[form][i];

@@ -19,7 +19,7 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_F
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    uint32_t look_first, look_granules; /* position and size of the looks; only for bricks */
+    uint32_t shade_first, shade_granules; /* position and size of the looks; only for bricks */
     uint64_t bricks[8];   /* the bricks of 4^3 voxels with a point: bit x | y << 3 of word z */
     uint64_t cells;       /* the cells of 8^3 voxels with a point: bit x | y << 2 | z << 4 */
     uint64_t hidden;      /* cells that were hidden at the last search (hide.h) */
@@ -39,7 +39,7 @@ typedef struct ost_gl_resident {
 enum { OST_GL_RESIDENTS = 24 };
 
 typedef struct ost_gl_store {
-    ost_gl_pool points, bricks, looks, voxels;
+    ost_gl_pool points, bricks, shades, voxels;
     ost_gl_resident resident[OST_GL_RESIDENTS];
     uint64_t frame;
     uint64_t uploaded; /* bytes since the start of the frame */

@@ -18,7 +18,7 @@ struct ost_gl_worker {
     bool stop;
 };
 
-static void *serve(void *user)
+static void *run_jobs(void *user)
 {
     ost_gl_worker *w = user;
     pthread_mutex_lock(&w->mutex);
@@ -47,7 +47,7 @@ ost_status ost_gl_worker_start(ost_gl_worker **out, ost_error *err)
     /* Block all signals: other threads handle them. A driver's threads inherit the mask. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&w->thread, NULL, serve, w);
+    const int error = pthread_create(&w->thread, NULL, run_jobs, w);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (error) {
         pthread_mutex_destroy(&w->mutex);

@@ -87,7 +87,7 @@ static bool is_direction(double length)
     return length > 1e-12 && isfinite(length);
 }
 
-ost_status ost_camera_look(const double from_mm[3], const double at_mm[3], const double up[3], ost_camera *camera, ost_error *err)
+ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3], ost_camera *camera, ost_error *err)
 {
     double back[3], right[3], above[3], q[4];
     for (int a = 0; a < 3; a++)

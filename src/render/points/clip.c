@@ -27,32 +27,32 @@ ost_status ost_clip_make(const ost_geometry *g, const double at_mm[3], const dou
 }
 
 /* Returns the bits x with n x <= rest. */
-static uint32_t row_mask(int64_t n, int64_t rest)
+static uint32_t row_mask(int64_t n, int64_t remainder)
 {
     if (n == 0)
-        return rest >= 0 ? UINT32_MAX : 0;
+        return remainder >= 0 ? UINT32_MAX : 0;
     if (n > 0) { /* x <= floor(rest / n) */
-        const int64_t last = rest < 0 ? -1 : rest / n;
+        const int64_t last = remainder < 0 ? -1 : remainder / n;
         return last < 0 ? 0 : last >= SIDE - 1 ? UINT32_MAX : (UINT32_C(2) << last) - 1;
     }
-    const int64_t first = rest >= 0 ? 0 : (-rest - n - 1) / -n; /* x >= ceil(-rest / -n) */
+    const int64_t first = remainder >= 0 ? 0 : (-remainder - n - 1) / -n; /* x >= ceil(-rest / -n) */
     return first >= SIDE ? 0 : UINT32_MAX << first;
 }
 
-void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t whole[OST_BLOCK_ROWS], uint32_t shown[OST_BLOCK_ROWS])
+void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS], uint32_t shown[OST_BLOCK_ROWS])
 {
-    int64_t rest = clip->d, least = 0, most = 0;
+    int64_t remainder = clip->d, least = 0, most = 0;
     for (int a = 0; a < 3; a++) {
-        rest -= (int64_t)clip->n[a] * SIDE * block[a];
+        remainder -= (int64_t)clip->n[a] * SIDE * block[a];
         const int64_t reach = (int64_t)clip->n[a] * (SIDE - 1);
         least += reach < 0 ? reach : 0;
         most += reach > 0 ? reach : 0;
     }
-    if (most <= rest)
-        memcpy(shown, whole, ROWS * sizeof *shown);
-    else if (least > rest)
+    if (most <= remainder)
+        memcpy(shown, occupied, ROWS * sizeof *shown);
+    else if (least > remainder)
         memset(shown, 0, ROWS * sizeof *shown);
     else
         for (int row = 0; row < ROWS; row++)
-            shown[row] = whole[row] ? whole[row] & row_mask(clip->n[0], rest - (int64_t)clip->n[1] * (row % SIDE) - (int64_t)clip->n[2] * (row / SIDE)) : 0;
+            shown[row] = occupied[row] ? occupied[row] & row_mask(clip->n[0], remainder - (int64_t)clip->n[1] * (row % SIDE) - (int64_t)clip->n[2] * (row / SIDE)) : 0;
 }

@@ -20,6 +20,6 @@ ost_status ost_clip_make(const ost_geometry *geometry, const double at_mm[3], co
 /* Sets the clip plane for later updates; with NULL all is shown. Blocks that do not change are not updated. */
 void ost_surface_clip(ost_surface *surface, const ost_clip *clip);
 /* Computes the voxels of a block that are shown. */
-void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t whole[OST_BLOCK_ROWS], uint32_t shown[OST_BLOCK_ROWS]);
+void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS], uint32_t shown[OST_BLOCK_ROWS]);
 
 #endif

@@ -5,13 +5,13 @@
 
 #include "core/conditions.h"
 
-enum { SIDE = OST_BLOCK, LAST = SIDE - 1, REACH = OST_LOOK_REACH };
+enum { SIDE = OST_BLOCK, LAST = SIDE - 1, REACH = OST_SHADING_REACH };
 
 static const uint32_t nothing[OST_BLOCK_ROWS];
 
 typedef const uint32_t *nearby[3][3][3]; /* words of 27 blocks: z, y, x */
 
-static bool look_around(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, nearby near)
+static bool find_neighbours(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, nearby near)
 {
     bool any = false;
     for (int i = 0; i < 27; i++) {
@@ -26,7 +26,7 @@ static bool look_around(const ost_surface *s, const ost_surface_block *b, ost_wo
 bool ost_surface_rim(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, ost_rim *out)
 {
     nearby near;
-    if (!look_around(surface, block, which, near))
+    if (!find_neighbours(surface, block, which, near))
         return false;
     out->left = near[1][1][0];
     out->right = near[1][1][2];
@@ -44,7 +44,7 @@ bool ost_surface_rim(const ost_surface *surface, const ost_surface_block *block,
 bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, const ost_row_kernels *kernels, ost_rows *out)
 {
     nearby near;
-    if (!look_around(surface, block, which, near))
+    if (!find_neighbours(surface, block, which, near))
         return false;
     for (int k = 0; k < OST_SEEN; k++) {
         const int z = k - REACH, row = SIDE * (z & LAST), tail = row + SIDE - REACH;
@@ -81,7 +81,7 @@ static const uint32_t *changed_of(const ost_surface_block *b) { return b->change
 bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *block, int reach, uint64_t rows[OST_SEEN])
 {
     nearby near;
-    if (!look_around(surface, block, changed_of, near))
+    if (!find_neighbours(surface, block, changed_of, near))
         return false;
     memset(rows, 0, OST_SEEN * sizeof *rows);
     for (int i = 0; i < 27; i++)

@@ -20,7 +20,7 @@ bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block
 
 /*
  * Finds the rows that lie up to reach voxels from a change, along each axis:
- * bit y of slice z, both counted from -OST_LOOK_REACH.  The result is correct
+ * bit y of slice z, both counted from -OST_SHADING_REACH.  The result is correct
  * for the block's own rows; the position of the change within a row is not
  * reported.  Returns false if nothing changed in the block and its neighbours.
  */

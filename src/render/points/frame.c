@@ -115,16 +115,16 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     return OST_OK;
 }
 
-ost_status ost_frame_keep_keys(ost_frame *frame, ost_error *err)
+ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err)
 {
     return frame->planes.key || keys_init(&frame->planes, frame->height) ? OST_OK : no_memory(frame, err);
 }
 
-ost_status ost_frame_keep(ost_frame *frame, ost_error *err)
+ost_status ost_frame_store(ost_frame *frame, ost_error *err)
 {
-    if (frame->kept.colour || planes_init(&frame->kept, frame->width, frame->height))
+    if (frame->stored.colour || planes_init(&frame->stored, frame->width, frame->height))
         return OST_OK;
-    planes_free(&frame->kept);
+    planes_free(&frame->stored);
     return no_memory(frame, err);
 }
 
@@ -142,7 +142,7 @@ void ost_frame_free(ost_frame *frame)
 {
     planes_free(&frame->planes);
     planes_free(&frame->ghost);
-    planes_free(&frame->kept);
+    planes_free(&frame->stored);
     benches_free(frame);
     ost_cells_free(&frame->part);
     ost_cells_free(&frame->stale);
@@ -182,7 +182,7 @@ static bool is_within(const ost_surface *surface, const ost_eye *e)
         lo[a] = (int32_t)floorf(e->at[a] - reach);
         hi[a] = (int32_t)ceilf(e->at[a] + reach);
     }
-    return !ost_surface_is_bare(surface, lo, hi);
+    return !ost_surface_is_empty(surface, lo, hi);
 }
 
 /* Makes the light; returns true if it is the same as before. */
@@ -205,7 +205,7 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     if (status != OST_OK)
         return status;
     const bool within = is_within(thing->surface, &thing->eye), lit = make_light(frame, layer, thing);
-    layer->same = frame->kept.colour && lit && within == layer->within && layer->surface == thing->surface &&
+    layer->same = frame->stored.colour && lit && within == layer->within && layer->surface == thing->surface &&
                   memcmp(&layer->eye.eye, &thing->eye, sizeof thing->eye) == 0;
     layer->surface = thing->surface;
     layer->within = within;
@@ -222,7 +222,7 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     return OST_OK;
 }
 
-static ost_status room_over(ost_frame *frame, ost_error *err)
+static ost_status reserve_over(ost_frame *frame, ost_error *err)
 {
     if (frame->ghost.colour || planes_init(&frame->ghost, frame->width, frame->height))
         return OST_OK;
@@ -264,7 +264,7 @@ ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, 
 {
     enum { NUMBER = OST_FRAME_LAYERS - 1 };
     ost_frame_layer *layer = &frame->layer[NUMBER];
-    ost_status status = room_over(frame, err);
+    ost_status status = reserve_over(frame, err);
     if (status == OST_OK)
         status = prepare(frame, thing, NUMBER, spacing, err);
     if (status != OST_OK) {

@@ -13,7 +13,7 @@
  * it is recomputed only if it is needed and the tile was drawn to since.  The
  * test does not change the picture.
  *
- * After ost_frame_keep, unchanged parts are reused.  While the eye and the light
+ * After ost_frame_store, unchanged parts are reused.  While the eye and the light
  * do not change:
  *
  *   blocks whose lists changed --old and new compared entry by entry--> voxels that look different
@@ -25,7 +25,7 @@
  * between equal distances are broken by the voxel's number, which orders voxels
  * as their positions do.
  *
- * The memory is reused from frame to frame: 9 bytes a pixel, 18 after ost_frame_keep.
+ * The memory is reused from frame to frame: 9 bytes a pixel, 18 after ost_frame_store.
  */
 #ifndef OST_RENDER_FRAME_H
 #define OST_RENDER_FRAME_H
@@ -57,8 +57,8 @@ typedef struct ost_frame_bench {
 /* The list of a block, for the layer's eye. */
 typedef struct ost_frame_list {
     uint64_t version;       /* version of the block from which it was made */
-    uint32_t count, room;   /* number of entries, capacity */
-    uint32_t place;         /* index at which the next list is stored; the present one is at visible.begin */
+    uint32_t count, capacity; /* number of entries, capacity */
+    uint32_t visible_first; /* index at which the next list is stored; the present one is at visible.begin */
     int32_t at[3];          /* the block's position, in blocks */
     bool listed;            /* the list is made; otherwise no voxel of the block is drawn */
     bool there;             /* the block was within the last frame's view, even if hidden */
@@ -70,9 +70,9 @@ typedef struct ost_frame_layer {
     ost_frame_block *blocks; /* owned; count of them after the cull */
     int32_t count;
     ost_visible visible;    /* the lists */
-    size_t visible_room, visible_used;
+    size_t visible_capacity, visible_used;
     ost_frame_list *list;   /* owned; one for each slot */
-    int32_t slots, slot_room; /* number of slots in the last frame, capacity */
+    int32_t slots, slot_capacity; /* number of slots in the last frame, capacity */
     float *bases;           /* owned; 4 for each slot */
     ost_splat_eye eye;
     ost_light light;
@@ -87,10 +87,10 @@ enum { OST_FRAME_LAYERS = 4 };
 
 typedef struct ost_frame {
     int width, height;
-    ost_planes planes;      /* owned; key only after ost_frame_keep_keys */
+    ost_planes planes;      /* owned; key only after ost_frame_store_keys */
     ost_planes ghost;       /* owned; planes for a ghost; NULL before the first ghost; no keys */
-    ost_planes kept;        /* owned; planes of the first layer alone; NULL before ost_frame_keep; no keys */
-    bool is_kept;           /* kept holds the last frame's first layer */
+    ost_planes stored;      /* owned; planes of the first layer alone; NULL before ost_frame_store; no keys */
+    bool is_stored;         /* kept holds the last frame's first layer */
     ost_cells part;         /* cells of the first layer that this frame draws again */
     ost_cells stale;        /* cells to be copied from kept: drawn again, or covered in the previous frame */
     ost_cells over;         /* cells whose colours may differ from kept; drawing on the frame adds to it (ost_frame_sheet) */
@@ -121,10 +121,10 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
 void ost_frame_free(ost_frame *frame);
 
 /* Stores the keys of the first layer in the planes of later frames, from which a pixel's voxel can be found. */
-ost_status ost_frame_keep_keys(ost_frame *frame, ost_error *err);
+ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
 /* Enables redrawing only the parts that differ, for frames in which only some blocks changed since the last one. */
-ost_status ost_frame_keep(ost_frame *frame, ost_error *err);
+ost_status ost_frame_store(ost_frame *frame, ost_error *err);
 /* Marks all pixels as overwritten by another renderer. */
 void ost_frame_overwritten(ost_frame *frame);
 /* Returns the frame's colours as a sheet to draw on. */

@@ -143,24 +143,24 @@ static void blank(const ost_frame *f, const band *at, const ost_planes *planes)
 
 static void put_back(const ost_frame *f, const band *at)
 {
-    const ost_planes *to = &f->planes, *kept = &f->kept;
+    const ost_planes *to = &f->planes, *stored = &f->stored;
     for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
         const cell_row row = row_of(&f->stale, &f->stale, false, at, y);
         for (int x, end = 0; next_run(&row, &x, &end);)
             for (int j = row.y0; j < row.y1; j++) {
                 const size_t i = ost_row(to, j) + (size_t)x, count = (size_t)(end - x);
-                memcpy(to->depth + i, kept->depth + i, count * sizeof *to->depth);
-                memcpy(to->face + i, kept->face + i, count);
-                memcpy(to->colour + i, kept->colour + i, count * sizeof *to->colour);
+                memcpy(to->depth + i, stored->depth + i, count * sizeof *to->depth);
+                memcpy(to->face + i, stored->face + i, count);
+                memcpy(to->colour + i, stored->colour + i, count * sizeof *to->colour);
             }
     }
 }
 
 static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
 {
-    const uint32_t rest = 256 - share;
-    return (((under & 0xff00ff) * rest + (over & 0xff00ff) * share) >> 8 & 0xff00ff) |
-           (((under & 0xff00) * rest + (over & 0xff00) * share) >> 8 & 0xff00);
+    const uint32_t complement = 256 - share;
+    return (((under & 0xff00ff) * complement + (over & 0xff00ff) * share) >> 8 & 0xff00ff) |
+           (((under & 0xff00) * complement + (over & 0xff00) * share) >> 8 & 0xff00);
 }
 
 /* Returns true if a layer covers a pixel of the planes that it was drawn into. */

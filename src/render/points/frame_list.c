@@ -23,7 +23,7 @@ void ost_layer_free(ost_frame_layer *layer)
     ost_cells_free(&layer->cells);
 }
 
-static ost_status no_room(const ost_frame_layer *layer, ost_error *err)
+static ost_status out_of_memory(const ost_frame_layer *layer, ost_error *err)
 {
     return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu surface voxels", (unsigned long long)layer->surface->points);
 }
@@ -31,27 +31,27 @@ static ost_status no_room(const ost_frame_layer *layer, ost_error *err)
 static ost_status make_slots(ost_frame_layer *layer, ost_error *err)
 {
     const int32_t used = layer->surface->used;
-    if (used <= layer->slot_room)
+    if (used <= layer->slot_capacity)
         return OST_OK;
-    const size_t room = (size_t)used + (size_t)used / 4;
-    ost_frame_list *list = realloc(layer->list, room * sizeof *list);
+    const size_t capacity = (size_t)used + (size_t)used / 4;
+    ost_frame_list *list = realloc(layer->list, capacity * sizeof *list);
     layer->list = list ? list : layer->list;
-    uint32_t *begin = realloc(layer->visible.begin, room * sizeof *begin);
+    uint32_t *begin = realloc(layer->visible.begin, capacity * sizeof *begin);
     layer->visible.begin = begin ? begin : layer->visible.begin;
     free(layer->blocks);
     free(layer->bases);
-    layer->blocks = malloc(room * sizeof *layer->blocks);
-    layer->bases = malloc(room * 4 * sizeof *layer->bases);
+    layer->blocks = malloc(capacity * sizeof *layer->blocks);
+    layer->bases = malloc(capacity * 4 * sizeof *layer->bases);
     if (!list || !begin || !layer->blocks || !layer->bases) {
-        layer->slot_room = layer->slots = 0;
-        return no_room(layer, err);
+        layer->slot_capacity = layer->slots = 0;
+        return out_of_memory(layer, err);
     }
-    layer->slot_room = (int32_t)room;
+    layer->slot_capacity = (int32_t)capacity;
     return OST_OK;
 }
 
 /* Returns a capacity of complete vectors, with an eighth to grow. */
-static uint32_t room_for(uint32_t count)
+static uint32_t padded(uint32_t count)
 {
     return (count + count / 8 + OST_LANES - 1) / OST_LANES * OST_LANES;
 }
@@ -63,12 +63,12 @@ static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
     ost_visible *v = &layer->visible;
     size_t need = 0;
     for (int32_t i = 0; i < s->used; i++)
-        need += room_for(s->slot[i]->count);
+        need += padded(s->slot[i]->count);
     lists_free(v);
-    layer->visible_room = need + need / 4 + OST_LANES;
-    v->seen = malloc(layer->visible_room * sizeof *v->seen);
-    v->only = malloc(layer->visible_room * sizeof *v->only);
-    v->extent = malloc((layer->visible_room / OST_LANES + 1) * sizeof(_Atomic uint64_t));
+    layer->visible_capacity = need + need / 4 + OST_LANES;
+    v->seen = malloc(layer->visible_capacity * sizeof *v->seen);
+    v->only = malloc(layer->visible_capacity * sizeof *v->only);
+    v->extent = malloc((layer->visible_capacity / OST_LANES + 1) * sizeof(_Atomic uint64_t));
     layer->visible_used = 0;
     layer->slots = 0;
     if (v->seen && v->only && v->extent)
@@ -77,8 +77,8 @@ static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
     v->seen = NULL;
     v->only = NULL;
     v->extent = NULL;
-    layer->visible_room = 0;
-    return no_room(layer, err);
+    layer->visible_capacity = 0;
+    return out_of_memory(layer, err);
 }
 
 /* Places the list of every block; returns false if the capacity does not suffice. */
@@ -87,16 +87,16 @@ static bool place_lists(ost_frame_layer *layer)
     const ost_surface *s = layer->surface;
     for (int32_t i = 0; i < s->used; i++) {
         ost_frame_list *l = &layer->list[i];
-        const uint32_t room = room_for(s->slot[i]->count);
+        const uint32_t capacity = padded(s->slot[i]->count);
         if (i >= layer->slots)
             *l = (ost_frame_list){0};
-        if (s->slot[i]->count <= l->room)
+        if (s->slot[i]->count <= l->capacity)
             continue;
-        if (layer->visible_used + room > layer->visible_room)
+        if (layer->visible_used + capacity > layer->visible_capacity)
             return false;
-        l->place = (uint32_t)layer->visible_used;
-        l->room = room;
-        layer->visible_used += room;
+        l->visible_first = (uint32_t)layer->visible_used;
+        l->capacity = capacity;
+        layer->visible_used += capacity;
     }
     return true;
 }
@@ -128,13 +128,13 @@ void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, i
     const ost_surface_block *block = layer->surface->slot[slot];
     ost_frame_list *list = &layer->list[slot];
     const ost_visible *v = &layer->visible;
-    const uint32_t begin = list->place;
+    const uint32_t begin = list->visible_first;
     uint8_t turned[3][OST_BLOCK];
     for (int a = 0; a < 3; a++)
         ost_blocks_turned(layer->bases[4 * slot + a], a, turned[a]);
     ost_chosen *chosen = &with->chosen;
     list->count = frame->kernels.facing(block, (uint32_t)slot, turned, chosen);
-    frame->tint(&layer->light, chosen->look, list->count, with->tint);
+    frame->tint(&layer->light, chosen->shade, list->count, with->tint);
     for (uint32_t i = 0; i < list->count; i++)
         v->seen[begin + i] = (uint64_t)with->tint[i] << 32 | chosen->id[i];
     if (layer->within)
@@ -252,8 +252,8 @@ void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer)
 const ost_planes *ost_frame_choose_part(ost_frame *frame)
 {
     const ost_frame_layer *first = &frame->layer[0];
-    const bool still = first->same && frame->kept.colour;
-    if (still && frame->is_kept && !frame->planes.key) {
+    const bool still = first->same && frame->stored.colour;
+    if (still && frame->is_stored && !frame->planes.key) {
         find_part(frame, first);
         ost_cells_clear(&frame->stale);
         ost_cells_join(&frame->stale, &frame->part);
@@ -263,10 +263,10 @@ const ost_planes *ost_frame_choose_part(ost_frame *frame)
         ost_cells_fill(&frame->stale);
         ost_layer_drop_lists(first);
     }
-    frame->is_kept = still;
+    frame->is_stored = still;
     remember_sight(first);
     ost_cells_clear(&frame->over);
     for (int i = 1; i < frame->layers; i++)
         ost_layer_drop_lists(&frame->layer[i]);
-    return still ? &frame->kept : &frame->planes;
+    return still ? &frame->stored : &frame->planes;
 }

@@ -44,8 +44,8 @@ static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d
         mirror *= mirror;
         mirror *= mirror; /* to the 16th power */
         const float bright = ((0.20f + 0.17f * sky) + (0.74f * key + 0.20f * fill)) + 0.10f * back;
-        const int whole = (int)(256.0f * bright + 0.5f), added = (int)(gloss * mirror + 0.5f);
-        shade[i] = (uint16_t)((whole < 320 ? whole : 320) | added << OST_BRIGHT_BITS);
+        const int scaled_bright = (int)(256.0f * bright + 0.5f), added = (int)(gloss * mirror + 0.5f);
+        shade[i] = (uint16_t)((scaled_bright < 320 ? scaled_bright : 320) | added << OST_BRIGHT_BITS);
     }
 }
 
@@ -61,7 +61,7 @@ void ost_directions_make(ost_directions *d)
     d->shade = shade_all;
 }
 
-static void keep(float to[3], const float from[3])
+static void copy3(float to[3], const float from[3])
 {
     for (int a = 0; a < 3; a++)
         to[a] = from[a];
@@ -83,12 +83,12 @@ void ost_light_make(ost_light *light, const ost_directions *directions, const os
     toward(eye, 0.85f, -0.10f, -0.50f, l.fill);
     toward(eye, 0.10f, -0.60f, 0.55f, l.back);
     toward(eye, -0.40f, 0.55f, -1.73f, l.half);
-    keep(l.up, eye->up);
+    copy3(l.up, eye->up);
     if (!is_made(light, eye, paint.gloss)) {
         directions->shade(light->shade, directions, &l, (float)paint.gloss);
-        keep(light->right, eye->right);
-        keep(light->up, eye->up);
-        keep(light->forward, eye->forward);
+        copy3(light->right, eye->right);
+        copy3(light->up, eye->up);
+        copy3(light->forward, eye->forward);
         light->gloss = paint.gloss;
         light->made = true;
     }
@@ -114,18 +114,18 @@ static uint32_t mixed(uint32_t a, uint32_t b)
     return (((a & 0xff00ff) * 3 + (b & 0xff00ff) * 5) >> 3 & 0xff00ff) | (((a & 0xff00) * 3 + (b & 0xff00) * 5) >> 3 & 0xff00);
 }
 
-void ost_light_tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint)
+void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint)
 {
     for (uint32_t i = 0; i < count; i++) {
-        const uint32_t paint = look[i] >> OST_PAINT_SHIFT & (OST_PAINTS - 1);
+        const uint32_t paint = shades[i] >> OST_PAINT_SHIFT & (OST_PAINTS - 1);
         uint32_t c = light->colour[paint];
-        if (look[i] & OST_LOOK_CONTACT)
+        if (shades[i] & OST_SHADE_CONTACT)
             c = mixed(c, OST_CONTACT);
         if (light->style == OST_STYLE_FACES || paint >= OST_PAINT_FLAT) {
             tint[i] = c;
             continue;
         }
-        const uint32_t shade = light->shade[look[i] % OST_OCTAHEDRAL_COUNT], open = (look[i] >> OST_OPEN_SHIFT & 255) + 1;
+        const uint32_t shade = light->shade[shades[i] % OST_OCTAHEDRAL_COUNT], open = (shades[i] >> OST_OPEN_SHIFT & 255) + 1;
         const uint32_t bright = (shade & ((1u << OST_BRIGHT_BITS) - 1)) * open >> 8, gloss = (shade >> OST_BRIGHT_BITS) * open >> 8;
         tint[i] = channel(c & 255, bright, gloss) | channel(c >> 8 & 255, bright, gloss) << 8 | channel(c >> 16, bright, gloss) << 16;
     }

@@ -69,11 +69,11 @@ ost_light_shade_of *ost_light_shade_for(ost_isa isa);
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
                     const uint32_t *palette);
 /* Computes the colours in full light of a face. Both arrays must have room for count rounded up to a multiple of 16. */
-void ost_light_tint(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
-typedef void ost_light_tint_of(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
+void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
+typedef void ost_light_tint_of(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 ost_light_tint_of *ost_light_tint_for(ost_isa isa);
 
 /* Bit-identical variants for AVX-512. */
 void ost_light_shade_avx512(uint16_t *shade, const ost_directions *directions, const ost_lamps *lamps, float gloss);
-void ost_light_tint_avx512(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint);
+void ost_light_tint_avx512(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 #endif

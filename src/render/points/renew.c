@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Between two frames a tool removes a few dozen voxels of a block and none of
- * its neighbours'.  A look depends on voxels at most OST_LOOK_REACH away, so
+ * its neighbours'.  A look depends on voxels at most OST_SHADING_REACH away, so
  * most rows of points keep their looks:
  *
  *   bits shown --faces--> rows of points; another list? --.
@@ -18,13 +18,13 @@
 #include <string.h>
 
 #include "core/conditions.h"
-#include "render/points/dress.h"
+#include "render/points/shading.h"
 
 enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
 
 ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err)
 {
-    enum { LINE = 64, SIZE = (sizeof(ost_dress_scratch) + LINE - 1) / LINE * LINE };
+    enum { LINE = 64, SIZE = (sizeof(ost_shading_scratch) + LINE - 1) / LINE * LINE };
     if (!surface->scratch)
         surface->scratch = aligned_alloc(LINE, SIZE);
     if (!surface->scratch)
@@ -48,7 +48,7 @@ static const uint32_t *shown_of(const ost_surface_block *b) { return b->occupanc
 
 /* ------------------------------------------------------------------- stale */
 
-static bool same_points(const ost_surface_block *b, const uint32_t *points, const ost_dress_scratch *k, int row)
+static bool same_points(const ost_surface_block *b, const uint32_t *points, const ost_shading_scratch *k, int row)
 {
     const uint32_t *was = b->points + b->begin[row], *is = points + k->faces.begin[row];
     for (int i = 0, count = k->faces.begin[row + 1] - k->faces.begin[row]; i < count; i++)
@@ -58,20 +58,20 @@ static bool same_points(const ost_surface_block *b, const uint32_t *points, cons
 }
 
 /* Finds the rows whose points or looks may have changed. Returns false if there are none. */
-static bool find_stale(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
+static bool find_changed(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k)
 {
     const ost_faces *f = &k->faces;
     uint64_t changes[OST_SEEN];
-    const bool changed = !b->anew && ost_surface_changes(s, b, s->ground ? OST_LOOK_REACH : OST_WIDE_REACH, changes);
+    const bool changed = !b->remade && ost_surface_changes(s, b, s->reference ? OST_SHADING_REACH : OST_WIDE_REACH, changes);
     uint32_t any = 0;
     memset(k->stale, 0, sizeof k->stale);
     for (int row = 0; row < ROWS; row++) {
         const int z = row / SIDE, y = row % SIDE;
         if (!f->any[row])
             continue;
-        bool stale = b->anew || f->begin[row + 1] - f->begin[row] != b->begin[row + 1] - b->begin[row];
+        bool stale = b->remade || f->begin[row + 1] - f->begin[row] != b->begin[row + 1] - b->begin[row];
         if (!stale)
-            stale = (changed && changes[z + OST_LOOK_REACH] >> (y + OST_LOOK_REACH) & 1) || (b->unlisted && !same_points(b, points, k, row));
+            stale = (changed && changes[z + OST_SHADING_REACH] >> (y + OST_SHADING_REACH) & 1) || (b->unlisted && !same_points(b, points, k, row));
         k->stale[z] |= (uint32_t)stale << y;
         any |= stale;
     }
@@ -79,18 +79,18 @@ static bool find_stale(const ost_surface *s, const ost_surface_block *b, const u
 }
 
 /* Copies the previous looks of all other rows. */
-static void keep_looks(const ost_surface_block *b, ost_dress_scratch *k)
+static void copy_shading(const ost_surface_block *b, ost_shading_scratch *k)
 {
     const uint16_t *begin = k->faces.begin;
     for (int row = 0; row < ROWS; row++)
         if (!(k->stale[row / SIDE] >> row % SIDE & 1))
             for (uint32_t i = begin[row], was = b->begin[row]; i < begin[row + 1]; i++, was++)
-                k->looks[i] = b->looks[was];
+                k->shades[i] = b->shades[was];
 }
 
 /* ----------------------------------------------------------------- contact */
 
-static void mark_contact(ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
+static void mark_contact(ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k)
 {
     uint32_t any = 0;
     for (int row = 0; row < ROWS; row++)
@@ -99,45 +99,45 @@ static void mark_contact(ost_surface_block *b, const uint32_t *points, ost_dress
         return;
     for (uint32_t i = 0, count = k->faces.begin[ROWS]; i < count; i++) {
         const uint32_t hot = k->contact[points[i] >> 5 & (ROWS - 1)] >> (points[i] & (SIDE - 1)) & 1;
-        k->looks[i] = (k->looks[i] & ~OST_LOOK_CONTACT) | (hot ? OST_LOOK_CONTACT : 0);
+        k->shades[i] = (k->shades[i] & ~OST_SHADE_CONTACT) | (hot ? OST_SHADE_CONTACT : 0);
     }
     b->contact = any != 0;
 }
 
 /* ------------------------------------------------------------------- block */
 
-static bool make_room(ost_surface_block *b, uint32_t count)
+static bool reserve_points(ost_surface_block *b, uint32_t count)
 {
-    if (count <= b->room)
+    if (count <= b->capacity)
         return true;
-    const uint32_t room = count + count / 4;
-    uint32_t *points = realloc(b->points, room * sizeof *points);
+    const uint32_t capacity = count + count / 4;
+    uint32_t *points = realloc(b->points, capacity * sizeof *points);
     if (points)
         b->points = points;
-    uint32_t *looks = realloc(b->looks, room * sizeof *looks);
-    if (looks)
-        b->looks = looks;
-    if (points && looks)
-        b->room = room;
-    return points && looks;
+    uint32_t *shades = realloc(b->shades, capacity * sizeof *shades);
+    if (shades)
+        b->shades = shades;
+    if (points && shades)
+        b->capacity = capacity;
+    return points && shades;
 }
 
 /* Renderers identify their copies of lists by this version; an address could be reused by another surface. */
 static _Atomic uint64_t versions;
 
-static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_dress_scratch *k, ost_error *err)
+static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k, ost_error *err)
 {
     ost_surface_block *b = s->slot[slot];
     const uint32_t count = k->faces.begin[ROWS];
     const size_t size = count * sizeof *points;
-    if (b->version && count == b->count && (count == 0 || (memcmp(points, b->points, size) == 0 && memcmp(k->looks, b->looks, size) == 0)))
+    if (b->version && count == b->count && (count == 0 || (memcmp(points, b->points, size) == 0 && memcmp(k->shades, b->shades, size) == 0)))
         return OST_OK;
-    if (!make_room(b, count))
+    if (!reserve_points(b, count))
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %u surface voxels", (unsigned)count);
     if (points != b->points && count > 0)
         memcpy(b->points, points, size);
     if (count > 0)
-        memcpy(b->looks, k->looks, size);
+        memcpy(b->shades, k->shades, size);
     memcpy(b->begin, k->faces.begin, sizeof b->begin);
     b->count = count;
     b->version = 1 + atomic_fetch_add(&versions, 1);
@@ -158,21 +158,21 @@ ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
 {
     ost_surface_block *b = surface->slot[slot];
     ost_status status = OST_OK;
-    ost_dress_scratch *k = surface->scratch;
+    ost_shading_scratch *k = surface->scratch;
     ost_surface_rim(surface, b, shown_of, &k->rim);
     k->rows.faces(&k->rim, &k->faces);
     if (b->unlisted)
         k->rows.points(&k->faces, k->points);
     const uint32_t *points = b->unlisted ? k->points : b->points;
     ost_surface_find_marked(surface, b, k);
-    if (find_stale(surface, b, points, k))
-        status = ost_surface_dress(surface, b, points, k, err);
+    if (find_changed(surface, b, points, k))
+        status = ost_surface_shade(surface, b, points, k, err);
     if (status == OST_OK) {
-        keep_looks(b, k); /* last, since computing stale rows may overwrite words after their ends */
+        copy_shading(b, k); /* last, since computing stale rows may overwrite words after their ends */
         mark_contact(b, points, k);
         status = take(surface, slot, points, k, err);
     }
     if (status == OST_OK)
-        b->dirty = b->anew = b->unlisted = false;
+        b->dirty = b->remade = b->unlisted = false;
     return status;
 }

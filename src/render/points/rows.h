@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Rows of bits of a block and of its neighbours: the input of lists (extract.c)
- * and looks (dress.c).  All are integers, one word a row.
+ * and looks (shading.c).  All are integers, one word a row.
  *
  *   words of a block, of six neighbours --faces--> six words for each row: faces to the air
  *                                       --points--> surface points
@@ -14,12 +14,12 @@
 #include "render/points/surface.h"
 
 enum {
-    OST_SEEN = OST_BLOCK + 2 * OST_LOOK_REACH, /* rows and slices that a look may depend on */
+    OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH, /* rows and slices that a look may depend on */
     OST_RIM = OST_BLOCK + 2,
-    OST_POINT_ROOM = 16,                       /* number of words after the last point that may be overwritten */
+    OST_POINT_SLACK = 16,                      /* number of words after the last point that may be overwritten */
 };
 
-/* Rows [z][y], both counted from -OST_LOOK_REACH; a word's bits are x = -16 .. 47. */
+/* Rows [z][y], both counted from -OST_SHADING_REACH; a word's bits are x = -16 .. 47. */
 typedef struct ost_rows {
     uint64_t row[OST_SEEN][OST_SEEN];
 } ost_rows;

@@ -99,7 +99,7 @@ static inline float share_of(const float fine[3], const float wide[3], float fin
     return wide_size < OST_WIDE_LEAST || !(t > 0) ? 0 : t < 1 ? t : 1;
 }
 
-void ost_field_looks_scalar(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *looks)
+void ost_field_shades_scalar(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades)
 {
     for (int i = 0; i < count; i++) {
         ost_slopes s;
@@ -115,13 +115,13 @@ void ost_field_looks_scalar(const uint32_t *points, int count, const ost_field_s
             out[a] = f[a] * of_fine + w[a] * of_wide;
         const int open = ost_openness(s.value[0][0]), both = ost_openness(2 * OST_WIDE_PART * s.value[1][0] - s.value[0][0] + OST_WIDE_PLANE);
         const float mixed = (float)open + (float)(both - open) * t;
-        looks[i] = ost_octahedral_of(out) | (uint32_t)(int)(mixed + 0.5f) << OST_OPEN_SHIFT;
+        shades[i] = ost_octahedral_of(out) | (uint32_t)(int)(mixed + 0.5f) << OST_OPEN_SHIFT;
     }
 }
 
 #define OF(SET, FINER)                                                                                                                     \
     {ost_field_bits_##SET, ost_field_densities_##SET, ost_field_down_##SET, ost_field_slice_##SET, ost_field_cells_##SET,            \
-     ost_field_lines_##SET, FINER, ost_field_looks_##SET}
+     ost_field_lines_##SET, FINER, ost_field_shades_##SET}
 
 ost_smooth_kernels ost_smooth_kernels_of(ost_isa isa)
 {

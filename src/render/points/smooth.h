@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The arithmetic of the field, a smoothed amount of bone, and of the looks that
- * are computed from it (dress.c).
+ * are computed from it (shading.c).
  *
  *   rows of bits, densities --bits, densities--> slice of bone, [42][48]
  *   slice of bone --down--> sums along y, [34][48]
@@ -38,7 +38,7 @@ enum {
     OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field on a plane */
     OST_FIELD_BY_FACES = 160, /* amount that a face to the air adds to a slope */
     OST_CELLS = OST_BLOCK / 2, /* cells on a side of a block */
-    OST_LOOKS_ROOM = 16,   /* number of words after the last look that may be overwritten */
+    OST_SHADING_SLACK = 16, /* number of words after the last look that may be overwritten */
 };
 
 typedef uint16_t ost_field_slice[OST_FIELD_ROWS][OST_FIELD_LINE];
@@ -62,7 +62,7 @@ typedef struct ost_smooth_kernels {
      */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
     /* Computes the looks of points of one slice, whose field is fine[1]. */
-    void (*looks)(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *looks);
+    void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades);
 } ost_smooth_kernels;
 
 ost_smooth_kernels ost_smooth_kernels_of(ost_isa isa);
@@ -74,7 +74,7 @@ ost_smooth_kernels ost_smooth_kernels_of(ost_isa isa);
     void ost_field_slice_##SET(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);                             \
     void ost_field_cells_##SET(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE], uint8_t *out);      \
     void ost_field_lines_##SET(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count, uint16_t (*out)[OST_FIELD_LINE]); \
-    void ost_field_looks_##SET(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *looks);
+    void ost_field_shades_##SET(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades);
 OST_SMOOTH_DECLARE(scalar)
 OST_SMOOTH_DECLARE(avx2)
 OST_SMOOTH_DECLARE(avx512)

@@ -75,7 +75,7 @@ typedef struct ost_splat_eye {
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
 /* If the eye is no farther than this from a voxel's middle along an axis, rays to the voxel have both signs on that axis. */
-#define OST_BESIDE 0.501f
+#define OST_FACE_HALF 0.501f
 
 /* Pixels x0 <= x < x1, y0 <= y < y1. */
 typedef struct ost_extent {
@@ -88,7 +88,7 @@ typedef struct ost_extent {
 
 /* The points of a block that have a face toward the eye; scratch of a thread that makes lists. */
 typedef struct ost_chosen {
-    uint32_t id[OST_BLOCK_POINTS + OST_LANES], look[OST_BLOCK_POINTS + OST_LANES];
+    uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
     uint8_t only[OST_BLOCK_POINTS + OST_LANES]; /* axis of the only face to the air that is turned to the eye, or OST_SEVERAL */
 } ost_chosen;
 
@@ -161,9 +161,9 @@ static inline void ost_taken(uint64_t *taken, int x)
     taken[x / OST_LANES / 64] |= UINT64_C(1) << (x / OST_LANES % 64);
 }
 
-static inline uint32_t ost_number(uint32_t slot, uint32_t place)
+static inline uint32_t ost_number(uint32_t slot, uint32_t local)
 {
-    return slot << OST_LOCAL_BITS | place;
+    return slot << OST_LOCAL_BITS | local;
 }
 
 /* Returns the index of a number's entry in the lists. */

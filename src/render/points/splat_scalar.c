@@ -58,7 +58,7 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
         const uint32_t p = block->points[i];
         const uint32_t seen = p >> OST_FACES_SHIFT & (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
         out->id[n] = slot << OST_LOCAL_BITS | (p & ((1u << OST_LOCAL_BITS) - 1));
-        out->look[n] = block->looks[i];
+        out->shade[n] = block->shades[i];
         out->only[n] = (uint8_t)(seen & (seen - 1) ? OST_SEVERAL : seen > 15 ? 2 : seen > 3);
         n += seen != 0;
     }
@@ -174,14 +174,14 @@ static void place(const float *bases, uint32_t id, float o[3])
 
 static void splat(const ost_splat_eye *eye, const float o[3], unsigned only, uint64_t key, const rectangle *r, const ost_planes *planes)
 {
-    unsigned negative = 0, beside = 0;
+    unsigned negative = 0, inside = 0;
     for (int a = 0; a < 3; a++) {
         negative |= (unsigned)(o[a] < 0) << a;
-        beside |= (unsigned)(fabsf(o[a]) <= OST_BESIDE) << a;
+        inside |= (unsigned)(fabsf(o[a]) <= OST_FACE_HALF) << a;
     }
     for (unsigned turned = 0; turned < 8; turned++) {
         edge e[6];
-        if (turned & ~beside)
+        if (turned & ~inside)
             continue;
         edges_of(eye, o, negative ^ turned, only, e);
         fill(eye, e, key, r, planes);

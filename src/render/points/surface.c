@@ -2,7 +2,7 @@
 #include "render/points/extract.h"
 
 #include "render/points/clip.h"
-#include "render/points/ground.h"
+#include "render/points/uncut.h"
 #include "render/points/renew.h"
 #include "render/points/smooth.h"
 
@@ -38,7 +38,7 @@ void ost_surface_free(ost_surface *surface)
     for (int32_t i = 0; i < surface->used; i++) {
         ost_surface_block *b = surface->slot[i];
         free(b->points);
-        free(b->looks);
+        free(b->shades);
         free(b->changed);
         free(b->before);
         free(b->fresh);
@@ -67,7 +67,7 @@ ost_surface_block *ost_surface_block_at(const ost_surface *s, int32_t x, int32_t
 }
 
 /* Returns true if a block shows none of the voxels lo to hi, in its own coordinates, which may exceed it. */
-static bool block_is_bare(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
+static bool block_is_empty(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
 {
     int32_t from[3], to[3];
     for (int a = 0; a < 3; a++) {
@@ -82,7 +82,7 @@ static bool block_is_bare(const ost_surface_block *b, const int32_t lo[3], const
     return true;
 }
 
-bool ost_surface_is_bare(const ost_surface *surface, const int32_t lo[3], const int32_t hi[3])
+bool ost_surface_is_empty(const ost_surface *surface, const int32_t lo[3], const int32_t hi[3])
 {
     int32_t from[3], to[3];
     for (int a = 0; a < 3; a++) {
@@ -97,7 +97,7 @@ bool ost_surface_is_bare(const ost_surface *surface, const int32_t lo[3], const 
                 const ost_surface_block *b = ost_surface_block_at(surface, x, y, z);
                 const int32_t at[3] = {SIDE * x, SIDE * y, SIDE * z};
                 const int32_t l[3] = {lo[0] - at[0], lo[1] - at[1], lo[2] - at[2]}, h[3] = {hi[0] - at[0], hi[1] - at[1], hi[2] - at[2]};
-                if (b && !block_is_bare(b, l, h))
+                if (b && !block_is_empty(b, l, h))
                     return false;
             }
     return true;
@@ -109,13 +109,13 @@ static ost_status remember(const ost_surface *s, ost_surface_block *b, ost_error
     free(b->before);
     b->depth = NULL;
     b->before = NULL;
-    b->dirty = b->anew = b->unmeasured = true;
-    if (!s->ground)
+    b->dirty = b->remade = b->unmeasured = true;
+    if (!s->reference)
         return OST_OK;
     b->before = malloc(ROWS * sizeof *b->before);
     if (!b->before)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for a block of what was before");
-    ost_ground_words(s->ground, b->at, b->before);
+    ost_uncut_words(s->reference, b->at, b->before);
     return OST_OK;
 }
 
@@ -123,13 +123,13 @@ static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_blo
 {
     if (s->used == OST_BLOCKS_MAX)
         return ost_fail(err, OST_ERR_RANGE, "the bone has more than %d blocks of 32^3 voxels to draw", OST_BLOCKS_MAX);
-    if (s->used == s->room) {
-        const int32_t room = s->room ? 2 * s->room : 64;
-        ost_surface_block **slot = realloc(s->slot, (size_t)room * sizeof(ost_surface_block *));
+    if (s->used == s->capacity) {
+        const int32_t capacity = s->capacity ? 2 * s->capacity : 64;
+        ost_surface_block **slot = realloc(s->slot, (size_t)capacity * sizeof(ost_surface_block *));
         if (!slot)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for %d blocks of a surface", (int)room);
+            return ost_fail(err, OST_ERR_MEMORY, "no memory for %d blocks of a surface", (int)capacity);
         s->slot = slot;
-        s->room = room;
+        s->capacity = capacity;
     }
     ost_surface_block *b = calloc(1, sizeof *b);
     if (!b)
@@ -161,7 +161,7 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
 }
 
 /* The data of a block that a change in another block may affect. */
-typedef enum sees { SEES_LOOKS, SEES_POINTS, SEES_CELLS, SEES_GROUND } sees;
+typedef enum sees { SEES_SHADES, SEES_POINTS, SEES_CELLS, SEES_UNCUT } sees;
 
 /* Marks the blocks within `reach` voxels of the changed box, including the changed block itself. */
 static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], const int hi[3], int reach, sees what)
@@ -179,8 +179,8 @@ static void mark(const ost_surface *s, const int32_t at[3], const int lo[3], con
                     continue;
                 b->dirty = true;
                 b->unlisted |= what == SEES_POINTS;
-                b->unmeasured |= what == SEES_CELLS || what == SEES_GROUND;
-                b->anew |= what == SEES_GROUND;
+                b->unmeasured |= what == SEES_CELLS || what == SEES_UNCUT;
+                b->remade |= what == SEES_UNCUT;
             }
 }
 
@@ -191,7 +191,7 @@ static ost_status note_changed(ost_surface_block *b, const uint32_t occupancy[RO
     if (!b->changed)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for what changed");
     for (int row = 0; row < ROWS; row++)
-        b->changed[row] |= b->whole[row] ^ occupancy[row];
+        b->changed[row] |= b->occupied[row] ^ occupancy[row];
     return OST_OK;
 }
 
@@ -199,7 +199,7 @@ static ost_status note_fresh(ost_surface *s, ost_surface_block *b, const uint32_
 {
     uint32_t any = 0;
     for (int row = 0; row < ROWS; row++)
-        any |= b->whole[row] & ~occupancy[row];
+        any |= b->occupied[row] & ~occupancy[row];
     if (!any)
         return OST_OK;
     if (!b->fresh)
@@ -207,7 +207,7 @@ static ost_status note_fresh(ost_surface *s, ost_surface_block *b, const uint32_
     if (!b->fresh)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for what was cut just now");
     for (int row = 0; row < ROWS; row++)
-        b->fresh[row] |= b->whole[row] & ~occupancy[row];
+        b->fresh[row] |= b->occupied[row] & ~occupancy[row];
     s->any_fresh = true;
     return OST_OK;
 }
@@ -217,28 +217,28 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     static const uint32_t nothing[ROWS];
     ost_surface_block *b = ost_surface_block_at(surface, at[0], at[1], at[2]);
     int lo[3], hi[3];
-    if (!changed_box(b ? b->whole : nothing, occupancy, lo, hi))
+    if (!changed_box(b ? b->occupied : nothing, occupancy, lo, hi))
         return OST_OK;
     ost_status status = OST_OK;
     if (!b) {
         static const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, SIDE - 1};
         status = new_block(surface, at, &b, err);
-        mark(surface, at, first, last, 1, SEES_GROUND); /* from now on the block records which of its voxels were cut */
+        mark(surface, at, first, last, 1, SEES_UNCUT);  /* from now on the block records which of its voxels were cut */
     }
     if (status == OST_OK)
         status = note_changed(b, occupancy, err);
-    if (status == OST_OK && surface->keep_fresh)
+    if (status == OST_OK && surface->shows_contact)
         status = note_fresh(surface, b, occupancy, err);
     if (status != OST_OK)
         return status;
-    memcpy(b->whole, occupancy, sizeof b->whole);
+    memcpy(b->occupied, occupancy, sizeof b->occupied);
     if (surface->clipped)
-        ost_clip_words(&surface->clip, at, b->whole, b->occupancy);
+        ost_clip_words(&surface->clip, at, b->occupied, b->occupancy);
     else
         memcpy(b->occupancy, occupancy, sizeof b->occupancy);
     mark(surface, at, lo, hi, 1, SEES_POINTS);
-    mark(surface, at, lo, hi, surface->ground ? OST_NEAR_REACH : 0, SEES_CELLS);
-    mark(surface, at, lo, hi, surface->ground ? OST_LOOK_REACH : OST_WIDE_REACH, SEES_LOOKS);
+    mark(surface, at, lo, hi, surface->reference ? OST_NEAR_REACH : 0, SEES_CELLS);
+    mark(surface, at, lo, hi, surface->reference ? OST_SHADING_REACH : OST_WIDE_REACH, SEES_SHADES);
     return OST_OK;
 }
 
@@ -254,9 +254,9 @@ void ost_surface_clip(ost_surface *surface, const ost_clip *clip)
         uint32_t shown[ROWS];
         int lo[3], hi[3];
         if (clip)
-            ost_clip_words(clip, b->at, b->whole, shown);
+            ost_clip_words(clip, b->at, b->occupied, shown);
         else
-            memcpy(shown, b->whole, sizeof shown);
+            memcpy(shown, b->occupied, sizeof shown);
         if (!changed_box(b->occupancy, shown, lo, hi))
             continue;
         memcpy(b->occupancy, shown, sizeof shown);
@@ -264,12 +264,12 @@ void ost_surface_clip(ost_surface *surface, const ost_clip *clip)
     }
 }
 
-ost_status ost_surface_set_ground(ost_surface *surface, ost_ground *ground, ost_error *err)
+ost_status ost_surface_set_uncut(ost_surface *surface, ost_uncut *reference, ost_error *err)
 {
     ost_status status = OST_OK;
-    if (ground && !ost_geometry_equal(&surface->geometry, &ground->volume.geometry))
+    if (reference && !ost_geometry_equal(&surface->geometry, &reference->volume.geometry))
         return ost_fail(err, OST_ERR_USAGE, "the bone before has another grid");
-    surface->ground = ground;
+    surface->reference = reference;
     for (int32_t i = 0; i < surface->used && status == OST_OK; i++)
         status = remember(surface, surface->slot[i], err);
     return status;
@@ -278,7 +278,7 @@ ost_status ost_surface_set_ground(ost_surface *surface, ost_ground *ground, ost_
 void ost_surface_set_colouring(ost_surface *surface, int colouring)
 {
     for (int32_t i = 0; i < surface->used && colouring != surface->colouring; i++)
-        surface->slot[i]->dirty = surface->slot[i]->anew = true;
+        surface->slot[i]->dirty = surface->slot[i]->remade = true;
     surface->colouring = colouring;
 }
 
@@ -292,7 +292,7 @@ void ost_surface_age(ost_surface *surface)
         int lo[3], hi[3];
         /* Fresh and recent voxels have the same look, so a look changes only where the two sets differ. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
-            mark(surface, b->at, lo, hi, 1, SEES_LOOKS);
+            mark(surface, b->at, lo, hi, 1, SEES_SHADES);
         free(b->recent);
         b->recent = b->fresh;
         b->fresh = NULL;
@@ -310,7 +310,7 @@ static ost_status set_eighth(ost_surface *surface, const int32_t at[3], const ui
     const ost_surface_block *b = ost_surface_block_at(surface, block[0], block[1], block[2]);
     uint32_t occupancy[ROWS] = {0};
     if (b)
-        memcpy(occupancy, b->whole, sizeof occupancy);
+        memcpy(occupancy, b->occupied, sizeof occupancy);
     for (int z = 0; z < HALF; z++)
         for (int y = 0; y < HALF; y++) {
             uint32_t *row = &occupancy[y0 + y + SIDE * (z0 + z)];
@@ -343,10 +343,10 @@ ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int 
 
 ost_status ost_surface_update(ost_surface *surface, ost_error *err)
 {
-    const size_t room = (size_t)surface->used + 1;
-    int32_t *renewed = realloc(surface->renewed, room * sizeof *renewed);
+    const size_t capacity = (size_t)surface->used + 1;
+    int32_t *renewed = realloc(surface->renewed, capacity * sizeof *renewed);
     if (!renewed)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu blocks of a surface", room);
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu blocks of a surface", capacity);
     surface->renewed = renewed;
     surface->renewals = 0;
     surface->points = 0;

@@ -16,11 +16,11 @@
  *                   x      y       z      faces to the air: -x +x -y +y -z +z
  *   look    bits   0..13                  14..21             22..29    30
  *                  normal (octahedral.h)  openness:          paint     bone was
- *                                         255 on an edge,    (ground.h) removed
+ *                                         255 on an edge,    (uncut.h) removed
  *                                         225 on a plane,              there just
  *                                         less in a pit                now
  *
- * Normal and openness are computed from the bits (dress.h), so a cut is drawn
+ * Normal and openness are computed from the bits (shading.h), so a cut is drawn
  * as smoothly as the uncut surface.
  *
  *   whole: all active voxels --clip plane (clip.h)--> occupancy: those that are shown and listed
@@ -40,9 +40,9 @@ enum {
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    OST_LOOK_REACH = 14,             /* greatest distance, in voxels, of a voxel that a look depends on (renew.c) */
+    OST_SHADING_REACH = 14,          /* greatest distance, in voxels, of a voxel that a look depends on (renew.c) */
 };
-#define OST_LOOK_CONTACT (UINT32_C(1) << 30)
+#define OST_SHADE_CONTACT (UINT32_C(1) << 30)
 
 typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_FACE_Z0, OST_FACE_Z1 } ost_face;
 
@@ -50,19 +50,19 @@ typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
     bool dirty;                /* the next update has to process the block, because of: */
     bool unlisted;             /* its list of points may have changed */
-    bool anew;                 /* all its looks may have changed */
+    bool remade;               /* all its looks may have changed */
     bool unmeasured;           /* its cells may have changed */
-    bool contact;              /* at least one look has OST_LOOK_CONTACT */
+    bool contact;              /* at least one look has OST_SHADE_CONTACT */
     uint64_t version;          /* version of its lists, unique within the process; 0 before the first */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* active voxels that are shown */
-    uint32_t whole[OST_BLOCK_ROWS];     /* all active voxels */
+    uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
     uint32_t *changed;         /* owned; voxels of whole that changed since the last update; NULL if none */
     uint32_t *before;          /* owned; bone voxels of the uncut bone; NULL if the surface has no ground */
     uint32_t *fresh, *recent;  /* owned; voxels removed since the last ost_surface_age, and in the interval before; NULL if none */
-    uint16_t *depth;           /* owned; squared distances (ground.h); NULL until the first is needed */
-    uint32_t count, room;      /* number of points, capacity */
-    uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8]; /* amount of bone in each 2^3 voxels: x, y, z (dress.h) */
-    uint32_t *points, *looks;  /* owned; count surface points, rows ascending */
+    uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until the first is needed */
+    uint32_t count, capacity;  /* number of points, capacity */
+    uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8]; /* amount of bone in each 2^3 voxels: x, y, z (shading.h) */
+    uint32_t *points, *shades; /* owned; count surface points, rows ascending */
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of the first point of each row */
 } ost_surface_block;
 
@@ -77,16 +77,16 @@ typedef struct ost_surface {
     int32_t blocks[3];         /* size of the grid in blocks; the last ones may lie partly outside */
     int32_t *slot_of;          /* owned; the slot of each block of the grid, -1 if it has never had an active voxel */
     ost_surface_block **slot;  /* owned; `used` entries */
-    int32_t used, room;
+    int32_t used, capacity;
     uint64_t points;           /* number of points of all blocks, valid after an update */
     int32_t renewals, *renewed; /* owned; slots whose lists the last update changed, and their number */
-    struct ost_ground *ground; /* borrowed; NULL if the uncut bone is not known */
+    struct ost_uncut *reference; /* borrowed; NULL if the uncut bone is not known */
     int colouring;             /* an ost_colouring (palette.h) */
     ost_clip clip;
     bool clipped;              /* clip is in use */
-    bool keep_fresh;           /* removed voxels are recorded in fresh */
+    bool shows_contact;        /* removed voxels are recorded in fresh */
     bool any_fresh, any_recent;
-    struct ost_dress_scratch *scratch; /* owned */
+    struct ost_shading_scratch *scratch; /* owned */
 } ost_surface;
 
 /* Makes a surface without an active voxel. Returns OST_ERR_RANGE if the spacing differs between axes. */
@@ -111,15 +111,15 @@ ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume
  * Set the uncut bone, which must have the same grid, and the colouring.
  * The next update recomputes all looks after a change.  The ground is borrowed.
  */
-ost_status ost_surface_set_ground(ost_surface *surface, struct ost_ground *ground, ost_error *err);
+ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
-/* Ages the removed voxels that keep_fresh records: fresh ones become recent, recent ones are dropped. */
+/* Ages the removed voxels that shows_contact records: fresh ones become recent, recent ones are dropped. */
 void ost_surface_age(ost_surface *surface);
 
 /* Recomputes the points and looks that changed since the last update, and lists the changed blocks in renewed. */
 ost_status ost_surface_update(ost_surface *surface, ost_error *err);
 
 /* Returns true if none of the voxels lo to hi (inclusive) is shown; voxels outside the grid are not. */
-bool ost_surface_is_bare(const ost_surface *surface, const int32_t lo[3], const int32_t hi[3]);
+bool ost_surface_is_empty(const ost_surface *surface, const int32_t lo[3], const int32_t hi[3]);
 
 #endif

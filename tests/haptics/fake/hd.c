@@ -129,7 +129,7 @@ unsigned long hdScheduleAsynchronous(unsigned (*call)(void *), void *user, unsig
 
 void hdUnschedule(unsigned long handle) { fake_call(&fake_hd, handle == 1 ? 'u' : '!'); }
 
-static void *serve(void *unused)
+static void *run_device(void *unused)
 {
     const struct timespec millisecond = {.tv_nsec = 1000000};
     (void)unused;
@@ -151,7 +151,7 @@ void hdStartScheduler(void)
 {
     fake_call(&fake_hd, '<');
     running = 1;
-    pthread_create(&thread, NULL, serve, NULL);
+    pthread_create(&thread, NULL, run_device, NULL);
 }
 
 void hdStopScheduler(void)

@@ -125,8 +125,8 @@ static inline void add_triangle(ost_snapped_mesh *m, size_t a, size_t b, size_t 
  */
 static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *hi)
 {
-    const int32_t middle = (n / 2) * LATTICE + LATTICE / 2, room = middle < n * LATTICE - middle ? middle : n * LATTICE - middle;
-    const int32_t half = (int32_t)rng_range(rng, room / 2, room - 1) | 1;
+    const int32_t middle = (n / 2) * LATTICE + LATTICE / 2, margin = middle < n * LATTICE - middle ? middle : n * LATTICE - middle;
+    const int32_t half = (int32_t)rng_range(rng, margin / 2, margin - 1) | 1;
     *lo = middle - half;
     *hi = middle + half;
 }

@@ -119,16 +119,16 @@ static void slices_are_the_whole(void **state)
     ost_backend *ref, *dense;
     assert_ok(ost_backend_open("ref", &ref, &err));
     assert_ok(dense_open(NULL, &dense, &err));
-    ost_bone *whole = bone_of(ref, &g, 16, voxels), *parts;
+    ost_bone *complete = bone_of(ref, &g, 16, voxels), *parts;
     assert_ok(ost_bone_create(dense, &g, 32, 120, &parts, &err));
     for (int32_t z = g.dims.z; z > 0;) {
         const int32_t count = (int32_t)rng_range(&rng, 1, z);
         z -= count;
         assert_ok(ost_bone_upload(parts, z, count, voxels + (size_t)z * slice, &err));
     }
-    const ost_digest a = digest_of(whole), b = digest_of(parts);
+    const ost_digest a = digest_of(complete), b = digest_of(parts);
     assert_true(ost_digest_equal(&a, &b));
-    int16_t *one = malloc(slice * sizeof *one), *all = content(whole, &g);
+    int16_t *one = malloc(slice * sizeof *one), *all = content(complete, &g);
     assert_non_null(one);
     for (int32_t z = 0; z < g.dims.z; z++) {
         assert_ok(ost_bone_download(parts, z, 1, one, &err));
@@ -137,7 +137,7 @@ static void slices_are_the_whole(void **state)
     free(one);
     free(all);
     free(voxels);
-    ost_bone_free(whole);
+    ost_bone_free(complete);
     ost_bone_free(parts);
     ost_backend_close(ref);
     ost_backend_close(dense);

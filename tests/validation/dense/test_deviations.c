@@ -42,7 +42,7 @@ typedef struct tally {
 static void check_place(deviation_kind kind, const deviation_record *r, const difference *f, uint64_t seed)
 {
     const deviation_about *about = deviation_describe(kind);
-    const deviation_place *p = &r->first_changed, *q = &r->first_acted;
+    const deviation_position *p = &r->first_changed, *q = &r->first_acted;
     if (p->stage != f->stage || p->call != f->call || p->leaf != f->leaf || p->chunk != f->chunk ||
         memcmp(p->voxel, f->voxel, sizeof p->voxel) != 0 || r->voxels != f->voxels || r->report != f->report)
         fail_msg("%s, seed %llu: recorded %s call %llu voxel (%d, %d, %d) leaf %lld chunk %lld%s%s; "

@@ -138,7 +138,7 @@ static void put_difference(bundle *b)
     assert_int_equal(results[1].difference.kind, COMPARE_VOXEL);
     pictures_of_difference(&keeper, &run, 0, 1, &got, compare_find(&got, 0));
     assert_int_equal(keeper.err.status, OST_OK);
-    assert_int_equal(keeper.kept[1], 1);
+    assert_int_equal(keeper.drawn[1], 1);
     trace_free(&got);
     trace_free(&run.reference);
     unlink(one);
@@ -300,9 +300,9 @@ static void says_the_verdict_first(void **state)
         snprintf(name, sizeof name, "v%zu", i);
         make_bundle(path_in(name), expected[i].kind);
         char *html = page_of(path_in(name));
-        const char *said = strstr(html, expected[i].says), *heading = strstr(html, "<h2>");
-        assert_non_null(said);
-        assert_true(said < heading);
+        const char *hit = strstr(html, expected[i].says), *heading = strstr(html, "<h2>");
+        assert_non_null(hit);
+        assert_true(hit < heading);
         assert_null(strstr(html, expected[i].says_not));
         const char *not_shown = strstr(html, "<h2 id=\"not-shown\">"), *compared = strstr(html, "<h2>What was compared with what");
         assert_non_null(not_shown);

@@ -10,7 +10,7 @@
 flat in uvec4 what;
 flat in vec3 o;
 flat in vec3 base;
-uniform usamplerBuffer looks;
+uniform usamplerBuffer shades;
 #if TARGET == FORWARD
 out vec4 kept;
 #else
@@ -99,7 +99,7 @@ void main()
     if (!found)
         discard;
     uint below = bit < 32u ? ones(what.y & ((1u << bit) - 1u)) : ones(what.y) + ones(what.z & ((1u << (bit - 32u)) - 1u));
-    uint tint = tint_of(texelFetch(looks, int(what.w + below)).r);
+    uint tint = tint_of(texelFetch(shades, int(what.w + below)).r);
     float depth;
     uint face = enter(voxel(bit), ray_d, depth);
 #if TARGET == FORWARD

@@ -33,12 +33,12 @@ static inline __m512i mixed_part(__m512i colour, uint32_t other, uint32_t mask)
     return _mm512_and_si512(_mm512_srli_epi32(_mm512_add_epi32(three, all((other & mask) * 5)), 3), all(mask));
 }
 
-void ost_light_tint_avx512(const ost_light *light, const uint32_t *look, uint32_t count, uint32_t *tint)
+void ost_light_tint_avx512(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint)
 {
     const bool faces = light->style == OST_STYLE_FACES;
     for (uint32_t i = 0; i < count; i += LANES) {
-        const __m512i l = _mm512_loadu_si512(look + i), paint = _mm512_and_si512(_mm512_srli_epi32(l, OST_PAINT_SHIFT), all(OST_PAINTS - 1));
-        const __mmask16 painted = _mm512_test_epi32_mask(paint, paint), contact = _mm512_test_epi32_mask(l, all(OST_LOOK_CONTACT));
+        const __m512i l = _mm512_loadu_si512(shades + i), paint = _mm512_and_si512(_mm512_srli_epi32(l, OST_PAINT_SHIFT), all(OST_PAINTS - 1));
+        const __mmask16 painted = _mm512_test_epi32_mask(paint, paint), contact = _mm512_test_epi32_mask(l, all(OST_SHADE_CONTACT));
         __m512i c = all(light->colour[0]);
         if (painted)
             c = _mm512_mask_i32gather_epi32(c, painted, paint, light->colour, 4);
@@ -98,8 +98,8 @@ void ost_light_shade_avx512(uint16_t *shade, const ost_directions *d, const ost_
             mirror = _mm512_mul_ps(mirror, mirror);
         const __m512 ambient = _mm512_add_ps(_mm512_set1_ps(0.20f), scaled(0.17f, sky));
         const __m512 lamps = _mm512_add_ps(ambient, _mm512_add_ps(scaled(0.74f, key), scaled(0.20f, fill)));
-        const __m512i whole = rounded(scaled(256.0f, _mm512_add_ps(lamps, scaled(0.10f, back)))), added = rounded(scaled(gloss, mirror));
-        const __m512i word = _mm512_or_si512(_mm512_min_epi32(whole, all(320)), _mm512_slli_epi32(added, OST_BRIGHT_BITS));
+        const __m512i scaled_bright = rounded(scaled(256.0f, _mm512_add_ps(lamps, scaled(0.10f, back)))), added = rounded(scaled(gloss, mirror));
+        const __m512i word = _mm512_or_si512(_mm512_min_epi32(scaled_bright, all(320)), _mm512_slli_epi32(added, OST_BRIGHT_BITS));
         _mm256_storeu_si256((void *)(shade + i), _mm512_cvtepi32_epi16(word));
     }
 }

@@ -186,9 +186,9 @@ static inline __m256 share(const __m256 fine[3], const __m256 wide[3], __m256 fi
     return _mm256_and_ps(says, _mm256_min_ps(_mm256_max_ps(t, one(0)), one(1)));
 }
 
-static inline __m256 folded(__m256 beside, __m256 sign)
+static inline __m256 folded(__m256 away, __m256 sign)
 {
-    return _mm256_or_ps(_mm256_sub_ps(one(1), abs_of(beside)), _mm256_and_ps(one(-0.0f), sign));
+    return _mm256_or_ps(_mm256_sub_ps(one(1), abs_of(away)), _mm256_and_ps(one(-0.0f), sign));
 }
 
 static inline __m256i cell(__m256 p)
@@ -210,9 +210,9 @@ static inline __m256i by_full(__m256i v)
 {
     const __m256i full = all(OST_FIELD_FULL), size = _mm256_abs_epi32(v);
     const __m256i q = _mm256_cvttps_epi32(_mm256_div_ps(_mm256_cvtepi32_ps(size), one(OST_FIELD_FULL)));
-    const __m256i rest = _mm256_sub_epi32(size, _mm256_mullo_epi32(q, full));
-    const __m256i less = _mm256_add_epi32(q, _mm256_cmpgt_epi32(_mm256_setzero_si256(), rest));
-    return _mm256_sign_epi32(_mm256_sub_epi32(less, _mm256_cmpgt_epi32(rest, all(OST_FIELD_FULL - 1))), v);
+    const __m256i remainder = _mm256_sub_epi32(size, _mm256_mullo_epi32(q, full));
+    const __m256i less = _mm256_add_epi32(q, _mm256_cmpgt_epi32(_mm256_setzero_si256(), remainder));
+    return _mm256_sign_epi32(_mm256_sub_epi32(less, _mm256_cmpgt_epi32(remainder, all(OST_FIELD_FULL - 1))), v);
 }
 
 static inline __m256i openness(__m256i field)
@@ -231,7 +231,7 @@ static inline __m256i mixed_openness(__m256i fine, __m256i wide, __m256 t)
     return _mm256_cvttps_epi32(_mm256_add_ps(mixed, one(0.5f)));
 }
 
-static inline __m256i look(const ost_slopes *s, int i)
+static inline __m256i shade_word(const ost_slopes *s, int i)
 {
     __m256 f[3], w[3], out[3];
     for (int a = 0; a < 3; a++) {
@@ -247,12 +247,12 @@ static inline __m256i look(const ost_slopes *s, int i)
     return _mm256_or_si256(octahedral(out), _mm256_slli_epi32(open, OST_OPEN_SHIFT));
 }
 
-void ost_field_looks_avx2(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *looks)
+void ost_field_shades_avx2(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades)
 {
     ost_slopes s = {.faces = {0}};
     for (int first = 0; first < count; first += OST_SLOPES) {
         ost_slopes_at(points + first, count - first, fine, wide, &s);
         for (int i = 0; i < OST_SLOPES; i += EIGHT)
-            _mm256_storeu_si256((void *)(looks + first + i), look(&s, i));
+            _mm256_storeu_si256((void *)(shades + first + i), shade_word(&s, i));
     }
 }

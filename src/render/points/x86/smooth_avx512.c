@@ -154,10 +154,10 @@ static inline __m512 share(const __m512 fine[3], const __m512 wide[3], __m512 fi
 }
 
 /* Returns 1 - |beside| with the sign of `sign`, which is not -0. */
-static inline __m512 folded(__m512 beside, __m512 sign)
+static inline __m512 folded(__m512 aside, __m512 sign)
 {
-    const __m512 away = _mm512_sub_ps(one(1), _mm512_abs_ps(beside));
-    return _mm512_mask_sub_ps(away, _mm512_cmp_ps_mask(sign, one(0), _CMP_LT_OQ), _mm512_abs_ps(beside), one(1));
+    const __m512 away = _mm512_sub_ps(one(1), _mm512_abs_ps(aside));
+    return _mm512_mask_sub_ps(away, _mm512_cmp_ps_mask(sign, one(0), _CMP_LT_OQ), _mm512_abs_ps(aside), one(1));
 }
 
 static inline __m512i cell(__m512 p)
@@ -189,9 +189,9 @@ static inline __m512i by_full(__m512i v)
 {
     const __m512i full = _mm512_set1_epi32(OST_FIELD_FULL), size = _mm512_abs_epi32(v), step = _mm512_set1_epi32(1);
     const __m512i q = _mm512_cvttps_epi32(_mm512_div_ps(_mm512_cvtepi32_ps(size), one(OST_FIELD_FULL)));
-    const __m512i rest = _mm512_sub_epi32(size, _mm512_mullo_epi32(q, full));
-    const __m512i less = _mm512_mask_sub_epi32(q, _mm512_cmplt_epi32_mask(rest, _mm512_setzero_si512()), q, step);
-    const __m512i right = _mm512_mask_add_epi32(less, _mm512_cmpge_epi32_mask(rest, full), less, step);
+    const __m512i remainder = _mm512_sub_epi32(size, _mm512_mullo_epi32(q, full));
+    const __m512i less = _mm512_mask_sub_epi32(q, _mm512_cmplt_epi32_mask(remainder, _mm512_setzero_si512()), q, step);
+    const __m512i right = _mm512_mask_add_epi32(less, _mm512_cmpge_epi32_mask(remainder, full), less, step);
     return _mm512_mask_sub_epi32(right, _mm512_cmplt_epi32_mask(v, _mm512_setzero_si512()), _mm512_setzero_si512(), right);
 }
 
@@ -212,7 +212,7 @@ static inline __m512i mixed_openness(__m512i fine, __m512i wide, __m512 t)
     return _mm512_cvttps_epi32(_mm512_add_ps(mixed, one(0.5f)));
 }
 
-void ost_field_looks_avx512(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *looks)
+void ost_field_shades_avx512(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades)
 {
     ost_slopes s = {.faces = {0}};
     for (int first = 0; first < count; first += OST_SLOPES) {
@@ -229,6 +229,6 @@ void ost_field_looks_avx512(const uint32_t *points, int count, const ost_field_s
         for (int a = 0; a < 3; a++)
             out[a] = _mm512_add_ps(_mm512_mul_ps(f[a], of_fine), _mm512_mul_ps(w[a], of_wide));
         const __m512i open = mixed_openness(load_all(s.value[0]), load_all(s.value[1]), t);
-        _mm512_storeu_si512(looks + first, _mm512_or_si512(octahedral(out), _mm512_slli_epi32(open, OST_OPEN_SHIFT)));
+        _mm512_storeu_si512(shades + first, _mm512_or_si512(octahedral(out), _mm512_slli_epi32(open, OST_OPEN_SHIFT)));
     }
 }

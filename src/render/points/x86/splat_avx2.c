@@ -152,9 +152,9 @@ static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned w
     const __m256i x0 = _mm256_load_si256((const void *)r->x0), y0 = _mm256_load_si256((const void *)r->y0);
     const __m256i width = _mm256_sub_epi32(_mm256_load_si256((const void *)r->x1), x0);
     const __m256i height = _mm256_sub_epi32(_mm256_load_si256((const void *)r->y1), y0);
-    const __m256i place = _mm256_add_epi32(_mm256_mullo_epi32(_mm256_sub_epi32(y0, _mm256_set1_epi32(planes->key_top)), _mm256_set1_epi32(planes->stride)), x0);
+    const __m256i offset = _mm256_add_epi32(_mm256_mullo_epi32(_mm256_sub_epi32(y0, _mm256_set1_epi32(planes->key_top)), _mm256_set1_epi32(planes->stride)), x0);
     _Alignas(32) uint32_t first[EIGHT];
-    _mm256_store_si256((void *)first, place);
+    _mm256_store_si256((void *)first, offset);
     lanes ub[SMALL][6];
     unsigned column[SMALL];
     int columns = 0;
@@ -192,7 +192,7 @@ static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned w
 }
 
 /* Updates four pixels of a row; those with a sign bit in `in` are covered. */
-static inline void settle(uint64_t *row, __m128i in, __m256i key)
+static inline void write_nearest(uint64_t *row, __m128i in, __m256i key)
 {
     const __m256i mask = _mm256_cvtepi32_epi64(in), was = _mm256_maskload_epi64((const long long *)row, mask);
     _mm256_maskstore_epi64((long long *)row, _mm256_and_si256(mask, _mm256_cmpgt_epi64(was, key)), key);
@@ -223,9 +223,9 @@ static inline void fill(const ost_splat_eye *s, const eight *r, int k, const ost
             if (_mm256_testz_si256(in, in))
                 continue;
             uint64_t *row = ost_key_row(planes, y) + x;
-            settle(row, _mm256_castsi256_si128(in), key);
+            write_nearest(row, _mm256_castsi256_si128(in), key);
             if (x1 - x >= 4)
-                settle(row + 4, _mm256_extracti128_si256(in, 1), key);
+                write_nearest(row + 4, _mm256_extracti128_si256(in, 1), key);
         }
     }
 }
@@ -252,7 +252,7 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
 }
 
 /* Draws voxels next to the eye again for each other combination of signs that their rays may have. */
-static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const unsigned beside[3], const lanes single[3], unsigned live, eight *r, const ost_planes *planes)
+static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3], unsigned live, eight *r, const ost_planes *planes)
 {
     for (unsigned turned = 1; turned < 8; turned++) {
         unsigned which = live;
@@ -261,7 +261,7 @@ static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const unsigned 
             const bool turn = turned >> a & 1;
             const lanes down = _mm256_and_ps(o.v[a], all(-0.0f));
             negative[a] = turn ? _mm256_xor_ps(down, all(-0.0f)) : down;
-            which = turn ? which & beside[a] : which;
+            which = turn ? which & inside[a] : which;
         }
         if (which) {
             edges_of(s, o, negative, single, r);
@@ -294,10 +294,10 @@ static inline void widen(const eight *r, unsigned live, ost_extent *e)
 }
 
 /* Draws up to eight entries of a list from place on, and extends *extent by their rectangles. */
-static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t place, int count,
+static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t offset, int count,
                               const ost_planes *planes, const ost_extent *part, ost_extent *extent)
 {
-    const uint32_t first = visible->begin[slot] + place;
+    const uint32_t first = visible->begin[slot] + offset;
     const float *base = visible->bases + 4 * (size_t)slot;
     const __m256i even = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
     const __m256i start = _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const void *)(visible->seen + first)), even);
@@ -307,12 +307,12 @@ static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visib
     eight r;
     lanes3 o;
     lanes negative[3], single[3];
-    unsigned beside[3];
+    unsigned inside[3];
     for (int a = 0; a < 3; a++) {
         const __m256i at = _mm256_and_si256(_mm256_srl_epi32(p, _mm_cvtsi32_si128(5 * a)), _mm256_set1_epi32(31));
         o.v[a] = _mm256_add_ps(all(base[a]), _mm256_cvtepi32_ps(at));
         negative[a] = _mm256_and_ps(o.v[a], all(-0.0f));
-        beside[a] = bits(_mm256_cmp_ps(absolute(o.v[a]), all(OST_BESIDE), _CMP_LE_OQ));
+        inside[a] = bits(_mm256_cmp_ps(absolute(o.v[a]), all(OST_FACE_HALF), _CMP_LE_OQ));
         single[a] = _mm256_castsi256_ps(_mm256_cmpeq_epi32(only, _mm256_set1_epi32(a)));
     }
     unsigned live = rectangles(eye, o, single, (1u << count) - 1, &r);
@@ -320,11 +320,11 @@ static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visib
     live = into_part(&r, live, part);
     if (!live)
         return;
-    keys_of(o, ost_number(slot, place), &r);
+    keys_of(o, ost_number(slot, offset), &r);
     edges_of(eye, o, negative, single, &r);
     fill_all(eye, &r, live, planes);
-    if (live & (beside[0] | beside[1] | beside[2]))
-        fill_beside(eye, o, beside, single, live, &r, planes);
+    if (live & (inside[0] | inside[1] | inside[2]))
+        fill_inside(eye, o, inside, single, live, &r, planes);
 }
 
 void ost_splat_avx2(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
@@ -352,7 +352,7 @@ static inline __m256i lit(__m256i colour, __m256i light)
 }
 
 /* Computes the vectors from the eye to the blocks of the pixels' voxels, and the voxels' list indices. */
-static inline __m256i look_up(const ost_visible *visible, __m256i number, __m256i any, lanes3 *o)
+static inline __m256i lookup(const ost_visible *visible, __m256i number, __m256i any, lanes3 *o)
 {
     const __m256i slot = _mm256_srli_epi32(number, OST_LOCAL_BITS);
     __m256i begin = _mm256_setzero_si256();
@@ -424,7 +424,7 @@ void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, cons
             const lanes u = across(eye, _mm256_add_epi32(_mm256_set1_epi32(x), step));
             const __m256i number = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(low, even), _mm256_permutevar8x32_epi32(high, even), 0xf0);
             lanes3 o;
-            const __m256i index = look_up(visible, number, any, &o);
+            const __m256i index = lookup(visible, number, any, &o);
             _Alignas(32) uint32_t at_list[EIGHT];
             _mm256_store_si256((void *)at_list, _mm256_and_si256(any, index));
             const __m256i first = four(visible->seen, at_list), second = four(visible->seen, at_list + 4);

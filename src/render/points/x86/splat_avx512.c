@@ -76,7 +76,7 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
     for (uint32_t i = 0; i < block->count; i += OST_LANES) {
         const uint32_t left = block->count - i;
         const __mmask16 live = left < OST_LANES ? (__mmask16)((1u << left) - 1) : (__mmask16)0xffff;
-        const __m512i p = _mm512_maskz_loadu_epi32(live, block->points + i), l = _mm512_maskz_loadu_epi32(live, block->looks + i);
+        const __m512i p = _mm512_maskz_loadu_epi32(live, block->points + i), l = _mm512_maskz_loadu_epi32(live, block->shades + i);
         const __m512i x = turned_of(turned[0], p);
         const __m512i y = turned_of(turned[1], _mm512_srli_epi32(p, 5));
         const __m512i z = turned_of(turned[2], _mm512_srli_epi32(p, 10));
@@ -86,7 +86,7 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
         only = _mm512_mask_add_epi32(only, _mm512_cmpgt_epi32_mask(seen, _mm512_set1_epi32(15)), only, one);
         only = _mm512_mask_mov_epi32(only, several, _mm512_set1_epi32(OST_SEVERAL));
         _mm512_storeu_si512(out->id + n, _mm512_maskz_compress_epi32(take, _mm512_or_si512(_mm512_and_si512(p, local), high)));
-        _mm512_storeu_si512(out->look + n, _mm512_maskz_compress_epi32(take, l));
+        _mm512_storeu_si512(out->shade + n, _mm512_maskz_compress_epi32(take, l));
         _mm_storeu_si128((void *)(out->only + n), _mm512_cvtepi32_epi8(_mm512_maskz_compress_epi32(take, only)));
         n += (uint32_t)__builtin_popcount(take);
     }
@@ -160,8 +160,8 @@ static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const s
     const __m512i x0 = _mm512_load_si512(r->x0), y0 = _mm512_load_si512(r->y0);
     const __m512i width = _mm512_sub_epi32(_mm512_load_si512(r->x1), x0), height = _mm512_sub_epi32(_mm512_load_si512(r->y1), y0);
     const __m512i lane = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
-    const __m512i place = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_sub_epi32(y0, _mm512_set1_epi32(planes->key_top)), _mm512_set1_epi32(planes->stride)), x0);
-    const __m512i first = _mm512_or_si512(_mm512_slli_epi32(place, 4), lane);
+    const __m512i offset = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_sub_epi32(y0, _mm512_set1_epi32(planes->key_top)), _mm512_set1_epi32(planes->stride)), x0);
+    const __m512i first = _mm512_or_si512(_mm512_slli_epi32(offset, 4), lane);
     lanes ub[SMALL][6];
     __mmask16 column[SMALL];
     int columns = 0;
@@ -199,7 +199,7 @@ static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const s
 }
 
 /* Updates eight pixels of a row, of which those in `in` are covered. */
-static inline void settle(uint64_t *row, __mmask8 in, __m512i key)
+static inline void write_nearest(uint64_t *row, __mmask8 in, __m512i key)
 {
     const __mmask8 nearer = _mm512_mask_cmplt_epu64_mask(in, key, _mm512_maskz_loadu_epi64(in, row));
     _mm512_mask_storeu_epi64(row, nearer, key);
@@ -220,9 +220,9 @@ static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const s
         for (int f = 0; f < 6; f++)
             value[f] = _mm512_add_ps(_mm512_broadcast_f32x2(_mm_castsi128_ps(_mm_loadl_epi64((const void *)&start[f][j]))), ub[f]);
         const unsigned in = ~(unsigned)_mm512_movepi32_mask(any_negative(value));
-        settle(row, (__mmask8)(_pext_u32(in, 0x5555) & live), key);
+        write_nearest(row, (__mmask8)(_pext_u32(in, 0x5555) & live), key);
         if (j + 1 < rows)
-            settle(row + planes->stride, (__mmask8)(_pext_u32(in, 0xaaaa) & live), key);
+            write_nearest(row + planes->stride, (__mmask8)(_pext_u32(in, 0xaaaa) & live), key);
     }
 }
 
@@ -244,9 +244,9 @@ static __attribute__((noinline)) void fill_rows(const ost_splat_eye *s, const si
                 value[f] = _mm512_add_ps(all(start[f][j]), ub[f]);
             const unsigned in = ~(unsigned)_mm512_movepi32_mask(any_negative(value)) & live;
             if (in & 0xff)
-                settle(row, (__mmask8)in, key);
+                write_nearest(row, (__mmask8)in, key);
             if (in >> 8)
-                settle(row + 8, (__mmask8)(in >> 8), key);
+                write_nearest(row + 8, (__mmask8)(in >> 8), key);
         }
     }
 }
@@ -319,7 +319,7 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
 }
 
 /* Draws voxels next to the eye again for each other combination of signs that their rays may have. */
-static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const __mmask16 beside[3], const __mmask16 single[3], __mmask16 live, sixteen *r, const ost_planes *planes)
+static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3], __mmask16 live, sixteen *r, const ost_planes *planes)
 {
     for (unsigned turned = 1; turned < 8; turned++) {
         __mmask16 which = live;
@@ -328,7 +328,7 @@ static inline void fill_beside(const ost_splat_eye *s, lanes3 o, const __mmask16
             const bool turn = turned >> a & 1;
             const __m512i sign = _mm512_set1_epi32(INT32_MIN), down = _mm512_and_si512(_mm512_castps_si512(o.v[a]), sign);
             negative[a] = turn ? _mm512_xor_si512(down, sign) : down;
-            which = (__mmask16)(turn ? which & beside[a] : which);
+            which = (__mmask16)(turn ? which & inside[a] : which);
         }
         if (which) {
             edges_of(s, o, negative, single, r);
@@ -370,7 +370,7 @@ void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint
         const uint64_t known = atomic_load_explicit(extent, memory_order_relaxed);
         if (ost_extent_misses(known, part))
             continue;
-        __mmask16 live = count - i < OST_LANES ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff, beside[3];
+        __mmask16 live = count - i < OST_LANES ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff, inside[3];
         const __m512i p = _mm512_permutex2var_epi32(_mm512_loadu_si512(points + i), even, _mm512_loadu_si512(points + i + 8));
         const __m512i only = _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)(visible->only + first + i)));
         sixteen r;
@@ -381,7 +381,7 @@ void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint
             const __m512i at = _mm512_and_si512(_mm512_srl_epi32(p, _mm_cvtsi32_si128(5 * a)), low);
             o.v[a] = _mm512_add_ps(all(base[a]), _mm512_cvtepi32_ps(at));
             negative[a] = _mm512_and_si512(_mm512_castps_si512(o.v[a]), sign);
-            beside[a] = _mm512_cmp_ps_mask(_mm512_abs_ps(o.v[a]), all(OST_BESIDE), _CMP_LE_OQ);
+            inside[a] = _mm512_cmp_ps_mask(_mm512_abs_ps(o.v[a]), all(OST_FACE_HALF), _CMP_LE_OQ);
             single[a] = _mm512_cmpeq_epi32_mask(only, _mm512_set1_epi32(a));
         }
         live = rectangles(eye, o, single, live, &r);
@@ -393,8 +393,8 @@ void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint
         keys_of(o, ost_number(slot, i), &r);
         edges_of(eye, o, negative, single, &r);
         fill_all(eye, &r, live, planes);
-        if (live & (beside[0] | beside[1] | beside[2]))
-            fill_beside(eye, o, beside, single, live, &r, planes);
+        if (live & (inside[0] | inside[1] | inside[2]))
+            fill_inside(eye, o, inside, single, live, &r, planes);
     }
 }
 
@@ -410,7 +410,7 @@ static inline __m512i lit(__m512i colour, __m512i light)
  * Computes the vectors from the eye to the blocks of the pixels' voxels, and the
  * voxels' list indices.  A register has few blocks, so both are computed block by block.
  */
-static inline __m512i look_up(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
+static inline __m512i lookup(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
 {
     const __m512i slots = _mm512_srli_epi32(number, OST_LOCAL_BITS);
     __m512i begin = _mm512_setzero_si512();
@@ -488,7 +488,7 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
         if (any) {
             const lanes u = across(eye, _mm512_add_epi32(_mm512_set1_epi32(x), step));
             lanes3 o;
-            const __m512i index = look_up(visible, _mm512_permutex2var_epi32(low, even, high), any, &o);
+            const __m512i index = lookup(visible, _mm512_permutex2var_epi32(low, even, high), any, &o);
             /*
              * Single loads are faster than a gather.  The asm prevents the compiler from
              * extracting the indices from the register again.

@@ -22,13 +22,13 @@
  * it is all again, since inside the bone the density does not measure the
  * amount of bone.
  */
-#include "render/points/dress.h"
+#include "render/points/shading.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/conditions.h"
-#include "render/points/ground.h"
+#include "render/points/uncut.h"
 
 enum {
     SIDE = OST_BLOCK,
@@ -38,27 +38,27 @@ enum {
     LINE = OST_FIELD_LINE, LEFT = 8, /* a row begins at x = -LEFT */
     NINE = 9, THREE = 3,
     CELLS = OST_CELLS,
-    ROWS_BEFORE = OST_LOOK_REACH, /* rows of ost_rows before voxel 0 */
+    ROWS_BEFORE = OST_SHADING_REACH, /* rows of ost_rows before voxel 0 */
 };
 
-_Static_assert((int)OST_WIDE_REACH + (int)NEAR == (int)OST_LOOK_REACH, "blocks so far from a change are made anew");
+_Static_assert((int)OST_WIDE_REACH + (int)NEAR == (int)OST_SHADING_REACH, "blocks so far from a change are made anew");
 
 static const uint32_t *before_of(const ost_surface_block *b) { return b->before; }
-static const uint32_t *whole_of(const ost_surface_block *b) { return b->whole; }
+static const uint32_t *occupied_of(const ost_surface_block *b) { return b->occupied; }
 static const uint32_t *fresh_of(const ost_surface_block *b) { return b->fresh; }
 static const uint32_t *recent_of(const ost_surface_block *b) { return b->recent; }
 
 /* ------------------------------------------------------------------- field */
 
 /* Computes near. Returns false if no voxel was removed; then near is undefined. */
-static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k)
+static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k)
 {
     uint64_t any = 0;
     if (!ost_surface_rows(s, b, before_of, &k->rows, &k->near))
         return false;
     for (int z = 0; z < OST_SEEN; z++)
         for (int y = 0; y < OST_SEEN; y++)
-            any |= k->near.row[z][y] &= ~k->whole.row[z][y];
+            any |= k->near.row[z][y] &= ~k->occupied.row[z][y];
     if (any)
         k->rows.spread(&k->near, &k->other, NEAR);
     return any != 0;
@@ -79,22 +79,22 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
  * -REACH.  Densities are read only where they are needed, since each row is far
  * away in memory.
  */
-static void measure(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, int first, int last,
+static void measure(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z, int first, int last,
                     uint16_t (*out)[LINE])
 {
     enum { MORE = ROWS_BEFORE - REACH };
     const uint64_t line = ((UINT64_C(1) << LINE) - 1) << LEFT;
-    const ost_ground *g = s->ground;
+    const ost_uncut *g = s->reference;
     const ost_dims d = s->geometry.dims;
-    const uint64_t *whole = k->whole.row[z + MORE] + MORE;
+    const uint64_t *occupied = k->occupied.row[z + MORE] + MORE;
     const int32_t at_z = SIDE * b->at[2] + z - REACH;
-    k->smooth.bits(whole + first, last - first + 1, out);
+    k->smooth.bits(occupied + first, last - first + 1, out);
     for (int y = first; y <= last && g && at_z >= 0 && at_z < d.z; y++) {
         const int32_t at_y = SIDE * b->at[1] + y - REACH;
         const uint64_t near = cut ? k->near.row[z + MORE][y + MORE] : 0;
         int16_t copy[LINE];
-        if (whole[y] & ~near & line && at_y >= 0 && at_y < d.y)
-            k->smooth.densities(whole[y], near,
+        if (occupied[y] & ~near & line && at_y >= 0 && at_y < d.y)
+            k->smooth.densities(occupied[y], near,
                                 line_of(g->volume.voxels + (size_t)d.x * ((size_t)at_y + (size_t)d.y * (size_t)at_z), SIDE * b->at[0] - LEFT, d.x, copy),
                                 out[y - first]);
     }
@@ -106,21 +106,21 @@ static void measure(const ost_surface *s, const ost_surface_block *b, ost_dress_
 static void find_unmeasured(const ost_surface *s, const ost_surface_block *b, uint32_t rows[CELLS])
 {
     uint64_t changes[OST_SEEN];
-    const bool changed = !b->anew && ost_surface_changes(s, b, NEAR, changes);
-    memset(rows, b->anew ? 0xff : 0, CELLS * sizeof *rows);
+    const bool changed = !b->remade && ost_surface_changes(s, b, NEAR, changes);
+    memset(rows, b->remade ? 0xff : 0, CELLS * sizeof *rows);
     for (int z = 0; z < SIDE && changed; z++)
         for (int y = 0; y < SIDE; y++)
             rows[z / 2] |= (uint32_t)(changes[z + ROWS_BEFORE] >> (y + ROWS_BEFORE) & 1) << y / 2;
 }
 
-void ost_surface_measure(const ost_surface *s, ost_surface_block *b, ost_dress_scratch *k)
+void ost_surface_measure(const ost_surface *s, ost_surface_block *b, ost_shading_scratch *k)
 {
     enum { PAIR = 2 };
     uint32_t rows[CELLS];
     uint16_t(*below)[LINE] = k->bone, (*above)[LINE] = k->y[0];
     find_unmeasured(s, b, rows);
-    ost_surface_rows(s, b, whole_of, &k->rows, &k->whole);
-    const bool cut = s->ground && find_near(s, b, k);
+    ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
+    const bool cut = s->reference && find_near(s, b, k);
     for (int z = 0; z < CELLS; z++)
         for (int y = 0; y < CELLS; y++) {
             if (!(rows[z] >> y & 1))
@@ -170,7 +170,7 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 }
 
 /* Finds the range of rows of sums along y that the field needs in slice z, counted from -REACH. */
-static void rows_asked_for(int z, const uint64_t needed[INNER], int *first, int *last)
+static void rows_needed(int z, const uint64_t needed[INNER], int *first, int *last)
 {
     uint64_t rows = 0;
     for (int i = z - (NINE - 1) < 0 ? 0 : z - (NINE - 1); i <= z && i < INNER; i++)
@@ -179,21 +179,21 @@ static void rows_asked_for(int z, const uint64_t needed[INNER], int *first, int 
     *last = 63 - __builtin_clzll(rows);
 }
 
-static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k, bool cut, int z, const uint64_t needed[INNER])
+static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z, const uint64_t needed[INNER])
 {
     int first, last;
-    rows_asked_for(z, needed, &first, &last);
+    rows_needed(z, needed, &first, &last);
     measure(s, b, k, cut, z, first, last + NINE - 1, k->bone + first);
     k->smooth.down((const uint16_t(*)[LINE])k->bone + first, k->y[z % NINE] + first, last - first + 1);
 }
 
 /* Does the same as add_slice for cells. */
-static void add_cells(cells_about about, ost_dress_scratch *k, int z, const uint64_t needed[INNER])
+static void add_cells(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER])
 {
     int first, last;
     const int at = z - REACH, slice = CELLS * CELLS * (at & (CELLS - 1));
     const uint8_t *const(*n)[3] = about[(at >= 0) + (at >= CELLS)];
-    rows_asked_for(z, needed, &first, &last);
+    rows_needed(z, needed, &first, &last);
     for (int y = first; y < last + NINE;) {
         const int row = y - REACH, end = row < 0 ? REACH : row < CELLS ? REACH + CELLS : CELLS + 2 * REACH, stop = end < last + NINE ? end : last + NINE;
         const int from = slice + CELLS * (row & (CELLS - 1)), which = (row >= 0) + (row >= CELLS);
@@ -207,7 +207,7 @@ static void add_cells(cells_about about, ost_dress_scratch *k, int z, const uint
  * Computes slice z of the wide field.  *made, *smoothed: the slices of cells and
  * of their field before these are done, as far as they are needed.
  */
-static void widen(cells_about about, ost_dress_scratch *k, int z, const uint64_t needed[INNER], const uint64_t cells[INNER], int *made, int *smoothed)
+static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER], const uint64_t cells[INNER], int *made, int *smoothed)
 {
     for (int c = *smoothed > z / 2 ? *smoothed : z / 2; c <= z / 2 + 1; c++) {
         const ost_field_slice *y[NINE];
@@ -223,25 +223,25 @@ static void widen(cells_about about, ost_dress_scratch *k, int z, const uint64_t
 }
 
 /* Computes the looks of the points of slice z in stale rows. */
-static void look_at(const uint32_t *points, ost_dress_scratch *k, int z)
+static void select_slices(const uint32_t *points, ost_shading_scratch *k, int z)
 {
     const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE], &k->field[(z + 2) % THREE]};
     const ost_field_slice *const wide[3] = {&k->wide[z % THREE], &k->wide[(z + 1) % THREE], &k->wide[(z + 2) % THREE]};
     const uint16_t *begin = k->faces.begin + SIDE * z;
     for (uint64_t left = k->stale[z]; left;) {
         const int from = __builtin_ctzll(left), to = from + __builtin_ctzll(~(left >> from));
-        k->smooth.looks(points + begin[from], begin[to] - begin[from], fine, wide, k->looks + begin[from]);
+        k->smooth.shades(points + begin[from], begin[to] - begin[from], fine, wide, k->shades + begin[from]);
         left = to < SIDE ? left >> to << to : 0;
     }
 }
 
-static void look(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k)
+static void shade_points(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k)
 {
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
     int made = 0, cells_made = 0, cells_smoothed = 0; /* slices before these are done, as far as they are needed */
-    ost_surface_rows(s, b, whole_of, &k->rows, &k->whole);
-    const bool cut = s->ground && find_near(s, b, k);
+    ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
+    const bool cut = s->reference && find_near(s, b, k);
     find_needed(k->stale, needed);
     find_needed_cells(needed, cells);
     find_cells(s, b, about);
@@ -256,14 +256,14 @@ static void look(const ost_surface *s, const ost_surface_block *b, const uint32_
         k->smooth.slice(y, needed[z], &k->field[z % THREE]);
         widen(about, k, z, needed, cells, &cells_made, &cells_smoothed);
         if (z >= 2 && k->stale[z - 2])
-            look_at(points, k, z - 2);
+            select_slices(points, k, z - 2);
     }
 }
 
 /* ------------------------------------------------------------------- paint */
 
 /* Finds the voxels with a face to the air behind which is a voxel of the set. */
-static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_dress_scratch *k, uint32_t out[OST_BLOCK_ROWS])
+static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k, uint32_t out[OST_BLOCK_ROWS])
 {
     const bool any = ost_surface_rim(s, b, which, &k->rim);
     if (any)
@@ -281,13 +281,13 @@ static uint32_t any_of(const uint32_t words[OST_BLOCK_ROWS])
     return any;
 }
 
-void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, ost_dress_scratch *k)
+void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k)
 {
     uint32_t recent[OST_BLOCK_ROWS];
     memset(k->cap, 0, sizeof k->cap);
     memset(k->contact, 0, sizeof k->contact);
     if (s->clipped)
-        find_beyond(s, b, whole_of, k, k->cap);
+        find_beyond(s, b, occupied_of, k, k->cap);
     if (s->any_fresh)
         find_beyond(s, b, fresh_of, k, k->contact);
     if (s->any_recent && find_beyond(s, b, recent_of, k, recent))
@@ -299,41 +299,41 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
 }
 
 /* Computes bared. The depth is needed only if a voxel was removed next to the block's points. */
-static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_dress_scratch *k, ost_error *err)
+static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_shading_scratch *k, ost_error *err)
 {
-    if (!s->ground || s->colouring == OST_COLOUR_BONE) {
+    if (!s->reference || s->colouring == OST_COLOUR_BONE) {
         memset(k->bared, 0, sizeof k->bared);
         return OST_OK;
     }
     find_beyond(s, b, before_of, k, k->bared);
     ost_status status = OST_OK;
     if (s->colouring == OST_COLOUR_DEPTH && !b->depth && any_of(k->bared))
-        status = ost_ground_depth(s, b, err);
-    if (s->ground->uncut)
+        status = ost_uncut_depth(s, b, err);
+    if (s->reference->uncut)
         memcpy(k->bared, k->faces.any, sizeof k->bared);
     return status;
 }
 
-static void paint_row(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_dress_scratch *k, int row)
+static void paint_row(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k, int row)
 {
     for (uint32_t i = k->faces.begin[row]; i < k->faces.begin[row + 1]; i++) {
         const uint32_t x = points[i] & (SIDE - 1), cell = x | (uint32_t)row << 5;
         const int32_t at[3] = {SIDE * b->at[0] + (int32_t)x, SIDE * b->at[1] + row % SIDE, SIDE * b->at[2] + row / SIDE};
         if (k->cap[row] >> x & 1)
-            k->looks[i] |= ost_ground_cap(s->ground, (ost_colouring)s->colouring, at) << OST_PAINT_SHIFT;
+            k->shades[i] |= ost_uncut_cap(s->reference, (ost_colouring)s->colouring, at) << OST_PAINT_SHIFT;
         else if (k->bared[row] >> x & 1)
-            k->looks[i] |= ost_ground_paint(s->ground, (ost_colouring)s->colouring, at, b->depth ? b->depth[cell] : 0) << OST_PAINT_SHIFT;
+            k->shades[i] |= ost_uncut_paint(s->reference, (ost_colouring)s->colouring, at, b->depth ? b->depth[cell] : 0) << OST_PAINT_SHIFT;
     }
 }
 
 /* ------------------------------------------------------------------- block */
 
-ost_status ost_surface_dress(ost_surface *surface, ost_surface_block *block, const uint32_t *points, ost_dress_scratch *scratch, ost_error *err)
+ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points, ost_shading_scratch *scratch, ost_error *err)
 {
     ost_status status = find_bared(surface, block, scratch, err);
     if (status != OST_OK)
         return status;
-    look(surface, block, points, scratch);
+    shade_points(surface, block, points, scratch);
     for (int row = 0; row < OST_BLOCK_ROWS; row++)
         if (scratch->stale[row / SIDE] >> row % SIDE & 1 && (scratch->cap[row] | scratch->bared[row]))
             paint_row(surface, block, points, scratch, row);

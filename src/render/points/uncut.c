@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "render/points/ground.h"
+#include "render/points/uncut.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,12 +12,12 @@ enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
 /* docs/metrics.md defines PLATE_MM. */
 static const double PLATE_MM = 4.5, PLATE_CLEAR_MM = 7.5, PLATE_RADIUS_MM = 20;
 
-static double voxel_mm(const ost_ground *g)
+static double voxel_mm(const ost_uncut *g)
 {
     return 1e-9 * (double)g->volume.geometry.spacing.x;
 }
 
-static void make_levels(ost_ground *g)
+static void make_levels(ost_uncut *g)
 {
     g->scale_mm = ost_round_down((OST_DEPTH_REACH - 0.5) * voxel_mm(g));
     for (int i = 0; i <= OST_DEPTH_FAR; i++) {
@@ -26,64 +26,64 @@ static void make_levels(ost_ground *g)
     }
 }
 
-ost_status ost_ground_init(ost_ground *ground, ost_volume *volume, int32_t threshold, const ost_density_classes *classes, const ost_pm3 *at,
-                           const double *axis, ost_error *err)
+ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold, const ost_density_classes *classes, const ost_pm3 *at,
+                          const double *axis, ost_error *err)
 {
-    *ground = (ost_ground){.threshold = threshold};
+    *reference = (ost_uncut){.threshold = threshold};
     const ost_geometry *g = &volume->geometry;
     if (g->spacing.x != g->spacing.y || g->spacing.x != g->spacing.z)
         return ost_fail(err, OST_ERR_RANGE, "the bone before needs cubic voxels");
-    ground->volume = *volume;
+    reference->volume = *volume;
     *volume = (ost_volume){.voxels = NULL};
-    g = &ground->volume.geometry;
-    ground->classes = classes->count;
+    g = &reference->volume.geometry;
+    reference->classes = classes->count;
     for (int c = 0; c < classes->count; c++)
-        ground->border[c] = classes->border[c];
+        reference->border[c] = classes->border[c];
     if (at && axis) {
         const double s = (double)g->spacing.x, length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
         const ost_pm p[3] = {at->x - g->origin.x, at->y - g->origin.y, at->z - g->origin.z};
-        ground->has_face = length > 0;
-        for (int a = 0; a < 3 && ground->has_face; a++) {
-            ground->face[a] = (double)p[a] / s;
-            ground->inward[a] = axis[a] / length;
+        reference->has_face = length > 0;
+        for (int a = 0; a < 3 && reference->has_face; a++) {
+            reference->face[a] = (double)p[a] / s;
+            reference->inward[a] = axis[a] / length;
         }
     }
-    make_levels(ground);
+    make_levels(reference);
     return OST_OK;
 }
 
-void ost_ground_free(ost_ground *ground)
+void ost_uncut_free(ost_uncut *reference)
 {
-    ost_volume_free(&ground->volume);
-    free(ground->outside);
-    memset(ground, 0, sizeof *ground);
+    ost_volume_free(&reference->volume);
+    free(reference->outside);
+    memset(reference, 0, sizeof *reference);
 }
 
 /* ------------------------------------------------------------------- paint */
 
-static bool inside(const ost_ground *g, const int32_t at[3])
+static bool inside(const ost_uncut *g, const int32_t at[3])
 {
     const ost_dims d = g->volume.geometry.dims;
     return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < d.x && at[1] < d.y && at[2] < d.z;
 }
 
-static int density_at(const ost_ground *g, const int32_t at[3])
+static int density_at(const ost_uncut *g, const int32_t at[3])
 {
     const ost_dims d = g->volume.geometry.dims;
     return inside(g, at) ? g->volume.voxels[at[0] + (size_t)d.x * ((size_t)at[1] + (size_t)d.y * (size_t)at[2])] : INT16_MIN;
 }
 
-void ost_ground_words(const ost_ground *ground, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS])
+void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS])
 {
-    const ost_dims d = ground->volume.geometry.dims;
+    const ost_dims d = reference->volume.geometry.dims;
     memset(words, 0, ROWS * sizeof *words);
     for (int z = 0; z < SIDE && SIDE * block[2] + z < d.z; z++)
         for (int y = 0; y < SIDE && SIDE * block[1] + y < d.y; y++) {
             const size_t row = (size_t)(SIDE * block[1] + y) + (size_t)d.y * (size_t)(SIDE * block[2] + z);
-            const int16_t *v = ground->volume.voxels + row * (size_t)d.x + SIDE * block[0];
+            const int16_t *v = reference->volume.voxels + row * (size_t)d.x + SIDE * block[0];
             const int count = d.x - SIDE * block[0] < SIDE ? d.x - SIDE * block[0] : SIDE;
             for (int x = 0; x < count; x++)
-                words[y + SIDE * z] |= (uint32_t)(v[x] >= ground->threshold) << x;
+                words[y + SIDE * z] |= (uint32_t)(v[x] >= reference->threshold) << x;
         }
 }
 
@@ -91,7 +91,7 @@ void ost_ground_words(const ost_ground *ground, const int32_t block[3], uint32_t
  * Returns true if a voxel is in the subchondral plate: close to the face, with no bone from
  * PLATE_MM to PLATE_CLEAR_MM outward of it.
  */
-static bool in_plate(const ost_ground *g, const int32_t at[3])
+static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {
     if (!g->has_face)
         return false;
@@ -115,7 +115,7 @@ static bool in_plate(const ost_ground *g, const int32_t at[3])
 }
 
 /* Returns true if a voxel up to two steps away along one of the axes has a density from .. to. */
-static bool near(const ost_ground *g, const int32_t at[3], int from, int to)
+static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
         int32_t p[3] = {at[0], at[1], at[2]};
@@ -133,7 +133,7 @@ static bool near(const ost_ground *g, const int32_t at[3], int from, int to)
  * voxel or air is the edge of hard bone and not cancellous; and a voxel as dense
  * as cartilage is cartilage only at the face, if the face's position is known.
  */
-static uint32_t tissue_at(const ost_ground *g, const int32_t at[3], int density)
+static uint32_t tissue_at(const ost_uncut *g, const int32_t at[3], int density)
 {
     const int hard = g->border[g->classes - 1], soft = g->classes > 1 ? g->border[1] : hard;
     const uint32_t shell = in_plate(g, at) ? OST_TISSUE_PLATE : OST_TISSUE_CORTICAL;
@@ -144,12 +144,12 @@ static uint32_t tissue_at(const ost_ground *g, const int32_t at[3], int density)
     return near(g, at, hard, INT16_MAX) && near(g, at, INT16_MIN, soft) ? shell : OST_TISSUE_CANCELLOUS;
 }
 
-uint32_t ost_ground_paint(const ost_ground *ground, ost_colouring colouring, const int32_t at[3], uint32_t depth)
+uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3], uint32_t depth)
 {
-    const int density = density_at(ground, at);
+    const int density = density_at(reference, at);
     switch (colouring) {
-    case OST_COLOUR_CLASS: return OST_PAINT_LIT + tissue_at(ground, at, density);
-    case OST_COLOUR_DEPTH: return ground->level[depth];
+    case OST_COLOUR_CLASS: return OST_PAINT_LIT + tissue_at(reference, at, density);
+    case OST_COLOUR_DEPTH: return reference->level[depth];
     /* dense voxels are light */
     case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density));
     case OST_COLOUR_BONE:
@@ -158,12 +158,12 @@ uint32_t ost_ground_paint(const ost_ground *ground, ost_colouring colouring, con
     return 0;
 }
 
-uint32_t ost_ground_cap(const ost_ground *ground, ost_colouring colouring, const int32_t at[3])
+uint32_t ost_uncut_cap(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3])
 {
-    if (!ground)
+    if (!reference)
         return OST_PAINT_FLAT + OST_SCALE * 3 / 4;
-    const int density = density_at(ground, at);
-    return OST_PAINT_FLAT + (colouring == OST_COLOUR_CLASS ? tissue_at(ground, at, density) : (uint32_t)ost_window_step(density));
+    const int density = density_at(reference, at);
+    return OST_PAINT_FLAT + (colouring == OST_COLOUR_CLASS ? tissue_at(reference, at, density) : (uint32_t)ost_window_step(density));
 }
 
 /* ----------------------------------------------------------------- outside */
@@ -172,13 +172,13 @@ typedef struct cells {
     int32_t x, y, z;
 } cells;
 
-static cells cells_of(const ost_ground *g)
+static cells cells_of(const ost_uncut *g)
 {
     const ost_dims d = g->volume.geometry.dims;
     return (cells){(d.x + 1) / 2, (d.y + 1) / 2, (d.z + 1) / 2};
 }
 
-static bool empty_cell(const ost_ground *g, int32_t x, int32_t y, int32_t z)
+static bool empty_cell(const ost_uncut *g, int32_t x, int32_t y, int32_t z)
 {
     for (int i = 0; i < 8; i++) {
         const int32_t at[3] = {2 * x + (i & 1), 2 * y + (i >> 1 & 1), 2 * z + (i >> 2)};
@@ -192,13 +192,13 @@ static bool empty_cell(const ost_ground *g, int32_t x, int32_t y, int32_t z)
  * Marks all empty cells that are connected to the grid's border through empty cells.  mark must be
  * zeroed.  Returns false if there is no memory.
  */
-static bool flood(const ost_ground *g, uint8_t *mark)
+static bool flood(const ost_uncut *g, uint8_t *mark)
 {
     enum { OPEN = 1 };
     const cells c = cells_of(g);
     const int64_t step[6] = {-1, 1, -c.x, c.x, -(int64_t)c.x * c.y, (int64_t)c.x * c.y};
-    size_t count = 0, room = 4096;
-    int64_t *stack = malloc(room * sizeof *stack);
+    size_t count = 0, capacity = 4096;
+    int64_t *stack = malloc(capacity * sizeof *stack);
     for (int32_t z = 0; z < c.z && stack; z++)
         for (int32_t y = 0; y < c.y && stack; y++)
             for (int32_t x = 0; x < c.x && stack; x++) {
@@ -211,14 +211,14 @@ static bool flood(const ost_ground *g, uint8_t *mark)
                     const int64_t at = stack[--count];
                     const int32_t p[3] = {(int32_t)(at % c.x), (int32_t)(at / c.x % c.y), (int32_t)(at / c.x / c.y)};
                     const bool can[6] = {p[0] > 0, p[0] < c.x - 1, p[1] > 0, p[1] < c.y - 1, p[2] > 0, p[2] < c.z - 1};
-                    if (count + 6 > room) {
-                        int64_t *grown = realloc(stack, 2 * room * sizeof *stack);
+                    if (count + 6 > capacity) {
+                        int64_t *grown = realloc(stack, 2 * capacity * sizeof *stack);
                         if (!grown) {
                             free(stack);
                             return false;
                         }
                         stack = grown;
-                        room *= 2;
+                        capacity *= 2;
                     }
                     for (int f = 0; f < 6; f++) {
                         const int64_t next = at + step[f];
@@ -250,7 +250,7 @@ static void widen(uint8_t *mark, int64_t begin, int64_t step, int32_t size)
         mark[begin + i * step] = mark[begin + i * step] ? 1 : 0;
 }
 
-static ost_status find_outside(ost_ground *g, ost_error *err)
+static ost_status find_outside(ost_uncut *g, ost_error *err)
 {
     const cells c = cells_of(g);
     uint8_t *mark = calloc((size_t)c.x * (size_t)c.y * (size_t)c.z, 1);
@@ -278,7 +278,7 @@ typedef struct distances {
     int16_t x[WIDE][WIDE][SIDE], y[WIDE][SIDE][SIDE];
 } distances;
 
-static void outside_words(const ost_ground *g, const int32_t block[3], uint32_t words[ROWS])
+static void outside_words(const ost_uncut *g, const int32_t block[3], uint32_t words[ROWS])
 {
     const ost_dims d = g->volume.geometry.dims;
     const cells c = cells_of(g);
@@ -286,7 +286,7 @@ static void outside_words(const ost_ground *g, const int32_t block[3], uint32_t 
     for (int a = 0; a < 3; a++)
         if (block[a] < 0 || SIDE * block[a] >= (a == 0 ? d.x : a == 1 ? d.y : d.z))
             return;
-    ost_ground_words(g, block, words);
+    ost_uncut_words(g, block, words);
     for (int z = 0; z < SIDE; z++)
         for (int y = 0; y < SIDE; y++) {
             const int32_t row[2] = {SIDE * block[1] + y, SIDE * block[2] + z};
@@ -328,9 +328,9 @@ static inline void least(const int16_t *restrict line, int16_t *restrict out, in
     }
 }
 
-ost_status ost_ground_depth(ost_surface *surface, ost_surface_block *block, ost_error *err)
+ost_status ost_uncut_depth(ost_surface *surface, ost_surface_block *block, ost_error *err)
 {
-    ost_ground *g = surface->ground;
+    ost_uncut *g = surface->reference;
     ost_status status = g->outside ? OST_OK : find_outside(g, err);
     if (status != OST_OK)
         return status;

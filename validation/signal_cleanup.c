@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "validation/leftover.h"
+#include "validation/signal_cleanup.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -22,7 +22,7 @@ static struct {
 } folders[FOLDERS];
 static _Atomic pid_t workers[WORKERS]; /* 0: a free slot */
 
-void leftover_folder(const char *path)
+void signal_cleanup_folder(const char *path)
 {
     for (int i = 0; i < FOLDERS; i++) {
         int expected = FREE;
@@ -34,14 +34,14 @@ void leftover_folder(const char *path)
     }
 }
 
-void leftover_folder_gone(const char *path)
+void signal_cleanup_folder_gone(const char *path)
 {
     for (int i = 0; i < FOLDERS; i++)
         if (atomic_load(&folders[i].state) == LISTED && strcmp(folders[i].path, path) == 0)
             atomic_store(&folders[i].state, FREE);
 }
 
-void leftover_worker(pid_t pid)
+void signal_cleanup_worker(pid_t pid)
 {
     for (int i = 0; i < WORKERS; i++) {
         pid_t expected = 0;
@@ -50,7 +50,7 @@ void leftover_worker(pid_t pid)
     }
 }
 
-void leftover_worker_gone(pid_t pid)
+void signal_cleanup_worker_gone(pid_t pid)
 {
     for (int i = 0; i < WORKERS; i++) {
         pid_t expected = pid;
@@ -98,13 +98,13 @@ static void remove_folder(const char *path)
     }
 }
 
-void leftover_folder_remove(const char *path)
+void signal_cleanup_folder_remove(const char *path)
 {
     remove_folder(path);
-    leftover_folder_gone(path);
+    signal_cleanup_folder_gone(path);
 }
 
-void leftover_end(void)
+void signal_cleanup_end(void)
 {
     const int saved = errno;
     for (int i = 0; i < WORKERS; i++) {

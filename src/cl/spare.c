@@ -23,37 +23,37 @@ static int find(const cl_backend *b, size_t bytes)
     return best;
 }
 
-ost_status ost_cl_room_take(cl_backend *b, size_t bytes, const char *what, cl_mem *out, size_t *room, ost_error *err)
+ost_status ost_cl_spare_take(cl_backend *b, size_t bytes, const char *what, cl_mem *out, size_t *reserved, ost_error *err)
 {
     const int i = bytes >= ost_cl_staging(b, LEAST) ? find(b, bytes) : -1;
-    *room = bytes;
+    *reserved = bytes;
     if (i < 0)
         return ost_cl_buffer(b, bytes, NULL, what, out, err);
     b->entered[OST_CL_PATH_BUFFER_REUSED]++;
     *out = b->spare[i].buffer;
-    *room = b->spare[i].bytes;
+    *reserved = b->spare[i].bytes;
     b->spare[i].buffer = NULL;
     return OST_OK;
 }
 
-void ost_cl_room_give(cl_backend *b, cl_mem *buffer, size_t room)
+void ost_cl_spare_return(cl_backend *b, cl_mem *buffer, size_t reserved)
 {
-    size_t kept = room;
+    size_t spare_bytes = reserved;
     int empty = -1;
     for (int i = 0; i < OST_CL_SPARES; i++) {
-        kept += b->spare[i].buffer ? b->spare[i].bytes : 0;
+        spare_bytes += b->spare[i].buffer ? b->spare[i].bytes : 0;
         empty = b->spare[i].buffer ? empty : i;
     }
-    if (!*buffer || room < ost_cl_staging(b, LEAST) || kept > MOST || empty < 0) {
+    if (!*buffer || reserved < ost_cl_staging(b, LEAST) || spare_bytes > MOST || empty < 0) {
         ost_cl_buffer_free(b, buffer);
         return;
     }
     b->spare[empty].buffer = *buffer;
-    b->spare[empty].bytes = room;
+    b->spare[empty].bytes = reserved;
     *buffer = NULL;
 }
 
-bool ost_cl_room_clear(cl_backend *b)
+bool ost_cl_spare_clear(cl_backend *b)
 {
     bool any = false;
     for (int i = 0; i < OST_CL_SPARES; i++) {

@@ -17,8 +17,8 @@
  * grid's border, to within two voxels: pores in the bone are not outside.
  * Voxels beyond the grid are unknown: a cropped bone has no surface there.
  */
-#ifndef OST_RENDER_GROUND_H
-#define OST_RENDER_GROUND_H
+#ifndef OST_RENDER_UNCUT_H
+#define OST_RENDER_UNCUT_H
 
 #include <osteon/event.h>
 
@@ -27,7 +27,7 @@
 
 enum { OST_DEPTH_REACH = 32, OST_DEPTH_FAR = OST_DEPTH_REACH * OST_DEPTH_REACH }; /* voxels; squared */
 
-typedef struct ost_ground {
+typedef struct ost_uncut {
     ost_volume volume;      /* owned */
     int32_t threshold;
     bool uncut;             /* the bone's earlier state is not known: the entire surface is painted */
@@ -37,21 +37,21 @@ typedef struct ost_ground {
     double scale_mm;        /* depth of the last colour of the scale, in mm */
     uint8_t level[OST_DEPTH_FAR + 1]; /* paint of each squared distance */
     uint8_t *outside;       /* owned; cells of 2^3 voxels; NULL until the first depth is needed */
-} ost_ground;
+} ost_uncut;
 
 /* Takes ownership of the volume, which must have cubic voxels. If at is NULL, no glenoid is known. */
-ost_status ost_ground_init(ost_ground *ground, ost_volume *volume, int32_t threshold, const ost_density_classes *classes, const ost_pm3 *at,
-                           const double *axis, ost_error *err);
+ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold, const ost_density_classes *classes, const ost_pm3 *at,
+                          const double *axis, ost_error *err);
 /* Frees the ground's memory; a zeroed ground is valid. */
-void ost_ground_free(ost_ground *ground);
+void ost_uncut_free(ost_uncut *reference);
 
 /* Computes a block's bits in the uncut bone. */
-void ost_ground_words(const ost_ground *ground, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS]);
+void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS]);
 /* Returns the paint of a voxel that a tool bared. depth: the voxel's entry of block->depth. */
-uint32_t ost_ground_paint(const ost_ground *ground, ost_colouring colouring, const int32_t at[3], uint32_t depth);
+uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3], uint32_t depth);
 /* Returns the paint of a voxel that a clip plane bares; ground may be NULL. */
-uint32_t ost_ground_cap(const ost_ground *ground, ost_colouring colouring, const int32_t at[3]);
+uint32_t ost_uncut_cap(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3]);
 /* Allocates and computes block->depth: the squared distance of every voxel, at most OST_DEPTH_FAR. */
-ost_status ost_ground_depth(ost_surface *surface, ost_surface_block *block, ost_error *err);
+ost_status ost_uncut_depth(ost_surface *surface, ost_surface_block *block, ost_error *err);
 
 #endif

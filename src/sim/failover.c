@@ -21,7 +21,7 @@
 
 static ost_status copy_bone(ost_world *world, ost_error *err)
 {
-    ost_world_kept *kept = world->kept;
+    ost_world_saved *saved = world->saved;
     const size_t count = (size_t)ost_dims_count(world->geometry.dims);
     int16_t *voxels = malloc(count * sizeof *voxels);
     if (!voxels)
@@ -31,43 +31,43 @@ static ost_status copy_bone(ost_world *world, ost_error *err)
         free(voxels);
         return status;
     }
-    free(kept->voxels);
-    kept->voxels = voxels;
-    kept->count = 0;
+    free(saved->voxels);
+    saved->voxels = voxels;
+    saved->count = 0;
     for (int i = 0; i < OST_WORLD_TOOLS_MAX; i++)
-        kept->inputs[i] = world->tools[i].input;
-    kept->clock = world->clock;
+        saved->inputs[i] = world->tools[i].input;
+    saved->clock = world->clock;
     return OST_OK;
 }
 
-ost_status ost_world_kept_make(ost_world *world, ost_error *err)
+ost_status ost_world_saved_make(ost_world *world, ost_error *err)
 {
-    const size_t ticks = (size_t)world->options.keep_ticks;
+    const size_t ticks = (size_t)world->options.saved_ticks;
     if (ticks == 0)
         return OST_OK;
-    world->kept = calloc(1, sizeof *world->kept);
-    if (world->kept)
-        world->kept->ticks = malloc(ticks * sizeof *world->kept->ticks);
-    if (!world->kept || !world->kept->ticks)
+    world->saved = calloc(1, sizeof *world->saved);
+    if (world->saved)
+        world->saved->ticks = malloc(ticks * sizeof *world->saved->ticks);
+    if (!world->saved || !world->saved->ticks)
         return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", ticks);
     return copy_bone(world, err);
 }
 
-void ost_world_kept_free(ost_world *world)
+void ost_world_saved_free(ost_world *world)
 {
-    if (!world->kept)
+    if (!world->saved)
         return;
-    free(world->kept->voxels);
+    free(world->saved->voxels);
     for (int i = 0; i < OST_WORLD_TOOLS_MAX; i++)
-        free(world->kept->tools[i]);
-    free(world->kept->ticks);
-    free(world->kept);
-    world->kept = NULL;
+        free(world->saved->tools[i]);
+    free(world->saved->ticks);
+    free(world->saved);
+    world->saved = NULL;
 }
 
-ost_status ost_world_keep_tool(ost_world *world, int index, const ost_tool *tool, ost_error *err)
+ost_status ost_world_save_tool(ost_world *world, int index, const ost_tool *tool, ost_error *err)
 {
-    if (!world->kept)
+    if (!world->saved)
         return OST_OK;
     ost_tool_volume volume;
     ost_status status = ost_tool_download(tool, &volume, err);
@@ -77,9 +77,9 @@ ost_status ost_world_keep_tool(ost_world *world, int index, const ost_tool *tool
     uint8_t *classes = malloc(count);
     if (classes) {
         memcpy(classes, volume.voxels, count);
-        world->kept->tools[index] = classes;
+        world->saved->tools[index] = classes;
         /* A tool's initial state is the same as in ost_world_add_tool. */
-        world->kept->inputs[index] = (ost_input_component){.pose = ost_pose_identity(), .event = ost_pose_identity()};
+        world->saved->inputs[index] = (ost_input_component){.pose = ost_pose_identity(), .event = ost_pose_identity()};
     } else {
         status = ost_fail(err, OST_ERR_MEMORY, "no memory for a copy of a tool, %zu voxels", count);
     }
@@ -87,17 +87,17 @@ ost_status ost_world_keep_tool(ost_world *world, int index, const ost_tool *tool
     return status;
 }
 
-ost_status ost_world_keep(ost_world *world, ost_error *err)
+ost_status ost_world_save(ost_world *world, ost_error *err)
 {
-    if (!world->kept || world->kept->count < world->options.keep_ticks)
+    if (!world->saved || world->saved->count < world->options.saved_ticks)
         return OST_OK;
     return copy_bone(world, err);
 }
 
-void ost_world_keep_tick(ost_world *world, const ost_tick *tick)
+void ost_world_save_tick(ost_world *world, const ost_tick *tick)
 {
-    if (world->kept)
-        world->kept->ticks[world->kept->count++] = *tick;
+    if (world->saved)
+        world->saved->ticks[world->saved->count++] = *tick;
 }
 
 /* -------------------------------------------------------------- failover */
@@ -106,7 +106,7 @@ static ost_status make_bone(const ost_world *world, ost_backend *backend, ost_bo
 {
     const ost_bone *old = world->bone.voxels.bone;
     ost_status status = ost_bone_create(backend, &world->geometry, old->chunk_size, old->threshold, out, err);
-    return status == OST_OK ? ost_bone_upload(*out, 0, world->geometry.dims.z, world->kept->voxels, err) : status;
+    return status == OST_OK ? ost_bone_upload(*out, 0, world->geometry.dims.z, world->saved->voxels, err) : status;
 }
 
 static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_tool **out, ost_error *err)
@@ -114,7 +114,7 @@ static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_t
     ost_status status = OST_OK;
     for (int i = 0; i < world->tool_count && status == OST_OK; i++) {
         /* ost_tool_upload reads only the geometry and the classes. */
-        const ost_tool_volume volume = {.geometry = world->tools[i].voxels.tool->geometry, .voxels = world->kept->tools[i]};
+        const ost_tool_volume volume = {.geometry = world->tools[i].voxels.tool->geometry, .voxels = world->saved->tools[i]};
         status = ost_tool_upload(backend, &volume, &out[i], err);
     }
     return status;
@@ -126,17 +126,17 @@ static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_t
  */
 static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const *tools, ost_error *err)
 {
-    const ost_world_kept *kept = world->kept;
+    const ost_world_saved *saved = world->saved;
     world->bone.voxels.bone = bone;
     for (int i = 0; i < world->tool_count; i++) {
         world->tools[i].voxels.tool = tools[i];
-        world->tools[i].input = kept->inputs[i];
+        world->tools[i].input = saved->inputs[i];
     }
-    world->clock = kept->clock;
+    world->clock = saved->clock;
     ost_status status = OST_OK;
-    for (int32_t i = 0; i < kept->count && status == OST_OK; i++) {
+    for (int32_t i = 0; i < saved->count && status == OST_OK; i++) {
         ost_step_result ignored;
-        status = ost_world_advance(world, &kept->ticks[i], &ignored, err);
+        status = ost_world_advance(world, &saved->ticks[i], &ignored, err);
     }
     return status == OST_OK ? ost_backend_finish(bone->backend, err) : status;
 }
@@ -154,12 +154,12 @@ static void put_back(ost_world *world, const world_state *before)
     world->clock = before->clock;
 }
 
-ost_status ost_world_rescue(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err)
+ost_status ost_world_failover(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err)
 {
     *bone = NULL;
     for (int i = 0; i < OST_WORLD_TOOLS_MAX; i++)
         tools[i] = NULL;
-    if (!world->kept)
+    if (!world->saved)
         return ost_fail(err, OST_ERR_USAGE, "this world keeps nothing to go on from (keep_ticks)");
     world_state before = {.bone = world->bone, .clock = world->clock};
     memcpy(before.tools, world->tools, sizeof before.tools);

@@ -12,24 +12,24 @@
  * excludes the time that a hypervisor took.  Elsewhere stolen time counts as own
  * work, so own work is never reported too small.
  */
-#ifndef OST_HAPTICS_OWN_WORK_H
-#define OST_HAPTICS_OWN_WORK_H
+#ifndef OST_HAPTICS_THREAD_TIME_H
+#define OST_HAPTICS_THREAD_TIME_H
 
 #include <stdint.h>
 #include <sys/resource.h>
 
 #include "core/clock.h"
 
-typedef struct own_work {
+typedef struct thread_time {
     int64_t wall_ns, cpu_ns;
     long waits;
-} own_work;
+} thread_time;
 
 /* Reads the calling thread's times since the thread began; takes about a microsecond. */
-static inline own_work own_work_now(void)
+static inline thread_time thread_time_now(void)
 {
     struct timespec cpu;
-    own_work now = {0};
+    thread_time now = {0};
 #ifdef RUSAGE_THREAD
     struct rusage usage;
     if (getrusage(RUSAGE_THREAD, &usage) == 0)
@@ -41,13 +41,13 @@ static inline own_work own_work_now(void)
     return now;
 }
 
-static inline int64_t own_work_between(const own_work *from, const own_work *to)
+static inline int64_t thread_time_between(const thread_time *from, const thread_time *to)
 {
     const int64_t wall = to->wall_ns - from->wall_ns, cpu = to->cpu_ns - from->cpu_ns;
     return to->waits != from->waits || cpu > wall ? wall : cpu;
 }
 
-typedef enum own_blame { OWN_BLAME_WORK, OWN_BLAME_WOKEN_LATE, OWN_BLAME_TAKEN } own_blame;
+typedef enum missed_deadline { MISSED_BY_WORK, MISSED_WOKEN_LATE, MISSED_PREEMPTED } missed_deadline;
 
 /*
  * Returns the cause of a missed deadline.  It is the tick's own work if that
@@ -55,11 +55,11 @@ typedef enum own_blame { OWN_BLAME_WORK, OWN_BLAME_WOKEN_LATE, OWN_BLAME_TAKEN }
  * woken a period late or more: an idle loop would have missed the deadline too.
  * Otherwise the core was taken away.
  */
-static inline own_blame own_work_blame(int64_t own_ns, int64_t wake_ns, int64_t period_ns)
+static inline missed_deadline classify_missed_deadline(int64_t own_ns, int64_t wake_ns, int64_t period_ns)
 {
     if (own_ns > period_ns / 2)
-        return OWN_BLAME_WORK;
-    return wake_ns >= period_ns ? OWN_BLAME_WOKEN_LATE : OWN_BLAME_TAKEN;
+        return MISSED_BY_WORK;
+    return wake_ns >= period_ns ? MISSED_WOKEN_LATE : MISSED_PREEMPTED;
 }
 
 #endif

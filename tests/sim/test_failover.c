@@ -48,7 +48,7 @@ static stage make_stage(const plan *p, ost_backend *backend, int32_t keep, const
     ost_error err = {0};
     stage s = {.bone = bone_of(backend, &p->g, 16, p->voxels)};
     ost_world_options options = p->options;
-    options.keep_ticks = keep;
+    options.saved_ticks = keep;
     assert_ok(ost_world_create(s.bone, &options, &s.world, &err));
     for (int t = 0; t < TOOLS; t++)
         assert_ok(ost_tool_upload(backend, &volumes[t], &s.tools[t], &err));
@@ -77,7 +77,7 @@ static void move(stage *s, ost_backend *to)
     ost_error err = {0};
     stage before = *s;
     ost_tool *moved[OST_WORLD_TOOLS_MAX];
-    assert_ok(ost_world_rescue(s->world, to, &s->bone, moved, &err));
+    assert_ok(ost_world_failover(s->world, to, &s->bone, moved, &err));
     /* Tools that are not yet in the world are moved separately. */
     for (int t = 0; t < TOOLS; t++) {
         s->tools[t] = moved[t];
@@ -147,10 +147,10 @@ static void what_is_refused(void **state)
     ost_world *world;
     ost_bone *bone = bone_of(*state, &p.g, 16, p.voxels), *other = bone;
     ost_tool *tools[OST_WORLD_TOOLS_MAX];
-    assert_int_equal(ost_world_create(bone, &(ost_world_options){.keep_ticks = -1}, &world, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_world_create(bone, &(ost_world_options){.keep_ticks = OST_WORLD_KEEP_MAX + 1}, &world, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_world_create(bone, &(ost_world_options){.saved_ticks = -1}, &world, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_world_create(bone, &(ost_world_options){.saved_ticks = OST_WORLD_SAVED_TICKS_MAX + 1}, &world, &err), OST_ERR_USAGE);
     assert_ok(ost_world_create(bone, NULL, &world, &err));
-    assert_int_equal(ost_world_rescue(world, *state, &other, tools, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_world_failover(world, *state, &other, tools, &err), OST_ERR_USAGE);
     assert_null(other);
     assert_non_null(strstr(err.text, "keeps nothing"));
     ost_world_free(world);
