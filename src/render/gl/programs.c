@@ -7,7 +7,7 @@
 
 enum { TEXT = 512 };
 
-static const char *const samplers[] = {"pages", "points", "palette", "seen", "list", "looks", "normals", "colours", "depths", NULL};
+static const char *const samplers[] = {"pages", "points", "palette", "seen", "list", "shades", "normals", "colours", "depths", NULL};
 
 void ost_gl_programs_free(ost_gl_programs *programs)
 {

@@ -3,14 +3,14 @@
 /* For each direction, its brightness in 256ths and its gloss << 9; then the colour of each paint. */
 uniform usamplerBuffer palette;
 
-uint tint_of(uint tests_depth)
+uint tint_of(uint shade)
 {
-    uint number = tests_depth >> 22 & 255u, bgr = texelFetch(palette, 16384 + int(number)).r;
+    uint number = shade >> 22 & 255u, bgr = texelFetch(palette, 16384 + int(number)).r;
     uvec3 c = uvec3(bgr, bgr >> 8, bgr >> 16) & 255u;
-    if ((tests_depth >> 30 & 1u) != 0u)
+    if ((shade >> 30 & 1u) != 0u)
         c = c * 3u + uvec3(255u, 160u, 48u) * 5u >> 3;
     if (layer.y < 0.5 && number < 128u) {
-        uint entry = texelFetch(palette, int(tests_depth & 16383u)).r, open = (tests_depth >> 14 & 255u) + 1u;
+        uint entry = texelFetch(palette, int(shade & 16383u)).r, open = (shade >> 14 & 255u) + 1u;
         uint bright = (entry & 511u) * open >> 8, gloss = (entry >> 9) * open >> 8;
         c = min((c * bright >> 8) + gloss, uvec3(255u));
     }
