@@ -12,6 +12,8 @@
 
 #include <osteon/picture.h>
 
+#include "render/marks.h"
+
 enum { MAP = OST_METRICS_MAP };
 #define REACH_MM (MAP / 2 * OST_METRICS_PITCH_MM)
 
@@ -271,13 +273,6 @@ void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, i
 
 enum { COLUMNS = 300, W = 170, H = 26 };
 
-/* Returns the step of 1, 2 or 5 times a power of ten that divides most into 2 to 5 parts. */
-static double step_of(double most)
-{
-    const double unit = pow(10, floor(log10(most / 2)));
-    return most / 2 >= 5 * unit ? 5 * unit : most / 2 >= 2 * unit ? 2 * unit : unit;
-}
-
 /* Draws a chart. lo and hi are the minimum and maximum of each column; the time axis begins at
    begun and spans span seconds. */
 static void chart(html_page *p, const char *what, const double lo[COLUMNS], const double hi[COLUMNS], double begun, double span)
@@ -287,11 +282,12 @@ static void chart(html_page *p, const char *what, const double lo[COLUMNS], cons
         most = fmax(most, hi[x]);
     if (!(most > 0) || !(span > 0))
         return;
+    const double step = ost_round_down(most / 2); /* two to five lines */
     html_print(p, "<svg width=\"552\" height=\"111\" viewBox=\"-12 -4 184 37\" role=\"img\" aria-label=\"%s over time\"><rect width=\"%d\" height=\"%d\" fill=\"var(--panel)\"/>\n", what, W, H);
-    for (double y = 0; y <= most; y += step_of(most))
+    for (double y = 0; y <= most; y += step)
         html_print(p, "<path d=\"M0 %.2fH%d\" stroke=\"var(--line)\" stroke-width=\".2\"/><text x=\"-1\" y=\"%.2f\" text-anchor=\"end\">%g</text>\n", H - y / most * H, W,
                    H - y / most * H + 1, y);
-    for (double t = 0; t <= span; t += step_of(span))
+    for (double t = 0; t <= span; t += ost_round_down(span / 2))
         html_print(p, "<path d=\"M%.2f %dv1\" stroke=\"var(--soft)\" stroke-width=\".2\"/><text x=\"%.2f\" y=\"%d\" text-anchor=\"middle\">%g</text>\n", t / span * W, H, t / span * W,
                    H + 5, begun + t);
     html_text(p, "<path fill=\"none\" stroke=\"var(--good)\" stroke-width=\".4\" d=\"");

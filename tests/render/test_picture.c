@@ -176,6 +176,30 @@ static void test_slices(void **state)
     ost_volume_free(&cut);
 }
 
+/* Panels of 480 x 400, 480 x 320 and 400 x 320: letters in the middle of the edges unless the directions are not known. */
+static void test_letters_of_slices(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume v = ball_of_slices(false);
+    for (int known = 0; known < 2; known++) {
+        const ost_slices_options o = {.at = {-1, -1, -1}, .pixels = 480, .unoriented = !known};
+        ost_picture p;
+        int edges = 0, title = 0;
+        assert_ok(ost_picture_slices(&v, NULL, &o, &p, &err));
+        for (int y = 180; y < 220; y++)
+            for (int x = 0; x < 40; x++)
+                edges += pixel(&p, x, y)[0] > 0xa0 && pixel(&p, x, y)[2] > pixel(&p, x, y)[0];
+        for (int y = 370; y < 400; y++)
+            for (int x = 380; x < 480; x++)
+                title += pixel(&p, x, y)[0] > 0xa0;
+        assert_true(known ? edges > 10 : edges == 0);
+        assert_true(title > 40);
+        ost_picture_free(&p);
+    }
+    ost_volume_free(&v);
+}
+
 static void test_slices_of_volumes_that_do_not_match(void **state)
 {
     (void)state;
@@ -410,7 +434,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sizes),  cmocka_unit_test(test_letters),
         cmocka_unit_test(test_scale_bar), cmocka_unit_test(test_clipping),
-        cmocka_unit_test(test_slices), cmocka_unit_test(test_slices_of_volumes_that_do_not_match),
+        cmocka_unit_test(test_slices), cmocka_unit_test(test_letters_of_slices), cmocka_unit_test(test_slices_of_volumes_that_do_not_match),
         cmocka_unit_test(test_edges),  cmocka_unit_test(test_view_silhouette),
         cmocka_unit_test(test_view),   cmocka_unit_test(test_view_marks),
         cmocka_unit_test(test_view_of_nothing), cmocka_unit_test(test_active_box),

@@ -216,9 +216,9 @@ static void operation(const page *p)
         return;
     }
     fputs("<p>Case <code>operation/0</code> as the reference computed it: the socket of a generated shoulder blade (glenoid), a hole for a peg drilled into it and "
-          "its surface reamed. Red: what was cut away. Pictures illustrate; what was compared are the voxels behind them.</p>\n<div class=\"pair\">\n", p->to);
+          "its surface reamed. Cut surfaces are coloured by their depth below the old surface; in slices, red was cut away. Pictures illustrate; what was compared are the voxels behind them.</p>\n<div class=\"pair\">\n", p->to);
     page_picture(p, PICTURE_BEFORE, "The bone before");
-    page_picture(p, PICTURE_AFTER, "The bone after; the red surface is cut");
+    page_picture(p, PICTURE_AFTER, "The bone after; the coloured surface is cut");
     fputs("</div>\n", p->to);
     page_picture(p, PICTURE_SLICES_BEFORE, "Slices before: axial, coronal, sagittal");
     page_picture(p, PICTURE_SLICES_AFTER, "The same slices after; red was removed");
