@@ -2,7 +2,7 @@
 /*
  * Measurements of osteon and of a baseline in one run: the parts that all suites share.
  *
- *   suite --> rows --> table, JSON, Markdown (src/app/cmd_bench.c)
+ *   suite --> rows --> table, JSON, Markdown (src/app/verbs/cmd_bench.c)
  *
  *   a row    ours      medians of repetitions that alternate with the
  *            baseline  baseline's in the same process: A B A B ...

@@ -245,7 +245,7 @@ typedef enum ost_servo_stage {
  * Called on the servo thread when a stage begins and before each turn of a control run.  Returns false to end that
  * control run.  Must not block.
  */
-typedef bool ost_servo_beside(void *user, ost_servo_stage stage);
+typedef bool ost_servo_on_stage(void *user, ost_servo_stage stage);
 
 typedef struct ost_servo_options {
     int64_t period_ns;    /* 0: 1,000,000 */
@@ -263,8 +263,8 @@ typedef struct ost_servo_options {
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
-    ost_servo_beside *beside; /* may be NULL */
-    void *beside_user;
+    ost_servo_on_stage *on_stage; /* may be NULL */
+    void *on_stage_user;
 } ost_servo_options;
 
 typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_STOPPED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;

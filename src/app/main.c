@@ -8,7 +8,7 @@
  * available here. A failure to write standard output is an error too, for example on a full disk;
  * if the reader closed the pipe, the process ends silently.
  */
-#include "app/app.h"
+#include "app/common/app.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -18,9 +18,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "app/options.h"
-#include "app/progress.h"
-#include "app/say.h"
+#include "app/common/options.h"
+#include "app/common/progress.h"
+#include "app/common/print.h"
 #include "io/outfile.h"
 #include "validation/signal_cleanup.h"
 #include "validation/worker.h"
@@ -54,7 +54,7 @@ static void print_help(void)
          "Removes bone from a CT with a surgeon's tools, voxel by voxel, to the bit.\n\n"
          "verbs");
     for (int i = 0; i < VERB_COUNT; i++)
-        say_on(stdout, "  %-10s %s", verbs[i].name, verbs[i].summary);
+        print_line_to(stdout, "  %-10s %s", verbs[i].name, verbs[i].summary);
     puts("\n"
          "osteon VERB --help shows a verb's options and an example; osteon --version the\n"
          "version.  Every verb takes --json: one JSON object on standard output.\n\n"
@@ -88,7 +88,7 @@ static ost_status no_verb(const char *word, ost_error *err)
  * Opens /dev/null for closed standard streams. Otherwise the next file opened would get the number
  * of such a stream and receive its output.
  */
-static void keep_standard_streams(void)
+static void open_standard_streams(void)
 {
     for (int fd = 0; fd < 3; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
@@ -175,7 +175,7 @@ static int fail(const char *verb_name, const ost_error *err, ost_status status)
 {
     progress_clear();
     const char *text = err->text[0] ? err->text : ost_status_text(status);
-    say_on(stderr, "osteon%s%s: %s", verb_name ? " " : "", verb_name ? verb_name : "", text);
+    print_line_to(stderr, "osteon%s%s: %s", verb_name ? " " : "", verb_name ? verb_name : "", text);
     return ost_status_exit(status);
 }
 
@@ -206,7 +206,7 @@ static int run_verb(const app_verb *which, int argc, char **argv)
         /* 15 digits: exact to one picometre up to 8 m, and 0.47 stays 0.47. */
         char *text = json_dumps(app.result, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
         if (text)
-            say_json(text);
+            print_json(text);
         else
             status = ost_fail(&err, OST_ERR_INTERNAL, "the result cannot be written as JSON");
         free(text);
@@ -226,7 +226,7 @@ static int run_verb(const app_verb *which, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    keep_standard_streams();
+    open_standard_streams();
     catch_signals();
     atexit(on_exit_within_verb);
     json_set_alloc_funcs(json_memory, free);
@@ -249,7 +249,7 @@ int main(int argc, char **argv)
         print_help();
         return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);
     } else if (strcmp(word, "--version") == 0) {
-        say_on(stdout, "osteon %s, arithmetic version %d", ost_version(), OST_ARITHMETIC_VERSION);
+        print_line_to(stdout, "osteon %s, arithmetic version %d", ost_version(), OST_ARITHMETIC_VERSION);
         return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);
     }
     no_verb(word, &err);

@@ -223,7 +223,7 @@ static bool beat(void *user)
 /* Reports the stage to the caller's callback. Returns false if the callback ends the loop. */
 static bool goes_on(const servo *s, ost_servo_stage stage)
 {
-    return !s->options.beside || s->options.beside(s->options.beside_user, stage);
+    return !s->options.on_stage || s->options.on_stage(s->options.on_stage_user, stage);
 }
 
 /*

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "app/sim_beside.h"
+#include "app/sim/baseline.h"
 #include "harness.h"
 
 #define MM OST_PM_PER_MM

@@ -18,8 +18,8 @@
 
 #include <osteon/picture.h>
 
-#include "app/film.h"
-#include "app/film_file.h"
+#include "app/film/film.h"
+#include "app/film/file.h"
 #include "harness.h"
 #include "io/outfile.h"
 
@@ -204,7 +204,7 @@ static void a_failure_is_said_and_ends_it(void **state)
     film *f = made((film_options){.target = "taken", .fps = 10, .wait = true});
     for (int i = 0; i < 4; i++)
         show(f, 0.1 * i, 10);
-    for (int i = 0; i < 500 && !film_said(f, text); i++)
+    for (int i = 0; i < 500 && !film_message(f, text); i++)
         pause_ms(2);
     assert_non_null(strstr(text, "frame-000001.png: File exists"));
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
@@ -398,10 +398,10 @@ static void pictures_take_free_names(void **state)
     assert_int_equal(access("osteon-005.png", F_OK), -1);
     f = made((film_options){.fps = 30, .wait = true});
     film_still(f, grey(100), WIDTH, WIDTH, HEIGHT);
-    for (int i = 0; i < 500 && !film_said(f, text); i++)
+    for (int i = 0; i < 500 && !film_message(f, text); i++)
         pause_ms(2);
     assert_string_equal(text, "saved: osteon-005.png");
-    assert_null(film_said(f, text));
+    assert_null(film_message(f, text));
     assert_ok(film_close(f, 0, NULL, &err));
 }
 

@@ -7,7 +7,7 @@
 #include <pthread.h>
 #include <signal.h>
 
-#include "app/interrupt.h"
+#include "app/common/interrupt.h"
 #include "harness.h"
 
 static volatile sig_atomic_t others;

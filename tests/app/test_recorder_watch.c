@@ -6,7 +6,7 @@
  */
 #include "harness.h"
 
-#include "app/recorder_watch.h"
+#include "app/sim/recorder_watch.h"
 
 enum { CAPACITY = 65536 };
 
@@ -24,7 +24,7 @@ static void assert_says(const moment *moments, size_t count)
     for (size_t i = 0; i < count; i++) {
         const moment *m = &moments[i];
         const ost_recorder_state state = {.put = m->put, .written = m->written, .lost = m->lost, .failing = m->failing, .reason = "the disk is full"};
-        const char *line = recorder_watch_look(&watch, "a.session", &state, CAPACITY, m->ms, text);
+        const char *line = recorder_watch_update(&watch, "a.session", &state, CAPACITY, m->ms, text);
         if (!m->says)
             assert_null(line);
         else {

@@ -7,7 +7,7 @@
  */
 #include <stdlib.h>
 
-#include "app/sim_hud.h"
+#include "app/sim/hud.h"
 #include "harness.h"
 #include "render/lettering.h"
 
@@ -41,7 +41,7 @@ static sim_hud_facts facts(bool much)
 
 static const sim_hud_box *box_of(const sim_hud_layout *l, int i)
 {
-    const sim_hud_box *all[] = {&l->hand, &l->rates, &l->foot, &l->scale, &l->legend, &l->help, &l->edge[0], &l->edge[1], &l->edge[2], &l->edge[3]};
+    const sim_hud_box *all[] = {&l->device, &l->rates, &l->foot, &l->scale, &l->legend, &l->help, &l->edge[0], &l->edge[1], &l->edge[2], &l->edge[3]};
     return i < 10 ? all[i] : NULL;
 }
 
@@ -87,7 +87,7 @@ static void look(int width, int height, double scale, const sim_hud_facts *f, bo
                 if (!in)
                     fail_msg("%d x %d at %g: something is written at %d, %d, out of every panel", width, height, scale, x, y);
             }
-        sim_hud_say(hud, &sheet, "builtin:scapula: a moment");
+        sim_hud_draw_message(hud, &sheet, "builtin:scapula: a moment");
         free(pixels);
     }
 }

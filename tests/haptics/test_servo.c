@@ -313,7 +313,7 @@ static void what_is_beside_knows_the_stage(void **state)
 {
     (void)state;
     stages all = {.stop = 0};
-    ost_servo_options options = {.ticks = 5, .idle_ticks = 4, .no_realtime = true, .beside = on_stage, .beside_user = &all};
+    ost_servo_options options = {.ticks = 5, .idle_ticks = 4, .no_realtime = true, .on_stage = on_stage, .on_stage_user = &all};
     run_with(&timed, "F", &options, (seen){0});
     assert_string_equal(all.text, "qqtbbbbqq");
     assert_int_equal(report.rested.ticks, 0);

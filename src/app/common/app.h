@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The parts that all verbs of the command share.
+ *
+ *   main.c     finds the verb, prints its error, chooses the exit status
+ *   options.c  one table per verb: parsing, --help, messages
+ *   say.c      text and warnings for people, and the format of numbers in them
+ *   result.c   the JSON object of --json
+ *   progress.c a progress line on the terminal for work of more than a second
+ *   load.c     loads a bone or a tool from any supported file
+ *   cmd_X.c    one verb each
+ *
+ * A verb returns a status; main turns it into the exit status. A verb fills its JSON object whether
+ * or not --json is given, so that both kinds of run do the same work.
+ */
+#ifndef OST_APP_COMMON_APP_H
+#define OST_APP_COMMON_APP_H
+
+#include <jansson.h>
+#include <osteon/osteon.h>
+
+typedef struct app_state {
+    const char *verb;
+    bool json, quiet;
+    const char *backend; /* as given; default "cpu" */
+    int64_t threads;     /* 0 if not given */
+    /* started by a campaign: running out of resources then has its own exit status
+       (validation/worker.h) */
+    bool worker;
+    json_t *result;      /* owned by main */
+    bool answered;       /* result is complete although the status is an error: --json prints it before the error's line */
+} app_state;
+
+typedef struct app_verb {
+    const char *name;
+    const char *summary; /* one line for osteon --help */
+    ost_status (*run)(app_state *app, int argc, char **argv, ost_error *err);
+} app_verb;
+
+ost_status cmd_bridge(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err);
+
+#endif

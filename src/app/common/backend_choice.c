@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/common/backend_choice.h"
+
+#include <stdio.h>
+#include <string.h>
+
+bool backend_is(const app_state *app, const char *name)
+{
+    const size_t length = strcspn(app->backend, ":");
+    return strlen(name) == length && memcmp(app->backend, name, length) == 0;
+}
+
+ost_status backend_choose(const app_state *app, ost_backend **out, ost_error *err)
+{
+    if (!app->threads || !backend_is(app, "cpu"))
+        return ost_backend_open(app->backend, out, err);
+    if (strstr(app->backend, "threads="))
+        return ost_fail(err, OST_ERR_USAGE, "--threads %lld and --backend %.80s both say how many threads; give one of them",
+                        (long long)app->threads, app->backend);
+    const char *options = strchr(app->backend, ':');
+    char spec[256];
+    const int n = snprintf(spec, sizeof spec, "cpu:threads=%lld%s%s", (long long)app->threads, options && options[1] ? "," : "",
+                           options ? options + 1 : "");
+    if (n < 0 || (size_t)n >= sizeof spec)
+        return ost_fail(err, OST_ERR_USAGE, "backend '%.60s...': too long", app->backend);
+    return ost_backend_open(spec, out, err);
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Opens the backend of --backend and --threads. The default is "cpu", which chooses its instruction
+ * set and number of threads itself; --threads N is the short form of its option threads=N. The
+ * reference always uses one thread and accepts any N.
+ */
+#ifndef OST_APP_COMMON_BACKEND_CHOICE_H
+#define OST_APP_COMMON_BACKEND_CHOICE_H
+
+#include "app/common/app.h"
+
+/* Returns true if --backend names this backend, with or without options. */
+bool backend_is(const app_state *app, const char *name);
+
+ost_status backend_choose(const app_state *app, ost_backend **out, ost_error *err);
+
+#endif

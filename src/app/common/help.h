@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Prints the --help of a verb from its table of options. */
+#ifndef OST_APP_COMMON_HELP_H
+#define OST_APP_COMMON_HELP_H
+
+#include "app/common/options.h"
+
+void help_print(const app_state *app, const usage_text *usage, const option *common);
+
+#endif

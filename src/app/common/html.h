@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * An HTML page, written as it is generated; the file appears only when it is complete
+ * (io/outfile.h). The first failure is stored in status, and later calls write nothing.
+ */
+#ifndef OST_APP_COMMON_HTML_H
+#define OST_APP_COMMON_HTML_H
+
+#include "io/outfile.h"
+
+typedef struct html_page {
+    ost_outfile *file;
+    ost_status status;
+    ost_error *err;
+} html_page;
+
+void html_text(html_page *p, const char *bytes);
+/* Writes text with < > & and " as entities. */
+void html_escaped(html_page *p, const char *text);
+void html_base64(html_page *p, const uint8_t *bytes, size_t size);
+
+#define html_print(p, ...)                                                      \
+    do {                                                                        \
+        if ((p)->status == OST_OK)                                              \
+            (p)->status = ost_outfile_printf((p)->file, (p)->err, __VA_ARGS__); \
+    } while (0)
+
+#endif

@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/common/options.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/common/help.h"
+
+enum { COMMON_MAX = 6, NAMES_MAX = 64 };
+
+/* Fills the options that all verbs share; they follow the verb's own. */
+static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
+{
+    const option common[COMMON_MAX] = {
+        {.name = "backend", .kind = OPTION_TEXT, .out = &app->backend, .value = "NAME",
+         .help = "who computes: cpu (default), cpu:isa=avx2, ref, plugin:FILE.so; see osteon devices"},
+        {.name = "threads", .kind = OPTION_INTEGER, .out = &app->threads, .value = "N", .min = 1, .max = 1024,
+         .help = "at most N threads (default: one a core); no result depends on it"},
+        {.name = "json", .kind = OPTION_FLAG, .out = &app->json, .help = "print one JSON object on standard output"},
+        {.name = "quiet", .kind = OPTION_FLAG, .out = &app->quiet, .help = "no summary, no warnings, no progress"},
+        {.name = "help", .kind = OPTION_FLAG, .out = help, .help = "show this"},
+        {.name = NULL}};
+    memcpy(out, common, sizeof common);
+}
+
+static const option *find(const option *table, const char *name, size_t length)
+{
+    for (; table->name; table++)
+        if (strlen(table->name) == length && memcmp(table->name, name, length) == 0)
+            return table;
+    return NULL;
+}
+
+/* Computes the Levenshtein distance, capped at LENGTH_MAX: names are short. */
+static int distance(const char *a, const char *b)
+{
+    enum { LENGTH_MAX = 32 };
+    size_t m = strlen(a), n = strlen(b);
+    if (m > LENGTH_MAX || n > LENGTH_MAX)
+        return LENGTH_MAX;
+    int row[LENGTH_MAX + 1];
+    for (size_t j = 0; j <= n; j++)
+        row[j] = (int)j;
+    for (size_t i = 1; i <= m; i++) {
+        int diagonal = row[0];
+        row[0] = (int)i;
+        for (size_t j = 1; j <= n; j++) {
+            int replace = diagonal + (a[i - 1] != b[j - 1]);
+            int shift = 1 + (row[j] < row[j - 1] ? row[j] : row[j - 1]);
+            diagonal = row[j];
+            row[j] = replace < shift ? replace : shift;
+        }
+    }
+    return row[n];
+}
+
+const char *nearest_name(const char *text, const char *const *names, int count)
+{
+    const char *best = NULL;
+    int least = (int)strlen(text) / 3 + 1;
+    for (int i = 0; i < count; i++) {
+        int d = distance(text, names[i]);
+        bool begins = strlen(text) >= 3 && strncmp(names[i], text, strlen(text)) == 0;
+        if (begins)
+            d = 0;
+        if (d <= least && (!best || d < least)) {
+            best = names[i];
+            least = d;
+        }
+    }
+    return best;
+}
+
+ost_status usage_error(const app_state *app, ost_error *err, const char *format, ...)
+{
+    char text[OST_ERROR_TEXT];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return ost_fail(err, OST_ERR_USAGE, "%s (see osteon %s --help)", text, app->verb);
+}
+
+static ost_status unknown_option(const app_state *app, const char *name, size_t length, const option *own, const option *common, ost_error *err)
+{
+    const char *names[NAMES_MAX];
+    int count = 0;
+    for (const option *o = own; o->name && count < NAMES_MAX; o++)
+        names[count++] = o->name;
+    for (const option *o = common; o->name && count < NAMES_MAX; o++)
+        names[count++] = o->name;
+    char text[64];
+    snprintf(text, sizeof text, "%.*s", (int)(length < 60 ? length : 60), name);
+    const char *near = nearest_name(text, names, count);
+    if (near)
+        return usage_error(app, err, "--%s is not an option of %s; did you mean --%s?", text, app->verb, near);
+    return usage_error(app, err, "--%s is not an option of %s", text, app->verb);
+}
+
+/* Reads one decimal number up to a comma or the end. Returns the position after it, or NULL if it
+   is invalid. */
+static const char *decimal_field(const char *text, ost_decimal *out)
+{
+    const char *end = text + strcspn(text, ",");
+    return ost_decimal_read(text, end, out) == end ? end : NULL;
+}
+
+/* Reads x,y,z, or a single value for all three if `one` is true. */
+static bool three_decimals(const char *text, bool one, ost_decimal out[3])
+{
+    int n = 0;
+    for (; n < 3; n++) {
+        text = decimal_field(text, &out[n]);
+        if (!text)
+            return false;
+        if (!*text)
+            break;
+        text++;
+    }
+    if (n == 0 && one) {
+        out[1] = out[2] = out[0];
+        return true;
+    }
+    return n == 2;
+}
+
+static ost_status take_lengths(const app_state *app, const option *o, const char *text, bool one, bool positive, ost_pm3 *out, ost_error *err)
+{
+    ost_decimal d[3];
+    ost_pm pm[3];
+    if (!three_decimals(text, one, d))
+        return usage_error(app, err, "--%s '%s': expected %s in millimetres", o->name, text, one ? "a length or x,y,z" : "x,y,z");
+    for (int a = 0; a < 3; a++)
+        if (!ost_decimal_to_pm(&d[a], &pm[a], NULL) || (positive && pm[a] <= 0))
+            return usage_error(app, err, "--%s '%s': each length must be %s 8000 mm", o->name, text, positive ? "more than 0 and at most" : "within");
+    *out = (ost_pm3){pm[0], pm[1], pm[2]};
+    return OST_OK;
+}
+
+static double decimal_double(const ost_decimal *d)
+{
+    double value = (double)d->mantissa;
+    for (int32_t e = d->exponent; e < 0 && value != 0; e++)
+        value /= 10;
+    for (int32_t e = d->exponent; e > 0 && value < 1e300 && value > -1e300; e--)
+        value *= 10;
+    return value;
+}
+
+const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char *before)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (;;) {
+        size_t length = strcspn(names, "|");
+        const char *next_name = names[length] ? names + length + 1 : NULL;
+        const char *after = !next_name ? "" : strchr(next_name, '|') ? ", " : " or ";
+        int n = snprintf(text + used, OPTION_SPOKEN - used, "%s%.*s%s", before, (int)length, names, after);
+        used += n > 0 ? (size_t)n : 0;
+        if (!next_name || used >= OPTION_SPOKEN)
+            return text;
+        names = next_name;
+    }
+}
+
+static ost_status take_choice(const app_state *app, const option *o, const char *text, ost_error *err)
+{
+    const char *choice = o->value;
+    for (int index = 0;; index++) {
+        size_t length = strcspn(choice, "|");
+        if (strlen(text) == length && memcmp(choice, text, length) == 0) {
+            *(int *)o->out = index;
+            return OST_OK;
+        }
+        if (!choice[length]) {
+            char spoken[OPTION_SPOKEN];
+            return usage_error(app, err, "--%s '%s': expected %s", o->name, text, spoken_list(spoken, o->value, ""));
+        }
+        choice += length + 1;
+    }
+}
+
+static ost_status take_integer(const app_state *app, const option *o, const char *text, ost_error *err)
+{
+    ost_decimal d;
+    int64_t value = 0;
+    bool exact = false;
+    if (!decimal_field(text, &d) || *decimal_field(text, &d) || !ost_decimal_scale(&d, 1, &value, &exact) || !exact)
+        return usage_error(app, err, "--%s '%s': expected a whole number", o->name, text);
+    if (value < o->min || value > o->max)
+        return usage_error(app, err, "--%s %s: must be from %lld to %lld", o->name, text, (long long)o->min, (long long)o->max);
+    *(int64_t *)o->out = value;
+    return OST_OK;
+}
+
+static ost_status take(const app_state *app, const option *o, const char *text, ost_error *err)
+{
+    switch (o->kind) {
+    case OPTION_FLAG:
+        *(bool *)o->out = true;
+        return OST_OK;
+    case OPTION_TEXT:
+        if (!*text)
+            return usage_error(app, err, "--%s needs %s, not an empty text", o->name, o->value);
+        *(const char **)o->out = text;
+        return OST_OK;
+    case OPTION_LIST: {
+        option_list *list = o->out;
+        if (list->count == OPTION_LIST_MAX)
+            return usage_error(app, err, "--%s may be given %d times at most", o->name, OPTION_LIST_MAX);
+        list->value[list->count++] = text;
+        return OST_OK;
+    }
+    case OPTION_INTEGER:
+        return take_integer(app, o, text, err);
+    case OPTION_DECIMAL: {
+        option_decimal *out = o->out;
+        const char *end = decimal_field(text, &out->value);
+        if (!end || *end)
+            return usage_error(app, err, "--%s '%s': expected a number", o->name, text);
+        out->text = text;
+        return OST_OK;
+    }
+    case OPTION_LENGTH: {
+        ost_pm pm;
+        ost_error why = {0};
+        if (ost_pm_parse(text, &pm, &why) != OST_OK || pm <= 0)
+            return usage_error(app, err, "--%s '%s': expected a length in millimetres, more than 0 and at most 8000", o->name, text);
+        *(ost_pm *)o->out = pm;
+        return OST_OK;
+    }
+    case OPTION_LENGTHS:
+        return take_lengths(app, o, text, true, true, o->out, err);
+    case OPTION_POINT:
+        return take_lengths(app, o, text, false, false, o->out, err);
+    case OPTION_VECTOR: {
+        ost_decimal d[3];
+        if (!three_decimals(text, false, d))
+            return usage_error(app, err, "--%s '%s': expected a direction x,y,z", o->name, text);
+        if (!d[0].mantissa && !d[1].mantissa && !d[2].mantissa)
+            return usage_error(app, err, "--%s '%s': a direction cannot be zero", o->name, text);
+        double *out = o->out, greatest = 0;
+        for (int a = 0; a < 3; a++) {
+            out[a] = decimal_double(&d[a]);
+            greatest = fmax(greatest, fabs(out[a]));
+        }
+        /* The squares of a direction's components must not overflow or underflow. */
+        if (!(greatest >= 1e-9 && greatest <= 1e9))
+            return usage_error(app, err, "--%s '%s': expected a direction whose greatest component is from 1e-9 to 1e9",
+                               o->name, text);
+        return OST_OK;
+    }
+    case OPTION_CHOICE:
+        return take_choice(app, o, text, err);
+    }
+    return ost_fail(err, OST_ERR_INTERNAL, "option kind %d", (int)o->kind);
+}
+
+static ost_status parse_all(app_state *app, const usage_text *usage, int argc, char **argv, const option *common, const bool *help, ost_error *err)
+{
+    const operand *next = usage->operands;
+    bool seen[NAMES_MAX] = {false};
+    bool only_operands = false;
+    ost_status status = OST_OK;
+    for (int i = 1; i < argc; i++) {
+        const char *word = argv[i];
+        if (only_operands || word[0] != '-' || !word[1]) {
+            if (!next || !next->name)
+                return usage_error(app, err, "'%s' is one argument too many", word);
+            if (!*word)
+                return usage_error(app, err, "an argument is empty; %s", next->missing);
+            *next++->out = word;
+            continue;
+        }
+        if (strcmp(word, "--") == 0) {
+            only_operands = true;
+            continue;
+        }
+        if (strcmp(word, "-h") == 0)
+            word = "--help";
+        if (strcmp(word, "-o") == 0)
+            word = "--out";
+        if (word[1] != '-')
+            return usage_error(app, err, "'%s' is not an option; options are written --name", word);
+        const char *name = word + 2;
+        size_t length = strcspn(name, "=");
+        const option *o = find(usage->options, name, length);
+        bool own = o != NULL;
+        if (!o)
+            o = find(common, name, length);
+        if (!o)
+            return unknown_option(app, name, length, usage->options, common, err);
+        const char *value = name[length] == '=' ? name + length + 1 : NULL;
+        if (o->kind == OPTION_FLAG) {
+            if (value)
+                return usage_error(app, err, "--%s takes no value", o->name);
+        } else if (!value) {
+            if (i + 1 >= argc || strncmp(argv[i + 1], "--", 2) == 0)
+                return usage_error(app, err, "--%s needs a value: %s", o->name, o->value);
+            value = argv[++i];
+        }
+        if (own && o->kind != OPTION_LIST && o->kind != OPTION_FLAG) {
+            if (seen[o - usage->options])
+                return usage_error(app, err, "--%s is given twice", o->name);
+            seen[o - usage->options] = true;
+        }
+        if ((status = take(app, o, value, err)) != OST_OK)
+            return status;
+        if (o->given)
+            *o->given = true;
+        if (*help)
+            return OST_OK;
+        if (own)
+            seen[o - usage->options] = true;
+    }
+    if (next && next->name)
+        return usage_error(app, err, "%s", next->missing);
+    for (const option *o = usage->options; o->name; o++)
+        if (o->required && !seen[o - usage->options])
+            return usage_error(app, err, "--%s %s is missing", o->name, o->value);
+    return OST_OK;
+}
+
+/* Returns true if --help is given: it takes precedence over any other error in the arguments. */
+static bool is_help(int argc, char **argv)
+{
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
+            return true;
+    return false;
+}
+
+bool options_parse(app_state *app, const usage_text *usage, int argc, char **argv, ost_status *status, ost_error *err)
+{
+    bool help = false;
+    option common[COMMON_MAX];
+    common_options(app, &help, common);
+    if (is_help(argc, argv)) {
+        help_print(app, usage, common);
+        app->json = false;
+        app->quiet = true;
+        *status = OST_OK;
+        return false;
+    }
+    *status = parse_all(app, usage, argc, argv, common, &help, err);
+    return *status == OST_OK;
+}

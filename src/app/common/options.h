@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Options defined by a table, from which parsing, --help and the messages follow.
+ *
+ *   --name VALUE   --name=VALUE   -n VALUE   --flag   --   operands anywhere
+ *
+ * A name must be complete: an abbreviation could change its meaning when an option is added. A
+ * value may begin with one '-' (-57.34), and with two only after '='. Every verb also has
+ * --backend, --threads, --json, --quiet and --help.
+ */
+#ifndef OST_APP_COMMON_OPTIONS_H
+#define OST_APP_COMMON_OPTIONS_H
+
+#include "app/common/app.h"
+
+typedef enum option_kind {
+    OPTION_FLAG,     /* bool */
+    OPTION_TEXT,     /* const char * */
+    OPTION_LIST,     /* option_list: may repeat */
+    OPTION_INTEGER,  /* int64_t, min <= value <= max */
+    OPTION_DECIMAL,  /* option_decimal */
+    OPTION_LENGTH,   /* ost_pm, more than zero */
+    OPTION_LENGTHS,  /* ost_pm3: one for all axes, or x,y,z; more than zero */
+    OPTION_POINT,    /* ost_pm3: x,y,z of any sign */
+    OPTION_VECTOR,   /* double[3] */
+    OPTION_CHOICE    /* int: index of the value in choices "a|b|c" */
+} option_kind;
+
+enum { OPTION_LIST_MAX = 16 };
+typedef struct option_list {
+    int count;
+    const char *value[OPTION_LIST_MAX];
+} option_list;
+
+typedef struct option_decimal {
+    ost_decimal value;
+    const char *text;
+} option_decimal;
+
+typedef struct option {
+    const char *name;
+    option_kind kind;
+    void *out;         /* unchanged if the option is not given, so its initial value is the default */
+    bool *given;       /* may be NULL */
+    const char *value; /* placeholder in --help; also the choices of OPTION_CHOICE */
+    int64_t min, max;  /* for OPTION_INTEGER */
+    const char *help;  /* a newline starts a new line of help */
+    bool required;
+} option;
+
+typedef struct operand {
+    const char *name;
+    const char **out;
+    const char *missing; /* message if it is missing: "which CT?" */
+} operand;
+
+typedef struct usage_text {
+    const char *synopsis; /* after "osteon VERB " */
+    const char *about;
+    const operand *operands; /* ends with a NULL name; all required; may be NULL */
+    const option *options;   /* ends with a NULL name */
+    const char *notes;       /* units, coordinate systems; may be NULL */
+    const char *example;
+} usage_text;
+
+/* Returns true if the verb is to continue. If false, the verb returns *status, which is OST_OK
+   after --help. */
+bool options_parse(app_state *app, const usage_text *usage, int argc, char **argv, ost_status *status, ost_error *err);
+
+/* Reports a wrong use of this verb: one line that ends with a reference to its help. */
+ost_status usage_error(const app_state *app, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
+
+/* Writes "a|b|c" as "a, b or c", with the text `before` in front of each. Returns text. */
+enum { OPTION_SPOKEN = 160 };
+const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char *before);
+
+/* Returns the name nearest to a misspelt one, or NULL if none is near. */
+const char *nearest_name(const char *text, const char *const *names, int count);
+
+#endif

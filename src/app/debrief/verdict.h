@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Compares each figure of a debrief with its aim and summarizes them in one line: the grade, the
+ * figure farthest beyond its aim, and the result of the operation.
+ */
+#ifndef OST_APP_DEBRIEF_VERDICT_H
+#define OST_APP_DEBRIEF_VERDICT_H
+
+#include "app/debrief/debrief.h"
+
+typedef enum level { GOOD, WATCH, BAD, NONE } level;
+
+/* Names by grade: "As planned", "Near the plan", "Off the plan", "Far off the plan". */
+enum { VERDICT_GRADES = 4 };
+extern const char *const verdict_grades[VERDICT_GRADES];
+
+/* In degrees, mm, mm3 and %; docs/metrics.md lists them. */
+enum { AIM_DEG = 2, WATCH_DEG = 5, PLATE_GOOD = 50, PLATE_WATCH = 25 };
+
+enum { REMARKS = 16, REMARK = 160, VERDICT_LINE = 512 };
+
+typedef struct verdict {
+    level tilt, version, inclination, depth, entry, over, plate, contact, gap, hole_angle, hole_entry, wall, plunge;
+    level worst;
+    int grade;      /* index in verdict_grades */
+    double times;   /* ratio of the figure farthest beyond its aim to that aim */
+    int count;
+    char remark[REMARKS][REMARK];
+    level of[REMARKS];
+    char line[VERDICT_LINE]; /* ASCII */
+} verdict;
+
+void verdict_make(const debrief *d, const ost_metrics *m, verdict *out);
+
+#endif

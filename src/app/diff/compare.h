@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The differences between two grids, from the verdict down to single voxels.
+ *
+ *   verdict   equal or not
+ *   geometry  dims, spacing, origin
+ *   chunks    which blocks differ, and how much
+ *   kinds     removed, added, changed or below: exactly one for each voxel
+ *   patterns  the shape of all differences together (diff_pattern.c)
+ *   voxels    the first ones, with both values
+ *
+ * A voxel is solid if its density is at least the threshold (in a tool: if it is not void).
+ */
+#ifndef OST_APP_DIFF_COMPARE_H
+#define OST_APP_DIFF_COMPARE_H
+
+#include "app/input/load.h"
+#include "validation/locate/pattern.h"
+
+typedef enum diff_kind {
+    DIFF_REMOVED, /* solid in A only */
+    DIFF_ADDED,   /* solid in B only */
+    DIFF_CHANGED, /* solid in both, another density */
+    DIFF_BELOW,   /* solid in neither, another density */
+    DIFF_KIND_COUNT
+} diff_kind;
+
+typedef struct diff_voxel {
+    int32_t at[3];
+    int16_t a, b;
+} diff_voxel;
+
+typedef struct diff_chunk {
+    int32_t at[3];
+    int64_t count[DIFF_KIND_COUNT], different;
+    int64_t solid_a, solid_b;
+    diff_voxel first;
+} diff_chunk;
+
+typedef struct diff_pattern {
+    const char *name;
+    char text[200];
+} diff_pattern;
+
+enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
+
+typedef struct diff_result {
+    bool same_dims, same_spacing, same_origin;
+    bool rounded_geometry; /* spacing or origin is the same only as a float32 */
+    bool equal;
+    int64_t count[DIFF_KIND_COUNT], different;
+    ost_voxel_box box; /* encloses all differences */
+    int32_t busiest[3]; /* on each axis the slice with most differences */
+    int chunk_size;
+    ost_dims chunk_dims;
+    size_t chunk_count;
+    diff_chunk *chunks; /* owned: the chunks that differ, in grid order */
+    size_t first_count;
+    diff_voxel *first; /* owned: the first `limit` voxels in grid order */
+    const char *class; /* the first pattern that applies; NULL if there is nothing to classify */
+    int pattern_count;
+    diff_pattern patterns[DIFF_PATTERN_MAX];
+} diff_result;
+
+/* *out must be zero-initialized; call diff_free in any case. Voxels are compared only if the dims
+   are equal. */
+ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chunk_size, size_t limit, diff_result *out, ost_error *err);
+void diff_free(diff_result *result);
+
+/* Adds the patterns that apply; in diff_pattern.c. */
+void diff_patterns(const loaded_volume *a, const loaded_volume *b, diff_result *result);
+
+const char *diff_kind_name(diff_kind kind);
+const char *diff_kind_text(diff_kind kind);
+diff_kind diff_kind_of(int16_t a, int16_t b, int32_t threshold_a, int32_t threshold_b);
+
+/* diff_bundles.c: compares two bundles by their digests. */
+bool diff_is_folder(const char *path);
+ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
+
+/* diff_picture.c: draws the three slices of `busiest`, with the differences in colour over the
+   densities of A. */
+ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out, ost_error *err);
+/* Draws the surface of B around `busiest`, along the glenoid's axis if B's file has it, else toward the
+   bone's middle. Needs diff_has_view: both are bones or CTs on one grid of cubes, and B lacks voxels of A. */
+ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out, ost_error *err);
+bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);
+/* Returns true if the directions of its axes in the patient are not known. */
+bool diff_unoriented(const loaded_volume *in);
+
+/* diff_html.c: writes one self-contained page. */
+ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a, const loaded_volume *b,
+                     const diff_result *result, ost_error *err);
+
+#endif

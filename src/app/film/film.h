@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Writes frames to disk on a separate thread: single pictures, and a video.
+ *
+ *   renderer --copy--> queue of at most a dozen --writer--> FOLDER/frame-000000.png ...      a folder
+ *                            |                              FILE.y4m
+ *                            '-- queue full: dropped,       ffmpeg --> FILE.mp4, .mkv, .mov, .webm
+ *                                and counted                sh -c COMMAND, which gets a .y4m on its standard input
+ *
+ * A video follows the clock that is passed in: for a dropped frame, or while nothing changes and no
+ * frame is drawn, the previous frame is repeated. The video has the size of the first frame; frames
+ * of other sizes are scaled into it.
+ *
+ * No file is overwritten: pictures take the next free name. A video file gets its name only when it
+ * is complete.
+ */
+#ifndef OST_APP_FILM_FILM_H
+#define OST_APP_FILM_FILM_H
+
+#include "app/common/app.h"
+
+enum { FILM_TEXT = 200 };
+
+typedef struct film_options {
+    const char *target, *pipe; /* where the video goes: at most one of the two is set */
+    int64_t fps;               /* of the video */
+    bool wait;                 /* waits for the writer when the queue is full, instead of dropping the frame */
+} film_options;
+
+typedef struct film_report {
+    uint64_t frames;   /* in the video */
+    uint64_t repeated; /* frames among these that repeat the previous one */
+    uint64_t dropped;  /* frames that were drawn and not written */
+    int width, height;
+} film_report;
+
+typedef struct film film;
+
+/* Rows for a verb's table of options. */
+#define VIDEO_OPTIONS(v)                                                                                                                  \
+    {.name = "video", .kind = OPTION_TEXT, .out = &(v).target, .value = "TARGET",                                                  \
+     .help = "a video: .mp4, .mkv, .mov or .webm by ffmpeg, .y4m without it,\nor a folder of numbered PNGs"},                     \
+    {.name = "video-pipe", .kind = OPTION_TEXT, .out = &(v).pipe, .value = "COMMAND",                                              \
+     .help = "the same to a shell's command, which gets YUV4MPEG2 on its standard\ninput, as ffmpeg, x264 and mpv read it"},      \
+    {.name = "video-fps", .kind = OPTION_INTEGER, .out = &(v).fps, .min = 1, .max = 240, .value = "N", .help = "frames a second of it (default: 30)"}
+
+/* Checks the options before anything is done. Returns a usage error if they are invalid. */
+ost_status film_check(const app_state *app, const film_options *options, ost_error *err);
+/* Opens a film. Returns OST_ERR_UNAVAILABLE if there is no encoder. */
+ost_status film_open(const film_options *options, film **out, ost_error *err);
+
+/* The following functions must be called on one thread. pixels: 0x..BBGGRR, in rows of stride
+   pixels; they are copied. */
+/* Returns true if the video has no frame for t_ns yet. Times must ascend; the first is the
+   beginning of the video. */
+bool film_is_due(const film *f, int64_t t_ns);
+void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int width, int height);
+/* Saves a picture in the current folder under the next free name, osteon-001.png and so on. The
+   result is reported by film_message. */
+void film_still(film *f, const uint32_t *pixels, int stride, int width, int height);
+/* Returns the latest message if it is new since the previous call, else NULL. */
+const char *film_message(film *f, char text[FILM_TEXT]);
+uint64_t film_dropped(film *f);
+
+/* Writes all queued frames and repeats the last one until end_ns. Frees f in any case; f and report
+   may be NULL. */
+ost_status film_close(film *f, int64_t end_ns, film_report *report, ost_error *err);
+/* Prints the report, and stores it as "video" in the verb's result. */
+void film_print_report(const app_state *app, const film_options *options, const film_report *report);
+
+#endif

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The plan: the glenoid's position, the axis into the bone, the depth, and the scapula's landmarks.
+ * Values from options take precedence over those in a session, and these over those in the bone's
+ * file.
+ *
+ *   options --.
+ *   session ---+--> plan --> debrief
+ *   bone -----'       '----> session, keys plan.* (docs/session.md)
+ */
+#ifndef OST_APP_INPUT_GLENOID_PLAN_H
+#define OST_APP_INPUT_GLENOID_PLAN_H
+
+#include "app/input/ream_path.h"
+
+#include <osteon/metrics.h>
+
+typedef struct glenoid_plan_options {
+    target_options target;
+    option_decimal depth;
+    ost_pm3 trigonum, inferior;
+    bool trigonum_given, inferior_given;
+} glenoid_plan_options;
+
+/* Rows for a verb's table of options; the verb itself defines --at, --axis and --side. */
+#define GLENOID_PLAN_OPTIONS(p)                                                                                                      \
+    {.name = "planned", .kind = OPTION_DECIMAL, .out = &(p).depth, .value = "MM",                                            \
+     .help = "planned depth at the glenoid's centre (default: 3)"},                                                          \
+    {.name = "trigonum", .kind = OPTION_POINT, .out = &(p).trigonum, .given = &(p).trigonum_given, .value = "X,Y,Z",         \
+     .help = "where the scapula's spine meets its medial border, for version and\ninclination in its own frame (default: the file's)"}, \
+    {.name = "inferior-angle", .kind = OPTION_POINT, .out = &(p).inferior, .given = &(p).inferior_given, .value = "X,Y,Z",   \
+     .help = "the scapula's lowest point, for the same"}
+
+/*
+ * Finds the plan. header: the header of the session named session, or NULL. *known becomes false if
+ * no source contains the glenoid's position, which is an error if needed is true or a part of the
+ * plan is given. The plan has exactly the values that a session can store.
+ */
+ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session, const ost_session_header *header, const ost_meta *meta,
+                     const char *bone, bool needed, ost_metrics_plan *out, bool *known, ost_error *err);
+
+/* Stores the plan in the header of a new session. */
+ost_status glenoid_plan_set(ost_session_header *header, const ost_metrics_plan *plan, ost_error *err);
+
+#endif

@@ -1,0 +1,484 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/input/load.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "app/common/backend_choice.h"
+#include "app/common/progress.h"
+#include "app/common/print.h"
+
+enum { THRESHOLD = 120 }; /* of the thesis; AR-CHK-1 */
+
+/* ------------------------------------------------------------------ names */
+
+bool ends_with(const char *path, const char *end)
+{
+    size_t n = strlen(path), m = strlen(end);
+    return n > m && path[n - m - 1] == '.' && strcmp(path + n - m, end) == 0;
+}
+
+static bool ends_with_one_of(const char *path, const char *ends)
+{
+    char end[16];
+    for (;;) {
+        size_t length = strcspn(ends, "|");
+        snprintf(end, sizeof end, "%.*s", (int)length, ends);
+        if (ends_with(path, end))
+            return true;
+        if (!ends[length])
+            return false;
+        ends += length + 1;
+    }
+}
+
+ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err)
+{
+    struct stat st;
+    const bool exists = stat(path, &st) == 0;
+    /* Such a name would otherwise fail only at the end, after all the work. */
+    if (!exists && errno == ENAMETOOLONG)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
+    bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+    if (!special && !ends_with_one_of(path, ends)) {
+        char spoken[OPTION_SPOKEN];
+        return usage_error(app, err, "%s: the name must end in %s", path, spoken_list(spoken, ends, "."));
+    }
+    const char *slash = strrchr(path, '/');
+    char folder[4096];
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+    if (stat(folder, &st) != 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot write there: %s", path, strerror(errno));
+    return OST_OK;
+}
+
+static const char *builtin_name(const char *name)
+{
+    return strncmp(name, "builtin:", 8) == 0 ? name + 8 : NULL;
+}
+
+/* ------------------------------------------------------------------ bones */
+
+/* Parses --crop, such as "0:128,0:128,20:60". */
+static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_box *out, ost_error *err)
+{
+    const char *p = text;
+    for (int a = 0; a < 3; a++) {
+        int32_t end[2];
+        for (int e = 0; e < 2; e++) {
+            int64_t value = 0;
+            int digits = 0;
+            for (; *p >= '0' && *p <= '9' && digits < 6; p++, digits++)
+                value = value * 10 + (*p - '0');
+            char after = e == 0 ? ':' : a < 2 ? ',' : '\0';
+            if (!digits || *p != after)
+                return usage_error(app, err, "--crop '%s': expected from:to,from:to,from:to in voxels", text);
+            p += after != '\0';
+            end[e] = (int32_t)value;
+        }
+        if (end[0] >= end[1])
+            return usage_error(app, err, "--crop '%s': from %d to %d keeps nothing", text, end[0], end[1]);
+        out->lo[a] = end[0];
+        out->hi[a] = end[1];
+    }
+    return OST_OK;
+}
+
+ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out, ost_error *err)
+{
+    *out = (ost_import_options){
+        .spacing = ct->spacing,
+        .cubic = ct->cubic,
+        .threshold = (int32_t)ct->threshold, /* 0: the bone's own, else 120 */
+        .chunk_size = 16 << ct->chunk,
+        .has_resample = ct->resample >= 0,
+        .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,
+        .duplicates = (ost_duplicates)ct->duplicates,
+        .volume = {.clamp = ct->clamp, .resample_oblique = ct->resample_oblique},
+        .digests = digests,
+        .progress = progress_show,
+    };
+    out->volume.form = (ost_nifti_form)ct->form;
+    if (ct->orientation && strlen(ct->orientation) != 3)
+        return usage_error(app, err, "--orientation '%s': expected three letters, such as LPS or RAS", ct->orientation);
+    if (ct->orientation)
+        memcpy(out->volume.orientation, ct->orientation, sizeof out->volume.orientation);
+    if (ct->crop) {
+        out->crop = true;
+        ost_status status = parse_crop(app, ct->crop, &out->crop_box, err);
+        if (status != OST_OK)
+            return status;
+    }
+    return OST_OK;
+}
+
+static ost_status phantom_volume(const char *kind_name, ost_volume *out, ost_error *err)
+{
+    for (int k = 0; k < OST_PHANTOM_COUNT; k++)
+        if (strcmp(kind_name, ost_phantom_name((ost_phantom_kind)k)) == 0)
+            return ost_phantom_make((ost_phantom_kind)k, NULL, out, err);
+    return ost_fail(err, OST_ERR_USAGE, "builtin:%s: there is no such bone; osteon phantom --help lists them", kind_name);
+}
+
+static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume, const ost_import_options *options, ost_bone **out,
+                                 ost_import_result *result, ost_error *err)
+{
+    ost_grid *rect = NULL, *cubic = NULL;
+    const int32_t threshold = options->threshold ? options->threshold : THRESHOLD;
+    ost_status status = ost_grid_create(backend, &volume->geometry, &rect, err);
+    if (status == OST_OK)
+        status = ost_grid_upload(rect, 0, volume->geometry.dims.z, volume->voxels, err);
+    if (status == OST_OK)
+        status = ost_rect_to_cubic(rect, options->cubic ? options->cubic : volume->geometry.spacing.x, options->resample, &cubic, err);
+    if (status == OST_OK)
+        status = ost_cubic_to_chunks(cubic, options->chunk_size, threshold, out, err);
+    if (status == OST_OK) {
+        *result = (ost_import_result){.kind = OST_FILE_UNKNOWN, .rect = volume->geometry, .cubic = *ost_grid_geometry(cubic),
+                                      .meta = volume->meta, .resample = options->resample};
+        char text[16];
+        snprintf(text, sizeof text, "%d", threshold);
+        status = ost_meta_set(&result->meta, OST_META_THRESHOLD, text, err);
+        if (status == OST_OK)
+            status = ost_meta_set(&result->meta, OST_META_RESAMPLE, ost_resample_name(options->resample), err);
+    }
+    ost_grid_free(cubic);
+    ost_grid_free(rect);
+    return status;
+}
+
+void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta)
+{
+    const char *fact = ost_meta_get(meta, OST_META_ORIENTATION);
+    if (fact && strcmp(fact, "assumed LPS") == 0)
+        warn(app, "%s: its orientation is assumed to be LPS: the CT does not state where its axes point, so left may be right and front may be "
+             "back; import the CT with --orientation XYZ, such as LPS or RAS", name);
+}
+
+void load_warn_import(const app_state *app, const char *name, const ost_import_result *r)
+{
+    char text[FORMAT_TEXT];
+    const ost_scatter_report *s = &r->scatter;
+    load_warn_orientation(app, name, &r->meta);
+    if (s->off_lattice)
+        warn(app, "%s: %s positions lie more than 1/8 of a voxel off the lattice; the worst, %.3f of a voxel, in line %lld", name,
+             format_count(text, (int64_t)s->off_lattice), (double)s->worst_offset_ppm * 1e-6, (long long)s->worst_line);
+    if (r->rounded_positions)
+        warn(app, "%s: %s positions have more than nine decimals and were rounded to a picometre", name,
+             format_count(text, (int64_t)r->rounded_positions));
+    if (s->duplicates)
+        warn(app, "%s: %s voxels are given more than once", name, format_count(text, (int64_t)s->duplicates));
+    if (r->volume.resampled)
+        warn(app, "%s: the volume is tilted and was resampled onto straight axes (nearest voxel)", name);
+    if (r->volume.rounded_values)
+        warn(app, "%s: %s densities were not whole numbers and were rounded", name, format_count(text, (int64_t)r->volume.rounded_values));
+    if (r->volume.clamped_values)
+        warn(app, "%s: %s densities lay beyond int16 and were cut to its ends", name, format_count(text, (int64_t)r->volume.clamped_values));
+}
+
+ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests, ost_bone **out,
+                     ost_import_result *result, ost_error *err)
+{
+    ost_import_options options;
+    ost_status status = load_import_options(app, ct, digests, &options, err);
+    if (status != OST_OK)
+        return status;
+    progress_begin(app);
+    const char *kind = builtin_name(name);
+    if (kind) {
+        if (ct->crop || ct->spacing.x || ct->orientation || ct->form)
+            return usage_error(app, err, "--crop, --spacing, --orientation and --form are for files; write %s with osteon phantom first", name);
+        ost_volume volume = {0};
+        status = phantom_volume(kind, &volume, err);
+        if (status == OST_OK)
+            status = volume_to_bone(backend, &volume, &options, out, result, err);
+        ost_volume_free(&volume);
+    } else {
+        status = ost_import(backend, name, &options, out, result, err);
+    }
+    progress_clear();
+    if (status == OST_OK)
+        load_warn_import(app, name, result);
+    return status;
+}
+
+ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err)
+{
+    ost_bone_info info;
+    ost_status status = ost_bone_info_get(bone, &info, err);
+    if (status == OST_OK)
+        status = ost_volume_init(out, &info.geometry, err);
+    if (status != OST_OK)
+        return status;
+    if (meta)
+        out->meta = *meta;
+    status = ost_bone_download(bone, 0, info.geometry.dims.z, out->voxels, err);
+    if (status != OST_OK)
+        ost_volume_free(out);
+    return status;
+}
+
+/* ------------------------------------------------------------------ tools */
+
+/* Returns the kind of a built-in tool; OST_TOOL_KIND_COUNT if there is no tool of that name. */
+static ost_tool_kind builtin_tool(const char *name)
+{
+    const char *kind = builtin_name(name);
+    int k = 0;
+    while (k < OST_TOOL_KIND_COUNT && !(kind && strcmp(kind, ost_tool_kind_name((ost_tool_kind)k)) == 0))
+        k++;
+    return (ost_tool_kind)k;
+}
+
+static ost_status load_part(const char *name, ost_unit unit, ost_tool_part part, ost_mesh *out, ost_mesh_report *report, ost_error *err)
+{
+    const ost_tool_kind k = builtin_tool(name);
+    if (!builtin_name(name))
+        return ost_mesh_read(name, unit, out, report, err);
+    if (k == OST_TOOL_KIND_COUNT)
+        return ost_fail(err, OST_ERR_USAGE, "%s: there is no such tool; osteon tool --help lists them", name);
+    ost_status status = ost_tool_make(k, &(ost_tool_options){.part = part}, out, err);
+    if (status == OST_OK) {
+        snprintf(report->format, sizeof report->format, "built in");
+        report->file_triangles = out->triangle_count;
+        report->bodies = 1;
+    }
+    return status;
+}
+
+ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err)
+{
+    return load_part(name, unit, OST_TOOL_COMPLETE, out, report, err);
+}
+
+char *load_other_units(char out[LOAD_UNITS_TEXT], double mm)
+{
+    static const struct {
+        const char *name;
+        double mm;
+    } units[] = {{"centimetres", 10}, {"inches", 25.4}, {"metres", 1000}, {"micrometres", 0.001}};
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t u = 0; u < sizeof units / sizeof units[0]; u++)
+        if (mm * units[u].mm >= 20 && mm * units[u].mm <= 600)
+            used += (size_t)snprintf(out + used, LOAD_UNITS_TEXT - used, "%s%.3g mm if its lengths are %s",
+                                     used ? ", or " : ": it would be ", mm * units[u].mm, units[u].name);
+    return out;
+}
+
+/* Warns about a mesh of less than 5 mm whose unit is not given: it may be a burr, but bones and
+   reamers are larger. */
+static void warn_mesh_size(const app_state *app, const char *name, const ost_mesh_report *r)
+{
+    char text[LOAD_UNITS_TEXT];
+    double largest = 0;
+    for (int a = 0; a < 3; a++)
+        largest = r->bounds_mm[3 + a] - r->bounds_mm[a] > largest ? r->bounds_mm[3 + a] - r->bounds_mm[a] : largest;
+    if (largest < 5)
+        warn(app, "%s: the mesh is %.3g mm across when its lengths are taken as millimetres%s; --unit mm confirms millimetres", name, largest,
+             load_other_units(text, largest));
+}
+
+static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
+                                  const tool_options *options, ost_tool **out, tool_report *report, ost_error *err)
+{
+    ost_mesh mesh = {0}, shaft = {0};
+    ost_snapped_mesh snapped = {0}, snapped_shaft = {0};
+    ost_mesh_report shaft_report = {0};
+    ost_tool_geometry grid;
+    ost_pm3 lo, hi, lo2, hi2;
+    char text[FORMAT_TEXT];
+
+    /* The shaft of a built-in tool touches bone and does not cut it. */
+    const ost_tool_kind kind = builtin_tool(name);
+    const bool two_parts = !noncutting && kind < OST_TOOL_KIND_COUNT && ost_tool_has_shaft(kind);
+    ost_status status = load_part(name, (ost_unit)options->unit, two_parts ? OST_TOOL_HEAD : OST_TOOL_COMPLETE, &mesh, &report->mesh, err);
+    if (status == OST_OK && !builtin_name(name) && options->unit == OST_UNIT_AUTO)
+        warn_mesh_size(app, name, &report->mesh);
+    if (status == OST_OK)
+        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
+    if (status == OST_OK && (noncutting || two_parts)) {
+        status = load_part(two_parts ? name : noncutting, (ost_unit)options->unit, two_parts ? OST_TOOL_SHAFT : OST_TOOL_COMPLETE, &shaft, &shaft_report, err);
+        if (status == OST_OK)
+            status = ost_mesh_bounds(&shaft, &lo2, &hi2, err);
+        if (status == OST_OK) {
+            ost_pm3_widen(&lo, &hi, lo2);
+            ost_pm3_widen(&lo, &hi, hi2);
+        }
+    }
+    if (status == OST_OK)
+        status = ost_mesh_open_edges(&mesh, &report->open_edges, err);
+    if (status == OST_OK && (status = ost_tool_geometry_from_bounds(lo, hi, options->voxel, &grid, err)) != OST_OK)
+        ost_fail_context(err, "%s", name);
+    if (status == OST_OK)
+        status = ost_mesh_snap(&mesh, &grid, &snapped, err);
+    if (status == OST_OK && shaft.triangle_count)
+        status = ost_mesh_snap(&shaft, &grid, &snapped_shaft, err);
+    if (status == OST_OK)
+        status = ost_snapped_mesh_digest(&snapped, &report->snapped, err);
+    if (status == OST_OK) {
+        double start = now_ms();
+        status = ost_voxelize(backend, &snapped, shaft.triangle_count ? &snapped_shaft : NULL, (ost_fill_rule)options->rule, &report->voxels, out, err);
+        report->time_ms = now_ms() - start;
+    }
+    if (status == OST_OK) {
+        report->triangles = mesh.triangle_count + shaft.triangle_count;
+        report->dropped_triangles = snapped.dropped_triangles + snapped_shaft.dropped_triangles;
+        report->mesh_volume_mm3 = ost_mesh_volume_mm3(&mesh);
+        if (report->voxels.leaking_rows)
+            warn(app, "%s: the surface is not closed (%zu open edges): %s rows of voxels leak and were left empty", name, report->open_edges,
+                 format_count(text, (int64_t)report->voxels.leaking_rows));
+        if (!report->voxels.solid_voxels)
+            warn(app, "%s: not one voxel of %g mm is inside the mesh", name, ost_pm_to_mm(options->voxel));
+    }
+    ost_snapped_mesh_free(&snapped);
+    ost_snapped_mesh_free(&snapped_shaft);
+    ost_mesh_free(&mesh);
+    ost_mesh_free(&shaft);
+    return status;
+}
+
+ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting, const tool_options *options,
+                     ost_tool **out, tool_report *report, ost_error *err)
+{
+    tool_report own = {0};
+    if (!report)
+        report = &own;
+    *report = (tool_report){0};
+    ost_file_kind kind = OST_FILE_MESH;
+    if (!builtin_name(name)) {
+        ost_status status = ost_file_kind_find(name, &kind, err);
+        if (status != OST_OK)
+            return status;
+    }
+    if (kind == OST_FILE_NRRD && !noncutting) {
+        ost_tool_volume volume = {0};
+        ost_status status = ost_tool_volume_read(name, &volume, err);
+        if (status == OST_OK)
+            status = ost_tool_upload(backend, &volume, out, err);
+        ost_tool_volume_free(&volume);
+        return status;
+    }
+    if (kind != OST_FILE_MESH && kind != OST_FILE_UNKNOWN)
+        return ost_fail(err, OST_ERR_INPUT, "%s: is neither a mesh nor a tool grid", name);
+    return voxelize_meshes(app, backend, name, noncutting, options, out, report, err);
+}
+
+/* ---------------------------------------------------------------- volumes */
+
+static ost_status load_tool_volume(const char *name, loaded_volume *out, ost_error *err)
+{
+    ost_tool_volume tool = {0};
+    ost_status status = ost_tool_volume_read(name, &tool, err);
+    if (status != OST_OK)
+        return status;
+    ost_pm s = tool.geometry.voxel;
+    ost_geometry geometry = {
+        .dims = tool.geometry.dims,
+        .spacing = {s, s, s},
+        .origin = {tool.geometry.corner.x + s / 2, tool.geometry.corner.y + s / 2, tool.geometry.corner.z + s / 2},
+    };
+    status = ost_volume_init(&out->volume, &geometry, err);
+    if (status == OST_OK) {
+        int64_t count = ost_dims_count(geometry.dims);
+        for (int64_t v = 0; v < count; v++)
+            out->volume.voxels[v] = tool.voxels[v];
+        out->volume.meta = tool.meta;
+        out->tool = tool.geometry;
+        out->kind = LOAD_TOOL;
+        out->threshold = 1;
+    }
+    ost_tool_volume_free(&tool);
+    return status;
+}
+
+/* Returns the threshold that import stored in a bone's header. A missing or invalid value gives the
+   default. */
+static int32_t threshold_of(const ost_meta *meta)
+{
+    const char *text = ost_meta_get(meta, OST_META_THRESHOLD);
+    ost_decimal d;
+    int64_t value;
+    bool exact;
+    if (text && ost_decimal_read(text, text + strlen(text), &d) == text + strlen(text) && ost_decimal_scale(&d, 1, &value, &exact) &&
+        exact && value >= 1 && value <= 32767)
+        return (int32_t)value;
+    return THRESHOLD;
+}
+
+/* Loads a CT given as text by an import, whose memory is bounded by the grid. */
+static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
+{
+    ost_backend *backend = NULL;
+    ost_bone *bone = NULL;
+    ost_import_result result;
+    const ct_options ct = CT_OPTIONS_DEFAULT;
+    ost_status status = backend_choose(app, &backend, err);
+    if (status == OST_OK)
+        status = load_bone(app, backend, name, &ct, false, &bone, &result, err);
+    if (status == OST_OK)
+        status = bone_to_volume(bone, &result.meta, &out->volume, err);
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    out->kind = LOAD_BONE;
+    out->threshold = THRESHOLD;
+    return status;
+}
+
+ost_status loaded_to_bone(const app_state *app, const char *name, loaded_volume *v, ost_error *err)
+{
+    const ost_geometry *g = &v->volume.geometry;
+    const ct_options ct = {.chunk = 1, .resample = -1, .threshold = v->threshold};
+    ost_backend *backend = NULL;
+    ost_bone *bone = NULL;
+    ost_import_result result;
+    ost_volume voxels = {0};
+    if (v->kind != LOAD_CT || (g->spacing.x == g->spacing.y && g->spacing.x == g->spacing.z))
+        return OST_OK;
+    ost_status status = backend_choose(app, &backend, err);
+    if (status == OST_OK)
+        status = load_bone(app, backend, name, &ct, false, &bone, &result, err);
+    if (status == OST_OK)
+        status = bone_to_volume(bone, &result.meta, &voxels, err);
+    if (status == OST_OK) {
+        ost_volume_free(&v->volume);
+        v->volume = voxels;
+    }
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    return status;
+}
+
+ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
+{
+    *out = (loaded_volume){.kind = LOAD_CT, .threshold = THRESHOLD};
+    const char *phantom = builtin_name(name);
+    if (phantom)
+        return phantom_volume(phantom, &out->volume, err);
+    ost_file_kind kind;
+    ost_status status = ost_file_kind_find(name, &kind, err);
+    if (status != OST_OK)
+        return status;
+    if (kind == OST_FILE_CT_TEXT)
+        return load_text_volume(app, name, out, err);
+    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI)
+        return ost_fail(err, OST_ERR_INPUT, "%s: has no voxels; a CT, a bone or a tool grid is needed", name);
+    ost_meta meta = {0};
+    status = ost_volume_read_header(name, NULL, &meta, NULL, err);
+    if (status != OST_OK)
+        return status;
+    const char *what = ost_meta_get(&meta, OST_META_KIND);
+    if (what && strcmp(what, "tool") == 0)
+        return load_tool_volume(name, out, err);
+    status = ost_volume_read(name, NULL, &out->volume, NULL, err);
+    if (status == OST_OK)
+        load_warn_orientation(app, name, &out->volume.meta);
+    if (status == OST_OK && what && strcmp(what, "bone") == 0) {
+        out->kind = LOAD_BONE;
+        out->threshold = threshold_of(&out->volume.meta);
+    }
+    return status;
+}

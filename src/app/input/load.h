@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Loads a bone or a tool from any file that the user may have.
+ *
+ *   bone   builtin:scapula (a phantom), a CT, or a bone that import wrote
+ *   tool   builtin:reamer, a mesh, or a tool that voxelize wrote
+ *   volume any voxels, in host memory and unchanged: for diff and export
+ *
+ * All verbs that load have the same options for it.
+ */
+#ifndef OST_APP_INPUT_LOAD_H
+#define OST_APP_INPUT_LOAD_H
+
+#include "app/common/options.h"
+
+typedef struct ct_options {
+    ost_pm3 spacing;
+    ost_pm cubic;
+    int64_t threshold; /* 0: the bone's own, else 120 */
+    const char *crop;
+    int chunk; /* index in "16|32|64" */
+    int resample; /* index in "linear|nearest|thesis" = ost_resample; negative: chosen by the file's contents */
+    int duplicates; /* index in "error|first|last|max" = ost_duplicates */
+    bool clamp, resample_oblique;
+    const char *orientation; /* NULL if not given */
+    int form;                /* index in "auto|qform|sform" = ost_nifti_form */
+} ct_options;
+
+#define CT_OPTIONS_DEFAULT {.chunk = 1, .resample = -1}
+
+/* Rows for a verb's table of options. */
+#define CT_OPTIONS(c)                                                                                                        \
+    {.name = "spacing", .kind = OPTION_LENGTHS, .out = &(c).spacing, .value = "MM[,MM,MM]",                                  \
+     .help = "voxel spacing of the CT (text: found from the positions; else: the file's)"},                                  \
+    {.name = "threshold", .kind = OPTION_INTEGER, .out = &(c).threshold, .value = "HU",       \
+     .min = 1, .max = 32767, .help = "a voxel is bone at this density or more (default: the bone's own, else 120)"},         \
+    {.name = "cubic", .kind = OPTION_LENGTH, .out = &(c).cubic, .value = "MM",                                               \
+     .help = "size of the cubic voxels (default: the CT's x spacing)"},                                                      \
+    {.name = "crop", .kind = OPTION_TEXT, .out = &(c).crop, .value = "I:I,J:J,K:K",                                          \
+     .help = "keep CT voxels from:to on each axis, counted from 0, to not included"},                                        \
+    {.name = "resample", .kind = OPTION_CHOICE, .out = &(c).resample, .value = "linear|nearest|thesis",                      \
+     .help = "what a cubic voxel takes from the CT's voxels (default: linear, of a label map nearest)"},                     \
+    {.name = "duplicates", .kind = OPTION_CHOICE, .out = &(c).duplicates, .value = "error|first|last|max",                   \
+     .help = "a text that gives one voxel two densities (default: error)"},                                                  \
+    {.name = "clamp", .kind = OPTION_FLAG, .out = &(c).clamp,                                                                \
+     .help = "cut densities beyond int16 to its ends instead of refusing"},                                                  \
+    {.name = "resample-oblique", .kind = OPTION_FLAG, .out = &(c).resample_oblique,                                          \
+     .help = "resample a tilted CT onto straight axes instead of refusing"},                                                 \
+    {.name = "orientation", .kind = OPTION_TEXT, .out = &(c).orientation, .value = "XYZ",                                    \
+     .help = "where the axes of a CT without orientation point, such as LPS or RAS\n(default: LPS, with a warning)"},        \
+    {.name = "form", .kind = OPTION_CHOICE, .out = &(c).form, .value = "auto|qform|sform",                                   \
+     .help = "which transform of a NIfTI places the CT (default: auto; needed where\nthe two disagree)"},                    \
+    {.name = "chunk", .kind = OPTION_CHOICE, .out = &(c).chunk, .value = "16|32|64",                                         \
+     .help = "voxels on a side of a chunk (default: 32); changes no voxel"}
+
+typedef struct tool_options {
+    ost_pm voxel;
+    int unit; /* index in "auto|mm|cm|m|inch|um" = ost_unit */
+    int rule; /* index in "winding|parity" = ost_fill_rule */
+} tool_options;
+
+#define TOOL_OPTIONS_DEFAULT {.voxel = OST_PM_PER_MM / 2}
+
+#define TOOL_OPTIONS(t)                                                                                                      \
+    {.name = "voxel", .kind = OPTION_LENGTH, .out = &(t).voxel, .value = "MM", .help = "size of the tool's voxels (default: 0.5)"}, \
+    {.name = "unit", .kind = OPTION_CHOICE, .out = &(t).unit, .value = "auto|mm|cm|m|inch|um",                               \
+     .help = "unit of the mesh's numbers (default: auto, millimetres if that is plausible)"},                                \
+    {.name = "rule", .kind = OPTION_CHOICE, .out = &(t).rule, .value = "winding|parity",                                     \
+     .help = "what is inside (default: winding, not zero)"}
+
+/* Figures about the mesh of a loaded tool; zero for a tool grid. */
+typedef struct tool_report {
+    ost_mesh_report mesh;
+    size_t triangles, dropped_triangles;
+    double mesh_volume_mm3;
+    size_t open_edges;
+    ost_voxelize_report voxels;
+    ost_digest snapped;
+    double time_ms; /* duration of the voxelization alone */
+} tool_report;
+
+ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests, ost_bone **out,
+                     ost_import_result *result, ost_error *err);
+
+/* Converts the options of a verb to those of ost_import. */
+ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out, ost_error *err);
+/* Warns if the orientation of a file was assumed, now or when it was imported. */
+void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta);
+/* Warns about effects of an import that the user may not expect. */
+void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
+
+enum { LOAD_UNITS_TEXT = 200 };
+/* Writes the sizes from 20 to 600 mm that the same number would mean in other units, ": it would be
+   ...", or "". Returns out. */
+char *load_other_units(char out[LOAD_UNITS_TEXT], double mm);
+
+ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
+
+/* noncutting: the name of a second mesh on the same grid, or NULL. report may be NULL. */
+ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting, const tool_options *options,
+                     ost_tool **out, tool_report *report, ost_error *err);
+
+typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
+typedef struct loaded_volume {
+    load_kind kind;
+    ost_volume volume;             /* a tool's voxels are 0, 1, 2 */
+    ost_tool_geometry tool;        /* set if kind is LOAD_TOOL */
+    /* the least value of a solid voxel: a bone's own threshold, 1 for a tool, else 120 */
+    int32_t threshold;
+} loaded_volume;
+
+/* Loads NRRD, NIfTI, a CT as text (as a bone: densities below the threshold are 0) or builtin:.
+   Free with ost_volume_free(&out->volume). */
+ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err);
+
+/* Imports a CT whose voxels are no cubes, as osteon import does; leaves anything else as it is. */
+ost_status loaded_to_bone(const app_state *app, const char *name, loaded_volume *volume, ost_error *err);
+
+/* Copies a bone's voxels into host memory. */
+ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err);
+
+/* Checks, before any work, that path has one of the given endings, such as "nrrd|nii|nii.gz|txt",
+   and that its folder exists. An existing file is replaced without a warning. */
+ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err);
+bool ends_with(const char *path, const char *end);
+
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Facts about the patient, stored once in the header of a bone or CT: the
+ * glenoid's position, the axis into the bone, the side, the scapula's landmarks.
+ *
+ *   --landmarks FILE --.
+ *   --at --axis ...  ---+--> meta, checked --> header (import)
+ *   --set KEY=VALUE  --'                  '--> header, rewritten (info)
+ *
+ * Options replace what a file of landmarks has. A side that contradicts the
+ * axis, or the side that the header has already, is an error.
+ */
+#ifndef OST_APP_INPUT_PATIENT_H
+#define OST_APP_INPUT_PATIENT_H
+
+#include "app/input/glenoid_plan.h"
+
+#include <osteon/io.h>
+
+typedef struct patient_options {
+    target_options target;
+    ost_pm3 trigonum, inferior;
+    bool trigonum_given, inferior_given;
+    const char *landmarks;
+} patient_options;
+
+/* Rows for a verb's table of options. */
+#define PATIENT_OPTIONS(p)                                                                                                               \
+    {.name = "at", .kind = OPTION_POINT, .out = &(p).target.at, .given = &(p).target.at_given, .value = "X,Y,Z",                         \
+     .help = "centre of the glenoid's face, kept in the bone's header"},                                                                 \
+    {.name = "axis", .kind = OPTION_VECTOR, .out = (p).target.axis, .given = &(p).target.axis_given, .value = "X,Y,Z",                   \
+     .help = "direction into the bone there, kept likewise"},                                                                            \
+    {.name = "side", .kind = OPTION_CHOICE, .out = &(p).target.side, .given = &(p).target.side_given, .value = "left|right",             \
+     .help = "of the body, kept likewise (default: the file's, else the axis determines it)"},                                           \
+    {.name = "trigonum", .kind = OPTION_POINT, .out = &(p).trigonum, .given = &(p).trigonum_given, .value = "X,Y,Z",                     \
+     .help = "where the scapula's spine meets its medial border, kept likewise"},                                                        \
+    {.name = "inferior-angle", .kind = OPTION_POINT, .out = &(p).inferior, .given = &(p).inferior_given, .value = "X,Y,Z",               \
+     .help = "the scapula's lowest point, kept likewise"},                                                                               \
+    {.name = "landmarks", .kind = OPTION_TEXT, .out = &(p).landmarks, .value = "FILE",                                                   \
+     .help = "these points from a .mrk.json or .fcsv of 3D Slicer, or a CSV label,x,y,z\n(LPS); labels: glenoid, axis (a point in the bone, " \
+             "straight in from the\nglenoid), trigonum, inferior angle"}
+
+/* Sets in meta what the options and their file of landmarks state, for the volume called name; reports unknown labels. */
+ost_status patient_take(const app_state *app, const patient_options *options, const char *name, const ost_geometry *geometry, ost_meta *meta,
+                        ost_error *err);
+
+/* Sets in meta the facts of --set KEY=VALUE, one after the other; an empty VALUE removes the fact. */
+ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry, ost_meta *meta,
+                       ost_error *err);
+
+#endif

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The path of a reaming: one or more --path, joined in the given order.
+ *
+ *   --tool peg --path builtin:peg-hole --tool reamer --path builtin:glenoid-ream
+ *
+ * Path k moves tool k, or the only tool if there is one; a file whose ticks name tools other than 0
+ * moves those. Each path begins 1 ms after the end of the previous one, lifted (docs/arithmetic.md,
+ * AR-PATH-6).
+ */
+#ifndef OST_APP_INPUT_REAM_PATH_H
+#define OST_APP_INPUT_REAM_PATH_H
+
+#include "app/common/options.h"
+
+typedef struct target_options {
+    ost_pm3 at;
+    bool at_given;
+    double axis[3];
+    bool axis_given;
+    int side; /* index in "left|right" */
+    bool side_given;
+    size_t press_ticks; /* for builtin:glenoid-press; 0: one minute */
+} target_options;
+
+/*
+ * Finds the glenoid from the options, or from the bone's header where an option is not given; the
+ * side also follows from the axis. Returns OST_ERR_USAGE if a value is not set, OST_ERR_INPUT if
+ * the side, the axis and the header contradict each other.
+ */
+ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone, ost_glenoid *out,
+                       ost_error *err);
+
+/* Finds the side from --side or else from the header. The two must not contradict each other. */
+ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out, ost_error *err);
+
+/* The number of gaps at which the paths lift a tool, and the number of rows without a pose. */
+typedef struct ream_gaps {
+    size_t gaps, lost_rows;
+} ream_gaps;
+
+#define MAX_GAP_OPTION(text)                                                                            \
+    {.name = "max-gap", .kind = OPTION_TEXT, .out = &(text), .value = "MS[,MM]",                        \
+     .help = "rows of a path farther apart than this are a gap, across which nothing is\ncut; off: none " \
+             "(default: 50 ms and 5 mm, or 10 times what is usual in the path)"}
+
+/* Parses --max-gap; text may be NULL. */
+ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options *out, ost_error *err);
+void ream_print_gaps(const app_state *app, const ream_gaps *gaps);
+
+ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target, const ost_meta *meta, const char *bone,
+                          const ost_tool_geometry *const *tools, int tool_count, const ost_path_options *gaps, ost_path *out, ream_gaps *counted,
+                          ost_error *err);
+
+/* Computes the period of a rate of removal; 0 without a rate: every tick removes. */
+ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err);
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Checks before an operation begins, and the count of the voxels removed on the near side of the
+ * face (docs/metrics.md).
+ *
+ *   start_check  --warnings, or with --strict an error-->  the operation  -->  start_check_end
+ */
+#ifndef OST_APP_INPUT_START_CHECK_H
+#define OST_APP_INPUT_START_CHECK_H
+
+#include "app/common/options.h"
+
+#include <osteon/metrics.h>
+#include <osteon/sim.h>
+
+typedef struct start_checked {
+    ost_glenoid glenoid;
+    bool known;         /* glenoid is set; otherwise nothing is counted */
+    int64_t near_side;  /* voxels on the near side of the face before the operation; afterwards those removed there */
+} start_checked;
+
+/* tools: one for each name; first[i]: the pose at which tool i begins, NULL if it is not used;
+   plan: NULL if there is none. */
+typedef struct start_setup {
+    const char *bone_name;
+    const ost_bone *bone;
+    const ost_metrics_plan *plan;
+    const option_list *names;
+    ost_tool *const *tools;
+    const ost_pose *first[OPTION_LIST_MAX];
+    bool strict;
+} start_setup;
+
+#define STRICT_OPTION(strict)                                                                                       \
+    {.name = "strict", .kind = OPTION_FLAG, .out = &(strict),                                                       \
+     .help = "refuse to begin where bone lies in front of the glenoid, the axis does\nnot point into bone or a tool overlaps bone " \
+             "at its first pose (default:\nwarn)"}
+
+/* Finds the first pose of each tool of a path. */
+void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX]);
+
+/* Warns of each problem; with strict the first one is an error, OST_ERR_INPUT. */
+ost_status start_check(const app_state *app, const start_setup *setup, start_checked *out, ost_error *err);
+/* Counts the voxels removed on the near side. */
+ost_status start_check_end(start_checked *checked, const ost_bone *bone, ost_error *err);
+/* Reports near_side_voxels and near_side_mm3. mm3: volume of a voxel. */
+void start_check_report(const app_state *app, const start_checked *checked, double mm3);
+
+#endif

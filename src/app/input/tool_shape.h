@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The position of a tool's axis and tip in its grid, and its kind for the metrics.
+ *
+ *        |z|          the axis is the frame's z axis where that passes through
+ *      .-'-'-.        the cutting part, else the middle of that part; the tip is
+ *      '--.--'        the bottom of the lowest cutting voxel, on the axis
+ *         tip
+ */
+#ifndef OST_APP_INPUT_TOOL_SHAPE_H
+#define OST_APP_INPUT_TOOL_SHAPE_H
+
+#include <osteon/backend.h>
+#include <osteon/metrics.h>
+
+typedef struct tool_shape {
+    double tip_mm[3];     /* in the tool's frame */
+    /* a reamer from 16 mm width on; narrower, a drill if at least twice as long as wide, else
+       another tool */
+    ost_metrics_tool is;
+} tool_shape;
+
+ost_status tool_shape_of(const ost_tool *tool, tool_shape *out, ost_error *err);
+/* Computes the tip and the working direction (-z of the tool's frame) of a tool at a pose, both in
+   the bone's frame. */
+void tool_shape_at(const tool_shape *shape, const ost_pose *pose, double tip_mm[3], double axis[3]);
+
+#endif

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The parts of a picture besides the bone and the tool: colours of the cut surface, a clip plane,
+ * the planned implant as a ghost, explanatory lines. osteon render sets them by options, the window
+ * of osteon sim by keys.
+ *
+ *   options --.
+ *   keys -----+--> appearance --> viewer, and a legend over its frame
+ */
+#ifndef OST_APP_PICTURE_APPEARANCE_H
+#define OST_APP_PICTURE_APPEARANCE_H
+
+#include "app/common/options.h"
+#include "render/legend.h"
+#include "render/lettering.h"
+#include "render/viewer.h"
+#include "render/views.h"
+
+typedef enum clip_kind { CLIP_NONE, CLIP_PLAN, CLIP_ACROSS, CLIP_AXIAL, CLIP_CORONAL, CLIP_SAGITTAL, CLIP_NAMES, CLIP_FREE = CLIP_NAMES } clip_kind;
+typedef enum ghost_kind { GHOST_NONE, GHOST_IMPLANT, GHOST_TOOL } ghost_kind;
+
+typedef struct appearance_options {
+    int colour;             /* an ost_colouring */
+    bool colour_given;
+    int ghost;              /* a ghost_kind */
+    const char *clip_text;
+    option_decimal shift, turn;
+    option_list overlays;
+    bool no_legend;
+    /* Set by appearance_check: */
+    int clip;               /* a clip_kind */
+    double clip_at[3], clip_normal[3]; /* for CLIP_FREE */
+    double shift_mm, turn_deg;
+    unsigned overlay_bits;
+} appearance_options;
+
+#define APPEARANCE_OPTIONS(a)                                                                                                             \
+    {.name = "colour", .kind = OPTION_CHOICE, .out = &(a).colour, .given = &(a).colour_given, .value = "bone|class|depth|density",                                    \
+     .help = "what was cut, by its density class, by how deep it lay, by\nits density (default: as bone; render --before: by depth)"},                               \
+    {.name = "clip", .kind = OPTION_TEXT, .out = &(a).clip_text, .value = "plan|across|axial|coronal|sagittal|X,Y,Z,NX,NY,NZ",            \
+     .help = "a plane with the CT's densities, what lies before it taken away:\nalong the glenoid's axis upright or across, through its face's\n" \
+             "centre, or through a point (the side that N points to goes)"},                                                              \
+    {.name = "clip-shift", .kind = OPTION_DECIMAL, .out = &(a).shift, .value = "MM", .help = "the plane so much farther away from who looks"}, \
+    {.name = "clip-turn", .kind = OPTION_DECIMAL, .out = &(a).turn, .value = "DEG", .help = "plan and across: turned about the axis"},     \
+    {.name = "ghost", .kind = OPTION_CHOICE, .out = &(a).ghost, .value = "none|implant|tool",                                             \
+     .help = "to be seen through: an implant, or the tool, at the planned depth"},                                                        \
+    {.name = "overlay", .kind = OPTION_LIST, .out = &(a).overlays, .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis",             \
+     .help = "lines for understanding; may repeat"},                                                                                      \
+    {.name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend, .help = "no legend, scale or directions over the picture"}
+
+ost_status appearance_check(const app_state *app, appearance_options *options, ost_error *err);
+
+typedef struct appearance {
+    ost_viewer *viewer;              /* borrowed, as is subject */
+    const ost_view_subject *subject;
+    double depth_mm;                 /* planned depth of reaming */
+    ost_colouring colouring;
+    int clip, overlay_step;
+    double clip_at[3], clip_normal[3], shift_mm, turn_deg;
+    bool flipped;
+    int ghost;
+    const ost_tool_volume *tool;     /* borrowed; shown by GHOST_TOOL; NULL if there is none */
+    ost_lettering *lettering;        /* owned; for the legend */
+    double unit;
+} appearance;
+
+/* Initializes *a and applies the options to the viewer. The viewer's uncut surface, if any, must be
+   set before. eye_mm is the camera's position; the part of the bone between it and a clip plane is
+   hidden. */
+ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_subject *subject, double depth_mm, const ost_tool_volume *tool,
+                            const appearance_options *options, const double eye_mm[3], ost_error *err);
+void appearance_free(appearance *a); /* a may be zeroed */
+
+ost_legend appearance_legend_of(const appearance *a);
+/* Draws the legend over the viewer's frame; with an orbit, also a scale bar and, if oriented, the patient's directions. */
+ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented, ost_error *err);
+
+/*
+ * Handles a key: C colours, X clip plane, Shift X its other side, G ghost, O overlays, K voxels
+ * just removed; Page Up and Page Down move the plane, with Shift they turn it. Returns true if the key
+ * was one of these; text (160 bytes) then describes the change.
+ */
+bool appearance_key(appearance *a, int key, bool shift, const double eye_mm[3], char *text);
+/* Moves the clip plane by steps of the mouse wheel. Returns false if there is no plane. */
+bool appearance_wheel(appearance *a, double steps, bool fine);
+
+#endif

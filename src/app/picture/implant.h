@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A glenoid component as a plan shows it: an oval with a domed back, which fits the surface that
+ * the built-in reamer leaves, a shallow dish in front, one peg. The shape is our own and not that
+ * of a product. Its frame is that of a tool: the back's lowest point is the origin, the bone lies
+ * toward -z; y is up.
+ *
+ *        z ^   ____________
+ *          |  '-.________.-'   dish
+ *          |   '-.______.-'    dome of 27 mm
+ *          0       |  |        peg of 6 mm
+ */
+#ifndef OST_APP_PICTURE_IMPLANT_H
+#define OST_APP_PICTURE_IMPLANT_H
+
+#include <osteon/tool.h>
+
+ost_status implant_make(ost_tool_volume *out, ost_error *err);
+
+#endif

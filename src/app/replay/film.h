@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A video of a replayed session: each frame shows its moment of the operation and none is dropped,
+ * however long rendering takes.
+ */
+#ifndef OST_APP_REPLAY_FILM_H
+#define OST_APP_REPLAY_FILM_H
+
+#include "app/picture/appearance.h"
+#include "app/film/film.h"
+#include "app/replay/replay.h"
+
+typedef struct replay_film_options {
+    film_options video;
+    const char *size;
+    int view, style, width, height;
+    appearance_options look;
+    bool contact; /* voxels removed just before are shown */
+} replay_film_options;
+
+/* Rows for a verb's table of options. */
+#define REPLAY_FILM_OPTIONS(f)                                                                                                            \
+    VIDEO_OPTIONS((f).video),                                                                                                             \
+    {.name = "view", .kind = OPTION_CHOICE, .out = &(f).view, .value = OST_VIEW_NAMES, \
+     .help = "of the video: where it looks from (default: operator)"},                                                                   \
+    {.name = "size", .kind = OPTION_TEXT, .out = &(f).size, .value = "WxH", .help = "of the video, in pixels (default: 1280x720)"},        \
+    {.name = "style", .kind = OPTION_CHOICE, .out = &(f).style, .value = "smooth|faces",                                                  \
+     .help = "of the video: lit by the surface's normals (default), or the thesis'\nflat faces"},                                        \
+    APPEARANCE_OPTIONS((f).look),                                                                                                         \
+    {.name = "contact", .kind = OPTION_FLAG, .out = &(f).contact, .help = "of the video: show where bone went just then"}
+
+typedef struct replay_film replay_film;
+
+ost_status replay_film_check(const app_state *app, replay_film_options *options, ost_error *err);
+/* Begins the video; the ticks that r replays are then drawn. Does nothing if no video is requested.
+   plan: NULL if there is none. */
+ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r, const ost_metrics_plan *plan, replay_film **out,
+                             ost_error *err);
+/* Completes the video and reports it. */
+ost_status replay_film_end(const app_state *app, replay_film *f, ost_error *err);
+void replay_film_free(replay_film *f); /* f may be NULL */
+
+#endif

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Information about a session: its header, the records that it contains and those that are missing.
+ */
+#ifndef OST_APP_REPLAY_SESSION_INFO_H
+#define OST_APP_REPLAY_SESSION_INFO_H
+
+#include "app/common/app.h"
+
+/* Runs osteon info on a session. repaired is the name of a new session to write with its intact
+   records, or NULL. */
+ost_status info_session(const app_state *app, const char *name, const char *repaired, ost_error *err);
+
+/* Runs osteon export on a session; out: FILE.csv, .mcap or .h5. With voxels it also exports the
+   removed voxels, found by a replay. */
+ost_status export_session(const app_state *app, const char *name, const char *out, bool voxels, ost_error *err);
+
+/* Stores and prints the numbers of a session's summary, and warns once if something is missing. */
+void put_session_summary(const app_state *app, const char *name, const ost_session *session);
+
+#endif

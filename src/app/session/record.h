@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Begins a recording, for osteon ream and osteon sim. */
+#ifndef OST_APP_SESSION_RECORD_H
+#define OST_APP_SESSION_RECORD_H
+
+#include "app/session/keys.h"
+
+typedef struct session_key {
+    const char *key, *value;
+} session_key;
+
+/*
+ * Begins a session in the file name. Its header is made from setup and device, and the keys of more, an array
+ * that ends with a NULL key. Call it immediately before the first tick: if an earlier step fails,
+ * an existing session of that name remains unchanged. more and options may be NULL.
+ */
+ost_status session_record(const char *name, const session_setup *setup, ost_backend *backend, const ost_bone *bone, ost_tool *const *tools,
+                          const char *device, const session_key *more, const ost_recorder_options *options, ost_recorder **out, ost_error *err);
+
+#endif

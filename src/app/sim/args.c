@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/film/frame_size.h"
+#include "app/sim/show.h"
+
+#include <string.h>
+
+#include "app/common/result.h"
+#include "app/common/print.h"
+
+enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; then the simulated operator stays in place */
+
+const char *const sim_force_names[] = {"off", "energy", "instant"};
+
+bool sim_device_is(const sim_args *args, const char *name)
+{
+    const size_t length = strcspn(args->device, ":");
+    return strlen(name) == length && memcmp(args->device, name, length) == 0;
+}
+
+bool sim_follows_path(const sim_args *args)
+{
+    return sim_device_is(args, "sim") || sim_device_is(args, "script") || sim_device_is(args, "replay");
+}
+
+bool sim_device_info(const sim_args *args, ost_haptic_info *out)
+{
+    for (int i = 0; i < ost_haptic_count(); i++)
+        if (ost_haptic_describe(i, out, NULL) == OST_OK && sim_device_is(args, out->name))
+            return true;
+    return false;
+}
+
+/* Checks the motor and the buttons. A motor that a button can switch on is off at first; any other
+   one is on from the first tick. */
+static ost_status check_motor(const app_state *app, sim_args *args, ost_error *err)
+{
+    ost_haptic_info info;
+    if (args->period_ns > OST_MOTOR_TURN / 4 / (args->rpm ? args->rpm : 1) && args->rpm && !args->sweep_off)
+        return usage_error(app, err, "--rate %s: at %lld turns a minute the motor turns by more than 90 degrees between two removals; at least %.3g Hz",
+                           args->rate.text, (long long)args->rpm, (double)args->rpm / 15);
+    if (!sim_device_info(args, &info))
+        return OST_OK; /* reported when the device is opened */
+    ost_status status = ost_buttons_parse(&info, args->buttons_text, args->buttons, err);
+    for (int i = 0; i < OST_BUTTONS_MAX; i++)
+        args->motor_waits = args->motor_waits || args->buttons[i] == OST_ACTION_MOTOR || args->buttons[i] == OST_ACTION_SWITCH;
+    if (status == OST_ERR_USAGE)
+        ost_fail_context(err, "--buttons");
+    return status;
+}
+
+/* Converts seconds to ticks of a millisecond. */
+static ost_status ticks_of(const app_state *app, const char *name, const option_decimal *seconds, uint64_t *ticks, ost_error *err)
+{
+    int64_t ms;
+    if (!ost_decimal_scale(&seconds->value, 1000, &ms, NULL) || ms < 0 || ms > INT64_C(86400000))
+        return usage_error(app, err, "--%s %s: must be from 0 to 86400", name, seconds->text);
+    *ticks = (uint64_t)ms;
+    return OST_OK;
+}
+
+static ost_status check_show(const app_state *app, sim_args *args, ost_error *err)
+{
+    ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
+    if (status == OST_OK && (args->picture || args->video.target || args->video.pipe || !args->headless) && !args->renderer_given)
+        args->renderer = SIM_RENDERER_POINTS;
+    if (status == OST_OK && !args->headless && args->renderer < SIM_RENDERER_POINTS)
+        return usage_error(app, err, "--renderer %s: a window shows what points, gl or thesis draws; add --headless", sim_renderer_names[args->renderer]);
+    if (status == OST_OK && !args->headless && args->no_clock)
+        return usage_error(app, err, "--no-clock: a window goes by the clock; add --headless");
+    if (status == OST_OK && (args->hud || args->video.target || args->video.pipe) && args->renderer < SIM_RENDERER_POINTS)
+        return usage_error(app, err, "%s: needs --renderer points, gl or thesis, who draw it", args->hud ? "--hud" : "--video");
+    if (status == OST_OK)
+        status = film_check(app, &args->video, err);
+    if (status == OST_OK && args->picture && args->renderer < SIM_RENDERER_POINTS)
+        return usage_error(app, err, "--picture %s: needs --renderer points, gl or thesis, who draw it", args->picture);
+    return status == OST_OK ? appearance_check(app, &args->look, err) : status;
+}
+
+ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
+{
+    ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
+    if (status == OST_OK)
+        status = ream_max_gap(app, args->max_gap, &args->gaps, err);
+    if (!args->device)
+        args->device = args->headless ? "sim" : "mouse";
+    if (args->print_force)
+        return sim_force_params(app, args, err);
+    if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
+        ost_fail_context(err, "--classes");
+    args->ticks = args->headless ? 10000 : 0;
+    if (status == OST_OK && args->seconds.text)
+        status = ticks_of(app, "seconds", &args->seconds, &args->ticks, err);
+    args->idle_ticks = !args->headless ? 0 : args->ticks < 10000 ? args->ticks : 10000;
+    if (status == OST_OK && args->idle.text)
+        status = ticks_of(app, "idle", &args->idle, &args->idle_ticks, err);
+    if (status != OST_OK)
+        return status;
+    if ((status = check_motor(app, args, err)) != OST_OK || (status = sim_force_params(app, args, err)) != OST_OK)
+        return status;
+    if ((status = check_show(app, args, err)) != OST_OK)
+        return status;
+    if (args->picture && (status = out_check(app, args->picture, "png", err)) != OST_OK)
+        return status;
+    if (args->ticks == 0 && args->seconds.text)
+        return usage_error(app, err, "--seconds 0 is no time at all");
+    if (sim_device_is(args, "replay")) {
+        if (args->paths.count != 1)
+            return usage_error(app, err, "--device replay needs one --path SESSION");
+        args->session = args->paths.value[0];
+    }
+    /* The defaults are set here, so that a session records values that a replay can read. */
+    args->tools_given = args->tools.count > 0;
+    if (!args->tools.count && !args->resume)
+        args->tools = args->motor_waits ? (option_list){3, {"builtin:peg", "builtin:reamer", "builtin:burr"}} : (option_list){1, {"builtin:reamer"}};
+    args->paths_given = args->paths.count > 0;
+    /* With force feedback the simulated operator may press on the bone; without it the tool would
+       move straight in. */
+    const bool pressing = sim_device_is(args, "sim") && !(args->force_given && !args->force);
+    if (!args->paths.count)
+        args->paths = (option_list){1, {pressing ? "builtin:glenoid-press" : "builtin:glenoid-slow"}};
+    args->plan.target.press_ticks = args->ticks && args->ticks < PRESS_TICKS_MAX ? (size_t)args->ticks : PRESS_TICKS_MAX;
+    if (!args->resume && args->tools.count > 1 && args->paths.count > args->tools.count)
+        return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
+                           args->paths.count, args->tools.count);
+    /* One thread runs the backend; the other cores are for recording and rendering. */
+    if (!app->threads && strcmp(app->backend, "cpu") == 0)
+        app->threads = 1;
+    if (args->debrief && !args->record)
+        return usage_error(app, err, "--debrief needs --record SESSION: the hand's motion and its forces are read from there");
+    if (args->debrief && (status = out_check(app, args->debrief, "html", err)) != OST_OK)
+        return status;
+    if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)
+        return status;
+    return args->out ? out_check(app, args->out, "nrrd|nii|nii.gz|txt", err) : OST_OK;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Converts an operation's state to the facts of the HUD: for a live operation in a window or
+ * without one, and for a recorded one.
+ */
+#ifndef OST_APP_SIM_FACTS_H
+#define OST_APP_SIM_FACTS_H
+
+#include <osteon/live.h>
+#include <osteon/metrics.h>
+#include <osteon/tool.h>
+
+#include "app/sim/hud.h"
+#include "app/input/tool_shape.h"
+
+/* The parts that do not change during an operation. */
+typedef struct sim_scene {
+    option_list tools;                /* names of the tools */
+    tool_shape shapes[OPTION_LIST_MAX];
+    const char *device;
+    double voxel_mm3;
+    bool planned;
+    ost_metrics_plan plan;
+    bool force_given, recording;
+    double device_full_n, contact_full_n; /* ends of the scales of hand force and contact force */
+} sim_scene;
+
+/* tools: one for each name; plan: NULL if there is none. */
+ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone, const ost_metrics_plan *plan,
+                          ost_error *err);
+/* Sets the scales of the forces: max_n is the device's maximum, and the hand force is scale times
+   the contact force. */
+void sim_scene_forces(sim_scene *scene, double max_n, double scale);
+/* A depth_of of an operation (operation.h): the depth of the tool's tip below the plan's centre,
+   along its axis, in mm; 0 without a plan. user is a sim_scene. */
+double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose);
+
+/* Makes the facts that follow from the state; the caller sets rates, messages and the remaining ones. */
+sim_hud_facts sim_facts_make(const sim_scene *scene, const ost_live_state *state, bool has_state);
+
+#endif

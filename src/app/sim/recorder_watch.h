@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Messages about a recorder while an operation runs: the disk fails, nothing is written, ticks are
+ * being lost, recording has recovered. Each message is reported once.
+ *
+ *   thread, every 100 ms --> ost_recorder_state --> recorder_watch_update --> a line, or none
+ */
+#ifndef OST_APP_SIM_RECORDER_WATCH_H
+#define OST_APP_SIM_RECORDER_WATCH_H
+
+#include <osteon/session.h>
+
+typedef struct recorder_watch {
+    bool failing, stuck, losing;
+    uint64_t written;   /* count of written records when it last increased */
+    double grew_ms;     /* time of that increase */
+    uint64_t reported_lost; /* count of lost records in the last message */
+} recorder_watch;
+
+enum { RECORDER_WATCH_TEXT = 320 };
+/* Checks the state of the recorder of the file name, which has room for so many records. Returns
+   text with a message, or NULL if there is no new one. */
+const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state, uint64_t capacity, double now_ms,
+                                  char text[RECORDER_WATCH_TEXT]);
+
+#endif

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/sim/show.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "app/common/interrupt.h"
+#include "app/common/result.h"
+#include "app/common/print.h"
+#include "app/sim/appearance.h"
+#include "core/clock.h"
+#include "io/thread.h"
+
+enum { THREADS_MAX = 4 };
+
+const char *const sim_renderer_names[] = {"none", "null", "points", "gl", "thesis"};
+
+typedef struct drawer {
+    pthread_t thread;
+    _Atomic bool stop;
+} drawer;
+
+/* Returns the number of processors on which this thread may run. */
+static int cores_here(void)
+{
+    cpu_set_t set;
+    const int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return count < THREADS_MAX ? count : THREADS_MAX;
+}
+
+static ost_status add_tools(sim_show *show, const simulation *s, ost_error *err)
+{
+    ost_status status = OST_OK;
+    for (int i = 0; i < show->args->tools.count && status == OST_OK; i++) {
+        ost_tool_volume volume = {0};
+        status = ost_tool_download(s->tools[i], &volume, err);
+        if (status == OST_OK)
+            status = ost_viewer_add_tool(&show->viewer, &volume, err);
+        ost_tool_volume_free(&volume);
+    }
+    return status;
+}
+
+ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    ost_glenoid glenoid;
+    if (args->renderer == SIM_RENDERER_NONE)
+        return OST_OK;
+    sim_show *show = calloc(1, sizeof *show);
+    if (!show)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a renderer");
+    s->show = show;
+    show->app = app;
+    show->args = args;
+    show->beside.stage = SIM_BESIDE_NOT_BEGUN;
+    show->beside.wanted = sim_rests(args);
+    ost_status status = ost_live_create(s->bone, &show->live, err);
+    if (status != OST_OK)
+        return status;
+    const ost_geometry *g = ost_live_geometry(show->live);
+    status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(), err);
+    if (status == OST_OK && args->renderer >= SIM_RENDERER_GL)
+        status = ost_viewer_use_gl(&show->viewer, args->renderer == SIM_RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis, err);
+    if (status == OST_OK)
+        status = add_tools(show, s, err);
+    if (status != OST_OK)
+        return status;
+    ost_viewer_follow(&show->viewer, show->live);
+    const bool known = target_find(app, &args->plan.target, &s->imported.meta, args->bone, &glenoid, NULL) == OST_OK;
+    show->subject = ost_view_subject_make(g, &glenoid.at, known ? glenoid.axis : NULL, known && glenoid.left);
+    show->orbit = ost_view_orbit((ost_view_name)args->view, &show->subject, NULL);
+    status = sim_scene_make(&show->scene, &args->tools, s->tools, g, s->planned ? &s->plan : NULL, err);
+    if (status != OST_OK)
+        return status;
+    sim_scene_forces(&show->scene, args->safety.max_n, args->force_params.scale);
+    show->scene.device = args->device;
+    show->scene.force_given = s->force != NULL;
+    show->scene.recording = s->recorder != NULL;
+    status = sim_appearance_make(args, s, known ? &glenoid : NULL, err);
+    /* The first update builds all of the bone's lists and looks, before the servo loop runs. */
+    return status == OST_OK ? ost_viewer_update(&show->viewer, err) : status;
+}
+
+void sim_show_free(sim_show *show)
+{
+    if (!show)
+        return;
+    sim_hud_free(show->hud);
+    sim_appearance_free(show);
+    sim_beside_free(&show->beside);
+    ost_viewer_free(&show->viewer);
+    ost_live_free(show->live);
+    free(show);
+}
+
+bool sim_show_stage(void *user, ost_servo_stage stage)
+{
+    sim_show *show = user;
+    const int before = atomic_exchange(&show->beside.stage, (int)stage);
+    if (before == OST_SERVO_TICKING && stage != OST_SERVO_TICKING)
+        show->end_ns = ost_clock_ns();
+    return !interrupt_requested();
+}
+
+ost_status sim_show_update(sim_show *show, ost_error *err)
+{
+    show->updated_ns = ost_clock_ns();
+    return sim_beside_update(&show->beside, &show->viewer, err);
+}
+
+ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
+{
+    ost_camera camera;
+    ost_status status = OST_OK;
+    const bool counts = sim_beside_ticks(&show->beside);
+    if (show->last_ns && counts)
+        frame_times_add(&show->apart, show->updated_ns - show->last_ns);
+    show->last_ns = counts ? show->updated_ns : 0;
+    if (show->args->renderer >= SIM_RENDERER_POINTS) {
+        status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
+        if (status == OST_OK)
+            status = ost_viewer_draw(&show->viewer, &camera, err);
+        if (status == OST_OK && show->args->headless && !show->args->hud && !show->args->look.no_legend)
+            status = appearance_marks(&show->look, NULL, false, err);
+    }
+    return status;
+}
+
+void sim_show_done(sim_show *show)
+{
+    if (show->last_ns)
+        frame_times_add(&show->drawn, ost_clock_ns() - show->updated_ns);
+}
+
+/* ----------------------------------------------------------- without a window */
+
+/* Draws the HUD over a frame without a window. */
+static ost_status write_over(sim_show *show, ost_error *err)
+{
+    const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
+    double back[3];
+    ost_status status = show->hud ? OST_OK : sim_hud_create(sheet.width, sheet.height, 1, &show->hud, err);
+    if (status != OST_OK)
+        return status;
+    sim_hud_facts f = sim_facts_make(&show->scene, &show->viewer.state, show->viewer.has_state);
+    f.plain = true;
+    f.timings = show->args->timings;
+    if (!show->args->look.no_legend)
+        f.legend = appearance_legend_of(&show->look);
+    f.mm_per_pixel = show->orbit.distance / (OST_VIEW_FOCAL * sheet.height);
+    ost_orbit_frame(&show->orbit, f.right, f.up, back);
+    sim_hud_draw(show->hud, &sheet, &f);
+    return OST_OK;
+}
+
+static ost_status frame_of_thread(sim_show *show, ost_error *err)
+{
+    const ost_planes *p = &show->viewer.frame.planes;
+    ost_status status = sim_show_update(show, err);
+    if (status == OST_OK)
+        status = sim_show_frame(show, show->args->width, show->args->height, err);
+    if (status == OST_OK && show->args->hud)
+        status = write_over(show, err);
+    if (status == OST_OK && show->film && sim_beside_ticks(&show->beside))
+        film_frame(show->film, ost_clock_ns(), p->colour, p->stride, show->args->width, show->args->height);
+    sim_show_done(show);
+    return status;
+}
+
+static ost_status write_picture(const sim_show *show, ost_error *err)
+{
+    ost_picture picture;
+    const ost_frame *f = &show->viewer.frame;
+    ost_status status = ost_picture_init(&picture, f->width, f->height, err);
+    if (status != OST_OK)
+        return status;
+    ost_frame_copy(f, &picture);
+    status = ost_picture_write_png(show->args->picture, &picture, err);
+    ost_picture_free(&picture);
+    return status;
+}
+
+static void *work(void *user)
+{
+    sim_show *show = user;
+    drawer *d = show->thread;
+    const int64_t period = show->args->fps > 0 ? INT64_C(1000000000) / show->args->fps : 0;
+    int64_t due = ost_clock_ns();
+    while (!atomic_load(&d->stop) && show->status == OST_OK) {
+        if (!sim_beside_rests(&show->beside, &show->drawn))
+            show->status = frame_of_thread(show, &show->err);
+        const int64_t now = ost_clock_ns();
+        due = due + period > now ? due + period : now; /* a late frame delays all later ones */
+        const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
+        if (due > now)
+            clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
+    }
+    return NULL;
+}
+
+ost_status sim_show_begin(sim_show *show, ost_error *err)
+{
+    drawer *d = calloc(1, sizeof *d);
+    if (!d)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a renderer's thread");
+    show->thread = d;
+    const int error = ost_thread_begin(&d->thread, work, show);
+    if (!error)
+        return OST_OK;
+    free(d);
+    show->thread = NULL;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for a renderer: %s", strerror(error));
+}
+
+ost_status sim_show_end(sim_show *show, ost_error *err)
+{
+    drawer *d = show->thread;
+    if (!show->end_ns)
+        show->end_ns = ost_clock_ns();
+    if (d) {
+        atomic_store(&d->stop, true);
+        pthread_join(d->thread, NULL);
+        free(d);
+        show->thread = NULL;
+    }
+    atomic_store(&show->beside.stage, SIM_BESIDE_NOT_BEGUN); /* frames now show the current bone */
+    if (show->status != OST_OK)
+        return ost_fail(err, show->status, "the renderer: %.500s", show->err.text);
+    ost_status status = ost_live_flush(show->live, err);
+    if (status == OST_OK && show->args->picture) {
+        status = sim_show_update(show, err);
+        if (status == OST_OK)
+            status = sim_show_frame(show, show->args->width, show->args->height, err);
+        if (status == OST_OK && show->args->hud)
+            status = write_over(show, err);
+        if (status == OST_OK)
+            status = write_picture(show, err);
+    }
+    return status;
+}
+
+/* Reports the machine's share in the frame times: the rate of turns that only wake, and of turns
+   that spin for as long as a frame. */
+static void report_floor(const app_state *app, const sim_show *show, json_t *row)
+{
+    const frame_times *woken = &show->beside.woken, *spent = &show->beside.spent;
+    if (woken->count == 0 || spent->count == 0)
+        return;
+    const double w50 = 1000 / frame_times_ms(woken, 0.5), w99 = 1000 / frame_times_ms(woken, 0.99);
+    const double s50 = 1000 / frame_times_ms(spent, 0.5), s99 = 1000 / frame_times_ms(spent, 0.99);
+    put(row, "floor", json_pack("{s:f,s:f,s:f,s:f,s:I}", "fps", w50, "fps_worst_1_percent", w99, "busy_fps", s50, "busy_fps_worst_1_percent", s99,
+                                "frames", (json_int_t)(woken->count + spent->count)));
+    print_line(app, "  nothing drawn beside the same loop: frames that only wake come %.0f a second at median, %.0f in the worst hundredth; that spend as long, %.0f and %.0f",
+               w50, w99, s50, s99);
+}
+
+/* Reports the OpenGL driver, if OpenGL was used. */
+static void print_gl(const app_state *app, const sim_show *show, json_t *row)
+{
+    if (show->viewer.gl) {
+        const ost_gl_info info = ost_gl_info_get(show->viewer.gl);
+        put_text(row, "opengl", info.version);
+        put_text(row, "driver", info.driver);
+        print_line(app, "  drawn by OpenGL %s, %s%s", info.version, info.driver, info.software ? ": software, which --renderer points beats" : "");
+    } else if (*show->viewer.lost) {
+        put_text(row, "lost", show->viewer.lost);
+        print_line(app, "  drawn by the processor in the end: %s", show->viewer.lost);
+    }
+}
+
+void sim_show_report(const app_state *app, const sim_show *show)
+{
+    const frame_times *drawn = &show->drawn, *apart = &show->apart;
+    const double p50 = frame_times_ms(apart, 0.5), worst = frame_times_ms(apart, 0.99);
+    const double work50 = frame_times_ms(drawn, 0.5), work99 = frame_times_ms(drawn, 0.99);
+    json_t *o = json_object();
+    char a[FORMAT_TEXT];
+    put_text(o, "name", sim_renderer_names[show->args->renderer]);
+    put_integer(o, "frames", (int64_t)drawn->count);
+    put_integer(o, "width", show->viewer.frame.width);
+    put_integer(o, "height", show->viewer.frame.height);
+    put_real(o, "fps", p50 > 0 ? 1000 / p50 : 0);
+    put_real(o, "fps_worst_1_percent", worst > 0 ? 1000 / worst : 0);
+    put(o, "frame_ms", json_pack("{s:f,s:f,s:f}", "p50", work50, "p99", work99, "max", (double)drawn->max_ns * 1e-6));
+    put_integer(o, "changed_chunks", (int64_t)show->viewer.changed);
+    put_integer(o, "surface_voxels", (int64_t)show->viewer.bone.points);
+    put(app->result, "renderer", o);
+    print_gl(app, show, o);
+    if (apart->count == 0)
+        return;
+    print_line(app, "  %s frames beside it, %.0f a second at median, %.0f in the worst hundredth; one takes %.1f ms, %.1f ms at 99 %%",
+               format_count(a, (int64_t)drawn->count), 1000 / p50, 1000 / worst, work50, work99);
+    report_floor(app, show, o);
+    if (show->args->picture)
+        print_line(app, "  %s: the last of them", show->args->picture);
+}

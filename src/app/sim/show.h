@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The rendering of an operation while the servo loop runs.
+ *
+ *   operation --ost_live--> viewer --camera--> frames      in a window, or on a separate thread without one
+ *
+ * It starts from the bone at the time of its creation and follows all later changes.
+ */
+#ifndef OST_APP_SIM_SHOW_H
+#define OST_APP_SIM_SHOW_H
+
+#include "app/picture/appearance.h"
+#include "app/film/frame_times.h"
+#include "app/sim/sim.h"
+#include "app/sim/baseline.h"
+#include "app/sim/facts.h"
+#include "render/viewer.h"
+#include "render/views.h"
+
+typedef enum sim_renderer { SIM_RENDERER_NONE, SIM_RENDERER_NULL, SIM_RENDERER_POINTS, SIM_RENDERER_GL, SIM_RENDERER_THESIS } sim_renderer;
+extern const char *const sim_renderer_names[]; /* "none", "null", "points", "gl", "thesis" */
+
+typedef struct sim_show {
+    const app_state *app;
+    const sim_args *args;
+    ost_live *live;
+    ost_viewer viewer;
+    ost_view_subject subject;
+    ost_orbit orbit;
+    sim_scene scene;
+    sim_hud *hud;             /* for frames without a window; owned */
+    film *film;               /* borrowed; NULL if there is none */
+    appearance look;
+    ost_tool_volume ghost_tool; /* the first tool; the ghost shows it */
+    frame_times drawn, apart; /* during the operation: duration of a frame's work; interval between frames */
+    int64_t updated_ns;       /* begin of the current frame */
+    int64_t last_ns;          /* begin of the previous frame; 0 if none was drawn immediately before */
+    int64_t end_ns;           /* end of the operation */
+    sim_beside beside;
+    void *thread;             /* NULL if there is none */
+    ost_status status;        /* of the thread */
+    ost_error err;
+} sim_show;
+
+/* Makes s->show; it stays NULL without a renderer. */
+ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+void sim_show_free(sim_show *show);
+
+/* Called on the servo thread when a stage begins and before each turn of a control run. Returns
+   false to end the control run. */
+bool sim_show_stage(void *show, ost_servo_stage stage);
+/* Begins a frame: applies the changes since the previous one. */
+ost_status sim_show_update(sim_show *show, ost_error *err);
+/* Draws a frame of this size. The renderer null draws nothing. */
+ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err);
+/* Ends a frame and records its times. */
+void sim_show_done(sim_show *show);
+
+/* Starts a thread that draws frames until sim_show_end. */
+ost_status sim_show_begin(sim_show *show, ost_error *err);
+/* Waits for the thread and writes the requested picture. Call it after the servo loop. */
+ost_status sim_show_end(sim_show *show, ost_error *err);
+void sim_show_report(const app_state *app, const sim_show *show);
+
+#endif

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The parts of osteon sim.
+ *
+ *   sim_args.c     the options
+ *   sim_load.c     bone, tools, world, device, force
+ *   sim_force.c    the force model and its parameters
+ *   sim_resume.c   the ticks of a session that --resume continues
+ *   sim_film.c     pictures and a video of the operation
+ *   sim_run.c      the servo loop
+ *   sim_report.c   the report afterwards, and the output files
+ */
+#ifndef OST_APP_SIM_SIM_H
+#define OST_APP_SIM_SIM_H
+
+#include "app/picture/appearance.h"
+#include "app/debrief/debrief.h"
+#include "app/film/film.h"
+#include "app/input/glenoid_plan.h"
+#include "app/input/load.h"
+#include "app/input/ream_path.h"
+#include "app/session/record.h"
+#include "app/input/start_check.h"
+
+enum { SIM_RECORDER_CAPACITY = 65536 }; /* records that can wait for the disk: 65 s */
+
+typedef struct sim_args {
+    const char *device, *bone, *out, *record, *classes_text, *session, *resume, *debrief, *force_file;
+    option_list tools, paths;
+    ct_options ct;
+    tool_options how;
+    glenoid_plan_options plan;
+    option_decimal rate, seconds, idle;
+    int64_t period_ns;
+    uint64_t ticks, idle_ticks;
+    ost_density_classes classes;
+    int64_t force; /* index in sim_force_names */
+    const char *picture, *size, *max_gap;
+    ost_path_options gaps; /* from max_gap */
+    int renderer; /* a sim_renderer */
+    int view, style, width, height;
+    int64_t fps, rehearse_us, rpm;
+    const char *buttons_text;
+    ost_action buttons[OST_BUTTONS_MAX]; /* actions of the device's buttons */
+    bool motor_waits;     /* a button or a key switches the motor on */
+    film_options video;
+    bool hud, timings;
+    bool renderer_given, paths_given, rehearse_given;
+    appearance_options look;
+    bool contact;         /* voxels removed just now are shown, also without a window */
+    ost_force_params force_params;
+    ost_safety_params safety;
+    bool max_force_given, max_torque_given; /* by the file of --force-params */
+    const char *max_force_from; /* "force-params", "device" or "default" */
+    ost_haptic_limits limits;   /* set if max_force_from is "device" */
+    bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given, tools_given;
+} sim_args;
+
+/* Names by args.force: "off", "energy", "instant". */
+extern const char *const sim_force_names[];
+
+typedef struct simulation {
+    ost_backend *backend;
+    ost_bone *bone;
+    ost_import_result imported;
+    ost_tool *tools[OPTION_LIST_MAX];
+    ost_path path;
+    ream_gaps gaps;       /* gaps in path */
+    ost_world *world;
+    ost_recorder *recorder;
+    ost_haptic *device;
+    ost_force *force;   /* NULL if no force is rendered */
+    ost_operation *operation;
+    ost_servo_report *loop;
+    ost_operation_report done;
+    ost_metrics_plan plan;
+    bool planned;         /* plan is set */
+    start_checked site;   /* known is false if a session is resumed */
+    debrief debrief;      /* empty without --debrief */
+    ost_volume uncut;     /* the bone before the operation; owned until the show takes it over */
+    ost_session *resumed; /* session that --resume continues; NULL without --resume */
+    ost_tick last;        /* last tick of the resumed session */
+    ost_motor motor;      /* motor after the resumed session */
+    ost_pose home;        /* pose at which the tool begins, clear of the bone, unless a path has one */
+    uint64_t before;      /* number of ticks in the resumed session */
+    struct sim_show *show; /* NULL if nothing is rendered */
+    struct sim_window *window; /* NULL with --headless */
+    film *film;           /* NULL if no picture or video is written during the operation */
+    int core;             /* reserved for the servo loop; -1 if there is none */
+} simulation;
+
+void simulation_free(simulation *s);
+
+bool sim_device_is(const sim_args *args, const char *name);
+/* Returns true if the device follows a path; all others are moved freely. */
+bool sim_follows_path(const sim_args *args);
+/* Finds the library's description of the device. Returns false if there is no device of that name. */
+bool sim_device_info(const sim_args *args, ost_haptic_info *out);
+/* Checks everything that can be checked before a file is read. */
+ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
+
+ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+/* Sets the default parameters and those of --force-params. sim_force_make replaces defaults by the
+   limits of the open device. */
+ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err);
+void sim_force_print(const app_state *app, const sim_args *args);
+enum { SIM_FORCE_KEYS = 32, SIM_LIMIT_TEXT = 160 };
+/* Writes the source of the force limit: "default", or "device: a sigma.7 gives 12 N, 0.2 N m". */
+void sim_force_limit_text(const sim_args *args, char text[SIM_LIMIT_TEXT]);
+/* Makes the force model, unless --force is off. A device that cannot render forces has none, and
+   --force is an error for it. */
+ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
+/* Reserves a core for the servo loop: this thread, and all threads that it creates, no longer run
+   on it. Must be called first, since OpenGL drivers and devices create threads as well. */
+void sim_pin(const sim_args *args, simulation *s);
+typedef struct sim_force_texts {
+    char key[SIM_FORCE_KEYS][40], value[SIM_FORCE_KEYS][OST_FORCE_VALUE], from[SIM_LIMIT_TEXT];
+} sim_force_texts;
+/* Writes the parameters and the source of the limit as keys of a session, at most SIM_FORCE_KEYS +
+   2, the last one NULL. */
+void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys);
+/* Checks the site before the first tick (start_check.h). */
+ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+/* Begins the recording, with --record. */
+ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
+
+/* Opens the session of --resume. Its bone, tools and world replace the defaults; options may replace
+   the names of files that were moved. */
+ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err);
+/* Replays the session's ticks into the world and the new recording. Each must have its recorded result. */
+ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);
+
+/* Begins the film, if there is a window or a video is requested. */
+ost_status sim_film_begin(const sim_args *args, simulation *s, ost_error *err);
+/* Completes the video and reports it. */
+ost_status sim_film_end(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+
+/* Returns true if frames are measured in control runs as well, to separate the machine's share of
+   their times. */
+bool sim_rests(const sim_args *args);
+ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+
+void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);
+/* Writes the bone, completes the session and reports the result. */
+ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+/* Fails with OST_ERR_UNAVAILABLE, and lets the result be printed, if the loop ended because the
+   device was lost. */
+ost_status sim_device_end(app_state *app, const sim_args *args, const simulation *s, ost_error *err);
+
+#endif

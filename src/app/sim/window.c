@@ -1,0 +1,572 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "app/sim/window.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "app/common/interrupt.h"
+#include "app/common/print.h"
+#include "app/sim/appearance.h"
+#include "app/sim/camera.h"
+#include "app/sim/facts.h"
+#include "app/sim/handle.h"
+#include "core/clock.h"
+#include "io/thread.h"
+#include "window/window.h"
+
+enum { ASTRAY_MAX = 100, MESSAGE = 200, DISTANCE_KEY_MM_S = 12 };
+static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TWIST_KEY = 1.2;
+static const double FACTS_S = 0.1, HIDDEN_S = 0.1; /* interval at which numbers change; interval at which a hidden window is polled */
+
+typedef struct rates {
+    double since; /* s */
+    uint64_t ticks, frames;
+    double ticks_s, frames_s, takes_us, frame_ms;
+} rates;
+
+/* The inputs of a frame. While they stay the same, the frame is not drawn again. */
+typedef struct sight {
+    ost_pose pose;
+    ost_orbit orbit;
+    uint64_t changed;
+    int32_t tool;
+    ost_style style;
+    int width, height;
+} sight;
+
+struct sim_window {
+    const app_state *app;
+    const sim_args *args;
+    ost_window *window;
+    sim_hud *hud;
+    uint32_t *blank;   /* owned; shown before there are frames */
+    ost_mouse_input *mouse; /* NULL if another device is used */
+    sim_handle now, home;
+    sim_camera camera;
+    bool lifted;       /* the hand was moved elsewhere, and the device has not received that yet */
+    bool key_down[512]; /* keys that are down, by number */
+    bool button[3];
+    unsigned mods;
+    double x, y;       /* position of the pointer */
+    bool help, quit, shoot, timings;
+    char message[MESSAGE];
+    double message_until;
+    int resets, astray; /* astray: consecutive frames that could not be drawn from the camera's position */
+    uint64_t frames;
+    rates rates;
+    sim_hud_facts facts;
+    double facts_s;
+    sight seen;
+    bool outdated;     /* the HUD has changed */
+    bool follows;      /* the frame drawn last was presented */
+    ost_cells changed; /* owned; cells that differ between the last two frames */
+    bool compared;     /* stored frames are drawn again, for a control run */
+    simulation *s;
+    ost_status status; /* failure that ended the window; OST_OK if the user ended it */
+    ost_error err;
+};
+
+static double now_s(void)
+{
+    return (double)ost_clock_ns() * 1e-9;
+}
+
+static void show_message(sim_window *w, const char *text)
+{
+    snprintf(w->message, sizeof w->message, "%.*s", (int)sizeof w->message - 1, text);
+    w->message_until = now_s() + MESSAGE_S;
+    w->outdated = true;
+}
+
+/* ------------------------------------------------------------- open, close */
+
+static ost_status hud_for(sim_window *w, int width, int height, double scale, ost_error *err)
+{
+    if (sim_hud_suits(w->hud, width, height, scale))
+        return OST_OK;
+    sim_hud_free(w->hud);
+    return sim_hud_create(width, height, scale, &w->hud, err);
+}
+
+static ost_status draw_loading(sim_window *w, ost_error *err)
+{
+    int width, height;
+    double scale;
+    ost_window_poll(w->window, 0);
+    ost_window_size(w->window, &width, &height, &scale);
+    if (width == 0 || height == 0)
+        return OST_OK;
+    ost_status status = hud_for(w, width, height, scale, err);
+    if (status != OST_OK)
+        return status;
+    w->blank = calloc((size_t)width * (size_t)height, sizeof *w->blank);
+    if (!w->blank)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", width, height);
+    const ost_sheet sheet = {.pixels = w->blank, .stride = width, .width = width, .height = height};
+    char text[MESSAGE];
+    snprintf(text, sizeof text, "%.100s: a moment", w->args->bone);
+    sim_hud_draw_message(w->hud, &sheet, text);
+    status = ost_window_present(w->window, &(ost_window_picture){.pixels = w->blank, .stride = width, .width = width, .height = height}, false, err);
+    ost_window_poll(w->window, 0);
+    free(w->blank);
+    w->blank = NULL;
+    return status;
+}
+
+ost_status sim_window_open(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
+{
+    sim_window *w = calloc(1, sizeof *w);
+    if (!w)
+        return ost_fail(err, OST_ERR_MEMORY, "no memory for a window");
+    s->window = w;
+    w->app = app;
+    w->args = args;
+    w->s = s;
+    char title[MESSAGE];
+    snprintf(title, sizeof title, "osteon sim: %.100s", args->bone);
+    /* Otherwise Mesa's software renderer would create a thread for every processor, on those that
+       the servo loop leaves free. */
+    setenv("LP_NUM_THREADS", "0", 0);
+    ost_status status = ost_window_open(title, args->width, args->height, &w->window, err);
+    if (status != OST_OK)
+        return status;
+    const ost_window_info info = ost_window_info_get(w->window);
+    if (info.software && args->renderer == SIM_RENDERER_POINTS) {
+        char text[MESSAGE];
+        snprintf(text, sizeof text, "OpenGL here is software (%.60s): the processor draws", info.renderer);
+        show_message(w, text);
+        print_line(app, "%s", text);
+    }
+    return draw_loading(w, err);
+}
+
+void sim_window_close(sim_window *window)
+{
+    if (!window)
+        return;
+    ost_window_close(window->window);
+    sim_hud_free(window->hud);
+    ost_mouse_input_free(window->mouse);
+    free(window->blank);
+    ost_cells_free(&window->changed);
+    free(window);
+}
+
+ost_status sim_window_mouse_create(simulation *s, const ost_pose *start, ost_error *err)
+{
+    sim_window *w = s->window;
+    ost_haptic_state state = {.pose = *start};
+    w->now = w->home = sim_handle_at(start, 0);
+    return ost_mouse_input_create(&state, &w->mouse, err);
+}
+
+ost_mouse_input *sim_window_mouse(const simulation *s)
+{
+    return s->window ? s->window->mouse : NULL;
+}
+
+/* ------------------------------------------------------------------ events */
+
+/* Changes the tool. The new tool's tip is placed at that of the previous one. */
+static void take_tool(sim_window *w, int number)
+{
+    if (number < 0 || number >= w->args->tools.count || !w->mouse || number == w->now.tool)
+        return;
+    const tool_shape *shapes = w->s->show->scene.shapes;
+    sim_handle_push(&w->now, shapes[number].tip_mm[2] - shapes[w->now.tool].tip_mm[2]);
+    w->now.tool = number;
+}
+
+static void set_view(sim_window *w, ost_view_name view)
+{
+    const ost_viewer *viewer = &w->s->show->viewer;
+    sim_camera_fly(&w->camera, view, viewer->has_state ? &viewer->state.pose : NULL, now_s());
+}
+
+static void on_key(sim_window *w, int key)
+{
+    static const ost_view_name views[] = {OST_VIEW_OPERATOR, OST_VIEW_EN_FACE, OST_VIEW_LATERAL, OST_VIEW_ANTERIOR,
+                                          OST_VIEW_POSTERIOR, OST_VIEW_SUPERIOR, OST_VIEW_TOOL, OST_VIEW_OVERVIEW};
+    const int tools = w->args->tools.count;
+    if (key == OST_KEY_F1)
+        w->help = !w->help;
+    else if (key >= '1' && key <= '8')
+        set_view(w, views[key - '1']);
+    else if (key >= OST_KEY_F1 + 1 && key <= OST_KEY_F1 + 8)
+        set_view(w, views[key - OST_KEY_F1 - 1]);
+    else if (key == '0')
+        set_view(w, w->camera.home);
+    else if (key == 'L')
+        w->timings = !w->timings;
+    else if (key == OST_KEY_F1 + 9)
+        w->s->show->viewer.style = w->s->show->viewer.style == OST_STYLE_SMOOTH ? OST_STYLE_FACES : OST_STYLE_SMOOTH;
+    else if (key == OST_KEY_F1 + 10)
+        ost_window_full_screen(w->window, !ost_window_is_full_screen(w->window));
+    else if (key == OST_KEY_F1 + 11)
+        w->shoot = true;
+    else if (key == OST_KEY_ESCAPE)
+        w->help = false;
+    else if (key == 'Q' && (w->mods & OST_WINDOW_CONTROL))
+        w->quit = true;
+    else if (key == OST_KEY_TAB)
+        take_tool(w, (w->now.tool + (w->mods & OST_WINDOW_SHIFT ? tools - 1 : 1)) % tools);
+    else if (key == OST_KEY_HOME) {
+        const int32_t tool = w->now.tool;
+        w->now = w->home;
+        w->now.tool = tool;
+        w->lifted = true;
+    } else {
+        char text[160];
+        double eye[3];
+        sim_appearance_eye(w->s->show, eye);
+        if (appearance_key(&w->s->show->look, key, w->mods & OST_WINDOW_SHIFT, eye, text) && text[0])
+            show_message(w, text);
+    }
+}
+
+static void on_move(sim_window *w, double dx, double dy, int height)
+{
+    if (w->button[0] && w->mouse && (w->mods & OST_WINDOW_SHIFT))
+        sim_handle_turn(&w->now, &w->camera.orbit, dx, dy);
+    else if (w->button[0] && w->mouse)
+        sim_handle_drag(&w->now, &w->camera.orbit, dx, dy, height);
+    else if (w->button[2] || ((w->button[1] || w->button[0]) && (w->mods & OST_WINDOW_SHIFT)))
+        sim_camera_shift(&w->camera, dx, dy, height);
+    else if (w->button[1] || w->button[0])
+        sim_camera_turn(&w->camera, dx, dy, height);
+}
+
+static void on_wheel(sim_window *w, double steps)
+{
+    if ((w->mods & OST_WINDOW_ALT) && appearance_wheel(&w->s->show->look, steps, w->mods & OST_WINDOW_SHIFT))
+        return;
+    if ((w->mods & OST_WINDOW_CONTROL) || !w->mouse)
+        sim_camera_near(&w->camera, steps);
+    else
+        sim_handle_push(&w->now, steps * WHEEL_MM * (w->mods & OST_WINDOW_SHIFT ? FINE : 1));
+}
+
+static void take_events(sim_window *w, int height)
+{
+    ost_window_event e;
+    while (ost_window_next(w->window, &e)) {
+        w->mods = e.mods;
+        w->outdated = w->outdated || e.kind != OST_WINDOW_MOVE;
+        switch (e.kind) {
+        case OST_WINDOW_KEY:
+            if (e.key > 0 && e.key < (int)sizeof w->key_down)
+                w->key_down[e.key] = e.pressed;
+            if (e.pressed)
+                on_key(w, e.key);
+            break;
+        case OST_WINDOW_BUTTON:
+            if (e.button >= 0 && e.button < 3)
+                w->button[e.button] = e.pressed;
+            break;
+        case OST_WINDOW_MOVE:
+            on_move(w, e.x - w->x, e.y - w->y, height > 0 ? height : 1);
+            w->x = e.x;
+            w->y = e.y;
+            break;
+        case OST_WINDOW_WHEEL:
+            on_wheel(w, e.y);
+            break;
+        case OST_WINDOW_RELEASE:
+            memset(w->key_down, 0, sizeof w->key_down);
+            memset(w->button, 0, sizeof w->button);
+            break;
+        }
+    }
+}
+
+/* Applies the keys that act as long as they are down. */
+static void hold_keys(sim_window *w, double dt)
+{
+    const bool *k = w->key_down;
+    sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN], k[OST_KEY_PLUS] - k[OST_KEY_MINUS],
+                    w->mods & OST_WINDOW_SHIFT, dt);
+    /* Keys act like a device's buttons. For the mouse the window handles the hand itself. */
+    ost_operation_keys(w->s->operation, w->mouse ? 0 : (uint32_t)k[' '] << OST_ACTION_MOTOR | (uint32_t)k[OST_KEY_TAB] << OST_ACTION_TOOL |
+                                                          (uint32_t)k[OST_KEY_HOME] << OST_ACTION_HOME);
+    if (!w->mouse)
+        return;
+    if (!(w->mods & OST_WINDOW_CONTROL))
+        sim_handle_twist(&w->now, TWIST_KEY * dt * (k['Q'] - k['E']));
+    sim_handle_push(&w->now, DISTANCE_KEY_MM_S * (w->mods & OST_WINDOW_SHIFT ? FINE : 1) * dt * (k['W'] - k['S']));
+    w->now.pedal = k[' '];
+}
+
+/* Passes the hand's pose to the device. A pose that is out of range, or far from the bone after a
+   drag in a window of a few pixels, is replaced by the previous one. */
+static void put_handle(sim_window *w, const sim_handle *before)
+{
+    ost_haptic_state state;
+    const ost_view_subject *subject = &w->camera.subject;
+    double away = 0;
+    if (!w->mouse)
+        return;
+    for (int a = 0; a < 3; a++)
+        away = fmax(away, fabs(w->now.at[a] - subject->middle[a]));
+    if (away > fmax(subject->size, 500) || !sim_handle_state(&w->now, &state)) {
+        w->now = *before;
+        return;
+    }
+    state.lifted = w->lifted;
+    w->lifted = false;
+    ost_mouse_input_put(w->mouse, &state);
+}
+
+/* ------------------------------------------------------------------- frames */
+
+static void count_rates(sim_window *w, double now)
+{
+    rates *r = &w->rates;
+    const ost_live_state *state = &w->s->show->viewer.state;
+    r->takes_us += ((double)state->exec_ns * 1e-3 - r->takes_us) * 0.05;
+    if (now - r->since < 0.5)
+        return;
+    r->ticks_s = r->since > 0 ? (double)(state->ticks - r->ticks) / (now - r->since) : 0;
+    r->frames_s = r->since > 0 ? (double)(w->frames - r->frames) / (now - r->since) : 0;
+    r->since = now;
+    r->ticks = state->ticks;
+    r->frames = w->frames;
+}
+
+/* Updates the facts of the HUD, at most ten times a second: faster changes are unreadable. */
+static void take_facts(sim_window *w, int height, double now)
+{
+    const ost_viewer *viewer = &w->s->show->viewer;
+    double back[3];
+    count_rates(w, now);
+    if (now - w->facts_s >= FACTS_S || w->outdated) {
+        const sim_hud_facts before = w->facts;
+        w->facts = sim_facts_make(&w->s->show->scene, &viewer->state, viewer->has_state);
+        w->facts.rates = true;
+        w->facts.ticks_s = w->rates.ticks_s;
+        w->facts.frames_s = w->rates.frames_s;
+        w->facts.takes_us = w->rates.takes_us;
+        w->facts.frame_ms = w->rates.frame_ms;
+        w->facts.filming = w->args->video.target || w->args->video.pipe;
+        w->facts.dropped = film_dropped(w->s->film);
+        w->facts.message = before.message;
+        w->facts_s = now;
+        w->outdated = true;
+    }
+    sim_hud_facts *f = &w->facts;
+    f->help = w->help;
+    f->timings = w->timings;
+    if (!w->args->look.no_legend)
+        f->legend = appearance_legend_of(&w->s->show->look);
+    f->pedal = viewer->has_state && viewer->state.rpm != 0;
+    w->outdated = w->outdated || (f->message && now >= w->message_until);
+    f->message = now < w->message_until ? w->message : NULL;
+    f->mm_per_pixel = w->camera.orbit.distance / (OST_VIEW_FOCAL * height);
+    ost_orbit_frame(&w->camera.orbit, f->right, f->up, back);
+}
+
+static bool same_sight(const sight *a, const sight *b)
+{
+    return memcmp(&a->pose, &b->pose, sizeof a->pose) == 0 && memcmp(&a->orbit, &b->orbit, sizeof a->orbit) == 0 && a->changed == b->changed &&
+           a->tool == b->tool && a->style == b->style && a->width == b->width && a->height == b->height;
+}
+
+static sight sight_of(const sim_window *w, int width, int height)
+{
+    const ost_viewer *v = &w->s->show->viewer;
+    return (sight){.pose = v->state.pose, .orbit = w->camera.orbit, .changed = v->changed, .tool = v->has_state ? v->state.tool : -1, .style = v->style,
+                   .width = width, .height = height};
+}
+
+/* Returns the cells in which the frame may differ from the previous one; NULL if all may. */
+static const ost_cells *changed_of(sim_window *w)
+{
+    const ost_frame *f = &w->s->show->viewer.frame;
+    ost_cells *c = &w->changed;
+    if (c->width != f->width || c->height != f->height) {
+        ost_cells_free(c);
+        if (!ost_cells_init(c, f->width, f->height))
+            ost_cells_free(c);
+    }
+    if (!c->bit)
+        return NULL;
+    ost_cells_clear(c);
+    ost_cells_join(c, &f->stale);
+    ost_cells_join(c, &f->over);
+    return c;
+}
+
+/* Presents a frame. follows: the frame drawn before this one was presented. */
+static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, ost_error *err)
+{
+    ost_window_picture picture = {.pixels = sheet->pixels, .stride = sheet->stride, .width = sheet->width, .height = sheet->height};
+    const ost_cells *changed = follows ? changed_of(w) : NULL;
+    if (changed) {
+        picture.changed = changed->bit;
+        picture.changed_words = changed->words;
+    }
+    ost_status status = ost_window_present(w->window, &picture, w->args->fps > 0, err);
+    w->follows = status == OST_OK;
+    const int resets = ost_window_info_get(w->window).resets;
+    if (status == OST_OK && resets > w->resets) {
+        w->resets = resets;
+        show_message(w, "the graphics driver was reset, and the window started anew; the operation went on");
+    }
+    return status;
+}
+
+/* Reports that a control run began: the tool then moves without removing bone and is not part of
+   the operation. */
+static void show_stage(sim_window *w)
+{
+    const bool again = sim_beside_again(&w->s->show->beside);
+    if (again && !w->compared)
+        show_message(w, "the time is over: the same frames again, beside a loop for comparison");
+    w->compared = again;
+}
+
+/* Processes events and draws a frame. *drawn: a frame was drawn. */
+static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
+{
+    int width, height;
+    double scale;
+    sim_show *show = w->s->show;
+    *drawn = false;
+    ost_window_size(w->window, &width, &height, &scale);
+    const sim_handle before = w->now;
+    take_events(w, height);
+    hold_keys(w, dt);
+    put_handle(w, &before);
+    const double now = now_s();
+    sim_camera_step(&w->camera, now);
+    show->orbit = w->camera.orbit;
+    ost_status status = sim_show_update(show, err);
+    if (status != OST_OK || width == 0 || height == 0)
+        return status; /* minimized */
+    char message[FILM_TEXT];
+    if (film_message(w->s->film, message))
+        show_message(w, message);
+    show_stage(w);
+    take_facts(w, height, now);
+    const sight seen = sight_of(w, width, height);
+    if (w->args->fps > 0 && !w->outdated && !w->shoot && !ost_window_damaged(w->window) && !sim_beside_again(&show->beside) &&
+        same_sight(&seen, &w->seen)) {
+        show->last_ns = 0;
+        return OST_OK;
+    }
+    const int64_t begin = ost_clock_ns();
+    const bool follows = w->follows;
+    w->follows = false;
+    status = hud_for(w, width, height, scale, err);
+    if (status == OST_OK)
+        status = sim_show_frame(show, width, height, err);
+    if (status == OST_ERR_RANGE && w->astray++ < ASTRAY_MAX) {
+        show_message(w, "that was too far away to be drawn: back to where it began");
+        set_view(w, w->camera.home);
+        return OST_OK;
+    }
+    if (status != OST_OK)
+        return status;
+    w->astray = 0;
+    const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
+    sim_hud_draw(w->hud, &sheet, &w->facts);
+    if (w->shoot)
+        film_still(w->s->film, sheet.pixels, sheet.stride, width, height);
+    if (sim_beside_ticks(&show->beside))
+        film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
+    w->shoot = w->outdated = false;
+    w->seen = seen;
+    w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
+    w->frames++;
+    *drawn = true;
+    status = present(w, &sheet, follows, err);
+    sim_show_done(show);
+    return status;
+}
+
+/* ----------------------------------------------------------------- the loop */
+
+typedef struct server {
+    simulation *s;
+    const ost_servo_options *how;
+    ost_servo_tick *tick;
+    ost_status status;
+    ost_error err;
+    _Atomic bool done;
+} server;
+
+static void *run_servo(void *user)
+{
+    server *v = user;
+    v->status = ost_servo_run(v->s->device, v->how, v->tick, ost_operation_done, v->s->operation, v->s->loop, &v->err);
+    atomic_store(&v->done, true);
+    return NULL;
+}
+
+static void wait_until(int64_t due)
+{
+    const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
+}
+
+/* Draws frames at the requested rate while something changes; otherwise waits for events. */
+static ost_status show_frames(sim_window *w, server *v, ost_error *err)
+{
+    const int64_t period = w->args->fps > 0 ? INT64_C(1000000000) / w->args->fps : 0;
+    int64_t due = ost_clock_ns(), last = due;
+    double wait = 0;
+    ost_status status = OST_OK;
+    while (status == OST_OK && !atomic_load(&v->done)) {
+        int width, height;
+        double scale;
+        bool drawn;
+        ost_window_poll(w->window, wait);
+        if (w->quit || interrupt_requested())
+            break;
+        const int64_t begin = ost_clock_ns();
+        drawn = sim_beside_rests(&w->s->show->beside, &w->s->show->drawn);
+        if (!drawn)
+            status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), &drawn, err);
+        if (status == OST_OK && ost_window_closing(w->window)) {
+            status = ost_window_check(w->window, err);
+            break;
+        }
+        last = begin;
+        const int64_t now = ost_clock_ns();
+        due = due + period > now ? due + period : now;
+        ost_window_size(w->window, &width, &height, &scale);
+        wait = width == 0 ? HIDDEN_S : drawn ? 0 : (double)period * 1e-9;
+        if (drawn && due > now)
+            wait_until(due);
+    }
+    return status;
+}
+
+ost_status sim_window_run(simulation *s, const ost_servo_options *how, ost_servo_tick *tick, ost_error *err)
+{
+    sim_window *w = s->window;
+    server v = {.s = s, .how = how, .tick = tick};
+    pthread_t thread;
+    w->camera = sim_camera_at((ost_view_name)w->args->view, &s->show->subject, 1e-9 * (double)ost_live_geometry(s->show->live)->spacing.x);
+    const int error = ost_thread_begin(&thread, run_servo, &v);
+    if (error)
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the loop: %s", strerror(error));
+    w->status = show_frames(w, &v, &w->err);
+    interrupt_request();
+    pthread_join(thread, NULL);
+    if (v.status != OST_OK)
+        *err = v.err;
+    return v.status;
+}
+
+ost_status sim_window_end(const simulation *s, ost_error *err)
+{
+    if (!s->window || s->window->status == OST_OK)
+        return OST_OK;
+    *err = s->window->err;
+    return s->window->status;
+}

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* osteon sign: signs a bundle that osteon verify accepts. */
+#include <sys/stat.h>
+
+#include "app/common/options.h"
+#include "app/common/result.h"
+#include "app/common/print.h"
+#include "validation/bundle/check.h"
+#include "validation/bundle/sign.h"
+
+static void print_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
+{
+    (void)kind;
+    print_line(user, "  %s %s", file, problem);
+}
+
+/* Checks the bundle and its existing signatures as verify does. A bundle that verify would reject
+   is not signed. */
+static ost_status check_first(app_state *app, const char *folder, json_t **summary, ost_error *err)
+{
+    json_t *signatures = NULL;
+    int found = 0;
+    ost_status status = check_bundle(folder, print_problem, app, &found, summary, err);
+    if (status == OST_OK)
+        status = sign_check(folder, NULL, print_problem, app, &found, &signatures, err);
+    json_decref(signatures);
+    if (status == OST_OK && found)
+        status =
+            ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written, and is not signed",
+                     folder, found, found == 1 ? "" : "s");
+    return status;
+}
+
+ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err)
+{
+    const char *folder = NULL, *key_file = NULL, *passphrase = NULL, *by = "", *meaning = NULL;
+    const operand operands[] = {{"BUNDLE", &folder, "which bundle?"}, {NULL, NULL, NULL}};
+    const option options[] = {
+        {.name = "key", .kind = OPTION_TEXT, .out = &key_file, .value = "FILE", .help = "private key in PEM: Ed25519, or ECDSA P-256", .required = true},
+        {.name = "meaning", .kind = OPTION_TEXT, .out = &meaning, .value = "TEXT", .help = "what the signature means: \"reviewed and accepted\"", .required = true},
+        {.name = "by", .kind = OPTION_TEXT, .out = &by, .value = "NAME", .help = "printed name of the signer (default: none)"},
+        {.name = "passphrase-file", .kind = OPTION_TEXT, .out = &passphrase, .value = "FILE",
+         .help = "its first line opens an encrypted key\n(default: OpenSSL asks on the terminal)"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "BUNDLE --key FILE --meaning TEXT [--by NAME] [--passphrase-file FILE]",
+        .about = "Signs a bundle that osteon validate wrote, after the checks of osteon verify.\n"
+                 "The signature is a file in the bundle's folder signatures/: a DSSE envelope around\n"
+                 "an in-toto statement (test-result v0.1) that names manifest.json, and by it every\n"
+                 "other file, by SHA-256. A bundle may have several: tester, reviewer.\n"
+                 "Name, meaning and time are claims of the signer, which the signature binds to the\n"
+                 "bundle. The time is this machine's clock.",
+        .operands = operands,
+        .options = options,
+        .example = "  openssl genpkey -algorithm ed25519 -out reviewer.key\n"
+                   "  openssl pkey -in reviewer.key -pubout -out reviewer.pem\n"
+                   "  osteon sign bundle --key reviewer.key --by \"A. Reviewer\" --meaning \"reviewed and accepted\"\n"
+                   "  osteon verify bundle --trust reviewer.pem",
+    };
+    ost_status status;
+    struct stat info;
+    sign_key *key = NULL;
+    json_t *summary = NULL;
+    char name[SIGN_NAME];
+    if (!options_parse(app, &usage, argc, argv, &status, err))
+        return status;
+    if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
+        return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
+    status = sign_key_open(key_file, passphrase, &key, err);
+    if (status == OST_OK)
+        status = check_first(app, folder, &summary, err);
+    if (status == OST_OK)
+        status = sign_bundle(folder, key, by, meaning, name, err);
+    if (status == OST_OK) {
+        print_line(app, "%s/%s: signs the verdict %s", folder, name, json_string_value(json_object_get(summary, "verdict")));
+        put_text(app->result, "bundle", folder);
+        put_text(app->result, "signature", name);
+        put_text(app->result, "verdict", json_string_value(json_object_get(summary, "verdict")));
+    }
+    json_decref(summary);
+    sign_key_free(key);
+    return status;
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon validate: compares backends stage by stage and writes the evidence.
+ *
+ *   options --> a campaign, shards to merge, the sensitivity proof (validate.h)
+ *
+ * The campaign starts the same verb with --worker for each backend: it runs cases on one backend
+ * and writes a trace of all results.
+ */
+#include "app/validate/validate.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "app/common/options.h"
+#include "app/common/result.h"
+#include "app/common/print.h"
+#include "validation/bundle/impact.h"
+#include "validation/dump.h"
+#include "validation/export.h"
+#include "validation/locate/case_file.h"
+#include "validation/scratch.h"
+#include "validation/suite_run.h"
+#include "validation/worker.h"
+
+/* Reads up to six digits. Returns the position after them, or NULL if there is none. */
+static const char *small_number(const char *at, int *out)
+{
+    const char *begin = at;
+    for (*out = 0; *at >= '0' && *at <= '9' && at - begin < 6; at++)
+        *out = 10 * *out + (*at - '0');
+    return at > begin ? at : NULL;
+}
+
+/* Parses --shard, such as "2/8". Without it: shard 1 of 1. */
+static ost_status shard_of(const app_state *app, const char *text, int *shard, int *shards, ost_error *err)
+{
+    *shard = *shards = 1;
+    if (!text)
+        return OST_OK;
+    const char *at = small_number(text, shard);
+    at = at && *at == '/' ? small_number(at + 1, shards) : NULL;
+    if (!at || *at || *shard < 1 || *shard > *shards)
+        return usage_error(app, err, "--shard %s: must be I/N with 1 <= I <= N", text);
+    return OST_OK;
+}
+
+/* Writes the results of one backend as files, by way of a trace. */
+static ost_status dump_worker(const plan *p, const char *spec, const char *folder, ost_error *err)
+{
+    char path[SCRATCH_NAME];
+    trace t = {0};
+    int fd;
+    ost_status status = scratch_file(&fd, err);
+    if (status != OST_OK)
+        return status;
+    scratch_name(fd, path);
+    status = worker_run(p, 0, p->count, spec, path, NULL, err);
+    if (status == OST_OK)
+        status = trace_open(path, &t, err);
+    if (status == OST_OK)
+        status = dump_write(folder, spec, p, &t, err);
+    trace_free(&t);
+    close(fd);
+    return status;
+}
+
+ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
+{
+    static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
+    enum { LIMIT_OWN = 36000 }; /* the duration of the user's own cases is unknown */
+    validate_args args = {.seed = 1, .suite_limit_s = 1800, .own = USER_FILES_DEFAULT};
+    const option options[] = {
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "BUNDLE", .help = "a folder for the evidence; must not exist"},
+        {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .value = "smoke|standard|full",
+         .help = "how much (default: smoke, under a minute;\nstandard: about 10 minutes; full: hours)"},
+        {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
+         .help = "these alone, besides the reference (default: all that are\nhere, and dense, a second implementation of all steps)"},
+        {.name = "cpu-only", .kind = OPTION_FLAG, .out = &args.cpu_only, .help = "the CPU's variants alone: no OpenCL is no failure"},
+        {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart, .help = "give every stage and tick the reference's input, so that\neach is judged alone; no bundle"},
+        {.name = "faults-only", .kind = OPTION_FLAG, .out = &args.faults_only, .help = "the sensitivity proof alone: mistakes made on purpose\nin the second implementation, in no backend"},
+        {.name = "faults", .kind = OPTION_INTEGER, .out = &args.faults, .value = "N", .min = 1, .max = 100000000, .help = "how many, with --faults-only (default: the tier's)"},
+        {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the generated cases (default: 1)"},
+        USER_FILES(args.own, "a CT of your own: a case with all tools and paths; may repeat", "a mesh of your own, or builtin:reamer; may repeat",
+                   "a CSV, builtin:peg-hole or builtin:glenoid-ream, as for ream; may repeat"),
+        {.name = "shard", .kind = OPTION_TEXT, .out = &args.shard, .value = "I/N", .help = "every N-th case alone, from the I-th on"},
+        {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: mesh, session/1"},
+        {.name = "case", .kind = OPTION_TEXT, .out = &args.case_file, .value = "FILE", .help = "the cases of this file alone, as a bundle's cases/ has them"},
+        {.name = "merge", .kind = OPTION_TEXT, .out = &args.merge, .value = "FOLDER", .help = "put the shards' bundles in FOLDER together into --out; runs nothing"},
+        {.name = "against", .kind = OPTION_TEXT, .out = &args.against, .value = "BUNDLE", .help = "with --out: say what changed since this older bundle, and why"},
+        {.name = "with-suite", .kind = OPTION_TEXT, .out = &args.suite, .value = "FOLDER",
+         .help = "with --out: run the tests that requirements name, from the folder that\nosteon was built in (after make check), and put their results\ninto the bundle; a test that fails is status 1"},
+        {.name = "suite-limit", .kind = OPTION_INTEGER, .out = &args.suite_limit_s, .value = "S", .min = 1, .max = 1000000,
+         .help = "seconds after which a test of --with-suite is stopped (default: 1800)"},
+        {.name = "sign", .kind = OPTION_TEXT, .out = &args.sign, .value = "KEY", .help = "sign the bundle with this private key (PEM), as osteon sign does"},
+        {.name = "passphrase-file", .kind = OPTION_TEXT, .out = &args.passphrase, .value = "FILE", .help = "its first line opens the key of --sign"},
+        {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
+         .help = "seconds after which a backend is stopped"},
+        {.name = "jobs", .kind = OPTION_INTEGER, .out = &args.jobs, .value = "N", .min = 1, .max = WORKERS_MAX,
+         .help = "backends that run at a time (default: as many as cores)"},
+        {.name = "worker", .kind = OPTION_TEXT, .out = &args.worker, .value = "BACKEND", .help = "run the cases on this backend alone, write --trace and compare nothing"},
+        {.name = "trace", .kind = OPTION_TEXT, .out = &args.trace, .value = "FILE", .help = "where --worker writes what the backend made"},
+        {.name = "given", .kind = OPTION_TEXT, .out = &args.given, .value = "FILE", .help = "the reference's trace, whose grids every stage of --worker gets (osteon compare --apart)"},
+        {.name = "dump", .kind = OPTION_TEXT, .out = &args.dump, .value = "FOLDER", .help = "write what --worker made as a dump, for osteon compare; needs no --trace"},
+        {.name = "export-cases", .kind = OPTION_TEXT, .out = &args.export_to, .value = "FOLDER",
+         .help = "write the cases' inputs as files, for another program to run; runs nothing"},
+        {.name = "user", .kind = OPTION_FLAG, .out = &args.from_parent, .help = "--worker has the cases of --ct, --tool and --path from who started it"},
+        {.name = "from", .kind = OPTION_INTEGER, .out = &args.from, .value = "N", .min = 0, .max = 1000000, .help = "first case of --worker, from 0"},
+        {.name = "to", .kind = OPTION_INTEGER, .out = &args.to, .value = "N", .min = 0, .max = 1000000, .help = "the case before which --worker ends (default: none)"},
+        USER_FILES_HOW(args.own),
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "[--tier TIER] [--ct FILE] [--tool FILE] [--path FILE] [options]",
+        .about = "Runs generated cases, and those of your own files, on every backend, each in its\n"
+                 "own process, and compares every stage with the scalar reference, byte by byte.",
+
+        .options = options,
+        .notes = "Cases of your own files are user/1, user/2, ... behind the tier's; --only user runs\n"
+                 "them alone. Options from --spacing on say how the files are read, as import,\n"
+                 "voxelize and ream have them. The bundle has the files' sizes and SHA-256, not\n"
+                 "their names or content.\n\n"
+                 "This is backend equivalence verification (code verification): that all backends\n"
+                 "compute the same. It is no clinical validation.",
+        .example = "  osteon validate --out bundle\n  osteon validate --tier standard --cpu-only --json\n"
+                   "  osteon validate --backends 'cpu:isa=avx2,threads=7;cl' --only session\n"
+                   "  osteon validate --ct shoulder.nii.gz --tool reamer.stl --path motion.csv --out bundle\n"
+                   "  osteon validate --tier full --shard 2/8 --out shards/2\n"
+                   "  osteon validate --merge shards --out bundle",
+    };
+    ost_status status;
+    plan p;
+    int shard, shards;
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = shard_of(app, args.shard, &shard, &shards, err)) != OST_OK)
+        return status;
+    if (!args.worker != !(args.trace || args.dump) || (args.trace && args.dump))
+        return usage_error(app, err, "--worker and one of --trace and --dump belong together");
+    if (args.given && !args.trace)
+        return usage_error(app, err, "--given belongs to --worker and --trace");
+    if (args.export_to && (args.worker || args.out))
+        return usage_error(app, err, "--export-cases runs nothing: no --worker and no --out");
+    if (args.apart && (args.out || args.worker || args.merge || args.faults_only || args.export_to))
+        return usage_error(app, err, "--apart compares single stages, and evidence is of complete runs: no --out, --worker, --merge, --faults-only or --export-cases with it");
+    if (args.merge && (!args.out || args.worker || args.shard))
+        return usage_error(app, err, "--merge needs --out and no shard or worker");
+    if ((args.merge || args.faults_only) && user_files_given(&args.own))
+        return usage_error(app, err, "%s reads no files of your own: no --ct, --tool and --path with it", args.merge ? "--merge" : "--faults-only");
+    if (args.against && (!args.out || args.merge || args.faults_only))
+        return usage_error(app, err, "--against needs --out and a campaign");
+    if (args.against && (status = impact_check(args.against, err)) != OST_OK)
+        return status;
+    if (args.suite && (!args.out || args.merge || args.faults_only || args.worker || shard != 1))
+        return usage_error(app, err, "--with-suite needs --out and a campaign; of shards the first one has it");
+    if (args.suite && (status = suite_find(args.suite, err)) != OST_OK)
+        return status;
+    if ((args.sign && (!args.out || args.faults_only)) || (args.passphrase && !args.sign))
+        return usage_error(app, err, args.sign ? "--sign needs --out" : "--passphrase-file belongs to --sign");
+    if (args.faults_only)
+        return validate_faults(app, &args, err);
+    if (args.case_file && !args.worker && (args.only || args.shard))
+        return usage_error(app, err, "--case says which cases: no --only and no --shard with it");
+    if (args.sign && (status = sign_key_open(args.sign, args.passphrase, &args.key, err)) != OST_OK)
+        return status;
+    if (args.merge) {
+        status = validate_merge(app, &args, err);
+        sign_key_free(args.key);
+        return status;
+    }
+    user_store *store = NULL;
+    json_t *from_file = NULL;
+    status = args.from_parent ? user_store_open(WORKER_USER, &store, err) : user_files_of(app, &args.own, argc, argv, &store, &args.record, err);
+    const plan_user own = {.count = user_store_count(store), .store = store};
+    if (!args.limit_s)
+        args.limit_s = own.count ? LIMIT_OWN : limits[args.tier];
+    if (status == OST_OK)
+        status = args.case_file ? case_file_read(args.case_file, own.count ? &own : NULL, &p, &from_file, err)
+                                : plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &own, &p, err);
+    if (status != OST_OK) {
+        json_decref(args.record);
+        sign_key_free(args.key);
+        user_store_free(store);
+        return status;
+    }
+    status = args.export_to ? export_cases(args.export_to, &p, err)
+             : args.dump    ? dump_worker(&p, args.worker, args.dump, err)
+             : args.worker  ? worker_run(&p, (int)args.from, args.to ? (int)args.to : p.count, args.worker, args.trace, args.given, err)
+                            : validate_run(app, &args, &p, from_file, err);
+    if (status == OST_OK && args.export_to) {
+        print_line(app, "%s: inputs of %d case%s", args.export_to, p.count, p.count == 1 ? "" : "s");
+        put_text(app->result, "out", args.export_to);
+        put_integer(app->result, "cases", p.count);
+    }
+    plan_free(&p);
+    json_decref(from_file);
+    json_decref(args.record);
+    sign_key_free(args.key);
+    user_store_free(store);
+    return status;
+}

@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* osteon verify: checks that a bundle of evidence is intact and consistent, without the machine
+   that made it. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "app/common/options.h"
+#include "app/common/progress.h"
+#include "app/common/result.h"
+#include "app/common/print.h"
+#include "app/validate/user_files.h"
+#include "validation/bundle/check.h"
+#include "validation/bundle/sign.h"
+#include "validation/bundle/suite.h"
+#include "validation/worker.h"
+
+#define PROTOCOL "protocol.json"
+enum { LIMIT_S = 36000 }; /* for each backend that --rerun runs */
+
+typedef struct listing {
+    const app_state *app;
+    json_t *problems;
+    int absent;
+    char first[200]; /* name of the first absent file */
+} listing;
+
+static void list_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
+{
+    listing *l = user;
+    if (kind == BUNDLE_ABSENT && l->absent++ == 0)
+        snprintf(l->first, sizeof l->first, "%s", file);
+    json_t *o = json_object();
+    put_text(o, "file", file);
+    put_text(o, "problem", problem);
+    put_text(o, "kind", kind == BUNDLE_ABSENT ? "absent" : "different");
+    append(l->problems, o);
+    print_line(l->app, "  %s %s", file, problem);
+}
+
+static void show(void *user, const char *what, double share)
+{
+    (void)user;
+    progress_show(NULL, what, share);
+}
+
+/* Reads the bundle's record of the user's own files. *out is owned by the caller; NULL if there is
+   no such record. */
+static ost_status record_of(const char *folder, json_t **out, ost_error *err)
+{
+    json_t *protocol;
+    const ost_status status = bundle_read_json(folder, PROTOCOL, &protocol, err);
+    *out = json_incref(json_object_get(protocol, "user"));
+    json_decref(protocol);
+    return status;
+}
+
+/* Runs the bundle's cases again. The user's files are read first: nothing runs without them. */
+static ost_status rerun_all(app_state *app, const user_files *own, const char *backend, const char *folder, listing *l,
+                            int *found, ost_error *err)
+{
+    json_t *record, *again = NULL;
+    user_store *store = NULL;
+    ost_status status = record_of(folder, &record, err);
+    if (status == OST_OK && record)
+        status = user_files_again(app, own, record, &store, &again, err);
+    else if (status == OST_OK && user_files_given(own))
+        status = ost_fail(err, OST_ERR_USAGE, "%s has no case of its user's own files: no --ct, --tool and --path", folder);
+    if (status == OST_OK && record && !json_equal(record, again)) {
+        list_problem(l, BUNDLE_DIFFERENT, PROTOCOL, "says otherwise what became of the user's files than they come out here");
+        ++*found;
+    }
+    const plan_user user = {.count = user_store_count(store), .store = store};
+    char program[BUNDLE_PATH];
+    if (status == OST_OK)
+        status = worker_program(program, sizeof program, err);
+    if (status == OST_OK) {
+        const check_how how = {.program = program,
+                               .own = store ? &user : NULL,
+                               .backend = backend,
+                               .limit_s = LIMIT_S,
+                               .show = show};
+        progress_begin(app);
+        status = check_again(folder, &how, list_problem, l, found, err);
+        progress_clear();
+    }
+    user_store_free(store);
+    json_decref(again);
+    json_decref(record);
+    return status;
+}
+
+typedef struct signature_args {
+    option_list trust;
+    const char *authority;
+} signature_args;
+
+static const char *text_of(const json_t *o, const char *key)
+{
+    const char *text = json_string_value(json_object_get(o, key));
+    return text ? text : "";
+}
+
+static void print_signature(const app_state *app, const json_t *one)
+{
+    const char *by = text_of(one, "by"), *stamp = text_of(one, "time_stamp");
+    const json_t *keys = json_object_get(one, "keys");
+    const bool checked = json_is_true(json_object_get(one, "checked"));
+    print_line(app, "  %s %s%s%s on %s (claimed): %s", checked ? "signed" : "NOT CHECKED: signature",
+               *by ? "by " : "without a name", by, checked ? "" : ",", text_of(one, "claimed_time"), text_of(one, "meaning"));
+    for (size_t k = 0; k < json_array_size(keys); k++)
+        print_line(app, "    key %s", json_string_value(json_array_get(keys, k)));
+    if (*stamp)
+        print_line(app, "    time stamp of the authority: %s", stamp);
+    else if (json_is_true(json_object_get(one, "stamped")))
+        print_line(app, "    its time stamp was not checked: pass --timestamp-ca FILE");
+}
+
+static ost_status check_signatures(app_state *app, const signature_args *args, const char *folder, listing *l,
+                                   int *found, ost_error *err)
+{
+    sign_trust *trust = NULL;
+    json_t *list = NULL;
+    ost_status status = args->trust.count
+                            ? sign_trust_open(args->trust.value, args->trust.count, args->authority, &trust, err)
+                            : OST_OK;
+    if (status == OST_OK)
+        status = sign_check(folder, trust, list_problem, l, found, &list, err);
+    if (status == OST_OK) {
+        for (size_t i = 0; i < json_array_size(list); i++)
+            print_signature(app, json_array_get(list, i));
+        put_bool(app->result, "signatures_checked", trust != NULL);
+        put(app->result, "signatures", json_incref(list));
+    }
+    json_decref(list);
+    sign_trust_free(trust);
+    return status;
+}
+
+/* Returns the part of the last line that is about signatures. */
+static const char *about_signatures(const app_state *app, const signature_args *args)
+{
+    const size_t n = json_array_size(json_object_get(app->result, "signatures"));
+    if (args->trust.count)
+        return n == 1 ? "; its signature is by a trusted key" : "; its signatures are by trusted keys";
+    return n ? "; signatures were not checked (--trust KEYS)" : "; it is not signed";
+}
+
+/* Reports the test suite's counts. A bundle whose tests failed may still be valid, so the failures
+   are printed instead of counted as problems of the bundle. */
+static ost_status print_suite(app_state *app, const char *folder, ost_error *err)
+{
+    json_t *suite;
+    const ost_status status = bundle_find_json(folder, SUITE_FILE, &suite, err);
+    if (!suite)
+        return status;
+    const json_int_t failed = json_integer_value(json_object_get(suite, "failed"));
+    json_t *counts = json_object();
+    static const char *const keys[] = {"passed", "failed", "skipped"};
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
+        put_integer(counts, keys[k], json_integer_value(json_object_get(suite, keys[k])));
+    put(app->result, "suite", counts);
+    print_line(app, "  the test suite%s: %lld passed, %lld failed, %lld were skipped", failed ? " FAILED" : "",
+               (long long)json_integer_value(json_object_get(suite, "passed")), (long long)failed,
+               (long long)json_integer_value(json_object_get(suite, "skipped")));
+    json_decref(suite);
+    return status;
+}
+
+ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
+{
+    const char *folder = NULL;
+    const operand operands[] = {{"BUNDLE", &folder, "which bundle?"}, {NULL, NULL, NULL}};
+    const char *const by_default = app->backend;
+    bool rerun = false;
+    user_files own = USER_FILES_DEFAULT;
+    signature_args signatures = {.authority = NULL};
+    const option options[] = {
+        {.name = "trust", .kind = OPTION_LIST, .out = &signatures.trust, .value = "KEYS",
+         .help = "verify the signatures by these public keys: a PEM\nfile, or a folder of *.pem; may repeat"},
+        {.name = "timestamp-ca", .kind = OPTION_TEXT, .out = &signatures.authority, .value = "FILE",
+         .help = "with --trust: certificates (PEM) of the time-stamping\nauthority; each signature must have a time stamp"},
+        {.name = "rerun", .kind = OPTION_FLAG, .out = &rerun, .help = "make the cases again on the reference here, and compare"},
+        USER_FILES(own, "for --rerun: a CT that the bundle's cases user/1 and on were made of; may repeat", "a mesh of them; may repeat", "a path of them; may repeat"),
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "BUNDLE [--trust KEYS] [--rerun [--backend BACKEND]] [options]",
+        .about = "Checks a bundle that osteon validate wrote, without network, device or the\n"
+                 "machine that wrote it:\n"
+                 "  files      each is the one in the manifest, none is more or less, none is a\n"
+                 "             link, a pipe or too large; the log's chain and lines\n"
+                 "  plan       protocol and cases are what tier, seed and options give\n"
+                 "  verdicts   each follows from the digests of what the reference and the\n"
+                 "             backend made\n"
+                 "  derived    results, tables, requirements, bill of materials and report\n"
+                 "             follow from the other files\n"
+                 "  digests    with --rerun: the cases are made again here, on the reference and\n"
+                 "             on the backend of --backend, when it is given\n"
+                 "  signatures with --trust: each (osteon sign) is by one of these keys, and there\n"
+                 "             is one; without, signatures are not verified\n"
+                 "Cases of somebody's own files are made again from those files, known by their\n"
+                 "SHA-256 in whatever order given.\n"
+                 "Exit status 1: the bundle is not what was written.  2: a file is missing or\n"
+                 "cannot be read, so that there is no verdict.",
+        .operands = operands,
+        .options = options,
+        .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun\n  osteon verify bundle --trust reviewers.pem",
+    };
+    ost_status status;
+    struct stat info;
+    json_t *summary;
+    int found = 0;
+    if (!options_parse(app, &usage, argc, argv, &status, err))
+        return status;
+    const char *const backend = app->backend != by_default ? app->backend : NULL;
+    if (!rerun && user_files_given(&own))
+        return usage_error(app, err, "--ct, --tool and --path are for --rerun");
+    if (signatures.authority && !signatures.trust.count)
+        return usage_error(app, err, "--timestamp-ca is for --trust");
+    if (!rerun && backend)
+        return usage_error(app, err, "--backend is for --rerun");
+    if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
+        return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
+    listing l = {.app = app, .problems = json_array()};
+    status = check_bundle(folder, list_problem, &l, &found, &summary, err);
+    if (status == OST_OK)
+        status = check_signatures(app, &signatures, folder, &l, &found, err);
+    if (status == OST_OK && rerun && found == 0) {
+        status = rerun_all(app, &own, backend, folder, &l, &found, err);
+    }
+    put(app->result, "problems", l.problems);
+    if (status != OST_OK) {
+        json_decref(summary);
+        return status;
+    }
+    put_bool(app->result, "rerun", rerun);
+    if (backend)
+        put_text(app->result, "rerun_on", backend);
+    put_bool(app->result, "valid", found == 0);
+    put_text(app->result, "bundle", folder);
+    if (summary)
+        json_object_update_missing(app->result, summary);
+    if (found == 0)
+        print_line(app, "%s: valid%s; it says %s, %lld case%s%s%s", folder, !rerun ? "" : backend ? ", and the reference and the backend give the same here" : ", and the reference gives the same here", json_string_value(json_object_get(summary, "verdict")),
+                   (long long)json_integer_value(json_object_get(summary, "cases")), json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
+                   json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)", about_signatures(app, &signatures));
+    if (found == 0)
+        status = print_suite(app, folder, err);
+    json_decref(summary);
+    if (status != OST_OK)
+        return status;
+    if (l.absent)
+        return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s: an incomplete bundle cannot be verified", folder, l.first,
+                        found > 1 ? ", and there are more problems" : "");
+    return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written", folder, found, found == 1 ? "" : "s");
+}

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The user's own files as cases of a campaign: each CT, with all tools and paths, is one case;
+ * tools without a CT are one case.
+ *
+ *   --ct, --tool, --path  --user_files_read--> user_store (integers), record
+ *   record, the files again --user_files_again--> user_store          osteon verify --rerun
+ *
+ * All files are read and checked before anything runs. The record in the bundle contains the size
+ * and SHA-256 of each file but never its name, the options with which it was read, and the results
+ * of reading.
+ */
+#ifndef OST_APP_VALIDATE_USER_FILES_H
+#define OST_APP_VALIDATE_USER_FILES_H
+
+#include "app/input/load.h"
+#include "app/input/ream_path.h"
+#include "validation/user_store.h"
+
+typedef struct user_files {
+    option_list cts, tools, paths;
+    ct_options ct;
+    tool_options how;
+    target_options target;
+    option_decimal rate;
+    int sweep; /* index in "off|on" */
+} user_files;
+
+#define USER_FILES_DEFAULT {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1}
+
+/* Rows for a verb's table of options: the files. */
+#define USER_FILES(u, about_ct, about_tool, about_path)                                                \
+    {.name = "ct", .kind = OPTION_LIST, .out = &(u).cts, .value = "FILE", .help = about_ct},           \
+    {.name = "tool", .kind = OPTION_LIST, .out = &(u).tools, .value = "FILE", .help = about_tool},     \
+    {.name = "path", .kind = OPTION_LIST, .out = &(u).paths, .value = "FILE", .help = about_path}
+
+/* Rows for the options by which they are read, as in import, voxelize and ream. */
+#define USER_FILES_HOW(u)                                                                                                             \
+    CT_OPTIONS((u).ct), TOOL_OPTIONS((u).how),                                                                                        \
+    {.name = "at", .kind = OPTION_POINT, .out = &(u).target.at, .given = &(u).target.at_given, .value = "X,Y,Z",                      \
+     .help = "centre of the glenoid's face, for built-in paths"},                                                                     \
+    {.name = "axis", .kind = OPTION_VECTOR, .out = (u).target.axis, .given = &(u).target.axis_given, .value = "X,Y,Z",                \
+     .help = "direction into the bone there"},                                                                                        \
+    {.name = "side", .kind = OPTION_CHOICE, .out = &(u).target.side, .given = &(u).target.side_given, .value = "left|right",          \
+     .help = "of the body (default: the file's, else the axis determines it)"},                                                                        \
+    {.name = "rate", .kind = OPTION_DECIMAL, .out = &(u).rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"}, \
+    {.name = "sweep", .kind = OPTION_CHOICE, .out = &(u).sweep, .value = "off|on", .help = "fill in between two ticks (default: on)"}
+
+bool user_files_given(const user_files *u);
+
+/* Returns those options of USER_FILES_HOW that are on a command line, in the table's order:
+   ["--cubic=0.5", ...]. Owned by the caller. */
+json_t *user_files_how(int argc, char **argv);
+
+/* Reads the files. how: as returned by user_files_how. *store and *record are owned by the caller. */
+ost_status user_files_read(const app_state *app, const user_files *u, json_t *how, user_store **store, json_t **record, ost_error *err);
+
+/* Reads the files of a verb's command line; *store and *record are NULL if there are none. */
+ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store, json_t **record, ost_error *err);
+
+/* Finds the files of a bundle's record among the given ones, by size and digest, and reads them
+   with the same options. *again: their new record. */
+ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store, json_t **again, ost_error *err);
+
+#endif

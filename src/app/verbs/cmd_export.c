@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon export: writes a bone for other programs or as a picture.
+ *
+ *   .nrrd .nii .nii.gz .txt   the voxels
+ *   .stl .ply                 the surface, closed
+ *   .png                      slices, or a view of the surface
+ *
+ * It also writes a session as a table, .csv, as MCAP, .mcap, or as HDF5, .h5.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "app/film/frame_size.h"
+#include "app/input/load.h"
+#include "app/common/progress.h"
+#include "app/common/result.h"
+#include "app/common/print.h"
+#include "app/replay/session_info.h"
+#include "app/picture/view.h"
+#include "io/surface.h"
+
+typedef struct export_args {
+    const char *bone, *out, *before;
+    bool slices, compress, voxels;
+    view_options view;
+    int64_t threshold, decimals;
+    bool threshold_given;
+    target_options target;
+} export_args;
+
+static ost_status export_surface(const app_state *app, const export_args *args, const loaded_volume *in, ost_error *err)
+{
+    ost_mesh mesh = {0};
+    ost_pm3 lo, hi;
+    /* Below its threshold a bone holds zeros instead of densities, so there is nothing to interpolate. */
+    ost_surface_placement placement = in->kind == LOAD_CT ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
+    ost_status status = ost_surface_extract(&in->volume, in->threshold, placement, &mesh, err);
+    if (status != OST_OK)
+        ost_fail_context(err, "%s", args->bone);
+    if (status == OST_OK)
+        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
+    if (status == OST_OK)
+        status = ends_with(args->out, "ply") ? ost_mesh_write_ply(args->out, &mesh, err) : ost_mesh_write_stl(args->out, &mesh, err);
+    if (status == OST_OK) {
+        char n[FORMAT_TEXT];
+        double volume = ost_mesh_volume_mm3(&mesh);
+        put_integer(app->result, "triangles", (int64_t)mesh.triangle_count);
+        put_integer(app->result, "vertices", (int64_t)mesh.vertex_count);
+        put_real(app->result, "volume_mm3", volume);
+        put(app->result, "bounds_mm", json_pack("[[f,f,f],[f,f,f]]", ost_pm_to_mm(lo.x), ost_pm_to_mm(lo.y), ost_pm_to_mm(lo.z),
+                                                ost_pm_to_mm(hi.x), ost_pm_to_mm(hi.y), ost_pm_to_mm(hi.z)));
+        print_line(app, "%s: a closed surface of %s triangles, %.4g mm3, millimetres", args->out, format_count(n, (int64_t)mesh.triangle_count), volume);
+    }
+    ost_mesh_free(&mesh);
+    return status;
+}
+
+/* Computes the indices of the voxel that contains --at; -1 on each axis (the middle) if --at is not given. */
+static ost_status voxel_at(const app_state *app, const export_args *args, const ost_geometry *g, int32_t at[3], ost_error *err)
+{
+    at[0] = at[1] = at[2] = -1;
+    if (!args->target.at_given)
+        return OST_OK;
+    const ost_pm p[3] = {args->target.at.x - g->origin.x, args->target.at.y - g->origin.y, args->target.at.z - g->origin.z};
+    const ost_pm s[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
+    for (int a = 0; a < 3; a++) {
+        int64_t v = (int64_t)floor((double)p[a] / (double)s[a] + 0.5);
+        if (v < 0 || v >= n[a]) {
+            char text[FORMAT_TEXT];
+            return usage_error(app, err, "--at %s lies outside the grid of %s", format_point(text, args->target.at), args->bone);
+        }
+        at[a] = (int32_t)v;
+    }
+    return OST_OK;
+}
+
+static ost_status draw_view(const app_state *app, const export_args *args, loaded_volume *in, loaded_volume *before, ost_picture *out,
+                            ost_error *err)
+{
+    ost_glenoid glenoid;
+    ost_view_subject subject;
+    ost_view_options options = {.width = 800, .height = 800, .threads = (int)app->threads, .tool = in->kind == LOAD_TOOL,
+                                .unoriented = !view_oriented(&in->volume.meta)};
+    double right[3], back[3];
+    ost_status status = args->view.size ? frame_size(app, args->view.size, &options.width, &options.height, err) : OST_OK;
+    if (status == OST_OK)
+        status = loaded_to_bone(app, args->bone, in, err);
+    if (status == OST_OK && args->before)
+        status = loaded_to_bone(app, args->before, before, err);
+    if (status == OST_OK)
+        status = view_subject(app, &args->view, &args->target, &in->volume.meta, &in->volume.geometry, args->bone, &glenoid, &subject, err);
+    if (status != OST_OK)
+        return status;
+    view_fit(&args->target, args->before ? &before->volume : &in->volume, in->threshold, &subject);
+    const ost_orbit orbit = view_orbit(&args->view, &subject, NULL);
+    ost_orbit_frame(&orbit, right, options.up, back);
+    for (int a = 0; a < 3; a++)
+        options.direction[a] = -back[a];
+    memcpy(options.centre_mm, orbit.at, sizeof options.centre_mm);
+    options.extent_mm = orbit.distance / OST_VIEW_FOCAL;
+    options.threshold = in->threshold;
+    return ost_picture_view(&in->volume, args->before ? &before->volume : NULL, &options, out, err);
+}
+
+static ost_status draw_slices(const app_state *app, const export_args *args, const loaded_volume *in, const ost_volume *before, ost_picture *out,
+                              ost_error *err)
+{
+    ost_slices_options options = {.threshold = in->threshold, .unoriented = in->kind == LOAD_TOOL || !view_oriented(&in->volume.meta)};
+    int height = 0;
+    ost_status status = voxel_at(app, args, &in->volume.geometry, options.at, err);
+    if (status == OST_OK && args->view.size)
+        status = frame_size(app, args->view.size, &options.pixels, &height, err);
+    if (status == OST_OK && height != options.pixels)
+        return usage_error(app, err, "--size %s: slices have one size: that of the longest side, in pixels", args->view.size);
+    if (in->kind == LOAD_TOOL) {
+        options.level = 1;
+        options.width = 3;
+    }
+    return status == OST_OK ? ost_picture_slices(&in->volume, before, &options, out, err) : status;
+}
+
+static ost_status export_picture(const app_state *app, const export_args *args, loaded_volume *in, ost_error *err)
+{
+    loaded_volume before = {0};
+    ost_picture picture = {0};
+    ost_status status = OST_OK;
+    if (args->before) {
+        status = load_volume(app, args->before, &before, err);
+        if (status == OST_OK && !ost_geometry_equal(&before.volume.geometry, &in->volume.geometry))
+            status = ost_fail(err, OST_ERR_INPUT, "%s and %s have other dims, spacing or origin", args->before, args->bone);
+    }
+    if (status == OST_OK && args->view.view_given)
+        status = draw_view(app, args, in, &before, &picture, err);
+    else if (status == OST_OK)
+        status = draw_slices(app, args, in, args->before ? &before.volume : NULL, &picture, err);
+    if (status == OST_OK)
+        status = ost_picture_write_png(args->out, &picture, err);
+    if (status == OST_OK) {
+        put_integer(app->result, "width", picture.width);
+        put_integer(app->result, "height", picture.height);
+        print_line(app, "%s: a picture of %d x %d pixels", args->out, picture.width, picture.height);
+    }
+    ost_picture_free(&picture);
+    ost_volume_free(&before.volume);
+    return status;
+}
+
+static ost_status export_volume(const app_state *app, const export_args *args, const loaded_volume *in, ost_error *err)
+{
+    if (in->kind == LOAD_TOOL)
+        return usage_error(app, err, "%s is a tool: it can be exported as .stl, .ply or .png", args->bone);
+    const ost_write_options write = {.compress = args->compress, .text_decimals = (int)args->decimals};
+    ost_status status = ost_volume_write(args->out, &in->volume, &write, err);
+    if (status == OST_OK) {
+        char d[FORMAT_TEXT], s[FORMAT_TEXT];
+        print_line(app, "%s: %s voxels of %s", args->out, format_dims(d, in->volume.geometry.dims), format_spacing(s, in->volume.geometry.spacing));
+    }
+    return status;
+}
+
+static ost_status check_args(app_state *app, const export_args *args, ost_error *err)
+{
+    bool png = ends_with(args->out, "png");
+    if (!png && (args->slices || args->view.view_given || args->before || args->view.size || args->target.at_given))
+        return usage_error(app, err, "--slices, --view, --before, --at and --size are for .png, not for %s", args->out);
+    if (args->slices && args->view.view_given)
+        return usage_error(app, err, "--slices or --view, not both");
+    if (args->decimals && !ends_with(args->out, "txt"))
+        return usage_error(app, err, "--decimals is for .txt, not for %s", args->out);
+    if (args->voxels && !ends_with(args->out, "h5") && !ends_with(args->out, "hdf5"))
+        return usage_error(app, err, "--voxels is for .h5, not for %s", args->out);
+    return out_check(app, args->out, "nrrd|nii|nii.gz|txt|stl|ply|png|csv|mcap|h5|hdf5", err);
+}
+
+ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
+{
+    export_args args = {0};
+    target_options *t = &args.target;
+    const operand operands[] = {{"BONE", &args.bone, "which bone?"}, {0}};
+    const option options[] = {
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
+         .help = "voxels: .nrrd, .nii, .nii.gz, .txt; surface: .stl, .ply;\npicture: .png; a session: .csv, .mcap, .h5"},
+        {.name = "threshold", .kind = OPTION_INTEGER, .out = &args.threshold, .given = &args.threshold_given, .value = "HU", .min = 1, .max = 32767,
+         .help = "bone at this density or more (default: the bone's own, else 120)"},
+        {.name = "slices", .kind = OPTION_FLAG, .out = &args.slices, .help = ".png: axial, coronal and sagittal slice (default)"},
+        VIEW_OPTION(args.view, ".png: the surface as osteon render draws it, in this direction"),
+        VIEW_EXTENT_OPTION(args.view),
+        {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE", .help = ".png: the bone before removal: colour what was removed since then"},
+        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z", .help = ".png: slices through, or view of, this point"},
+        {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
+         .help = "direction into the bone there (default: the file's)"},
+        {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
+         .help = "of the body (default: the file's, else the axis determines it)"},
+        {.name = "size", .kind = OPTION_TEXT, .out = &args.view.size, .value = "WxH",
+         .help = ".png: of a view in pixels (default: 800x800), or one number, the longest\nside of a slice (default: 480)"},
+        {.name = "decimals", .kind = OPTION_INTEGER, .out = &args.decimals, .value = "N", .min = 1, .max = 9,
+         .help = "digits after the point in a .txt (default: as many as it takes)"},
+        {.name = "voxels", .kind = OPTION_FLAG, .out = &args.voxels,
+         .help = "a session to .h5: also which voxels went, by doing it again"},
+        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "BONE --out FILE [options]",
+        .about = "Writes a bone for other programs or for the eye: its voxels, its surface or a\n"
+                 "picture, by the name of FILE. BONE may be a CT or a tool grid as well; a session\n"
+                 "becomes a table, or messages and arrays for other programs.",
+        .operands = operands,
+        .options = options,
+        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A text is\n"
+                 "taken as the bone that osteon import makes of it.",
+        .example = "  osteon export reamed.nrrd --out reamed.stl\n"
+                   "  osteon export reamed.nrrd --before scapula.nrrd --view en-face --out reamed.png\n"
+                   "  osteon export today.session --out today.mcap",
+    };
+    ost_status status;
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = check_args(app, &args, err)) != OST_OK)
+        return status;
+    ost_digest file;
+    if (ends_with(args.out, "csv") || ends_with(args.out, "mcap") || ends_with(args.out, "h5") || ends_with(args.out, "hdf5")) {
+        status = export_session(app, args.bone, args.out, args.voxels, err);
+        if (status == OST_OK && (status = file_digest(args.out, &file, err)) == OST_OK)
+            put_digest(app->result, "file_sha256", &file);
+        return status;
+    }
+    loaded_volume in;
+    status = load_volume(app, args.bone, &in, err);
+    if (status == OST_OK) {
+        if (args.threshold_given)
+            in.threshold = (int32_t)args.threshold;
+        put_text(app->result, "in", args.bone);
+        put_text(app->result, "out", args.out);
+        put_dims(app->result, "dims", in.volume.geometry.dims);
+        put_mm3(app->result, "spacing_mm", in.volume.geometry.spacing);
+        if (ends_with(args.out, "stl") || ends_with(args.out, "ply"))
+            status = export_surface(app, &args, &in, err);
+        else if (ends_with(args.out, "png"))
+            status = export_picture(app, &args, &in, err);
+        else
+            status = export_volume(app, &args, &in, err);
+    }
+    if (status == OST_OK && (status = file_digest(args.out, &file, err)) == OST_OK)
+        put_digest(app->result, "file_sha256", &file);
+    ost_volume_free(&in.volume);
+    return status;
+}

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon import: makes a bone of cubic voxels from a CT (thesis, Algs. 2.2 - 2.6).
+ */
+#include "app/common/backend_choice.h"
+#include "app/input/load.h"
+#include "app/input/patient.h"
+#include "app/common/progress.h"
+#include "app/common/result.h"
+#include "app/common/print.h"
+
+static const char *kind_text(ost_file_kind kind)
+{
+    switch (kind) {
+    case OST_FILE_CT_TEXT: return "text";
+    case OST_FILE_NRRD: return "NRRD";
+    case OST_FILE_NIFTI: return "NIfTI";
+    case OST_FILE_MESH: return "mesh";
+    case OST_FILE_PATH_CSV: return "path";
+    case OST_FILE_SESSION: return "session";
+    case OST_FILE_UNKNOWN: break;
+    }
+    return "built in";
+}
+
+/*
+ * Warns if a grid is too small or too large for a patient's bone, as the mesh reader does, and
+ * names the units that would make its size plausible. A micro-CT may really be that small; a
+ * phantom is marked in its header and never warned about.
+ */
+static void warn_size(const app_state *app, const char *name, const ost_import_result *r)
+{
+    const ost_geometry *g = &r->rect;
+    const double size[3] = {g->dims.x * ost_pm_to_mm(g->spacing.x), g->dims.y * ost_pm_to_mm(g->spacing.y), g->dims.z * ost_pm_to_mm(g->spacing.z)};
+    double largest = size[0] > size[1] ? size[0] : size[1];
+    char text[LOAD_UNITS_TEXT];
+    largest = largest > size[2] ? largest : size[2];
+    if ((largest >= 20 && largest <= 3000) || ost_meta_get(&r->meta, "phantom"))
+        return;
+    warn(app, "%s: the CT is %.3g mm across, too %s for a patient's bone%s", name, largest, largest < 20 ? "small" : "large",
+         load_other_units(text, largest));
+}
+
+static void put_result(const app_state *app, const ost_import_result *r, const ost_bone_info *info)
+{
+    json_t *o = app->result;
+    put_text(o, "format", kind_text(r->kind));
+    put_dims(o, "rect_dims", r->rect.dims);
+    put_mm3(o, "rect_spacing_mm", r->rect.spacing);
+    put(o, "spacing_inferred", json_pack("[b,b,b]", r->spacing_inferred[0], r->spacing_inferred[1], r->spacing_inferred[2]));
+    put_dims(o, "cubic_dims", r->cubic.dims);
+    put_mm(o, "cubic_spacing_mm", r->cubic.spacing.x);
+    put_mm3(o, "origin_mm", r->cubic.origin);
+    put_text(o, "resample", ost_resample_name(r->resample));
+    put_integer(o, "threshold", info->threshold);
+    put_integer(o, "chunk", info->chunk_size);
+    put_dims(o, "chunk_dims", info->chunk_dims);
+    put_integer(o, "chunks", info->chunks);
+    put_integer(o, "active_chunks", info->active_chunks);
+    put_integer(o, "active_voxels", info->active_voxels);
+    put_integer(o, "chunk_bytes", info->chunk_bytes);
+    if (r->kind == OST_FILE_CT_TEXT) {
+        put_integer(o, "samples", (int64_t)r->scatter.samples);
+        put_integer(o, "duplicates", (int64_t)r->scatter.duplicates);
+        put_integer(o, "off_lattice", (int64_t)r->scatter.off_lattice);
+        put_real(o, "worst_offset_voxels", (double)r->scatter.worst_offset_ppm * 1e-6);
+        put_integer(o, "rounded_positions", (int64_t)r->rounded_positions);
+    } else {
+        put_text(o, "element_type", r->volume.type);
+        put_text(o, "encoding", r->volume.encoding);
+        put_text(o, "orientation", r->volume.orientation);
+        put_bool(o, "orientation_assumed", r->volume.assumed);
+        put_bool(o, "reoriented", r->volume.reoriented);
+        put_bool(o, "resampled", r->volume.resampled);
+        put_bool(o, "labels", r->volume.labels);
+        put_integer(o, "rounded_values", (int64_t)r->volume.rounded_values);
+        put_integer(o, "clamped_values", (int64_t)r->volume.clamped_values);
+    }
+    json_t *stages = json_array();
+    for (int i = 0; i < r->stage_count; i++) {
+        json_t *stage = json_object();
+        put_text(stage, "name", r->stages[i].name);
+        put_real(stage, "time_ms", r->stages[i].time_ms);
+        if (r->stages[i].has_digest)
+            put_digest(stage, "sha256", &r->stages[i].digest);
+        append(stages, stage);
+    }
+    put(o, "stages", stages);
+    put_meta(o, "meta", &r->meta);
+}
+
+static void print_result(const app_state *app, const char *ct, const char *out, const ost_import_result *r, const ost_bone_info *info)
+{
+    char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT], d[FORMAT_TEXT];
+    bool found = r->spacing_inferred[0] || r->spacing_inferred[1] || r->spacing_inferred[2];
+    print_line(app, "%s: %s, %s voxels at %s%s%s", ct, kind_text(r->kind), format_dims(a, r->rect.dims), format_spacing(b, r->rect.spacing),
+               found ? " (spacing found from the positions)" : "", r->volume.reoriented ? " (axes turned to LPS)" : "");
+    print_line(app, "%s: %s cubic voxels of %s, %s of them bone (%d HU or more)", out, format_dims(a, r->cubic.dims), format_spacing(b, r->cubic.spacing),
+               format_count(c, info->active_voxels), info->threshold);
+    print_line(app, "  %s chunks of %d^3, %s of %s in use, %s", format_dims(a, info->chunk_dims), info->chunk_size, format_count(b, info->active_chunks),
+               format_count(c, info->chunks), format_bytes(d, info->chunk_bytes));
+    for (int i = 0; i < r->stage_count; i++)
+        print_line(app, "  %-8s %9s", r->stages[i].name, format_time(a, r->stages[i].time_ms));
+}
+
+ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
+{
+    const char *name = NULL, *out = NULL;
+    ct_options ct = CT_OPTIONS_DEFAULT;
+    patient_options patient = {.landmarks = NULL};
+    bool compress = false;
+    const operand operands[] = {{"CT", &name, "which CT?"}, {0}};
+    const option options[] = {
+        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+         .help = "the bone: .nrrd, or .nii, .nii.gz, .txt"},
+        PATIENT_OPTIONS(patient),
+        CT_OPTIONS(ct),
+        {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "gzip a .nrrd"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "CT --out BONE.nrrd [options]",
+        .about = "Turns a CT into a bone: cubic voxels, and only what is dense enough to be bone.\n"
+                 "CT is a text of lines \"x y z density\", an NRRD or a NIfTI.",
+        .operands = operands,
+        .options = options,
+        .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"
+                 "patient's left, back and head (LPS); a text is taken as it stands. A text's\n"
+                 "positions are voxel centres and may stand in any order.",
+        .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
+                   "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
+                   "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
+    };
+    ost_status status;
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = out_check(app, out, "nrrd|nii|nii.gz|txt", err)) != OST_OK)
+        return status;
+
+    ost_backend *backend = NULL;
+    ost_bone *bone = NULL;
+    ost_import_result result = {0};
+    ost_bone_info info;
+    ost_digest file;
+    const ost_write_options write = {.compress = compress};
+    status = backend_choose(app, &backend, err);
+    if (status == OST_OK)
+        status = load_bone(app, backend, name, &ct, true, &bone, &result, err);
+    if (status == OST_OK)
+        status = patient_take(app, &patient, name, &result.cubic, &result.meta, err);
+    if (status == OST_OK)
+        status = ost_bone_info_get(bone, &info, err);
+    if (status == OST_OK)
+        status = ost_bone_write(out, bone, &result.meta, &write, err);
+    if (status == OST_OK && info.active_voxels == 0)
+        warn(app, "%s: no voxel has %d HU or more; the bone is empty", name, info.threshold);
+    if (status == OST_OK && (status = file_digest(out, &file, err)) == OST_OK) {
+        put_text(app->result, "in", name);
+        put_text(app->result, "out", out);
+        put_result(app, &result, &info);
+        put_digest(app->result, "file_sha256", &file);
+        warn_size(app, name, &result);
+        print_result(app, name, out, &result, &info);
+    }
+    ost_bone_free(bone);
+    ost_backend_close(backend);
+    return status;
+}
