@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The world's state. world.c creates it and step.c advances it; a failover (rescue.c) exchanges
+ * The world's state. world.c creates it and step.c advances it; a failover (failover.c) exchanges
  * its bone and tools.
  */
 #ifndef OST_SIM_WORLD_H
@@ -18,7 +18,7 @@ typedef struct ost_world_clock {
     ost_world_totals totals;
 } ost_world_clock;
 
-/* The data from which a failover starts (rescue.c). */
+/* The data from which a failover starts (failover.c). */
 typedef struct ost_world_saved {
     int16_t *voxels; /* owned; the bone's voxels before the first of `ticks` */
     uint8_t *tools[OST_WORLD_TOOLS_MAX]; /* owned; classes of each tool's voxels */
@@ -48,7 +48,7 @@ struct ost_world {
     ost_report report;    /* owned; report of the last event */
 };
 
-/* ---------------------------------------------------------------- rescue.c */
+/* -------------------------------------------------------------- failover.c */
 
 /* Without saved_ticks these functions do nothing. */
 ost_status ost_world_saved_make(ost_world *world, ost_error *err);

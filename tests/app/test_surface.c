@@ -9,7 +9,7 @@
 #include <osteon/grid.h>
 #include <osteon/mesh.h>
 
-#include "io/surface.h"
+#include "mesh/surface.h"
 
 static ost_volume volume_of(int32_t x, int32_t y, int32_t z)
 {

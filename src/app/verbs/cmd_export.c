@@ -11,14 +11,15 @@
 #include <math.h>
 #include <string.h>
 
-#include "app/film/frame_size.h"
-#include "app/input/load.h"
+#include "app/common/print.h"
 #include "app/common/progress.h"
 #include "app/common/result.h"
-#include "app/common/print.h"
-#include "app/replay/session_info.h"
+#include "app/film/frame_size.h"
+#include "app/input/load.h"
 #include "app/picture/view.h"
-#include "io/surface.h"
+#include "app/replay/session_info.h"
+#include "io/mesh/write_ply.h"
+#include "mesh/surface.h"
 
 typedef struct export_args {
     const char *bone, *out, *before;

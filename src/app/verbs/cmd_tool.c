@@ -4,10 +4,11 @@
  */
 #include <string.h>
 
-#include "app/input/load.h"
-#include "app/common/result.h"
 #include "app/common/print.h"
-#include "io/surface.h"
+#include "app/common/result.h"
+#include "app/input/load.h"
+#include "io/mesh/write_ply.h"
+#include "mesh/surface.h"
 
 static ost_status find_kind(const app_state *app, const char *name, ost_tool_kind *out, ost_error *err)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "io/surface.h"
+#include "mesh/surface.h"
 
 #include <stdlib.h>
 #include <string.h>

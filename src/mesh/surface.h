@@ -20,8 +20,8 @@
  * A vertex never leaves its lattice edge, so it is at most half a voxel from the
  * border between its two voxels.
  */
-#ifndef OST_IO_SURFACE_H
-#define OST_IO_SURFACE_H
+#ifndef OST_MESH_SURFACE_H
+#define OST_MESH_SURFACE_H
 
 #include <osteon/grid.h>
 #include <osteon/mesh.h>
@@ -36,8 +36,5 @@ typedef enum ost_surface_placement {
  * frame. Returns OST_ERR_INPUT if no voxel is solid, OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX triangles.
  */
 ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement position, ost_mesh *out, ost_error *err);
-
-/* Writes a binary little-endian PLY with vertices as float32 in millimetres. */
-ost_status ost_mesh_write_ply(const char *path, const ost_mesh *mesh, ost_error *err);
 
 #endif

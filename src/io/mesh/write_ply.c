@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "io/surface.h"
+#include "io/mesh/write_ply.h"
 
 #include <string.h>
 

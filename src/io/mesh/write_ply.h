@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef OST_IO_MESH_WRITE_PLY_H
+#define OST_IO_MESH_WRITE_PLY_H
+
+#include <osteon/mesh.h>
+
+/* Writes a binary little-endian PLY with vertices as float32 in millimetres. */
+ost_status ost_mesh_write_ply(const char *path, const ost_mesh *mesh, ost_error *err);
+
+#endif
