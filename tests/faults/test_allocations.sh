@@ -41,6 +41,7 @@ done
 for kind in nrrd nii.gz txt stl ply png; do
     walk_over -- export "$in/bone.nrrd" --out o.$kind
 done
+walk_over -- export "$in/reamed.nrrd" --before "$in/bone.nrrd" --view en-face --size 200 --threads 2 --out o.png
 for file in ct.txt ct.nii.gz bone.nrrd reamer.nrrd peg.ply today.session; do
     walk_over -- info "$in/$file" --digest --json
 done
