@@ -13,6 +13,7 @@ OUTSIDE = {
     "src/core/file.h": "reading files",
     "src/core/length.c": "lengths of text files",
     "src/core/memory_stream.c": "streams into memory of texts",
+    "src/core/memory_stream.h": "streams into memory of texts",
     "src/core/mesh_facts.c": "volume and open edges of a mesh",
     "src/core/meta.c": "facts that travel with a grid",
     "src/core/motor.c": "the motor of the simulator's tools",
