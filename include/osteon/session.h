@@ -136,29 +136,6 @@ OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost
 /* Writes a table for other programs, one line per tick: the columns of a path, then all others (docs/session.md). */
 OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, ost_error *err);
 
-/* Writes poses, ticks, forces and notes as MCAP, for Foxglove and other programs. */
-OST_API ost_status ost_session_write_mcap(ost_session *session, const char *out, ost_error *err);
-/*
- * The removed voxels, in groups of voxels that were removed at the same time. A session contains only their number; a
- * replay finds the voxels.
- */
-typedef struct ost_session_voxel {
-    int32_t at[3];
-    uint32_t group; /* ascending */
-    int16_t density;
-} ost_session_voxel;
-typedef struct ost_session_voxels {
-    size_t groups, count;
-    double *t_s; /* time of each group, in seconds */
-    ost_session_voxel *voxels;
-} ost_session_voxels;
-
-/*
- * Writes HDF5 in the layout of volumetric_drilling's recordings, version 3, without pictures. voxels may be NULL if
- * they are not known.
- */
-OST_API ost_status ost_session_write_hdf5(ost_session *session, const char *out, const ost_session_voxels *voxels, ost_error *err);
-
 /* -------------------------------------------------------------- recording */
 
 /*

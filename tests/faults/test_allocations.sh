@@ -35,9 +35,7 @@ walk_over --loose .session -- sim --headless --device script --no-clock --no-pin
 walk_over -- diff "$in/bone.nrrd" "$in/reamed.nrrd" --json
 walk_over -- diff "$in/bone.nrrd" "$in/reamed.nrrd" --html o.html
 walk_over -- render "$in/bone.nrrd" --tool "$in/reamer.nrrd" --size 64x48 --out o.png
-for kind in mcap csv h5; do
-    walk_over -- export "$in/today.session" --out o.$kind
-done
+walk_over -- export "$in/today.session" --out o.csv
 for kind in nrrd nii.gz txt stl ply png; do
     walk_over -- export "$in/bone.nrrd" --out o.$kind
 done

@@ -35,8 +35,6 @@ static void export_all(ost_session *session)
     ost_error err = {0};
     snprintf(out, sizeof out, "%s/out", fuzz_folder());
     fuzz_require(ost_session_write_csv(session, out, &err) == OST_OK);
-    fuzz_require(ost_session_write_mcap(session, out, &err) == OST_OK);
-    fuzz_require(ost_session_write_hdf5(session, out, NULL, &err) == OST_OK);
 }
 
 static void repair(ost_session *session, uint64_t records)

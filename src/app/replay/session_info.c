@@ -4,7 +4,6 @@
 #include "app/input/load.h"
 #include "app/common/result.h"
 #include "app/common/print.h"
-#include "app/replay/session_voxels.h"
 
 void put_session_summary(const app_state *app, const char *name, const ost_session *session)
 {
@@ -65,9 +64,8 @@ ost_status info_session(const app_state *app, const char *name, const char *repa
     return status;
 }
 
-ost_status export_session(const app_state *app, const char *name, const char *out, bool voxels, ost_error *err)
+ost_status export_session(const app_state *app, const char *name, const char *out, ost_error *err)
 {
-    session_voxels found = {.capacity = 0};
     ost_session *session;
     ost_status status = ost_session_open(name, &session, err);
     if (status != OST_OK)
@@ -76,18 +74,9 @@ ost_status export_session(const app_state *app, const char *name, const char *ou
     put_text(app->result, "in", name);
     put_text(app->result, "out", out);
     put_session_summary(app, name, session);
-    const bool mcap = ends_with(out, "mcap"), table = ends_with(out, "csv");
-    if (voxels)
-        status = session_voxels_take(app, session, name, &found, err);
-    if (status == OST_OK && !mcap && !table)
-        status = ost_session_write_hdf5(session, out, voxels ? &found.list : NULL, err);
-    else if (status == OST_OK)
-        status = (mcap ? ost_session_write_mcap : ost_session_write_csv)(session, out, err);
-    if (status == OST_OK && voxels)
-        put_integer(app->result, "removed_voxels", (int64_t)found.list.count);
-    session_voxels_free(&found);
+    status = ost_session_write_csv(session, out, err);
     if (status == OST_OK)
-        print_line(app, "%s: %s of %s ticks", out, mcap ? "MCAP" : table ? "a table" : "HDF5", format_count(a, (int64_t)ost_session_summary_of(session)->ticks));
+        print_line(app, "%s: a table of %s ticks", out, format_count(a, (int64_t)ost_session_summary_of(session)->ticks));
     ost_session_close(session);
     return status;
 }

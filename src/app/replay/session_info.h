@@ -11,9 +11,8 @@
    records, or NULL. */
 ost_status info_session(const app_state *app, const char *name, const char *repaired, ost_error *err);
 
-/* Runs osteon export on a session; out: FILE.csv, .mcap or .h5. With voxels it also exports the
-   removed voxels, found by a replay. */
-ost_status export_session(const app_state *app, const char *name, const char *out, bool voxels, ost_error *err);
+/* Runs osteon export on a session: writes the table out, a .csv. */
+ost_status export_session(const app_state *app, const char *name, const char *out, ost_error *err);
 
 /* Stores and prints the numbers of a session's summary, and warns once if something is missing. */
 void put_session_summary(const app_state *app, const char *name, const ost_session *session);

@@ -6,7 +6,7 @@
  *   .stl .ply                 the surface, closed
  *   .png                      slices, or a view of the surface
  *
- * It also writes a session as a table, .csv, as MCAP, .mcap, or as HDF5, .h5.
+ * It also writes a session as a table, .csv.
  */
 #include <math.h>
 #include <string.h>
@@ -23,7 +23,7 @@
 
 typedef struct export_args {
     const char *bone, *out, *before;
-    bool slices, compress, voxels;
+    bool slices, compress;
     view_options view;
     int64_t threshold, decimals;
     bool threshold_given;
@@ -170,9 +170,9 @@ static ost_status check_args(app_state *app, const export_args *args, ost_error 
         return usage_error(app, err, "--slices or --view, not both");
     if (args->decimals && !ends_with(args->out, "txt"))
         return usage_error(app, err, "--decimals is for .txt, not for %s", args->out);
-    if (args->voxels && !ends_with(args->out, "h5") && !ends_with(args->out, "hdf5"))
-        return usage_error(app, err, "--voxels is for .h5, not for %s", args->out);
-    return out_check(app, args->out, "nrrd|nii|nii.gz|txt|stl|ply|png|csv|mcap|h5|hdf5", err);
+    if (ends_with(args->out, "mcap") || ends_with(args->out, "h5") || ends_with(args->out, "hdf5"))
+        return usage_error(app, err, "%s: osteon does not write this format: export the session to a table, --out FILE.csv", args->out);
+    return out_check(app, args->out, "nrrd|nii|nii.gz|txt|stl|ply|png|csv", err);
 }
 
 ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
@@ -182,7 +182,7 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {{"BONE", &args.bone, "which bone?"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
-         .help = "voxels: .nrrd, .nii, .nii.gz, .txt; surface: .stl, .ply;\npicture: .png; a session: .csv, .mcap, .h5"},
+         .help = "voxels: .nrrd, .nii, .nii.gz, .txt; surface: .stl, .ply;\npicture: .png; a session: .csv"},
         {.name = "threshold", .kind = OPTION_INTEGER, .out = &args.threshold, .given = &args.threshold_given, .value = "HU", .min = 1, .max = 32767,
          .help = "bone at this density or more (default: the bone's own, else 120)"},
         {.name = "slices", .kind = OPTION_FLAG, .out = &args.slices, .help = ".png: axial, coronal and sagittal slice (default)"},
@@ -198,29 +198,27 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
          .help = ".png: of a view in pixels (default: 800x800), or one number, the longest\nside of a slice (default: 480)"},
         {.name = "decimals", .kind = OPTION_INTEGER, .out = &args.decimals, .value = "N", .min = 1, .max = 9,
          .help = "digits after the point in a .txt (default: as many as it takes)"},
-        {.name = "voxels", .kind = OPTION_FLAG, .out = &args.voxels,
-         .help = "a session to .h5: also which voxels went, by doing it again"},
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BONE --out FILE [options]",
         .about = "Writes a bone for other programs or for the eye: its voxels, its surface or a\n"
                  "picture, by the name of FILE. BONE may be a CT or a tool grid as well; a session\n"
-                 "becomes a table, or messages and arrays for other programs.",
+                 "is written as a table with a line for each tick.",
         .operands = operands,
         .options = options,
         .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A text is\n"
                  "taken as the bone that osteon import makes of it.",
         .example = "  osteon export reamed.nrrd --out reamed.stl\n"
                    "  osteon export reamed.nrrd --before scapula.nrrd --view en-face --out reamed.png\n"
-                   "  osteon export today.session --out today.mcap",
+                   "  osteon export today.session --out today.csv",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err) || (status = check_args(app, &args, err)) != OST_OK)
         return status;
     ost_digest file;
-    if (ends_with(args.out, "csv") || ends_with(args.out, "mcap") || ends_with(args.out, "h5") || ends_with(args.out, "hdf5")) {
-        status = export_session(app, args.bone, args.out, args.voxels, err);
+    if (ends_with(args.out, "csv")) {
+        status = export_session(app, args.bone, args.out, err);
         if (status == OST_OK && (status = file_digest(args.out, &file, err)) == OST_OK)
             put_digest(app->result, "file_sha256", &file);
         return status;
