@@ -4,16 +4,13 @@
  *
  * Every call goes through the table that was passed at open.  ost_cl_loader is
  * the system's loader.  A test passes a copy in which some pointers count calls,
- * fail or damage results, and so needs no driver of its own.  The last three
- * functions belong to cl_khr_gl_sharing: loaders export them, but only drivers
- * that report the extension implement them.
+ * fail or damage results, and so needs no driver of its own.
  */
 #ifndef OST_CL_API_H
 #define OST_CL_API_H
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
-#include <CL/cl_gl.h>
 
 /* clang-format off */
 #define OST_CL_FUNCTIONS(X) \
@@ -24,8 +21,7 @@
     X(clCreateKernel) X(clReleaseKernel) X(clSetKernelArg) X(clGetKernelWorkGroupInfo) \
     X(clCreateBuffer) X(clReleaseMemObject) \
     X(clEnqueueReadBuffer) X(clEnqueueWriteBuffer) X(clEnqueueCopyBuffer) X(clEnqueueFillBuffer) \
-    X(clEnqueueNDRangeKernel) X(clFlush) X(clFinish) \
-    X(clCreateFromGLBuffer) X(clEnqueueAcquireGLObjects) X(clEnqueueReleaseGLObjects)
+    X(clEnqueueNDRangeKernel) X(clFlush) X(clFinish)
 /* clang-format on */
 
 typedef struct ost_cl_api {

@@ -3,7 +3,7 @@
  * The function table of the OpenCL backend, and the choice of the device on which
  * it is opened: the first that fits the user's options and passes the checks.
  */
-#include "cl/share.h"
+#include "cl/objects.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,7 +31,7 @@ bool ost_cl_available_with(const ost_cl_api *cl, char *reason, size_t size)
     return found;
 }
 
-static ost_status open_any(const ost_cl_api *cl, const char *text, const ost_cl_gl *gl, ost_backend **out, ost_error *err)
+ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend **out, ost_error *err)
 {
     ost_cl_options options;
     ost_cl_devices devices;
@@ -51,7 +51,7 @@ static ost_status open_any(const ost_cl_api *cl, const char *text, const ost_cl_
         if (!ost_cl_options_match(&options, &devices.list[i]))
             continue;
         ost_error this = {0};
-        status = ost_cl_device_open(cl, &devices.list[i], gl, &options, &backend, &this);
+        status = ost_cl_device_open(cl, &devices.list[i], &options, &backend, &this);
         if (status != OST_OK && !tried) {
             why = this;
             first = status;
@@ -70,16 +70,6 @@ static ost_status open_any(const ost_cl_api *cl, const char *text, const ost_cl_
     return status;
 }
 
-ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend **out, ost_error *err)
-{
-    return open_any(cl, text, NULL, out, err);
-}
-
-ost_status ost_cl_open_shared(const ost_cl_api *cl, const char *text, const ost_cl_gl *gl, ost_backend **out, ost_error *err)
-{
-    return open_any(cl, text, gl, out, err);
-}
-
 ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err)
 {
     const ost_cl_options standard = {.kernels = OST_CL_SET_AUTO};
@@ -95,7 +85,7 @@ ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void
         snprintf(name, sizeof name, d->id ? "%s (driver %s)" : "%s%s", d->name, d->driver);
         cl_backend *backend = NULL;
         ost_error why = {0};
-        ost_status opened = d->reason[0] ? OST_ERR_UNAVAILABLE : ost_cl_device_open(cl, d, NULL, &standard, &backend, &why);
+        ost_status opened = d->reason[0] ? OST_ERR_UNAVAILABLE : ost_cl_device_open(cl, d, &standard, &backend, &why);
         if (opened == OST_OK)
             ost_cl_fingerprint_floats(backend, notes, sizeof notes);
         char *facts = ost_cl_facts(cl, d);
@@ -171,7 +161,7 @@ const ost_backend_ops ost_backend_cl = {
     .bone_create = ost_cl_bone_create,
     .bone_free = ost_cl_bone_free,
     .bone_stats = ost_cl_bone_stats,
-    .bone_upload = ost_cl_held_bone_upload,
+    .bone_upload = ost_cl_bone_upload,
     .bone_download = ost_cl_bone_download,
     .bone_sample = ost_no_sample,
     .bone_occupancy = ost_cl_bone_occupancy,
@@ -180,6 +170,6 @@ const ost_backend_ops ost_backend_cl = {
     .tool_upload = ost_cl_tool_upload,
     .tool_download = ost_cl_tool_download,
     .tool_free = ost_cl_tool_free,
-    .remove = ost_cl_held_remove,
-    .collide = ost_cl_held_collide,
+    .remove = ost_cl_remove,
+    .collide = ost_cl_collide,
 };

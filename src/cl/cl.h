@@ -10,7 +10,6 @@
  *   launch.c          buffers and launches, with errors that name the device
  *   room.c            a pool of large buffers for reuse
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the slots of the function table
- *   share.c           occupancy words in an OpenGL buffer
  *   cl.c              the function table
  *
  * All commands go through one in-order queue, so each call sees the results of
@@ -88,7 +87,6 @@ typedef struct cl_backend {
     ost_backend base;
     const ost_cl_api *cl;
     ost_cl_device device;
-    bool gl;          /* shares buffers with an OpenGL context */
     bool cpu_set;     /* true: the kernel set for CPUs; false: for GPUs */
     size_t workgroup; /* work items per work group; 0: default */
     size_t staging;   /* as in ost_cl_options */
@@ -113,11 +111,9 @@ typedef struct cl_backend {
 
 /* ------------------------------------------------------------- context.c */
 
-/* Opens and checks one device. On failure *out is NULL and err has the reason. gl: the OpenGL context to share with
-   (share.h), or NULL. */
-struct ost_cl_gl;
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const struct ost_cl_gl *gl, const ost_cl_options *options,
-                              cl_backend **out, ost_error *err);
+/* Opens and checks one device. On failure *out is NULL and err has the reason. */
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_options *options, cl_backend **out,
+                              ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
 /* Returns the smaller of a stage's own limit in bytes and the option staging. */
 size_t ost_cl_staging(const cl_backend *backend, size_t limit);

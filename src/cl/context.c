@@ -3,7 +3,7 @@
  * One opened device: context, queue, program and kernels, then the two checks
  * that it must pass before anything is computed on it.
  */
-#include "cl/share.h"
+#include "cl/cl.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -101,11 +101,10 @@ static ost_status set_up_program(cl_backend *b, ost_error *err)
 }
 
 /* chosen: the user named the kernel set, so the other one must not replace it. */
-static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, bool chosen, ost_error *err)
+static ost_status set_up(cl_backend *b, bool chosen, ost_error *err)
 {
     cl_int code = CL_SUCCESS;
-    cl_context_properties properties[OST_CL_GL_PROPERTIES];
-    ost_cl_gl_properties(gl, b->device.platform, properties);
+    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)b->device.platform, 0};
     b->context = b->cl->clCreateContext(properties, 1, &b->device.id, NULL, NULL, &code);
     if (!b->context || code != CL_SUCCESS)
         return ost_cl_fail(err, b->device.name, code, "clCreateContext", "");
@@ -125,8 +124,8 @@ static ost_status set_up(cl_backend *b, const ost_cl_gl *gl, bool chosen, ost_er
     return status;
 }
 
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_gl *gl, const ost_cl_options *options,
-                              cl_backend **out, ost_error *err)
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_options *options, cl_backend **out,
+                              ost_error *err)
 {
     *out = NULL;
     if (device->reason[0])
@@ -135,8 +134,6 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
     if (options->workgroup > device->max_workgroup)
         return ost_fail(err, OST_ERR_USAGE, "backend cl: workgroup=%zu; '%.120s' takes at most %zu", options->workgroup, device->name,
                         device->max_workgroup);
-    if (gl && !ost_cl_gl_said(cl, device))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' cannot share with OpenGL (cl_khr_gl_sharing)", device->name);
     cl_backend *b = calloc(1, sizeof *b);
     int16_t *zeros = calloc(OST_LEAF * OST_LEAF * OST_LEAF, sizeof *zeros);
     ost_status status = OST_OK;
@@ -152,12 +149,11 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
         b->staging = options->staging;
         b->order = options->order;
         b->cpu_set = options->kernels == OST_CL_SET_AUTO ? device->cpu : options->kernels == OST_CL_SET_CPU;
-        b->gl = gl != NULL;
         /* A driver may install a handler for the process's SIGFPE (PoCL does), which would hide a division by zero
            elsewhere. */
         struct sigaction before;
         const bool known = sigaction(SIGFPE, NULL, &before) == 0;
-        status = set_up(b, gl, options->kernels != OST_CL_SET_AUTO, err);
+        status = set_up(b, options->kernels != OST_CL_SET_AUTO, err);
         if (known)
             sigaction(SIGFPE, &before, NULL);
     }

@@ -53,7 +53,6 @@ static const cl_error_text errors[] = {
     {CL_INVALID_EVENT, "CL_INVALID_EVENT", OST_ERR_INTERNAL, NULL},
     {CL_INVALID_OPERATION, "CL_INVALID_OPERATION", OST_ERR_INTERNAL, NULL},
     {CL_INVALID_BUFFER_SIZE, "CL_INVALID_BUFFER_SIZE", OST_ERR_MEMORY, "more than the device takes in one buffer"},
-    {-1000, "CL_INVALID_GL_SHAREGROUP_REFERENCE_KHR", OST_ERR_UNAVAILABLE, "it cannot share with this context of OpenGL"},
     {-1001, "CL_PLATFORM_NOT_FOUND_KHR", OST_ERR_UNAVAILABLE, "no driver is installed, or none can be loaded"},
     {-9999, "CL_NVIDIA_ILLEGAL_BUFFER_ACCESS", OST_ERR_UNAVAILABLE, "the device stopped the work and was lost"},
 };

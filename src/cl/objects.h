@@ -47,7 +47,6 @@ typedef struct cl_bone {
     cl_mem shape; /* buffer with one ost_cl_bone */
     cl_mem density, words;
     size_t density_bytes_reserved; /* size of density in bytes */
-    bool words_shared; /* true if words is an OpenGL buffer (share.c) */
     cl_mem slots;     /* slot[] on the device */
     bool slots_outdated; /* true if slot[] has changed since slots was written */
     bool lost;

@@ -175,9 +175,6 @@ const ost_cl_api shim = {
     .clReleaseKernel = clReleaseKernel_shim,
     .clReleaseMemObject = clReleaseMemObject_shim,
     .clFlush = clFlush,
-    .clCreateFromGLBuffer = clCreateFromGLBuffer,
-    .clEnqueueAcquireGLObjects = clEnqueueAcquireGLObjects,
-    .clEnqueueReleaseGLObjects = clEnqueueReleaseGLObjects,
 #define SHIM_SLOT(name, code) .name = name##_shim,
     SHIM_CALLS(SHIM_SLOT)
 #undef SHIM_SLOT

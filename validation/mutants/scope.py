@@ -36,8 +36,6 @@ OUTSIDE = {
     "src/cl/facts.c": "descriptions of devices",
     "src/cl/icd.c": "descriptions of drivers",
     "src/cl/key.c": "the cache of built programs",
-    "src/cl/share.c": "buffers shared with OpenGL",
-    "src/cl/share.h": "buffers shared with OpenGL",
 }
 
 
