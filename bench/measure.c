@@ -172,7 +172,7 @@ double bench_row_ratio_of_minima(const bench_row *row)
 
 bool bench_row_disturbed(const bench_row *row)
 {
-    return row->ours.median > 1.5 * row->ours.min || row->baseline.median > 1.5 * row->baseline.min;
+    return (row->baseline.count && row->ours.median > 1.5 * row->ours.min) || row->baseline.median > 1.5 * row->baseline.min;
 }
 
 int bench_repeat(const bench_options *options, int normal)
@@ -268,5 +268,6 @@ ost_status bench_backend(const bench_options *options, int threads, ost_backend 
 
 const bench_suite bench_suites[] = {
     {"removal", bench_removal}, {"tick", bench_tick},         {"transfer", bench_transfer},
-    {"parse", bench_parse},     {"voxelize", bench_voxelize}, {"opencl", bench_opencl},     {"render", bench_render}, {NULL, NULL},
+    {"parse", bench_parse},     {"voxelize", bench_voxelize}, {"opencl", bench_opencl},     {"render", bench_render},
+    {"servo", bench_servo},     {NULL, NULL},
 };

@@ -234,24 +234,9 @@ typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 /* Called on the servo thread before a tick is due, without its pose. Must not block; see lead_ns. */
 typedef void ost_servo_rehearse(void *user);
 
-/* Stage of the loop: the ticks, or a control run that they are compared with. */
-typedef enum ost_servo_stage {
-    OST_SERVO_TICKING,
-    OST_SERVO_BUSY,       /* control run that spins as long as the ticks took */
-    OST_SERVO_QUIET,      /* control run that does nothing */
-    OST_SERVO_RESTED      /* control run that spins, with the background load paused */
-} ost_servo_stage;
-/*
- * Called on the servo thread when a stage begins and before each turn of a control run.  Returns false to end that
- * control run.  Must not block.
- */
-typedef bool ost_servo_on_stage(void *user, ost_servo_stage stage);
-
 typedef struct ost_servo_options {
     int64_t period_ns;    /* 0: 1,000,000 */
     uint64_t ticks;       /* number of ticks; 0: until the device ends or tick returns false */
-    uint64_t idle_ticks;  /* turns of OST_SERVO_QUIET, half before and half after the ticks; and of OST_SERVO_BUSY */
-    uint64_t background_ticks; /* turns of OST_SERVO_RESTED; if not 0, all of OST_SERVO_QUIET follows the ticks */
     bool no_clock;        /* run ticks without waiting, for devices whose poses do not depend on time */
     bool no_realtime;     /* request neither real-time priority nor locked memory */
     bool pinned;          /* run on `core` only; the affinity is restored afterwards */
@@ -263,16 +248,9 @@ typedef struct ost_servo_options {
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
-    ost_servo_on_stage *on_stage; /* may be NULL */
-    void *on_stage_user;
 } ost_servo_options;
 
 typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_STOPPED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;
-
-/* Deadlines missed by a control run without a device, that is, by the machine alone. */
-typedef struct ost_servo_control {
-    uint64_t ticks, missed;
-} ost_servo_control;
 
 typedef struct ost_servo_report {
     ost_servo_end end;
@@ -287,12 +265,8 @@ typedef struct ost_servo_report {
     uint64_t longest_miss;     /* greatest number of consecutive ticks skipped */
     uint64_t without_sample;   /* ticks without a new pose */
     uint64_t tracking_lost;    /* ticks without tracking */
-    ost_servo_control idle;    /* OST_SERVO_QUIET */
-    ost_servo_control busy;    /* OST_SERVO_BUSY */
-    int64_t busy_ns;           /* time that OST_SERVO_BUSY spins in each period: the lead and the median tick */
-    ost_servo_control rested;  /* OST_SERVO_RESTED */
     int64_t stolen_ms;         /* time that the hypervisor took from all cores during the run; -1: unknown */
-    ost_times wake, exec, completion, idle_wake, busy_wake, rested_wake;
+    ost_times wake, exec, completion;
     ost_times own;             /* thread CPU time of the ticks: exec without preemption */
     ost_realtime realtime;
 } ost_servo_report;
@@ -305,7 +279,7 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
 
 /*
  * Runs the servo loop on the calling thread until one of ost_servo_end.  Ticks are due at absolute times.  A late tick
- * runs at once; ticks that are already past are skipped and counted.  done may be NULL.  report, about 460 kB, is
+ * runs at once; ticks that are already past are skipped and counted.  done may be NULL.  report, about 260 kB, is
  * filled in every case; allocate it on the heap.  A device with a clock of its own calls tick on its own thread.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick, ost_servo_done *done, void *user,

@@ -16,8 +16,8 @@
  *               a period is a missed deadline
  *
  * Due times are absolute and never move; the world's clock counts the ticks
- * that were executed.  The same loop without a device, before and after the
- * operation, shows how many deadlines the machine alone misses.
+ * that were executed.  `osteon bench --suite servo` measures the same loop with
+ * a tick that does nothing: the deadlines that the machine alone misses.
  */
 #include <errno.h>
 #include <stdio.h>
@@ -220,54 +220,6 @@ static bool beat(void *user)
     return true;
 }
 
-/* Reports the stage to the caller's callback. Returns false if the callback ends the loop. */
-static bool goes_on(const servo *s, ost_servo_stage stage)
-{
-    return !s->options.on_stage || s->options.on_stage(s->options.on_stage_user, stage);
-}
-
-/*
- * Runs a baseline loop that spends work_ns of each period, or nothing if it is 0, until
- * done->ticks reaches `ticks` or the callback ends it.
- */
-static void run_control(const servo *s, ost_servo_stage stage, uint64_t ticks, int64_t work_ns, ost_servo_control *done, ost_times *wake)
-{
-    const int64_t period = s->options.period_ns;
-    int64_t due = ost_clock_ns() + period;
-    while (done->ticks < ticks && goes_on(s, stage)) {
-        sleep_until(due);
-        const int64_t begin = ost_clock_ns();
-        int64_t end = begin;
-        while (end - begin < work_ns)
-            end = ost_clock_ns();
-        const int64_t skipped = skipped_after(due, end, period);
-        ost_times_add(wake, (uint64_t)(begin - due));
-        done->ticks++;
-        done->missed += skipped > 0 ? (uint64_t)skipped + 1 : 0;
-        due += period * (skipped + 1);
-    }
-}
-
-static void run_before(servo *s)
-{
-    if (s->options.background_ticks == 0)
-        run_control(s, OST_SERVO_QUIET, s->options.idle_ticks / 2, 0, &s->report->idle, &s->report->idle_wake);
-}
-
-/*
- * Runs the baselines after the operation. A tick of the busy loop takes as long as the
- * operation's median tick.
- */
-static void run_after(servo *s)
-{
-    ost_servo_report *r = s->report;
-    const ost_servo_options *o = &s->options;
-    r->busy_ns = o->lead_ns + (int64_t)(ost_times_share_us(&r->exec, 0.5) * 1e3);
-    run_control(s, OST_SERVO_BUSY, o->idle_ticks, r->busy_ns, &r->busy, &r->busy_wake);
-    run_control(s, OST_SERVO_QUIET, o->idle_ticks, 0, &r->idle, &r->idle_wake);
-    run_control(s, OST_SERVO_RESTED, o->background_ticks, r->busy_ns, &r->rested, &r->rested_wake);
-}
-
 /* Returns the time stolen from all cores since boot, in ms, or -1 if the system does not report it. */
 static int64_t stolen_ms(void)
 {
@@ -315,8 +267,6 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
     realtime_before before;
     realtime_enter(!s.options.no_realtime, s.options.pinned ? s.options.core : -1, &before, &report->realtime);
     const int64_t stolen = stolen_ms();
-    run_before(&s);
-    goes_on(&s, OST_SERVO_TICKING);
     ost_status status = OST_OK;
     if (driver->caps & OST_HAPTIC_OWN_CLOCK)
         status = driver->run(device->instance, beat, &s, err);
@@ -327,7 +277,6 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
     /* However the loop ended, the device gets no force. */
     const ost_wrench nothing = {{0}, {0}};
     ost_haptic_write(device, &nothing);
-    run_after(&s);
     const int64_t after = stolen_ms();
     report->stolen_ms = stolen < 0 || after < 0 ? -1 : after - stolen;
     realtime_leave(&before);

@@ -19,7 +19,7 @@ simulate() {
     rm -f sim.out sim.err
     : >sim.err
     "$osteon" sim --headless --bone bone.nrrd --device "udp:port=0,key=key" --tool builtin:reamer --path builtin:glenoid-slow --buttons button1=none \
-        --seconds 300 --idle 0 "$@" >sim.out 2>sim.err &
+        --seconds 300 "$@" >sim.out 2>sim.err &
     simulator=$!
     while ! grep -q "waits for a bridge at" sim.err && kill -0 $simulator 2>/dev/null; do sleep 0.05; done
     to=$(sed -n 's/.*waits for a bridge at //p' sim.err)
@@ -33,19 +33,19 @@ has ticks sent states bad late replayed limps limp_s peak_force_n round_trip_us.
 check "the bridge" "$(value ticks) $(value end) $(value bad)" "1500 the time was over 0"
 wait $simulator
 check "status of the simulation" $? 0
-check "its end" "$(of sim.out end)" "the device had nothing more to give"
+check "its end" "$(of sim.out end)" "the device has no further poses"
 check "nothing wrong was seen" "$(of sim.out device_counts.malformed) $(of sim.out device_counts.wrong_key) $(of sim.out faults)" "0 0 0"
 [ "$(of sim.out removed_voxels)" -gt 0 ] || fail "nothing was removed"
 run 0 replay far.session --verify --backend cpu:isa=scalar,threads=2 --json
 check "far, and again" "$(value equal) $(value sha256)" "true $(of sim.out sha256)"
 
 # No bridge connects: a signal ends the simulation, which reports its counts.
-simulate
+simulate --stats
 sleep 0.2
 kill -TERM $simulator
 wait $simulator
 check "status when nobody came" $? 0
-grep -q "device udp counted: nothing" sim.out || fail "people read: $(cat sim.out)"
+grep -q "counters of device udp: all are 0" sim.out || fail "people read: $(cat sim.out)"
 
 refuse 2 "needs key=FILE" sim --headless --bone bone.nrrd --device udp
 refuse 2 "others may read this key" sim --headless --bone bone.nrrd --device udp:key=bone.nrrd

@@ -83,7 +83,7 @@ check "the axis determines the side" "$(value meta.side)" right
 check "the axis" "$(value meta.glenoid_axis)" "1 0 0"
 check "the trigonum" "$(value meta.trigonum_mm)" "0 0.5 1"
 run 0 ream --bone told.nrrd $ream --record told.session --debrief told.html
-run 0 sim --headless --bone told.nrrd --no-clock --seconds 0.01 --idle 0 --tool builtin:peg
+run 0 sim --headless --bone told.nrrd --no-clock --seconds 0.01 --tool builtin:peg
 run 0 render told.nrrd --view en-face --size 32x32 --out x.png
 run 0 replay told.session --debrief again.html
 checks=$((checks + 1))
@@ -208,7 +208,7 @@ refuse 2 'of bone lie in front' ream --bone headed.nrrd $peg --out x.nrrd --reco
 run 0 info block.nrrd --set side= --set axis=-1,0,0
 run 0 ream --bone block.nrrd $peg --out x.nrrd
 warned 'the axis is probably reversed'
-refuse 2 'does not point into bone' sim --headless --no-clock --seconds 0.01 --idle 0 --bone block.nrrd --tool builtin:peg --voxel 1 --strict
+refuse 2 'does not point into bone' sim --headless --no-clock --seconds 0.01 --bone block.nrrd --tool builtin:peg --voxel 1 --strict
 run 0 import block.txt --out nowhere.nrrd --at 8,12,12 --axis 1,0,0
 run 0 ream --bone nowhere.nrrd $peg --out x.nrrd
 warned 'check --at and --axis'

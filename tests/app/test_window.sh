@@ -31,8 +31,8 @@ MESA_GL_VERSION_OVERRIDE=2.1 refuse 3 "needs OpenGL 3.3, and here is 2.1 Mesa" s
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 
-# Closing the window ends the program without waiting for a baseline run.
-opened window.session --idle 20 --json
+# Closing the window ends the program.
+opened window.session --json
 # Keys and clicks are sent after its first frames.
 sleep 0.3
 xdotool mousemove --window "$window" 320 200
@@ -83,7 +83,7 @@ xdotool mousemove --window "$window" 250 160 keydown ctrl key q keyup ctrl
 ended "Ctrl Q"
 check "the end's status" $status 0
 has renderer.frames renderer.fps ticks sha256
-check "what ended it" "$(value end) $(value busy_ticks)" "it was asked to end 0"
+check "what ended it" "$(value end)" "it was interrupted"
 [ "$(value removed_voxels)" -gt 0 ] || fail "the mouse removed nothing"
 [ "$(value faults)" = 0 ] || fail "the mouse's hand was in a fault"
 if [ -e osteon-001.png ]; then

@@ -97,7 +97,7 @@ soon "restored again" state_is Normal
 xdotool key super+c
 ended "its frame's button"
 check "the end's status" $status 0
-check "what ended it" "$(value end)" "it was asked to end"
+check "what ended it" "$(value end)" "it was interrupted"
 [ "$(value renderer.frames)" -gt 0 ] || fail "no frame was drawn"
 removed=$(value sha256)
 run 0 replay wm.session --verify --json

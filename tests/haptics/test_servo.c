@@ -276,60 +276,14 @@ static void thread_time_is_what_was_used(void **state)
 static void a_device_with_a_clock_of_its_own(void **state)
 {
     (void)state;
-    const ost_servo_options options = {.ticks = 50, .idle_ticks = 3, .no_realtime = true};
+    const ost_servo_options options = {.ticks = 50, .no_realtime = true};
     seen s = run_with(&own, "F", &options, (seen){0});
     assert_int_equal(s.ticks, 50);
     assert_int_equal(own_beats, 50);
     assert_int_equal(report.end, OST_SERVO_TICKS);
-    assert_int_equal(report.idle.ticks, 3);
-    assert_int_equal(report.idle_wake.count, 3);
-    assert_int_equal(report.busy.ticks, 3);
-    assert_int_equal(report.busy_wake.count, 3);
-    assert_true(report.busy_ns > 0);
     s = run_with(&own, "FFL", &options, (seen){0});
     assert_int_equal(s.ticks, 2);
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
-}
-
-/* t: the ticks begin; b, q, r: a tick of a baseline loop. */
-typedef struct stages {
-    char text[64];
-    size_t count;
-    char stop; /* the stage that the callback ends */
-    size_t stop_at; /* from this call on */
-} stages;
-
-static bool on_stage(void *user, ost_servo_stage stage)
-{
-    stages *s = user;
-    const char c = "tbqr"[stage];
-    assert_true(s->count < sizeof s->text - 1);
-    s->text[s->count++] = c;
-    return c != s->stop || s->count < s->stop_at;
-}
-
-/* The callback is called with each stage in order, and can end a baseline. */
-static void what_is_beside_knows_the_stage(void **state)
-{
-    (void)state;
-    stages all = {.stop = 0};
-    ost_servo_options options = {.ticks = 5, .idle_ticks = 4, .no_realtime = true, .on_stage = on_stage, .on_stage_user = &all};
-    run_with(&timed, "F", &options, (seen){0});
-    assert_string_equal(all.text, "qqtbbbbqq");
-    assert_int_equal(report.rested.ticks, 0);
-    all = (stages){.stop = 0};
-    options.background_ticks = 3;
-    run_with(&timed, "F", &options, (seen){0});
-    assert_string_equal(all.text, "tbbbbqqqqrrr");
-    assert_int_equal(report.idle.ticks, 4);
-    assert_int_equal(report.busy.ticks, 4);
-    assert_int_equal(report.rested.ticks, 3);
-    assert_int_equal(report.rested_wake.count, 3);
-    all = (stages){.stop = 'b', .stop_at = 3};
-    run_with(&timed, "F", &options, (seen){0});
-    assert_string_equal(all.text, "tbbqqqqrrr");
-    assert_int_equal(report.busy.ticks, 1);
-    assert_int_equal(report.busy_wake.count, 1);
 }
 
 static void on_rehearsal(void *user)
@@ -486,7 +440,6 @@ int main(void)
         cmocka_unit_test(who_is_to_blame),
         cmocka_unit_test(thread_time_is_what_was_used),
         cmocka_unit_test(a_device_with_a_clock_of_its_own),
-        cmocka_unit_test(what_is_beside_knows_the_stage),
         cmocka_unit_test(every_tick_is_rehearsed),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(the_thread_is_afterwards_as_it_was),

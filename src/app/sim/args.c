@@ -90,9 +90,6 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     args->ticks = args->headless ? 10000 : 0;
     if (status == OST_OK && args->seconds.text)
         status = ticks_of(app, "seconds", &args->seconds, &args->ticks, err);
-    args->idle_ticks = !args->headless ? 0 : args->ticks < 10000 ? args->ticks : 10000;
-    if (status == OST_OK && args->idle.text)
-        status = ticks_of(app, "idle", &args->idle, &args->idle_ticks, err);
     if (status != OST_OK)
         return status;
     if ((status = check_motor(app, args, err)) != OST_OK || (status = sim_force_params(app, args, err)) != OST_OK)

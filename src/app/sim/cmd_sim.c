@@ -39,8 +39,6 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         APPEARANCE_OPTIONS(args.look),
         {.name = "contact", .kind = OPTION_FLAG, .out = &args.contact, .help = "show where bone went just now (in a window it is shown)"},
         {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: until the window is closed; 10 without one)"},
-        {.name = "idle", .kind = OPTION_DECIMAL, .out = &args.idle, .value = "N",
-         .help = "seconds of a loop that does nothing, half before and half after, and of one that only spends time, for comparison; both after, beside the same frames again, where some are drawn (default: none in a window, else as --seconds, at most 10)"},
         {.name = "resume", .kind = OPTION_TEXT, .out = &args.resume, .value = "SESSION",
          .help = "go on with the operation of a session: its bone, tools, options"},
         {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .given = &args.bone_given, .value = "BONE", .help = "a bone, a CT, or a built-in one (default: builtin:scapula)"},
@@ -72,6 +70,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         MAX_GAP_OPTION(args.max_gap),
         {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...", .help = "density classes to count by, each from its HU up"},
         STRICT_OPTION(args.strict),
+        {.name = "stats", .kind = OPTION_FLAG, .out = &args.stats, .help = "print the times of ticks and frames, forces and the device's counters"},
         {.name = "no-clock", .kind = OPTION_FLAG, .out = &args.no_clock, .help = "one tick after the other, as fast as they go: the same operation"},
         {.name = "no-realtime", .kind = OPTION_FLAG, .out = &args.no_realtime, .help = "ask the system for no priority and no locked memory"},
         {.name = "no-pin", .kind = OPTION_FLAG, .out = &args.no_pin, .help = "let the loop share its core; of two or more it has one to itself else"},
@@ -83,8 +82,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--headless] [--device NAME] [--seconds N] [options]",
-        .about = "The simulator: a device moves the tool a thousand times a second, bone goes in every\n"
-                 "tick, and how punctual that was is said, beside a loop that does nothing.",
+        .about = "The simulator: a device moves the tool a thousand times a second, and each tick removes\n"
+                 "bone. It reports the deadlines missed, the bone removed, and with --stats all times.",
         .options = options,
         .notes = "Tool and bone as for osteon ream. The loop asks for SCHED_FIFO and locked memory and says\n"
                  "what it got; of two or more cores it has one to itself. One thread works unless --threads\n"

@@ -27,18 +27,6 @@ static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wr
     return ost_operation_tick(operation, sample, wrench) && !interrupt_requested();
 }
 
-/* Ends a control run after a signal. */
-static bool on_stage(void *user, ost_servo_stage stage)
-{
-    simulation *s = user;
-    return (s->show ? sim_show_stage(s->show, stage) : true) && !interrupt_requested();
-}
-
-bool sim_rests(const sim_args *args)
-{
-    return args->renderer >= SIM_RENDERER_POINTS && args->fps > 0 && !args->no_clock;
-}
-
 /* Returns the lead of a rehearsal in ns. On a device it would be one more launch, and on a shared
    core it takes time from other threads. */
 static int64_t lead_ns(const sim_args *args, const simulation *s)
@@ -51,7 +39,7 @@ static int64_t lead_ns(const sim_args *args, const simulation *s)
 static ost_status run_loop(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s, ost_error *err)
 {
     sim_watch *watch;
-    const double seconds = args->no_clock || !how->ticks ? 0 : (double)(how->ticks + 2 * how->idle_ticks + how->background_ticks) * 1e-3;
+    const double seconds = args->no_clock || !how->ticks ? 0 : (double)how->ticks * 1e-3;
     ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_RECORDER_CAPACITY, seconds, &watch, err);
     if (status != OST_OK)
         return status;
@@ -98,22 +86,15 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
         return status;
     const ost_servo_options how = {
         .ticks = args->ticks,
-        .idle_ticks = args->no_clock ? 0 : args->idle_ticks,
-        .background_ticks = sim_rests(args) ? args->idle_ticks : 0,
         .no_clock = args->no_clock,
         .no_realtime = args->no_realtime || args->no_clock,
         .pinned = s->core >= 0,
         .core = s->core,
         .lead_ns = lead_ns(args, s),
         .rehearse = ost_operation_rehearse,
-        .on_stage = on_stage,
-        .on_stage_user = s,
     };
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
-        print_line(app, "%s moves %s in %s for %.4g s%s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3,
-                   how.background_ticks   ? ", with a busy loop and a quiet one after it for comparison"
-                   : how.idle_ticks ? ", with a quiet loop and a busy one before and after for comparison"
-                             : "");
+        print_line(app, "device %s moves %s in %s for %.4g s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3);
     char about[OST_HAPTIC_TEXT];
     if (!app->quiet && ost_haptic_about(s->device, about)[0])
         print_line_to(stderr, "osteon sim: device %s %s", ost_haptic_name(s->device), about);

@@ -57,8 +57,6 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     s->show = show;
     show->app = app;
     show->args = args;
-    show->beside.stage = SIM_BESIDE_NOT_BEGUN;
-    show->beside.wanted = sim_rests(args);
     ost_status status = ost_live_create(s->bone, &show->live, err);
     if (status != OST_OK)
         return status;
@@ -92,35 +90,24 @@ void sim_show_free(sim_show *show)
         return;
     sim_hud_free(show->hud);
     sim_appearance_free(show);
-    sim_beside_free(&show->beside);
     ost_viewer_free(&show->viewer);
     ost_live_free(show->live);
     free(show);
 }
 
-bool sim_show_stage(void *user, ost_servo_stage stage)
-{
-    sim_show *show = user;
-    const int before = atomic_exchange(&show->beside.stage, (int)stage);
-    if (before == OST_SERVO_TICKING && stage != OST_SERVO_TICKING)
-        show->end_ns = ost_clock_ns();
-    return !interrupt_requested();
-}
-
 ost_status sim_show_update(sim_show *show, ost_error *err)
 {
     show->updated_ns = ost_clock_ns();
-    return sim_beside_update(&show->beside, &show->viewer, err);
+    return ost_viewer_update(&show->viewer, err);
 }
 
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
 {
     ost_camera camera;
     ost_status status = OST_OK;
-    const bool counts = sim_beside_ticks(&show->beside);
-    if (show->last_ns && counts)
+    if (show->last_ns)
         frame_times_add(&show->apart, show->updated_ns - show->last_ns);
-    show->last_ns = counts ? show->updated_ns : 0;
+    show->last_ns = show->updated_ns;
     if (show->args->renderer >= SIM_RENDERER_POINTS) {
         status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
         if (status == OST_OK)
@@ -166,7 +153,7 @@ static ost_status frame_of_thread(sim_show *show, ost_error *err)
         status = sim_show_frame(show, show->args->width, show->args->height, err);
     if (status == OST_OK && show->args->hud)
         status = write_over(show, err);
-    if (status == OST_OK && show->film && sim_beside_ticks(&show->beside))
+    if (status == OST_OK && show->film)
         film_frame(show->film, ost_clock_ns(), p->colour, p->stride, show->args->width, show->args->height);
     sim_show_done(show);
     return status;
@@ -192,8 +179,7 @@ static void *work(void *user)
     const int64_t period = show->args->fps > 0 ? INT64_C(1000000000) / show->args->fps : 0;
     int64_t due = ost_clock_ns();
     while (!atomic_load(&d->stop) && show->status == OST_OK) {
-        if (!sim_beside_rests(&show->beside, &show->drawn))
-            show->status = frame_of_thread(show, &show->err);
+        show->status = frame_of_thread(show, &show->err);
         const int64_t now = ost_clock_ns();
         due = due + period > now ? due + period : now; /* a late frame delays all later ones */
         const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
@@ -228,7 +214,6 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
         free(d);
         show->thread = NULL;
     }
-    atomic_store(&show->beside.stage, SIM_BESIDE_NOT_BEGUN); /* frames now show the current bone */
     if (show->status != OST_OK)
         return ost_fail(err, show->status, "the renderer: %.500s", show->err.text);
     ost_status status = ost_live_flush(show->live, err);
@@ -244,21 +229,6 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
     return status;
 }
 
-/* Reports the machine's share in the frame times: the rate of turns that only wake, and of turns
-   that spin for as long as a frame. */
-static void report_floor(const app_state *app, const sim_show *show, json_t *row)
-{
-    const frame_times *woken = &show->beside.woken, *spent = &show->beside.spent;
-    if (woken->count == 0 || spent->count == 0)
-        return;
-    const double w50 = 1000 / frame_times_ms(woken, 0.5), w99 = 1000 / frame_times_ms(woken, 0.99);
-    const double s50 = 1000 / frame_times_ms(spent, 0.5), s99 = 1000 / frame_times_ms(spent, 0.99);
-    put(row, "floor", json_pack("{s:f,s:f,s:f,s:f,s:I}", "fps", w50, "fps_worst_1_percent", w99, "busy_fps", s50, "busy_fps_worst_1_percent", s99,
-                                "frames", (json_int_t)(woken->count + spent->count)));
-    print_line(app, "  nothing drawn beside the same loop: frames that only wake come %.0f a second at median, %.0f in the worst hundredth; that spend as long, %.0f and %.0f",
-               w50, w99, s50, s99);
-}
-
 /* Reports the OpenGL driver, if OpenGL was used. */
 static void print_gl(const app_state *app, const sim_show *show, json_t *row)
 {
@@ -266,10 +236,11 @@ static void print_gl(const app_state *app, const sim_show *show, json_t *row)
         const ost_gl_info info = ost_gl_info_get(show->viewer.gl);
         put_text(row, "opengl", info.version);
         put_text(row, "driver", info.driver);
-        print_line(app, "  drawn by OpenGL %s, %s%s", info.version, info.driver, info.software ? ": software, which --renderer points beats" : "");
+        if (show->args->stats)
+            print_line(app, "  renderer: OpenGL %s, %s%s", info.version, info.driver, info.software ? " (software; --renderer points is faster)" : "");
     } else if (*show->viewer.lost) {
         put_text(row, "lost", show->viewer.lost);
-        print_line(app, "  drawn by the processor in the end: %s", show->viewer.lost);
+        print_line(app, "  renderer: OpenGL failed, so the processor drew the remaining frames: %s", show->viewer.lost);
     }
 }
 
@@ -291,11 +262,9 @@ void sim_show_report(const app_state *app, const sim_show *show)
     put_integer(o, "surface_voxels", (int64_t)show->viewer.bone.points);
     put(app->result, "renderer", o);
     print_gl(app, show, o);
-    if (apart->count == 0)
-        return;
-    print_line(app, "  %s frames beside it, %.0f a second at median, %.0f in the worst hundredth; one takes %.1f ms, %.1f ms at 99 %%",
-               format_count(a, (int64_t)drawn->count), 1000 / p50, 1000 / worst, work50, work99);
-    report_floor(app, show, o);
+    if (apart->count && show->args->stats)
+        print_line(app, "  frames: %s; rate %.0f per second at the median, %.0f in the worst hundredth; %.1f ms per frame, %.1f ms at 99 %%",
+                   format_count(a, (int64_t)drawn->count), 1000 / p50, 1000 / worst, work50, work99);
     if (show->args->picture)
-        print_line(app, "  %s: the last of them", show->args->picture);
+        print_line(app, "  last frame: %s", show->args->picture);
 }

@@ -12,7 +12,6 @@
 #include "app/picture/appearance.h"
 #include "app/film/frame_times.h"
 #include "app/sim/sim.h"
-#include "app/sim/baseline.h"
 #include "app/sim/facts.h"
 #include "render/viewer.h"
 #include "render/views.h"
@@ -36,7 +35,6 @@ typedef struct sim_show {
     int64_t updated_ns;       /* begin of the current frame */
     int64_t last_ns;          /* begin of the previous frame; 0 if none was drawn immediately before */
     int64_t end_ns;           /* end of the operation */
-    sim_beside beside;
     void *thread;             /* NULL if there is none */
     ost_status status;        /* of the thread */
     ost_error err;
@@ -46,9 +44,6 @@ typedef struct sim_show {
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_show_free(sim_show *show);
 
-/* Called on the servo thread when a stage begins and before each turn of a control run. Returns
-   false to end the control run. */
-bool sim_show_stage(void *show, ost_servo_stage stage);
 /* Begins a frame: applies the changes since the previous one. */
 ost_status sim_show_update(sim_show *show, ost_error *err);
 /* Draws a frame of this size. The renderer null draws nothing. */

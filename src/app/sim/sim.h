@@ -30,9 +30,9 @@ typedef struct sim_args {
     ct_options ct;
     tool_options how;
     glenoid_plan_options plan;
-    option_decimal rate, seconds, idle;
+    option_decimal rate, seconds;
     int64_t period_ns;
-    uint64_t ticks, idle_ticks;
+    uint64_t ticks;
     ost_density_classes classes;
     int64_t force; /* index in sim_force_names */
     const char *picture, *size, *max_gap;
@@ -44,7 +44,7 @@ typedef struct sim_args {
     ost_action buttons[OST_BUTTONS_MAX]; /* actions of the device's buttons */
     bool motor_waits;     /* a button or a key switches the motor on */
     film_options video;
-    bool hud, timings;
+    bool hud, timings, stats;
     bool renderer_given, paths_given, rehearse_given;
     appearance_options look;
     bool contact;         /* voxels removed just now are shown, also without a window */
@@ -135,9 +135,6 @@ ost_status sim_film_begin(const sim_args *args, simulation *s, ost_error *err);
 /* Completes the video and reports it. */
 ost_status sim_film_end(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
-/* Returns true if frames are measured in control runs as well, to separate the machine's share of
-   their times. */
-bool sim_rests(const sim_args *args);
 ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);

@@ -65,7 +65,6 @@ struct sim_window {
     bool outdated;     /* the HUD has changed */
     bool follows;      /* the frame drawn last was presented */
     ost_cells changed; /* owned; cells that differ between the last two frames */
-    bool compared;     /* stored frames are drawn again, for a control run */
     simulation *s;
     ost_status status; /* failure that ended the window; OST_OK if the user ended it */
     ost_error err;
@@ -419,16 +418,6 @@ static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, o
     return status;
 }
 
-/* Reports that a control run began: the tool then moves without removing bone and is not part of
-   the operation. */
-static void show_stage(sim_window *w)
-{
-    const bool again = sim_beside_again(&w->s->show->beside);
-    if (again && !w->compared)
-        show_message(w, "the time is over: the same frames again, beside a loop for comparison");
-    w->compared = again;
-}
-
 /* Processes events and draws a frame. *drawn: a frame was drawn. */
 static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
 {
@@ -450,11 +439,9 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     char message[FILM_TEXT];
     if (film_message(w->s->film, message))
         show_message(w, message);
-    show_stage(w);
     take_facts(w, height, now);
     const sight seen = sight_of(w, width, height);
-    if (w->args->fps > 0 && !w->outdated && !w->shoot && !ost_window_damaged(w->window) && !sim_beside_again(&show->beside) &&
-        same_sight(&seen, &w->seen)) {
+    if (w->args->fps > 0 && !w->outdated && !w->shoot && !ost_window_damaged(w->window) && same_sight(&seen, &w->seen)) {
         show->last_ns = 0;
         return OST_OK;
     }
@@ -476,8 +463,7 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     sim_hud_draw(w->hud, &sheet, &w->facts);
     if (w->shoot)
         film_still(w->s->film, sheet.pixels, sheet.stride, width, height);
-    if (sim_beside_ticks(&show->beside))
-        film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
+    film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
     w->shoot = w->outdated = false;
     w->seen = seen;
     w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
@@ -523,14 +509,12 @@ static ost_status show_frames(sim_window *w, server *v, ost_error *err)
     while (status == OST_OK && !atomic_load(&v->done)) {
         int width, height;
         double scale;
-        bool drawn;
+        bool drawn = false;
         ost_window_poll(w->window, wait);
         if (w->quit || interrupt_requested())
             break;
         const int64_t begin = ost_clock_ns();
-        drawn = sim_beside_rests(&w->s->show->beside, &w->s->show->drawn);
-        if (!drawn)
-            status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), &drawn, err);
+        status = frame(w, fmin(0.1, (double)(begin - last) * 1e-9), &drawn, err);
         if (status == OST_OK && ost_window_closing(w->window)) {
             status = ost_window_check(w->window, err);
             break;

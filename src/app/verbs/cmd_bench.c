@@ -124,6 +124,14 @@ static void print_distribution(const app_state *app, const bench_row *row)
                figure(t[1], *p99), figure(t[2], *max), figure(t[3], *mean), figure(t[4], *best99), figure(t[5], *best));
 }
 
+static void print_deadlines(const app_state *app, const bench_row *row)
+{
+    const double *ticks = extra_of(row, "ticks"), *missed = extra_of(row, "missed"), *p99 = extra_of(row, "p99_us"), *p999 = extra_of(row, "p99_9_us");
+    char a[FIGURE], b[FIGURE];
+    if (ticks && missed && p99 && p999)
+        print_line(app, "    deadlines missed: %.0f of %.0f; delay at 99 %% %s us, at 99.9 %% %s us", *missed, *ticks, figure(a, *p99), figure(b, *p999));
+}
+
 static void print_row(const app_state *app, const bench_row *row)
 {
     char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "-", baseline_range[RANGE] = "-", ratio[FIGURE] = "-", best[FIGURE] = "-";
@@ -144,6 +152,7 @@ static void print_row(const app_state *app, const bench_row *row)
     print_line(app, "%-30s %2s %8s %-15s %8s %-15s %7s %7s", row->name, row->unit, figure(ours, row->ours.median), range(ours_range, &row->ours),
                baseline, baseline_range, ratio, best);
     print_distribution(app, row);
+    print_deadlines(app, row);
 }
 
 /* Prints a warning if rows were disturbed: an interrupted baseline makes our ratio look better than it is. */
@@ -311,9 +320,9 @@ static bool suite_is_built(const char *suite)
 
 ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
 {
-    static const char suites[] = "removal|tick|transfer|parse|voxelize|opencl|render|all";
-    static const char *const names[] = {"removal", "tick", "transfer", "parse", "voxelize", "opencl", "render", "all"};
-    int suite = 7;
+    static const char suites[] = "removal|tick|transfer|parse|voxelize|opencl|render|servo|all";
+    static const char *const names[] = {"removal", "tick", "transfer", "parse", "voxelize", "opencl", "render", "servo", "all"};
+    int suite = 8;
     int64_t repeat = 0;
     bool markdown = false;
     option_decimal scale = {.text = NULL};

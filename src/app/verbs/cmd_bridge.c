@@ -47,10 +47,10 @@ static const char *end_text(const bridge_report *r)
 {
     switch (r->loop.end) {
     case OST_SERVO_TICKS: return "the time was over";
-    case OST_SERVO_STOPPED: return r->ended ? "the simulation is over" : "it was asked to end";
-    case OST_SERVO_DEVICE_ENDED: return "the device had nothing more to give";
+    case OST_SERVO_STOPPED: return r->ended ? "the simulation is over" : "it was interrupted";
+    case OST_SERVO_DEVICE_ENDED: return "the device has no further poses";
     case OST_SERVO_DEVICE_LOST: return "the device was lost";
-    case OST_SERVO_WATCHDOG: return "the device was silent for 5 ticks";
+    case OST_SERVO_WATCHDOG: return "the device delivered no sample for 5 ticks";
     }
     return "unknown";
 }
