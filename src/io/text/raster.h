@@ -43,6 +43,12 @@ typedef struct ost_text_raster {
     size_t voxel_bytes;
 } ost_text_raster;
 
+/* Returns the number of lines between two neighbours along the axis of this rank. */
+static inline int64_t ost_text_raster_stride(const ost_text_raster *raster, int rank)
+{
+    return rank == 0 ? 1 : rank == 1 ? raster->count[0] : (int64_t)raster->count[0] * raster->count[1];
+}
+
 /*
  * Sets *found if the text is a scan, its geometry is valid, and every sample has a
  * voxel of its own. The summary is then the one of ost_text_scan (except for the
@@ -57,6 +63,8 @@ void ost_text_raster_free(ost_text_raster *raster);
 /* Adds the same bytes to the hasher as ost_text_scan. */
 ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err);
 
+/* Returns true if every sample has a voxel of its own in the grid; false also if there is no memory. raster_rect.c. */
+bool ost_text_raster_fits(const ost_text_raster *raster, const ost_geometry *full);
 /* Fills rect as ost_text_to_rect does, with the same report; options->expected is not used. */
 ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster, const ost_text_rect_options *options, ost_grid *rect,
                                    ost_scatter_report *report, ost_error *err);
