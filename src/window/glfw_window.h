@@ -6,6 +6,7 @@
 #include "window/shm.h"
 #include "window/shown.h"
 #include "window/window.h"
+#include "window/x11.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -36,7 +37,10 @@ struct ost_window {
 };
 
 /* Returns true if the window and its display exist. Otherwise no function of GLFW may be called any more. */
-bool ost_window_lives(const ost_window *window);
+static inline bool ost_window_lives(const ost_window *window)
+{
+    return window->handle && ost_x11_state_get() == OST_X11_FINE;
+}
 /* Registers the callbacks and reads the state that they have not reported yet. */
 void ost_window_listen(ost_window *window);
 

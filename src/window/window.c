@@ -22,11 +22,6 @@ const char *ost_window_missing(void)
     return NULL;
 }
 
-bool ost_window_lives(const ost_window *w)
-{
-    return w->handle && ost_x11_state_get() == OST_X11_FINE;
-}
-
 /* ---------------------------------------------------------------- open, GL */
 
 static void describe(char *out, size_t size, GLenum name)

@@ -7,28 +7,9 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
+const char *const sim_renderer_names[] = {"none", "null", "points", "gl", "thesis"};
+
 enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; then the simulated operator stays in place */
-
-const char *const sim_force_names[] = {"off", "energy", "instant"};
-
-bool sim_device_is(const sim_args *args, const char *name)
-{
-    const size_t length = strcspn(args->device, ":");
-    return strlen(name) == length && memcmp(args->device, name, length) == 0;
-}
-
-bool sim_follows_path(const sim_args *args)
-{
-    return sim_device_is(args, "sim") || sim_device_is(args, "script") || sim_device_is(args, "replay");
-}
-
-bool sim_device_info(const sim_args *args, ost_haptic_info *out)
-{
-    for (int i = 0; i < ost_haptic_count(); i++)
-        if (ost_haptic_describe(i, out, NULL) == OST_OK && sim_device_is(args, out->name))
-            return true;
-    return false;
-}
 
 /* Checks the motor and the buttons. A motor that a button can switch on is off at first; any other
    one is on from the first tick. */

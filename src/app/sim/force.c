@@ -14,6 +14,8 @@
    with an inertia of 0.15 g m2, and a hand with a damping of 10 mN m s. */
 #define TURN_STIFFNESS 0.5
 
+const char *const sim_force_names[] = {"off", "energy", "instant"};
+
 static uint32_t caps_of(const sim_args *args)
 {
     ost_haptic_info info;

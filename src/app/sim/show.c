@@ -18,8 +18,6 @@
 
 enum { THREADS_MAX = 4 };
 
-const char *const sim_renderer_names[] = {"none", "null", "points", "gl", "thesis"};
-
 typedef struct drawer {
     pthread_t thread;
     _Atomic bool stop;
