@@ -265,9 +265,3 @@ ost_status bench_backend(const bench_options *options, int threads, ost_backend 
     snprintf(spec, sizeof spec, "cpu:threads=%d%s", threads, remainder);
     return ost_backend_open(spec, out, err);
 }
-
-const bench_suite bench_suites[] = {
-    {"removal", bench_removal}, {"tick", bench_tick},         {"transfer", bench_transfer},
-    {"parse", bench_parse},     {"voxelize", bench_voxelize}, {"opencl", bench_opencl},     {"render", bench_render},
-    {"servo", bench_servo},     {NULL, NULL},
-};

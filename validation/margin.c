@@ -9,27 +9,6 @@ const char *margin_unit(trace_stage stage)
     return stage == TRACE_RECT || stage == TRACE_CUBIC ? "CT voxel" : stage == TRACE_CHUNKS ? "density" : "tool voxel";
 }
 
-void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3])
-{
-    int bin = 0;
-    while (bin < MARGIN_BINS - 1 && margin >> bin)
-        bin++;
-    m->voxels++;
-    m->bins[bin]++;
-    if (margin > m->max || m->decided == 0) {
-        m->max = margin;
-        m->max_item = item;
-        memcpy(m->max_voxel, at, sizeof m->max_voxel);
-    }
-    m->decided++;
-}
-
-void margin_other(margin_stage *m, uint64_t *why)
-{
-    m->voxels++;
-    ++*why;
-}
-
 static bool same_dims(ost_dims a, ost_dims b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;

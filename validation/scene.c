@@ -304,25 +304,6 @@ void scene_free(scene *s)
     *s = (scene){0};
 }
 
-void scene_tool_free(scene_tool *tool)
-{
-    ost_snapped_mesh_free(&tool->cutting);
-    ost_snapped_mesh_free(&tool->noncutting);
-    ost_mesh_free(&tool->raw[0]);
-    ost_mesh_free(&tool->raw[1]);
-}
-
-ost_status scene_turn(scene *s, int32_t rpm, ost_error *err)
-{
-    ost_motor motor = {0};
-    ost_status status = ost_path_init(&s->handle_path, s->path.count, err);
-    if (status != OST_OK)
-        return status;
-    memcpy(s->handle_path.ticks, s->path.ticks, s->path.count * sizeof *s->path.ticks);
-    s->handle_rpm = rpm;
-    return ost_motor_path(&s->path, rpm, &motor, err);
-}
-
 /* ------------------------------------------------------------------- digest */
 
 static ost_status add_ints(ost_hasher *h, const int64_t *values, size_t count, ost_error *err)

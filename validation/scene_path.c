@@ -6,8 +6,11 @@
  */
 #include "validation/scene_parts.h"
 
+#include <osteon/motor.h>
+
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "validation/resample.h"
 
@@ -225,4 +228,15 @@ ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double tur
         tick->pose.t = at;
     }
     return status;
+}
+
+ost_status scene_turn(scene *s, int32_t rpm, ost_error *err)
+{
+    ost_motor motor = {0};
+    ost_status status = ost_path_init(&s->handle_path, s->path.count, err);
+    if (status != OST_OK)
+        return status;
+    memcpy(s->handle_path.ticks, s->path.ticks, s->path.count * sizeof *s->path.ticks);
+    s->handle_rpm = rpm;
+    return ost_motor_path(&s->path, rpm, &motor, err);
 }

@@ -325,3 +325,11 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     status = ost_mesh_snap(cutting, &grid, &tool->cutting, err);
     return status == OST_OK ? ost_mesh_snap(leaking, &grid, &tool->noncutting, err) : status;
 }
+
+void scene_tool_free(scene_tool *tool)
+{
+    ost_snapped_mesh_free(&tool->cutting);
+    ost_snapped_mesh_free(&tool->noncutting);
+    ost_mesh_free(&tool->raw[0]);
+    ost_mesh_free(&tool->raw[1]);
+}

@@ -299,11 +299,6 @@ bool trace_words(const trace_record *r, uint64_t *count, const uint8_t **words)
     return *count <= (r->body_bytes - 8) / 8;
 }
 
-uint64_t trace_word_at(const uint8_t *words, uint64_t index)
-{
-    return u64_at(words + 8 * index);
-}
-
 bool trace_next_block(const trace_record *r, size_t *at, trace_block_view *out)
 {
     uint64_t words;

@@ -23,6 +23,8 @@
 #ifndef OST_VALIDATION_TRACE_H
 #define OST_VALIDATION_TRACE_H
 
+#include <string.h>
+
 #include <osteon/digest.h>
 
 typedef enum trace_stage {
@@ -120,7 +122,12 @@ void trace_free(trace *t);
 
 /* Finds the words of a record's body. Returns false if the body is not well formed. */
 bool trace_words(const trace_record *r, uint64_t *count, const uint8_t **words);
-uint64_t trace_word_at(const uint8_t *words, uint64_t index);
+static inline uint64_t trace_word_at(const uint8_t *words, uint64_t index)
+{
+    uint64_t word;
+    memcpy(&word, words + 8 * index, sizeof word);
+    return word;
+}
 /* Finds the next block: *at is 0 at first. Returns false after the last block, or if the body is not well formed. */
 bool trace_next_block(const trace_record *r, size_t *at, trace_block_view *out);
 

@@ -313,3 +313,12 @@ void folder_free(folder_files *l)
     free(l->files);
     *l = (folder_files){0};
 }
+
+ost_status bundle_next_entry(DIR *dir, const char *folder, struct dirent **entry, ost_error *err)
+{
+    do {
+        errno = 0;
+        *entry = readdir(dir);
+    } while (*entry && (strcmp((*entry)->d_name, ".") == 0 || strcmp((*entry)->d_name, "..") == 0));
+    return *entry || !errno ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", folder, strerror(errno));
+}

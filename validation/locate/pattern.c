@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/locate/pattern_parts.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 const char *pattern_name(pattern p)
@@ -11,15 +9,6 @@ const char *pattern_name(pattern p)
                                                 "stale-chunk", "lost-tail", "lost-chunk", "column-parity", "tool-class", "boundary-layer", "carried-rows",
                                                 "speckle",     "unclassified"};
     return names[p];
-}
-
-bool pattern_describe(char *text, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, PATTERN_TEXT, format, args);
-    va_end(args);
-    return true;
 }
 
 static void scan_all(const pattern_view *v, pattern_scan *s)
@@ -44,11 +33,6 @@ static void scan_all(const pattern_view *v, pattern_scan *s)
                     s->several = true;
                 one = v->b[i] ? v->b[i] : one;
             }
-}
-
-int16_t pattern_stored(const pattern_view *v, int16_t density)
-{
-    return v->input == PATTERN_THRESHOLDED && density < v->solid_a ? 0 : density;
 }
 
 /* ------------------------------------------------------- rules on values */
