@@ -116,7 +116,10 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
                               ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
 /* Returns the smaller of a stage's own limit in bytes and the option staging. */
-size_t ost_cl_staging(const cl_backend *backend, size_t limit);
+static inline size_t ost_cl_staging(const cl_backend *b, size_t limit)
+{
+    return b->staging && b->staging < limit ? b->staging : limit;
+}
 /* The slot paths of the function table: visits the kernels of the opened set and OST_CL_PATHS, with their counts. */
 void ost_cl_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 

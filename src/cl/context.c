@@ -26,11 +26,6 @@ static ost_cl_set set_of(const cl_backend *b)
     return b->cpu_set ? OST_CL_SET_CPU : OST_CL_SET_GPU;
 }
 
-size_t ost_cl_staging(const cl_backend *b, size_t limit)
-{
-    return b->staging && b->staging < limit ? b->staging : limit;
-}
-
 void ost_cl_paths(const ost_backend *base, ost_path_visit *visit, void *user)
 {
     static const struct {

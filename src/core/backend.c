@@ -43,14 +43,6 @@ ost_status ost_backend_devices(int index, ost_device_visit *visit, void *user, o
     return backends[index]->devices(visit, user, err);
 }
 
-ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err)
-{
-    (void)visit;
-    (void)user;
-    (void)err;
-    return OST_OK;
-}
-
 static const ost_backend_ops *find_backend(const char *name, size_t length)
 {
     for (int i = 0; i < BACKEND_COUNT; i++)
@@ -113,13 +105,6 @@ ost_status ost_backend_finish(ost_backend *backend, ost_error *err)
 void ost_backend_paths(const ost_backend *backend, ost_path_visit *visit, void *user)
 {
     backend->ops->paths(backend, visit, user);
-}
-
-void ost_no_paths(const ost_backend *backend, ost_path_visit *visit, void *user)
-{
-    (void)backend;
-    (void)visit;
-    (void)user;
 }
 
 /* ----------------------------------------------------------------- grids */
@@ -290,29 +275,11 @@ ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, in
     return status == OST_OK ? bone->backend->ops->bone_download(bone, z0, count, voxels, err) : status;
 }
 
-ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
-{
-    (void)count;
-    (void)at;
-    (void)densities;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend %s keeps its voxels where a tick cannot look at them; a force needs backend cpu or ref",
-                    bone->backend->ops->name);
-}
-
 ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
 {
     if (!bone || (count > 0 && (!at || !densities)))
         return ost_fail(err, OST_ERR_USAGE, "sampling needs a bone, voxels and room for their densities");
     return bone->backend->ops->bone_sample(bone, count, at, densities, err);
-}
-
-ost_status ost_no_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
-{
-    (void)count;
-    (void)chunks;
-    (void)words;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend %s gives its voxels slice by slice; to be looked at while it changes a bone needs backend cpu, ref or cl",
-                    bone->backend->ops->name);
 }
 
 ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)

@@ -170,21 +170,3 @@ ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *op
     return status;
 }
 
-void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]), void *user)
-{
-    const ost_geometry *g = &scan->volume->geometry;
-    const int dims[3] = {g->dims.x, g->dims.y, g->dims.z};
-    const ost_pm spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
-    int size[3];
-    for (int a = 0; a < 3; a++)
-        size[a] = (int)ost_clamp(mm * scan->scale / ost_pm_to_mm(spacing[a]), 1, 64);
-    for (int k = 0; k < dims[2]; k += size[2])
-        for (int j = 0; j < dims[1]; j += size[1])
-            for (int i = 0; i < dims[0]; i += size[0]) {
-                const int lo[3] = {i, j, k};
-                int hi[3];
-                for (int a = 0; a < 3; a++)
-                    hi[a] = lo[a] + size[a] < dims[a] ? lo[a] + size[a] : dims[a];
-                block(user, lo, hi);
-            }
-}

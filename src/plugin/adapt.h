@@ -6,6 +6,7 @@
  *   adapt.c        opening, closing, the table     adapt_grid.c   grids, import
  *   adapt_bone.c   bones, digests                  adapt_tool.c   tools
  *   adapt_event.c  events and their reports         adapt_steps.c  steps that the plugin makes itself
+ *   adapt_status.c statuses, error texts, geometries
  *
  *   call --convert--> slot --check status, object, report--> result
  */

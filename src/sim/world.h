@@ -48,7 +48,7 @@ struct ost_world {
     ost_report report;    /* owned; report of the last event */
 };
 
-/* -------------------------------------------------------------- failover.c */
+/* ----------------------------------------------------------------- saved.c */
 
 /* Without saved_ticks these functions do nothing. */
 ost_status ost_world_saved_make(ost_world *world, ost_error *err);

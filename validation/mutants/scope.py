@@ -25,6 +25,7 @@ OUTSIDE = {
     "src/core/shortest.c": "numbers of text files",
     "src/core/shortest.h": "numbers of text files",
     "src/core/status.c": "text of messages",
+    "src/core/unsupported.c": "text of messages",
     "src/cl/absent.c": "builds without OpenCL",
     "src/cl/api.c": "a table of functions",
     "src/cl/api.h": "a table of functions",

@@ -9,6 +9,14 @@ enum { SIDE = OST_BLOCK, LAST = SIDE - 1, REACH = OST_SHADING_REACH };
 
 static const uint32_t nothing[OST_BLOCK_ROWS];
 
+ost_surface_block *ost_surface_block_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
+{
+    if (x < 0 || y < 0 || z < 0 || x >= s->blocks[0] || y >= s->blocks[1] || z >= s->blocks[2])
+        return NULL;
+    const int32_t slot = s->slot_of[x + (size_t)s->blocks[0] * ((size_t)y + (size_t)s->blocks[1] * (size_t)z)];
+    return slot < 0 ? NULL : s->slot[slot];
+}
+
 typedef const uint32_t *nearby[3][3][3]; /* words of 27 blocks: z, y, x */
 
 static bool find_neighbours(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, nearby near)

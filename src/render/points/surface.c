@@ -58,14 +58,6 @@ static int32_t *slot_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
     return s->slot_of + (x + (size_t)s->blocks[0] * ((size_t)y + (size_t)s->blocks[1] * (size_t)z));
 }
 
-ost_surface_block *ost_surface_block_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
-{
-    if (x < 0 || y < 0 || z < 0 || x >= s->blocks[0] || y >= s->blocks[1] || z >= s->blocks[2])
-        return NULL;
-    const int32_t slot = *slot_at(s, x, y, z);
-    return slot < 0 ? NULL : s->slot[slot];
-}
-
 /* Returns true if a block shows none of the voxels lo to hi, in its own coordinates, which may exceed it. */
 static bool block_is_empty(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
 {
