@@ -127,7 +127,6 @@ typedef struct glyph {
 } glyph;
 
 struct ost_lettering {
-    double height;
     glyph glyph[GLYPHS];
 };
 
@@ -266,7 +265,6 @@ ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *e
         ost_lettering_free(l);
         return ost_fail(err, OST_ERR_MEMORY, "no memory for letters");
     }
-    l->height = height;
     *out = l;
     return OST_OK;
 }
@@ -276,11 +274,6 @@ void ost_lettering_free(ost_lettering *lettering)
     for (int i = 0; lettering && i < GLYPHS; i++)
         free(lettering->glyph[i].cover);
     free(lettering);
-}
-
-double ost_lettering_height(const ost_lettering *lettering)
-{
-    return lettering->height;
 }
 
 /* Returns the next letter of a text in UTF-8; NULL at its end. */

@@ -26,7 +26,6 @@ typedef struct ost_sheet {
 /* Makes letters of one size. height: that of a capital letter, in pixels, 5 to 200. */
 ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *err);
 void ost_lettering_free(ost_lettering *lettering); /* NULL is allowed */
-double ost_lettering_height(const ost_lettering *lettering);
 
 int ost_lettering_width(const ost_lettering *lettering, const char *text);
 /* Draws a line of text, clipped to the sheet. x: left end, y: baseline. */

@@ -5,7 +5,8 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-void put_session_summary(const app_state *app, const char *name, const ost_session *session)
+/* Stores the numbers of a session's summary, and warns once if something is missing. */
+static void put_summary(const app_state *app, const char *name, const ost_session *session)
 {
     const ost_session_summary *s = ost_session_summary_of(session);
     char missing[OST_SESSION_MISSING];
@@ -51,7 +52,7 @@ ost_status info_session(const app_state *app, const char *name, const char *repa
     put(app->result, "dims", json_pack("[I]", (json_int_t)s->ticks));
     print_line(app, "%s: a session of %s ticks in %.3f s, %s", name, format_count(a, (int64_t)s->ticks),
                s->ticks ? (double)(s->last_t_ns - s->first_t_ns) * 1e-9 : 0.0, format_bytes(b, (int64_t)s->file_bytes));
-    put_session_summary(app, name, session);
+    put_summary(app, name, session);
     put_header(app, ost_session_header_of(session));
     if (repaired) {
         status = ost_session_repair(session, repaired, err);
@@ -73,7 +74,7 @@ ost_status export_session(const app_state *app, const char *name, const char *ou
     char a[FORMAT_TEXT];
     put_text(app->result, "in", name);
     put_text(app->result, "out", out);
-    put_session_summary(app, name, session);
+    put_summary(app, name, session);
     status = ost_session_write_csv(session, out, err);
     if (status == OST_OK)
         print_line(app, "%s: a table of %s ticks", out, format_count(a, (int64_t)ost_session_summary_of(session)->ticks));

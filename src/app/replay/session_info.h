@@ -14,7 +14,4 @@ ost_status info_session(const app_state *app, const char *name, const char *repa
 /* Runs osteon export on a session: writes the table out, a .csv. */
 ost_status export_session(const app_state *app, const char *name, const char *out, ost_error *err);
 
-/* Stores and prints the numbers of a session's summary, and warns once if something is missing. */
-void put_session_summary(const app_state *app, const char *name, const ost_session *session);
-
 #endif

@@ -60,7 +60,8 @@ void sim_handle_twist(sim_handle *handle, double angle)
     multiply(handle->q, turn, handle->q);
 }
 
-void sim_handle_axis(const sim_handle *handle, double axis[3])
+/* Computes the tool's working direction, a unit vector. */
+static void working_direction(const sim_handle *handle, double axis[3])
 {
     const double w = handle->q[0], x = handle->q[1], y = handle->q[2], z = handle->q[3];
     axis[0] = -2 * (x * z + w * y);
@@ -71,7 +72,7 @@ void sim_handle_axis(const sim_handle *handle, double axis[3])
 void sim_handle_push(sim_handle *handle, double mm)
 {
     double axis[3];
-    sim_handle_axis(handle, axis);
+    working_direction(handle, axis);
     for (int a = 0; a < 3; a++)
         handle->at[a] += mm * axis[a];
 }

@@ -26,8 +26,6 @@ void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, doub
 void sim_handle_twist(sim_handle *handle, double angle);
 /* Moves along the tool's axis in its working direction, in mm. */
 void sim_handle_push(sim_handle *handle, double mm);
-/* Computes the tool's working direction, a unit vector. */
-void sim_handle_axis(const sim_handle *handle, double axis[3]);
 /* Makes the state that a device receives. Returns false if the pose is out of range. */
 bool sim_handle_state(const sim_handle *handle, ost_haptic_state *out);
 
