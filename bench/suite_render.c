@@ -254,7 +254,7 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
     return bench_row_not_run(s->options, table, names, 1, "ms", threads, status, s->err);
 }
 
-/* ------------------------------------------------------- lists and looks */
+/* ------------------------------------------------------- lists and shades */
 
 /* The parts of a block that are made again. */
 typedef enum renewal { RENEW_LIST, RENEW_SHADES, RENEW_ALL, RENEWALS } renewal;
@@ -273,7 +273,7 @@ static int32_t spoil(ost_surface *s, renewal what)
     return count;
 }
 
-/* Measures blocks spread over the bone: only their lists, only their looks, or both. */
+/* Measures blocks spread over the bone: only their lists, only their shades, or both. */
 static ost_status add_renewal(show *s, bench_table *table, renewal what)
 {
     static const char *const name[RENEWALS] = {"render/scapula/list", "render/scapula/looks", "render/scapula/extract"};

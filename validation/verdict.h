@@ -11,7 +11,7 @@
 
 #include "validation/campaign.h"
 
-/* Returns the result of a case on the backend `whom`; owned by the campaign. */
+/* Returns the result of a case on the backend `subject_index`; owned by the campaign. */
 case_result *verdict_of(campaign *c, int case_index, int subject_index);
 
 /* Judges cases [from, until) by a part of a backend's trace. Returns the number of them that the trace has complete;

@@ -73,7 +73,7 @@ OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
  * false, which stops the loop, if the backend fails.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
-/* Sets the actions of keys held now, as bits 1 << ost_action. One other thread may call it at any time. */
+/* Sets the actions of keys that are held, as bits 1 << ost_action. One other thread may call it at any time. */
 OST_API void ost_operation_keys(ost_operation *operation, uint32_t active);
 /* Loads bone, tables and code of the next tick into the caches; an ost_servo_rehearse. Changes no state. */
 OST_API void ost_operation_rehearse(void *operation);

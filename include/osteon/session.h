@@ -97,14 +97,14 @@ typedef struct ost_record {
 
 /* --------------------------------------------------------------- reading */
 
-/* What the file contains and what is missing. */
+/* Content of a session file, and what is missing from it. */
 typedef struct ost_session_summary {
     uint64_t file_bytes, blocks, records, ticks;
     uint64_t first_tick, last_tick; /* numbers; undefined if there are no ticks */
     int64_t first_t_ns, last_t_ns;
     bool ended;                    /* the end record is present */
     uint64_t complete_ticks;       /* ticks from the first on, before any is missing: these can be replayed */
-    uint64_t lost_records;         /* records for which the recorder's ring had no room, as it has recorded itself */
+    uint64_t lost_records;         /* records for which the recorder's ring had no free slot, as it has recorded itself */
     uint64_t damaged_bytes;        /* damaged bytes before the last valid block */
     uint64_t missing_records;      /* records lost by that damage */
     uint64_t cut_bytes;            /* bytes after the last valid block */
@@ -164,7 +164,7 @@ OST_API ost_status ost_recorder_open(const char *path, const ost_session_header 
 /* Puts a record. Called only by the one thread that puts; wait-free. Returns false if the record was lost. */
 OST_API bool ost_recorder_put(ost_recorder *recorder, const ost_record *record);
 /*
- * Puts a record, and waits until there is room; for callers without a deadline. Returns false, and the record is
+ * Puts a record, and waits until a slot is free; for callers without a deadline. Returns false, and the record is
  * lost, if the ring stays full and the disk fails for ten seconds.
  */
 OST_API bool ost_recorder_put_waiting(ost_recorder *recorder, const ost_record *record);

@@ -28,7 +28,7 @@ static cl_backend *backend_of(const cl_bone *bone)
     return (cl_backend *)bone->base.backend;
 }
 
-/* ------------------------------------------------------------ life, room */
+/* ------------------------------------------------------------ life, spare buffers */
 
 ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
                               ost_error *err)

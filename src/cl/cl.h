@@ -8,7 +8,7 @@
  *   layout.c          check that structs have the same layout on the device
  *   fingerprint.c     check that the device's integers are right
  *   launch.c          buffers and launches, with errors that name the device
- *   room.c            a pool of large buffers for reuse
+ *   spare.c           a pool of large buffers for reuse
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the slots of the function table
  *   cl.c              the function table
  *
@@ -98,7 +98,7 @@ typedef struct cl_backend {
     struct {
         cl_mem buffer;
         size_t bytes;
-    } spare[OST_CL_SPARES]; /* owned; freed buffers kept for reuse at about the same size (room.c); NULL: none */
+    } spare[OST_CL_SPARES]; /* owned; freed buffers kept for reuse at about the same size (spare.c); NULL: none */
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
     size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* largest work group of each kernel */
@@ -168,9 +168,9 @@ ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes
 /* Waits for all commands of the queue. */
 ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
 
-/* ---------------------------------------------------------------- room.c */
+/* ---------------------------------------------------------------- spare.c */
 
-/* Returns a buffer of at least this size; *room is its actual size. Its content is undefined. Large buffers are
+/* Returns a buffer of at least this size; *reserved is its actual size. Its content is undefined. Large buffers are
    reused. */
 ost_status ost_cl_spare_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *reserved, ost_error *err);
 void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved); /* sets *buffer to NULL; *buffer may be NULL */

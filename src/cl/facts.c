@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a driver reports about itself and a device, for the record, as lines
+ * Records the information that a driver reports about itself and a device, as lines
  * "CL_DEVICE_VENDOR=...".  Names are OpenCL's own; values that are not text
  * are decimal numbers, bit fields are hexadecimal.  These lines decide nothing
  * and stay the same while the machine does: they include no clock and no free

@@ -44,7 +44,7 @@ static inline ost_divider ost_divider_of(ost_i128 divisor)
 }
 
 /*
- * Returns floor(n / divisor) for |n| <= 2^46 * divisor and < 2^126; *rest is the remainder, from 0 to
+ * Returns floor(n / divisor) for |n| <= 2^46 * divisor and < 2^126; *remainder is the remainder, from 0 to
  * divisor - 1.
  */
 static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *remainder)

@@ -31,7 +31,7 @@ enum { BRIDGE_LIMP_MS = 50, BRIDGE_PATIENCE_MS = 5000, BRIDGE_ADDRESS = 128 };
 typedef struct bridge_options {
     const char *to;        /* "host:port", "[address]:port" */
     const char *key;       /* path of the key's file */
-    uint64_t ticks;        /* 0: until the device or the simulation ends, or asked() returns true */
+    uint64_t ticks;        /* 0: until the device or the simulation ends, or stop_requested() returns true */
     int64_t patience_ms;   /* how long to wait for the first answer; 0: BRIDGE_PATIENCE_MS */
     bool no_realtime;
     bool (*stop_requested)(void); /* returns true to end the run; called once each tick; may be NULL */

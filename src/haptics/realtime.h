@@ -16,7 +16,7 @@ typedef struct realtime_before {
 } realtime_before;
 
 /*
- * Sets up the calling thread and describes in *out what was obtained. If ask is false, requests
+ * Sets up the calling thread and describes in *out what was obtained. If request is false, requests
  * no priority and no locked memory, and *out says so. If core is negative, the thread is not
  * pinned. realtime_leave, called on the same thread, restores what realtime_enter changed.
  */

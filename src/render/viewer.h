@@ -7,7 +7,7 @@
  *   tool volumes ----> surfaces of tools ----+--camera--> frame
  *   ost_live --state--> the tool's pose -----'
  *
- *   ground (the uncut bone) ----> colours of the cut surface
+ *   reference (uncut bone) ------> colours of the cut surface
  *   clip plane, ghost, overlays -> drawn with it
  *
  * A viewer is used by one thread at a time.  If it follows no live state, it shows the surfaces
@@ -74,7 +74,7 @@ ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume
  */
 ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
                                 const ost_pm3 *at, const double *axis, ost_error *err);
-/* Sets the colouring; all but OST_COLOUR_BONE need a ground. */
+/* Sets the colouring; all but OST_COLOUR_BONE need a reference. */
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
 /* Sets the clip plane; with NULL all of the bone is shown. */
 void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip);

@@ -27,7 +27,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Writes seed number `index` into bytes (at most room) and returns its size; 0 when there are no more. */
+/* Writes seed number `index` into bytes (at most capacity) and returns its size; 0 when there are no more. */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
 /* Words of the format for mutations; the last entry is NULL. */

@@ -392,7 +392,7 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
     ost_tool_free(tool);
 }
 
-/* ------------------------------------- a device that renders, unseen for a while */
+/* ------------------------------------- a device that renders, not tracked for a while */
 
 static struct haptic_instance {
     int at;

@@ -229,7 +229,7 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
     const ost_servo_options options = {.ticks = 30, .no_realtime = true};
     const seen s = run_with(&timed, "F", &options, (seen){.sleep_at = 10});
     assert_int_equal(s.ticks, 30);
-    /* Of 12 ms, at least 11 complete periods follow the tick's own. */
+    /* In 12 ms at least 11 complete periods follow the period of the tick. */
     assert_true(report.longest_miss >= 11);
     assert_true(report.missed >= 12);
     assert_true(s.missed >= 11);

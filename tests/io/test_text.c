@@ -9,7 +9,7 @@
 #include "io/text/scan.h"
 #include "io/scratch_group.h"
 
-/* Reads all rows of a text, at most `room`. */
+/* Reads all rows of a text, at most `capacity`. */
 static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t capacity, size_t *count, ost_error *err)
 {
     const char *path = scratch_write(folder, "ct.txt", text, size);

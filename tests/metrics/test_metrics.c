@@ -132,7 +132,7 @@ static void a_straight_one(void **state)
     NEAR(m.hole_angle_deg, 0, 1e-6);
     NEAR(m.hole_entry_mm, 0, 1e-6);
     NEAR(m.hole_wall_mm, 6, 0.01);
-    /* Of the plate, from 2 to 4 mm, the cap removed the part deeper than 2. */
+    /* The plate lies from 2 to 4 mm; the cap removed its part deeper than 2. */
     const double taken = PI * 1 * (27 - 1.0 / 3);
     NEAR(m.plate_mm3, 2 * (PI * rim - PI * 9), 0.15 * 2 * PI * rim);
     NEAR(m.plate_kept_percent, 100 * (1 - taken / (2 * PI * rim)), 4);

@@ -201,7 +201,7 @@ static void a_plane_shows_the_ct(void **state)
             pixels++;
         }
     assert_true(pixels > 300);
-    /* After the clip plane is removed, all looks are those of a bone that never had one. */
+    /* After the clip plane is removed, all shades are those of a bone that never had one. */
     ost_viewer fresh;
     set_bone(&fresh, &after, &after);
     ost_viewer_set_clip(&v, NULL);
@@ -288,7 +288,7 @@ static void colours_are_what_the_ct_says(void **state)
     assert_ok(ost_surface_update(&v.bone, &err));
     for_points(&v.bone, check_density, &c);
     assert_true(c.painted > 400);
-    /* A bone that was cut before the viewer started has the same looks. */
+    /* A bone that was cut before the viewer started has the same shades. */
     ost_viewer late;
     set_bone(&late, &before, &after);
     ost_viewer_set_colouring(&late, OST_COLOUR_DENSITY);

@@ -454,7 +454,7 @@ static void test_sets_and_threads(void **state)
 }
 
 /*
- * The arithmetic of the looks: words of all sizes, with every instruction set, compared with
+ * The arithmetic of the shades: words of all sizes, with every instruction set, compared with
  * weighted sums.
  */
 typedef struct words {
@@ -563,7 +563,7 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 }
 
 /*
- * Compares looks for slopes of all sizes, also zero, that agree and that do not, and for every
+ * Compares shades for slopes of all sizes, also zero, that agree and that do not, and for every
  * number of points in a call.
  */
 static void assert_shades(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
@@ -701,7 +701,7 @@ static void test_rows(void **state)
     }
 }
 
-/* Compares the colours of all possible looks, computed sixteen at a time and one by one. */
+/* Compares the colours of all possible shades, computed sixteen at a time and one by one. */
 static void test_tints(void **state)
 {
     (void)state;

@@ -261,7 +261,7 @@ static void dense_displays(void **state)
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1.5);
     assert_true(ost_window_damaged(w));
-    fake_rescale(0); /* the scale that some systems report if they do not know it */
+    fake_rescale(0); /* the scale that some systems report if it is unknown to them */
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1);
     closed(w);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What others made and this program runs with, for two readers:
+ * Lists the software of others that this program runs with, for two readers:
  *
  *   tools.json --software_write--> sbom.spdx.json   SPDX 2.3, for tools
  *                                  soup.csv         software of unknown provenance (IEC 62304): purpose, licence, limits
  *
  * Both follow from tools.json and the table of known libraries in software.c,
- * so whoever checks a bundle derives them again.
+ * so a check of a bundle derives them again.
  */
 #ifndef OST_VALIDATION_SOFTWARE_H
 #define OST_VALIDATION_SOFTWARE_H

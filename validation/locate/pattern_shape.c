@@ -139,7 +139,7 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
 /*
  * Returns true if the row at index `row` of B is what results if the counts of
  * the previous row are not cleared: solid where either row is (winding), or where
- * exactly one of them is (parity).  Adds to *told the number of its voxels that
+ * exactly one of them is (parity).  Adds to *differing the number of its voxels that
  * became solid or void.
  */
 static bool is_carried(const pattern_view *v, int64_t row, int64_t *differing)

@@ -88,7 +88,7 @@ ost_status appearance_check(const app_state *app, appearance_options *o, ost_err
 
 /* -------------------------------------------------------------------- clip */
 
-/* Computes three unit vectors: inward along the glenoid's axis, beside (horizontal) and above
+/* Computes three unit vectors: inward along the glenoid's axis, right (horizontal) and above
    (upward), both perpendicular to it. */
 static void axis_frame(const ost_view_subject *s, double inward[3], double right[3], double above[3])
 {

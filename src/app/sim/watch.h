@@ -7,7 +7,7 @@
 
 typedef struct sim_watch sim_watch;
 
-/* recorder may be NULL; room is its capacity in records. name, app and recorder must outlive the
+/* recorder may be NULL; capacity: of its ring, in records. name, app and recorder must outlive the
    watch. seconds: the expected duration, 0 if it is unknown. */
 ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity, double seconds, sim_watch **out,
                            ost_error *err);

@@ -63,7 +63,7 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
 
 /*
  * Measures how long a work item may loop.  The end depends on the computed value,
- * so no compiler can know the count or unroll without a test at each turn.  Mesa's
+ * so no compiler can derive the count or unroll without a test at each turn.  Mesa's
  * llvmpipe allows 65,535 turns for all loops of an item together (and of the items
  * in the same vector); after that it ends each loop after one turn and reports no
  * error.

@@ -4,9 +4,9 @@
  * sizes and the offsets of selected members.  The host compares them with its own
  * before anything else.
  *
- *   ost_layout(room, out)   one item
+ *   ost_layout(base, out)   one item
  *
- *   room  ulong[32]   never read: only addresses within it are formed
+ *   base  ulong[32]   never read: only addresses within it are formed
  *   out   uint[26]    in the order of src/cl/layout.c
  */
 #define OST_CL_AT(type, member) (uint)((__global const char *)&((__global const type *)base)->member - (__global const char *)base)

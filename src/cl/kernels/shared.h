@@ -87,7 +87,7 @@ typedef uint64_t ost_cl_u64;
  * have the same density.  It also finds the first line with the worst offset.
  * check: updates seen, clears owner and, for error, finds the least line whose
  * density differs from its voxel's (which has not changed since it was set).
- * blame: finds the first sample of that line that differs.  had: reads the density
+ * report_first_bad: finds the first sample of that line that differs.  had: reads the density
  * of its voxel.
  * The host combines the batch's report with that of earlier batches: counts are
  * added; the greater offset is used or, of equal ones above 0, the lower line; of

@@ -62,7 +62,7 @@ static void free_lists(lists *l)
     }
 }
 
-/* Makes the lists of an axis, with room up to a multiple of 16 (kernels.h). Returns false if there is no memory. */
+/* Makes the lists of an axis, with capacity up to a multiple of 16 (kernels.h). Returns false if there is no memory. */
 static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, ost_pm rect, ost_resample rule)
 {
     const size_t capacity = ((size_t)to + 15) / 16 * 16;

@@ -90,8 +90,8 @@ static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
 void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 
 /*
- * Sums the odd rows among `rows` rows of a tile, starting with first_row, crossing by
- * crossing. bits holds the kernel's output for these rows; those of odd rows are
+ * Sums the unproven rows among `rows` rows of a tile, starting with first_row, crossing by
+ * crossing. bits holds the kernel's output for these rows; those of unproven rows are
  * replaced. Adds the number of leaking rows to *leaking_rows. Returns the correction
  * to the kernel's count of solid voxels.
  */

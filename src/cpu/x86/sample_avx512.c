@@ -22,7 +22,7 @@ static inline halves wide(__m512i v)
     return (halves){_mm512_cvtepi32_epi64(_mm512_castsi512_si256(v)), _mm512_cvtepi32_epi64(_mm512_extracti64x4_epi64(v, 1))};
 }
 
-/* Reads 64 bits at each address whose lane is set in ask; other lanes are 0. */
+/* Reads 64 bits at each address whose lane is set in mask; other lanes are 0. */
 static inline __m512i fetch(__mmask8 mask, __m512i address)
 {
     return _mm512_mask_i64gather_epi64(_mm512_setzero_si512(), mask, address, (const void *)0, 1);
@@ -33,7 +33,7 @@ static inline __m512i sum(__m512i a, __m512i b)
     return _mm512_add_epi64(a, b);
 }
 
-/* Returns eight densities in the low halves of 32-bit lanes; lanes that are not active or not set in ask are 0. */
+/* Returns eight densities in the low halves of 32-bit lanes; lanes that are not active or not set in mask are 0. */
 static inline __m256i densities_of(const cpu_bone *bone, __mmask8 mask, __m512i chunk, __m512i brick, __m512i in)
 {
     const __m512i entry = sum(_mm512_set1_epi64((long long)(uintptr_t)bone->chunks), _mm512_slli_epi64(chunk, 5));
@@ -60,7 +60,7 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         __mmask16 mask = _mm512_mask_cmplt_epu32_mask(some, x, _mm512_set1_epi32(dims.x));
         mask = _mm512_mask_cmplt_epu32_mask(mask, y, _mm512_set1_epi32(dims.y));
         mask = _mm512_mask_cmplt_epu32_mask(mask, z, _mm512_set1_epi32(dims.z));
-        /* Where ask is set, the index is below 2^31; the values of other lanes are not used. */
+        /* Where mask is set, the index is below 2^31; the values of other lanes are not used. */
         __m512i chunk = _mm512_mullo_epi32(_mm512_sra_epi32(z, down), _mm512_set1_epi32(bone->chunk_dims.y));
         chunk = _mm512_mullo_epi32(_mm512_add_epi32(chunk, _mm512_sra_epi32(y, down)), _mm512_set1_epi32(bone->chunk_dims.x));
         chunk = _mm512_add_epi32(chunk, _mm512_sra_epi32(x, down));

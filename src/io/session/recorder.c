@@ -119,7 +119,7 @@ static bool write_block(ost_recorder *r)
     unsigned char *records = r->block + SESSION_BLOCK;
     uint64_t count = r->in_block;
     int error;
-    /* A disk that is nearly full may have room for a part of the records. */
+    /* A disk that is nearly full may have space for a part of the records. */
     while ((error = ost_session_write_records(&r->writer, records, (uint32_t)count, r->lost_in_block)) != 0 && count > 1)
         count /= 2;
     atomic_store_explicit(&r->failing, error, memory_order_release);
@@ -355,7 +355,7 @@ ost_status ost_recorder_close(ost_recorder *recorder, const ost_session_end *end
     pthread_mutex_unlock(&recorder->wake_lock);
     pthread_join(recorder->thread, NULL);
     if (end && !atomic_load(&recorder->failing)) {
-        /* The ring is empty and the writer thread has ended, so there is room for the end record. */
+        /* The ring is empty and the writer thread has ended, so there is a free slot for the end record. */
         const ost_record record = {.kind = OST_RECORD_END, .as.end = *end};
         ost_recorder_put(recorder, &record);
         write_all(recorder);

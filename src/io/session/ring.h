@@ -3,7 +3,7 @@
  * A ring buffer of records between the one thread that puts and the one that writes.
  *
  *         tail                head
- *   ...|  waiting, tail..head  |  free  ...      slot of number n: n % room
+ *   ...|  waiting, tail..head  |  free  ...      slot of number n: n % capacity
  *
  * Both numbers only increase.  The producer writes a slot and then head (release).
  * The consumer reads head (acquire) and the slots, and then writes tail (release),
@@ -23,7 +23,7 @@
 enum { RING_LINE = 64 };
 
 typedef struct session_ring {
-    unsigned char *slots; /* owned; capacity for `room` records */
+    unsigned char *slots; /* owned; capacity records */
     uint64_t capacity;    /* a power of two */
     _Alignas(RING_LINE) _Atomic uint64_t head;
     uint64_t tail_known; /* the last tail that the producer has read */

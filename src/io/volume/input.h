@@ -40,7 +40,7 @@ bool ost_input_is_packed(const ost_input *input);
  */
 uint64_t ost_input_at_most(const ost_input *input);
 
-/* Reads want bytes; *got is less only at the end. Packed data that are truncated or damaged are OST_ERR_INPUT. */
+/* Reads `wanted` bytes; *got is less only at the end. Packed data that are truncated or damaged are OST_ERR_INPUT. */
 ost_status ost_input_read(ost_input *input, void *bytes, size_t wanted, size_t *got, ost_error *err);
 /* Reads one byte; *byte is -1 at the end. */
 ost_status ost_input_byte(ost_input *input, int *byte, ost_error *err);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * OpenGL's copy of a surface: for each block its points and their looks, in the
+ * OpenGL's copy of a surface: for each block its points and their shades, in the
  * forms that are needed.  A copy is identified by the block's version.
  *
  *   points   where, look             a surface point (points/surface.h)
- *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; looks: those of its points, brick by brick
+ *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; shades: those of its points, brick by brick
  *   voxels   a density               all of a block: the thesis' vertices
  *   mesh     corner, normal          a tool's faces as triangles
  */
@@ -19,7 +19,7 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_F
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    uint32_t shade_first, shade_granules; /* position and size of the looks; only for bricks */
+    uint32_t shade_first, shade_granules; /* position and size of the shades; only for bricks */
     uint64_t bricks[8];   /* the bricks of 4^3 voxels with a point: bit x | y << 3 of word z */
     uint64_t cells;       /* the cells of 8^3 voxels with a point: bit x | y << 2 | z << 4 */
     uint64_t hidden;      /* cells that were hidden at the last search (hide.h) */

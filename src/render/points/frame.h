@@ -92,7 +92,7 @@ typedef struct ost_frame {
     ost_planes stored;      /* owned; planes of the first layer alone; NULL before ost_frame_store; no keys */
     bool is_stored;         /* kept holds the last frame's first layer */
     ost_cells part;         /* cells of the first layer that this frame draws again */
-    ost_cells stale;        /* cells to be copied from kept: drawn again, or covered in the previous frame */
+    ost_cells stale;        /* cells to be copied from stored: drawn again, or covered in the previous frame */
     ost_cells over;         /* cells whose colours may differ from kept; drawing on the frame adds to it (ost_frame_sheet) */
     ost_frame_bench *bench; /* owned; scratch of each thread */
     int tiles_across;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Between two frames a tool removes a few dozen voxels of a block and none of
- * its neighbours'.  A look depends on voxels at most OST_SHADING_REACH away, so
- * most rows of points keep their looks:
+ * its neighbours'.  A shade depends on voxels at most OST_SHADING_REACH away, so
+ * most rows of points keep their shades:
  *
  *   bits shown --faces--> rows of points; another list? --.
- *   bits that changed --> rows within reach --------------+--> stale rows --dress--> looks
- *   previous looks ------------------------- other rows --'                        '--> contact
+ *   bits that changed --> rows within reach --------------+--> stale rows --shade--> shades
+ *   previous shades ------------------------ other rows --'                        '--> contact
  *
- * The looks of a row are computed together.  The contact paint changes with time
+ * The shades of a row are computed together.  The contact paint changes with time
  * and not only where bone is removed, so it is applied to all points each time.
  */
 #include "render/points/renew.h"
@@ -57,7 +57,7 @@ static bool same_points(const ost_surface_block *b, const uint32_t *points, cons
     return true;
 }
 
-/* Finds the rows whose points or looks may have changed. Returns false if there are none. */
+/* Finds the rows whose points or shades may have changed. Returns false if there are none. */
 static bool find_changed(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k)
 {
     const ost_faces *f = &k->faces;
@@ -78,7 +78,7 @@ static bool find_changed(const ost_surface *s, const ost_surface_block *b, const
     return any != 0;
 }
 
-/* Copies the previous looks of all other rows. */
+/* Copies the previous shades of all other rows. */
 static void copy_shading(const ost_surface_block *b, ost_shading_scratch *k)
 {
     const uint16_t *begin = k->faces.begin;

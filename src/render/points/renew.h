@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Updates a block of a surface after a change: its list of points, and the looks that may have changed. */
+/* Updates a block of a surface after a change: its list of points, and the shades that may have changed. */
 #ifndef OST_RENDER_RENEW_H
 #define OST_RENDER_RENEW_H
 

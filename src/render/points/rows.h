@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Rows of bits of a block and of its neighbours: the input of lists (extract.c)
- * and looks (shading.c).  All are integers, one word a row.
+ * and shades (shading.c).  All are integers, one word a row.
  *
  *   words of a block, of six neighbours --faces--> six words for each row: faces to the air
  *                                       --points--> surface points
@@ -14,7 +14,7 @@
 #include "render/points/surface.h"
 
 enum {
-    OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH, /* rows and slices that a look may depend on */
+    OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH, /* rows and slices that a shade may depend on */
     OST_RIM = OST_BLOCK + 2,
     OST_POINT_SLACK = 16,                      /* number of words after the last point that may be overwritten */
 };

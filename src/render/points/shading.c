@@ -222,7 +222,7 @@ static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64
     k->smooth.finer(both, z % 2, needed[z], &k->wide[z % THREE]);
 }
 
-/* Computes the looks of the points of slice z in stale rows. */
+/* Computes the shades of the points of slice z in stale rows. */
 static void select_slices(const uint32_t *points, ost_shading_scratch *k, int z)
 {
     const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE], &k->field[(z + 2) % THREE]};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From fields to looks: slopes are fetched point by point and then converted to
+ * From fields to shades: slopes are fetched point by point and then converted to
  * words, sixteen points at once where the registers allow it.  The arithmetic is
  * in floats, each operation rounded separately and in a fixed order:
  *

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arithmetic of the field, a smoothed amount of bone, and of the looks that
+ * The arithmetic of the field, a smoothed amount of bone, and of the shades that
  * are computed from it (shading.c).
  *
  *   rows of bits, densities --bits, densities--> slice of bone, [42][48]
@@ -10,7 +10,7 @@
  *   slices of bone --cells--> a mean of each 2^3 voxels --lines, down, slice--> a field of cells
  *       --finer--> slice of the wide field, a quarter of it, [34][48]
  *
- *   three slices of the field, three of the wide one, points --looks--> normal, openness
+ *   three slices of the field, three of the wide one, points --shades-> normal, openness
  *
  * A sum has the weights 1 2 3 4 5 4 3 2 1.  All arithmetic has 16 bits: final
  * sums are below 2^16, and arithmetic modulo 2^16 makes an overflow on the way
@@ -61,7 +61,7 @@ typedef struct ost_smooth_kernels {
      * slices of cells; the slice is nearer to the second if odd.
      */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
-    /* Computes the looks of points of one slice, whose field is fine[1]. */
+    /* Computes the shades of points of one slice, whose field is fine[1]. */
     void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades);
 } ost_smooth_kernels;
 

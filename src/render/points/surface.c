@@ -234,7 +234,7 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     return OST_OK;
 }
 
-/* ------------------------------------------------------ visibility, looks */
+/* ------------------------------------------------------ visibility, shades */
 
 void ost_surface_clip(ost_surface *surface, const ost_clip *clip)
 {
@@ -282,7 +282,7 @@ void ost_surface_age(ost_surface *surface)
     for (int32_t i = 0; i < surface->used; i++) {
         ost_surface_block *b = surface->slot[i];
         int lo[3], hi[3];
-        /* Fresh and recent voxels have the same look, so a look changes only where the two sets differ. */
+        /* Fresh and recent voxels have the same look, so a shade changes only where the two sets differ. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
             mark(surface, b->at, lo, hi, 1, SEES_SHADES);
         free(b->recent);

@@ -23,7 +23,7 @@
  * Normal and openness are computed from the bits (shading.h), so a cut is drawn
  * as smoothly as the uncut surface.
  *
- *   whole: all active voxels --clip plane (clip.h)--> occupancy: those that are shown and listed
+ *   occupied: all active voxels --clip plane (clip.h)--> occupancy: those that are shown and listed
  *
  * A surface is used by one thread at a time.  Drawing a frame only reads it.
  */
@@ -40,7 +40,7 @@ enum {
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    OST_SHADING_REACH = 14,          /* greatest distance, in voxels, of a voxel that a look depends on (renew.c) */
+    OST_SHADING_REACH = 14,          /* greatest distance, in voxels, of a voxel that a shade depends on (renew.c) */
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
 
@@ -50,14 +50,14 @@ typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
     bool dirty;                /* the next update has to process the block, because of: */
     bool unlisted;             /* its list of points may have changed */
-    bool remade;               /* all its looks may have changed */
+    bool remade;               /* all its shades may have changed */
     bool unmeasured;           /* its cells may have changed */
     bool contact;              /* at least one look has OST_SHADE_CONTACT */
     uint64_t version;          /* version of its lists, unique within the process; 0 before the first */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
     uint32_t *changed;         /* owned; voxels of whole that changed since the last update; NULL if none */
-    uint32_t *before;          /* owned; bone voxels of the uncut bone; NULL if the surface has no ground */
+    uint32_t *before;          /* owned; bone voxels of the uncut bone; NULL if the surface has no reference */
     uint32_t *fresh, *recent;  /* owned; voxels removed since the last ost_surface_age, and in the interval before; NULL if none */
     uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until the first is needed */
     uint32_t count, capacity;  /* number of points, capacity */
@@ -109,14 +109,14 @@ ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume
 
 /*
  * Set the uncut bone, which must have the same grid, and the colouring.
- * The next update recomputes all looks after a change.  The ground is borrowed.
+ * The next update recomputes all shades after a change.  The reference is borrowed.
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
 /* Ages the removed voxels that shows_contact records: fresh ones become recent, recent ones are dropped. */
 void ost_surface_age(ost_surface *surface);
 
-/* Recomputes the points and looks that changed since the last update, and lists the changed blocks in renewed. */
+/* Recomputes the points and shades that changed since the last update, and lists the changed blocks in renewed. */
 ost_status ost_surface_update(ost_surface *surface, ost_error *err);
 
 /* Returns true if none of the voxels lo to hi (inclusive) is shown; voxels outside the grid are not. */

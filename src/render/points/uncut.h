@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The ground: the CT's densities of the uncut bone, and the paint that follows
+ * The reference: the CT's densities of the uncut bone, and the paint that follows
  * from them.
  *
  *   densities --class, density---------> paint of voxels that a tool has bared
@@ -42,14 +42,14 @@ typedef struct ost_uncut {
 /* Takes ownership of the volume, which must have cubic voxels. If at is NULL, no glenoid is known. */
 ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold, const ost_density_classes *classes, const ost_pm3 *at,
                           const double *axis, ost_error *err);
-/* Frees the ground's memory; a zeroed ground is valid. */
+/* Frees the reference's memory; a zeroed reference is valid. */
 void ost_uncut_free(ost_uncut *reference);
 
 /* Computes a block's bits in the uncut bone. */
 void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS]);
 /* Returns the paint of a voxel that a tool bared. depth: the voxel's entry of block->depth. */
 uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3], uint32_t depth);
-/* Returns the paint of a voxel that a clip plane bares; ground may be NULL. */
+/* Returns the paint of a voxel that a clip plane bares; the reference may be NULL. */
 uint32_t ost_uncut_cap(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3]);
 /* Allocates and computes block->depth: the squared distance of every voxel, at most OST_DEPTH_FAR. */
 ost_status ost_uncut_depth(ost_surface *surface, ost_surface_block *block, ost_error *err);
