@@ -31,6 +31,7 @@
 #include "force/balance.h"
 #include "force/contact.h"
 #include "force/params.h"
+#include "force/turn.h"
 #include "force/vibration.h"
 
 enum { TOOLS_MAX = 16, PARTS = 8 };
@@ -158,30 +159,6 @@ void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose)
 
 /* ------------------------------------------------------------------- turns */
 
-/*
- * Computes the rotation from a to b as twice the sine of half its angle along its axis, in the
- * bone's frame.
- */
-static void turn_between(const double a[4], const double b[4], double out[3])
-{
-    const double w = a[0], x = -a[1], y = -a[2], z = -a[3]; /* conjugate */
-    const double real = b[0] * w - b[1] * x - b[2] * y - b[3] * z;
-    const double imaginary[3] = {b[0] * x + b[1] * w + b[2] * z - b[3] * y, b[0] * y - b[1] * z + b[2] * w + b[3] * x,
-                                 b[0] * z + b[1] * y - b[2] * x + b[3] * w};
-    const double n = sqrt(real * real + ost_dot(imaginary, imaginary));
-    for (int i = 0; i < 3; i++)
-        out[i] = (real < 0 ? -2 : 2) * imaginary[i] / n;
-}
-
-/* Multiplies q by a rotation about z. */
-static void turn_about_axis(const double q[4], double angle, double out[4])
-{
-    double s, c;
-    ost_sin_cos(angle / 2, &s, &c);
-    const double turned[4] = {q[0] * c - q[3] * s, q[1] * c + q[2] * s, q[2] * c - q[1] * s, q[3] * c + q[0] * s};
-    memcpy(out, turned, sizeof turned);
-}
-
 void ost_force_motor(ost_force *force, double speed, double turned)
 {
     grip *g = &force->grip;
@@ -193,21 +170,13 @@ void ost_force_motor(ost_force *force, double speed, double turned)
     if (!g->coupled || turned == 0)
         return;
     double device[4] = {g->device.qw, g->device.qx, g->device.qy, g->device.qz};
-    turn_about_axis(g->facing, turned, g->facing);
+    ost_turn_about_axis(g->facing, turned, g->facing);
     ost_turn_of(g->facing, g->pose.turn);
-    turn_about_axis(device, turned, device);
+    ost_turn_about_axis(device, turned, device);
     g->device.qw = (int32_t)rint(device[0]);
     g->device.qx = (int32_t)rint(device[1]);
     g->device.qy = (int32_t)rint(device[2]);
     g->device.qz = (int32_t)rint(device[3]);
-}
-
-static void quaternion_of(const ost_pose *pose, double q[4])
-{
-    q[0] = pose->qw;
-    q[1] = pose->qx;
-    q[2] = pose->qy;
-    q[3] = pose->qz;
 }
 
 /* Rotates the tool by its angular velocity w, in its own frame, for dt. */
@@ -368,7 +337,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
     const contact_shell *shell = f->shells[f->grip.tool];
     double to[3], facing[4], away[3], lean[3] = {0}, own[3], u[6] = {0}, left = period;
     position_of(device, to);
-    quaternion_of(device, facing);
+    ost_turn_quaternion(device, facing);
     for (int part = 0; part < PARTS && left > period * 1e-6; part++) {
         ost_status status = ost_contact_touch(f->bone, shell, &f->grip.pose, &f->contact, err);
         if (status != OST_OK)
@@ -381,7 +350,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         ost_into_tool(&f->grip.pose, turn, own);
         own[2] = 0; /* about its own axis the tool rotates anyway */
         if (turns) {
-            turn_between(f->grip.facing, facing, lean);
+            ost_turn_between(f->grip.facing, facing, lean);
             ost_into_tool(&f->grip.pose, lean, far_own);
             ost_into_tool(&f->grip.pose, f->grip.turning, speed_own);
             pull(&f->balance, 3, turn_k, turn_d, left, far_own, speed_own);
@@ -411,7 +380,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         out->force_n[a] = p->scale * (f->grip.drag[a] - k * away[a] - d * (f->grip.velocity[a] - v[a]));
     if (turns) {
         ost_into_bone(&f->grip.pose, u + 3, w);
-        turn_between(f->grip.facing, facing, lean);
+        ost_turn_between(f->grip.facing, facing, lean);
         for (int a = 0; a < 3; a++)
             out->torque_nm[a] = p->scale * (f->grip.drag_nm[a] - turn_k * lean[a] - turn_d * (f->grip.turning[a] - w[a]));
     }
@@ -463,9 +432,9 @@ static void follow(ost_force *f, const ost_pose *device, double period, double t
     double to[3], before[3], a[4], b[4];
     position_of(device, to);
     position_of(&f->grip.device, before);
-    quaternion_of(&f->grip.device, a);
-    quaternion_of(device, b);
-    turn_between(a, b, turn);
+    ost_turn_quaternion(&f->grip.device, a);
+    ost_turn_quaternion(device, b);
+    ost_turn_between(a, b, turn);
     for (int i = 0; i < 3; i++) {
         turn[i] /= period;
         f->grip.velocity[i] += share * ((to[i] - before[i]) / period - f->grip.velocity[i]);

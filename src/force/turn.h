@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rotations of the tool as quaternions {w, x, y, z} of any length. */
+#ifndef OST_FORCE_TURN_H
+#define OST_FORCE_TURN_H
+
+#include <osteon/pose.h>
+
+/*
+ * Computes the rotation from a to b as twice the sine of half its angle along its axis, in the
+ * bone's frame.
+ */
+void ost_turn_between(const double a[4], const double b[4], double out[3]);
+/* Multiplies q by a rotation about z. out may be q. */
+void ost_turn_about_axis(const double q[4], double angle, double out[4]);
+/* Copies the pose's quaternion. */
+void ost_turn_quaternion(const ost_pose *pose, double q[4]);
+
+#endif
