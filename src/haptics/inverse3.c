@@ -15,6 +15,8 @@
  * The device moves the tool relative to its start.  After more than a few ticks
  * without a state the motion continues from where the tool is; half a second
  * without a state means that the device is lost.
+ *
+ * The file has more than 500 lines: one protocol, whose parts share one connection.
  */
 #include "config.h"
 

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The simulator's window: events, the tool's handle, the HUD's facts, frames, and the loop that
+ * draws them while the servo thread runs.
+ *
+ * It has more than 500 lines, because events, facts and frames read and write the same state,
+ * sim_window, which no other file sees.
+ */
 #include "app/sim/window.h"
 
 #include <math.h>

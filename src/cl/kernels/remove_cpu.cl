@@ -6,7 +6,7 @@
  *   block 16^3 --- cubes 8^3 --- bricks 4^3 --- 64 voxels
  *
  * At each step the tool's cell at the middle of a cube decides the entire cube
- * if its reach is at least the pose's whole[] (shared.h); eight cubes are looked
+ * if its reach is at least the pose's complete[] (shared.h); eight cubes are looked
  * up at once.  The tool voxels that a brick may meet lie in one window of 8^3
  * voxels, 64 bytes.  If the window is full or empty, it decides the brick.  Else
  * the voxels' bits are selected from it sixteen at a time, by a tree of selections
@@ -19,6 +19,8 @@
  *
  * The vectors are OpenCL C's own (uint16, int8), so that no compiler needs to
  * vectorize loops.  Ranges are those of remove.cl.
+ *
+ * The file has more than 500 lines, because all steps of one kernel are inlined into it.
  */
 #if OST_FOR & 2
 

@@ -10,6 +10,7 @@
  *
  * Indices are stored to memory and tables read by scalar loads: sixteen loads
  * take half the time of a gather, and many are in flight at once.
+ * The file has more than 500 lines, because these four steps share the helpers that are inlined into them.
  *
  * A window's 16-bit word 4 y + z / 2 holds the bytes of rows (y, z) and
  * (y, z + 1), z even.  In a lane's u = voxel.fraction (3 + 13 bits):

@@ -6,6 +6,8 @@
  * keys updated one by one.  Loading a word just stored causes no stall, in
  * contrast to register-wide accesses that overlap.  The other voxels fill
  * sixteen pixels at a time, in two rows or in one.
+ *
+ * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"

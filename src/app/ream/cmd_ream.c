@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * osteon ream: moves tools along paths and removes bone.
+ *
+ *   --bone --load_bone--> bone ----------------.
+ *   --tool --load_tool--> tools --------------. \
+ *   --path --ream_path_make--> poses of a hand --ost_motor_path--> ticks --> ost_world_step, a tick at a time
+ *                                              |
+ *                  --out <--ost_bone_write--- bone
+ *               --record <--ost_recorder_put- tick, digest
+ *
+ * If an OpenCL device fails during the run, the backend cpu continues from the last complete tick
+ * (ost_world_failover) and produces the same grid, unless --no-failover is given.
+ */
+#include "app/ream/ream.h"
+
+#include <osteon/motor.h>
+#include <stdlib.h>
+
+#include "app/common/backend_choice.h"
+#include "app/common/print.h"
+#include "app/common/result.h"
+
+/* Ticks between two copies of the bone, for a device that may fail: a copy costs about as much as
+   20 ticks. */
+enum { SAVED_TICKS = 1024 };
+
+static void job_free(ream_job *j)
+{
+    free(j->tick_ns);
+    /* The recorder is still open if something else has failed: the ticks until then remain recorded. */
+    ost_recorder_close(j->recorder, NULL, NULL);
+    debrief_free(&j->debrief);
+    ost_world_free(j->world);
+    ost_path_free(&j->path);
+    for (int i = 0; i < OPTION_LIST_MAX; i++)
+        ost_tool_free(j->tools[i]);
+    ost_bone_free(j->bone);
+    ost_backend_close(j->backend);
+}
+
+static ost_status world_make(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
+{
+    const ost_world_options options = {
+        .sweep_off = args->sweep == 0,
+        .removal_period_ns = args->period_ns,
+        .classes = args->classes,
+        .saved_ticks = backend_is(app, "cl") && !args->no_failover ? SAVED_TICKS : 0,
+    };
+    ost_status status = ost_world_create(j->bone, &options, &j->world, err);
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        status = ost_world_add_tool(j->world, args->tools.value[i], j->tools[i], NULL, err);
+    return status;
+}
+
+static ost_status load_all(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
+{
+    ost_status status = backend_choose(app, &j->backend, err);
+    /* Tools are loaded first: they are small, and an error in them is reported before the CT is read. */
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++) {
+        status = load_tool(app, j->backend, args->tools.value[i], NULL, &args->how, &j->tools[i], NULL, err);
+        if (status == OST_OK) {
+            ost_dims d = ost_tool_geometry_get(j->tools[i])->dims;
+            if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
+                status = ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; at most %d on a side can ream: use a larger --voxel",
+                                  args->tools.value[i], d.x, d.y, d.z, OST_TOOL_DIM_REMOVE_MAX);
+        }
+    }
+    if (status == OST_OK)
+        status = load_bone(app, j->backend, args->bone, &args->ct, false, &j->bone, &j->imported, err);
+    if (status == OST_OK)
+        status = ost_bone_info_get(j->bone, &j->before, err);
+    const ost_tool_geometry *grids[OPTION_LIST_MAX] = {NULL};
+    for (int i = 0; i < args->tools.count && status == OST_OK; i++)
+        grids[i] = ost_tool_geometry_get(j->tools[i]);
+    if (status == OST_OK)
+        status = ream_path_make(app, &args->paths, &args->plan.target, &j->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &j->path,
+                                &j->gaps, err);
+    return status;
+}
+
+static bool has_device_speed(const ost_path *path)
+{
+    for (size_t i = 0; i < path->count; i++)
+        if (path->ticks[i].rpm == OST_RPM_OF_DEVICE)
+            return true;
+    return false;
+}
+
+/* Replaces the path's poses by those of tools that the motor turns. */
+static ost_status motor_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
+{
+    ost_motor motor = {0};
+    if (args->rpm_given && !has_device_speed(&j->path))
+        return usage_error(app, err, "--rpm %lld: %s has the speeds of its motor in it; leave --rpm out", (long long)args->rpm, args->paths.value[0]);
+    return ost_motor_path(&j->path, (int32_t)args->rpm, &motor, err);
+}
+
+/* Finds the plan, and stores a copy of the bone for the debrief if there is to be one. */
+static ost_status plan_take(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
+{
+    ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone, args->debrief != NULL, &j->plan, &j->planned, err);
+    return status == OST_OK && args->debrief ? debrief_begin(j->bone, &j->plan, j->tools, args->tools.count, &j->debrief, err) : status;
+}
+
+static ost_status check_start(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
+{
+    start_setup setup = {.bone_name = args->bone, .bone = j->bone, .plan = j->planned ? &j->plan : NULL, .names = &args->tools,
+                         .tools = j->tools, .strict = args->strict};
+    start_poses(&j->path, setup.first);
+    return start_check(app, &setup, &j->site, err);
+}
+
+/* Checks everything that can be checked before a file is read. */
+static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
+{
+    ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
+    if (status == OST_OK)
+        status = ream_max_gap(app, args->max_gap, &args->gaps, err);
+    if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
+        ost_fail_context(err, "--classes");
+    if (status != OST_OK)
+        return status;
+    if (!args->tools.count)
+        return usage_error(app, err, "--tool TOOL is missing");
+    if (!args->paths.count)
+        return usage_error(app, err, "--path PATH is missing");
+    if (args->tools.count > 1 && args->paths.count > args->tools.count)
+        return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
+                           args->paths.count, args->tools.count);
+    if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)
+        return status;
+    if (args->debrief && (status = out_check(app, args->debrief, "html", err)) != OST_OK)
+        return status;
+    return out_check(app, args->out, "nrrd|nii|nii.gz|txt", err);
+}
+
+ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
+{
+    ream_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1, .rpm = OST_RPM_REAMER};
+    target_options *t = &args.plan.target;
+    const option options[] = {
+        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE", .required = true,
+         .help = "a bone that import wrote, a CT, or builtin:scapula"},
+        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL",
+         .help = "a tool that voxelize wrote, a mesh, or builtin:reamer; may repeat"},
+        {.name = "path", .kind = OPTION_LIST, .out = &args.paths, .value = "PATH",
+         .help = "a CSV, a session, builtin:peg-hole or builtin:glenoid-ream; may repeat, path after path, each with its tool in the same order"},
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
+         .help = "the reamed bone: .nrrd, or .nii, .nii.gz, .txt"},
+        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
+         .help = "centre of the glenoid's face, for the built-in paths\n(default: what the bone's file says)"},
+        {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
+         .help = "direction into the bone there (default: the file's)"},
+        {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
+         .help = "of the body (default: the file's, else the axis determines it)"},
+        {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"},
+        MAX_GAP_OPTION(args.max_gap),
+        {.name = "rpm", .kind = OPTION_INTEGER, .out = &args.rpm, .given = &args.rpm_given, .min = 0, .max = OST_RPM_MAX, .value = "N",
+         .help = "turns a minute of the tool's motor, clockwise from behind; 0: off, and\nnothing is removed (default: 200)"},
+        {.name = "sweep", .kind = OPTION_CHOICE, .out = &args.sweep, .value = "off|on",
+         .help = "fill in between two ticks (default: on)"},
+        {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...",
+         .help = "density classes to count by, each from its HU up\n(default: cartilage:120,cancellous:150,cortical:650)"},
+        TOOL_OPTIONS(args.how),
+        CT_OPTIONS(args.ct),
+        STRICT_OPTION(args.strict),
+        {.name = "no-failover", .kind = OPTION_FLAG, .out = &args.no_failover,
+         .help = "with --backend cl: stop when the device fails; else cpu goes on\nfrom the last whole tick, to the same grid"},
+        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
+        {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
+         .help = "what it has come to, against the plan: angles, depths, hole, seat;\na page with pictures"},
+        GLENOID_PLAN_OPTIONS(args.plan),
+        {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION",
+         .help = "write down every tick: osteon replay does it again, osteon info and\nexport read it; the name ends in .session"},
+        {.name = NULL}};
+    const usage_text usage = {
+        .synopsis = "--bone BONE --tool TOOL --path PATH --out FILE [options]",
+        .about = "Moves tools along a path and removes the bone they meet: the main job.",
+        .options = options,
+        .notes = "Lengths are in millimetres, densities in HU. A path file has lines\n"
+                 "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm] (or x_m,y_m,z_m; plain or gzip):\n"
+                 "a row is a tick, and its pose takes the tool's frame into the bone's; a row of nan\n"
+                 "lifts the tool. The bone's frame is the CT's: x to the patient's\n"
+                 "left, y to the back, z to the head (LPS).",
+        .example = "  osteon ream --bone builtin:scapula --out reamed.nrrd \\\n"
+                   "    --tool builtin:peg --path builtin:peg-hole \\\n"
+                   "    --tool builtin:reamer --path builtin:glenoid-ream\n"
+                   "  osteon ream --bone shoulder.nii.gz --tool reamer.stl --path builtin:glenoid-ream \\\n"
+                   "    --at -117.8,196.5,-159 --axis 1,0,0 --side right --out reamed.nrrd",
+    };
+    ost_status status;
+    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = check_args(app, &args, err)) != OST_OK)
+        return status;
+    ream_job j = {0};
+    status = load_all(app, &args, &j, err);
+    if (status == OST_OK)
+        status = motor_run(app, &args, &j, err);
+    if (status == OST_OK)
+        status = world_make(app, &args, &j, err);
+    if (status == OST_OK)
+        status = plan_take(app, &args, &j, err);
+    if (status == OST_OK) {
+        status = check_start(app, &args, &j, err);
+        if (ream_may_fail_over(app, &args, &j, status) && (status = ream_fail_over(app, &j, 0, err)) == OST_OK)
+            status = check_start(app, &args, &j, err);
+    }
+    if (status == OST_OK)
+        status = ream_record_begin(&args, &j, err);
+    if (status == OST_OK)
+        status = ream_run(app, &args, &j, err);
+    if (status == OST_OK) {
+        status = ream_take_results(&args, &j, err);
+        if (ream_may_fail_over(app, &args, &j, status) && (status = ream_fail_over(app, &j, j.path.count, err)) == OST_OK)
+            status = ream_take_results(&args, &j, err);
+    }
+    if (status == OST_OK)
+        status = ream_report(app, &args, &j, err);
+    if (status == OST_OK && args.debrief)
+        status = debrief_end(app, &j.debrief, j.bone, ost_world_classes(j.world), args.bone, args.debrief, err);
+    if (status == OST_OK)
+        status = ream_record_end(app, &args, &j, err);
+    job_free(&j);
+    return status;
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * An operation of `osteon ream`: its arguments, its resources, and its parts.
+ *
+ *   cmd_ream.c   arguments, loading, the order of the parts
+ *   run.c        ticks, failover to another backend
+ *   record.c     the recording
+ *   report.c     results
+ */
+#ifndef OST_APP_REAM_REAM_H
+#define OST_APP_REAM_REAM_H
+
+#include "app/common/app.h"
+#include "app/debrief/debrief.h"
+#include "app/input/glenoid_plan.h"
+#include "app/input/load.h"
+#include "app/input/start_check.h"
+
+typedef struct ream_args {
+    const char *bone, *out, *record, *classes_text;
+    option_list tools, paths;
+    ct_options ct;
+    tool_options how;
+    glenoid_plan_options plan;
+    const char *debrief, *max_gap;
+    ost_path_options gaps; /* from max_gap */
+    option_decimal rate;
+    int64_t period_ns; /* from rate; 0: removal at every tick */
+    int64_t rpm;
+    bool rpm_given;
+    ost_density_classes classes; /* from classes_text; count 0: the default classes */
+    int sweep; /* index in "off|on" */
+    bool compress, no_failover, strict;
+} ream_args;
+
+/* All resources of a run, freed together by ream_free. */
+typedef struct ream_job {
+    ost_backend *backend;
+    ost_bone *bone;
+    ost_import_result imported;
+    ost_bone_info before, after;
+    ost_digest root;   /* digest of the bone at the end */
+    ost_tool *tools[OPTION_LIST_MAX];
+    ost_path path;
+    ream_gaps gaps;    /* gaps in path */
+    ost_world *world;
+    ost_recorder *recorder; /* NULL if nothing is recorded */
+    uint32_t *tick_ns; /* duration of each step */
+    double run_ms;
+    bool met;          /* the boxes of bone and tool met at some tick */
+    ost_metrics_plan plan;
+    bool planned;      /* plan is set */
+    debrief debrief;   /* empty without --debrief */
+    start_checked site;
+    bool failed_over;  /* the backend is no longer the requested one */
+} ream_job;
+
+/* Begins the recording, if one is requested. The world must exist. */
+ost_status ream_record_begin(const ream_args *args, ream_job *j, ost_error *err);
+/* Records a tick. Ticks that could not be recorded are reported when the recorder is closed. */
+ost_status ream_record_tick(ream_job *j, size_t number, const ost_step_result *step, ost_error *err);
+void ream_record_note(const ream_job *j, size_t tick, const char *text);
+/* Completes the recording and reports it. */
+ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
+
+/* Returns true if the device may be the cause of the failure. Other errors would occur on the
+   backend cpu as well. */
+bool ream_may_fail_over(const app_state *app, const ream_args *args, const ream_job *j, ost_status status);
+/* Moves the world to the backend cpu after the device's failure, which err describes. ticks:
+   complete ticks so far. */
+ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_error *err);
+/* Executes all ticks. */
+ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
+
+/* Reads from the backend what the report needs, then writes the bone, so that a failure leaves no file. */
+ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err);
+/* Prints the result and stores it in the verb's JSON. */
+ost_status ream_report(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
+
+#endif
