@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The meshes of docs/performance.md, in the middle 98 % of a cube.
+ * The meshes of docs/log/0.1.md, in the middle 98 % of a cube.
  *
  *   sphere80k   a tilted sphere of 300 meridians and 135 rings: 80,400 triangles
  *   knot524k    a tube of 2048 x 128 quads around a (2, 3) torus knot: 524,288 triangles

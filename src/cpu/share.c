@@ -9,7 +9,7 @@
 #endif
 
 /*
- * Thresholds, as measured (docs/performance.md); a row's comment is its unit.  A
+ * Thresholds, as measured (docs/log/0.1.md); a row's comment is its unit.  A
  * second thread takes microseconds to start, and milliseconds if it waits for a core
  * that another process uses.
  */

@@ -9,7 +9,7 @@
 #include "app/sim/window.h"
 #include "app/sim/watch.h"
 
-/* A rehearsed tick of the reamer takes 60 to 150 us after a millisecond's pause (docs/performance.md). */
+/* A rehearsed tick of the reamer takes 60 to 150 us after a millisecond's pause (docs/log/0.1.md). */
 enum { REHEARSE_US = 250 };
 
 void sim_pin(const sim_args *args, simulation *s)

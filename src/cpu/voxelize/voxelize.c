@@ -49,7 +49,7 @@ typedef struct scratch {
 /*
  * Estimates the time of the work on one thread.  Further threads pay for their
  * start, and for the wait for a core that another process uses, from about a
- * millisecond of work on (docs/performance.md).  Measured on one core of 2.5 GHz:
+ * millisecond of work on (docs/log/0.1.md).  Measured on one core of 2.5 GHz:
  * 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
  * 0.15 ns per byte of classes; 0.03 ns per voxel as bits.
  */

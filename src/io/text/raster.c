@@ -10,7 +10,7 @@
  * passes.
  *
  * Why there are two readers.  Two passes read any text.  For a scan one pass needs a
- * fifth of their processor time (docs/performance.md, parse), since it compares
+ * fifth of their processor time (docs/log/0.1.md, parse), since it compares
  * lines instead of parsing them, and scans are the usual texts.
  */
 #include "core/conditions.h"
