@@ -90,6 +90,13 @@ static ost_status read_protocol(const derivation *d, json_t **out, ost_error *er
         *out = NULL;
         return OST_OK;
     }
+    /* Another file's JSON in its place has no number of a format. */
+    if (status == OST_OK && !json_is_integer(json_object_get(*out, "schema"))) {
+        report_problem(d, BUNDLE_DIFFERENT, EVIDENCE_PROTOCOL, "has no number of a format ('schema')");
+        json_decref(*out);
+        *out = NULL;
+        return OST_OK;
+    }
     return status == OST_OK ? evidence_check_format(d->folder, *out, err) : ost_fail(err, status, "%s", why.text);
 }
 
