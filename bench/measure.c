@@ -124,7 +124,7 @@ ost_status bench_row_not_run(const bench_options *options, bench_table *table, c
             continue;
         bench_row *row = bench_row_add(table, names[i], unit, threads);
         if (!row)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
         snprintf(row->reason, sizeof row->reason, "%.*s", BENCH_TEXT - 1, err->text[0] ? err->text : ost_status_text(status));
     }
     *err = (ost_error){.status = OST_OK};

@@ -35,7 +35,7 @@ ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, 
     ost_status status = OST_OK;
     *out = ticks;
     if (!ticks)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a path of %d ticks", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a path of %d ticks", count);
     for (int i = 0; i < count && status == OST_OK; i++) {
         const double s = feed * i - depth / 2;
         const double t[3] = {middle[0] + s * down.x, middle[1] + s * down.y, middle[2] + s * down.z};
@@ -51,7 +51,7 @@ ost_status bench_sequence_init(bench_sequence *sequence, int count, ost_error *e
 {
     *sequence = (bench_sequence){.best = malloc((size_t)count * sizeof(double)), .count = count};
     if (!sequence->best)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of %d ticks", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of %d ticks", count);
     for (int i = 0; i < count; i++)
         sequence->best[i] = HUGE_VAL;
     return OST_OK;

@@ -107,7 +107,7 @@ ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int 
     for (int32_t z = 0; z < scene->bone.dims.z && status == OST_OK; z += SLAB) {
         int32_t count = scene->bone.dims.z - z < SLAB ? scene->bone.dims.z - z : SLAB;
         int16_t *voxels = bench_scene_slices(scene, z, count);
-        status = voxels ? ost_bone_upload(*out, z, count, voxels, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for a bone's slices");
+        status = voxels ? ost_bone_upload(*out, z, count, voxels, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone's slices");
         free(voxels);
     }
     return status;
@@ -197,7 +197,7 @@ ost_status bench_thesis_init(bench_thesis *thesis, const bench_scene *scene, int
     thesis->corners = malloc((size_t)count * sizeof *thesis->corners);
     if (count == 0 || !thesis->tool || !thesis->full || !thesis->live || !thesis->chunks || !thesis->corners) {
         bench_thesis_free(thesis);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the thesis' event of %d chunks", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the thesis' event of %d chunks", count);
     }
     pick_chunks(scene, chunk_size, thesis->corners);
     for (size_t i = 0; i < tool_voxels; i++)
@@ -287,7 +287,7 @@ ost_status bench_work_count(bench_work *work, const bench_thesis *thesis, ost_er
         return OST_OK;
     work->rows = malloc(rows * sizeof *work->rows);
     if (!work->rows)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu rows", rows);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu rows", rows);
     for (size_t r = 0; r < rows; r++) {
         bench_row_store store = {.row = thesis->live + r * ROW};
         for (int i = 0; i < ROW; i++)

@@ -31,7 +31,7 @@ static ost_status add_row(opencl *o, const char *name)
 {
     bench_row *row = bench_row_add(o->table, name, "ms", o->options->threads);
     if (!row)
-        return ost_fail(o->err, OST_ERR_MEMORY, "no memory for a row");
+        return ost_fail(o->err, OST_ERR_MEMORY, "out of memory for a row");
     row->equal = o->equal;
     if (o->equal) {
         bench_row_ours(row, &o->series[CL]);
@@ -73,7 +73,7 @@ static ost_status same_bones(opencl *o, ost_bone *const bones[SIDES])
     const size_t bytes = status == OST_OK ? (size_t)ost_dims_count(info.geometry.dims) * sizeof(int16_t) : 1;
     int16_t *ours = malloc(bytes), *expected = malloc(bytes);
     if (status == OST_OK && (!ours || !expected))
-        status = ost_fail(o->err, OST_ERR_MEMORY, "no memory to compare bones");
+        status = ost_fail(o->err, OST_ERR_MEMORY, "out of memory for the comparison of bones");
     if (status == OST_OK)
         status = ost_bone_download(bones[CL], 0, info.geometry.dims.z, ours, o->err);
     if (status == OST_OK)
@@ -202,7 +202,7 @@ static ost_status launches(opencl *o, bench_cl *cl)
     }
     bench_row *row = bench_row_add(o->table, name, "us", o->options->threads);
     if (!row)
-        return ost_fail(o->err, OST_ERR_MEMORY, "no memory for a row");
+        return ost_fail(o->err, OST_ERR_MEMORY, "out of memory for a row");
     if (done)
         bench_row_ours(row, &series);
     else
@@ -220,7 +220,7 @@ static ost_status nothing_here(const bench_options *options, bench_table *table,
         return OST_OK;
     bench_row *row = bench_row_add(table, name, "us", options->threads);
     if (!row)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
     snprintf(row->reason, sizeof row->reason, "%s", reason);
     return OST_OK;
 }

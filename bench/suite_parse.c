@@ -75,7 +75,7 @@ static ost_status write_all(parse *p, const char *text, size_t bytes)
 static ost_status write_text(parse *p, int layers)
 {
     char x[NX][LINE], *layer = malloc((size_t)NX * NY * LINE);
-    ost_status status = layer ? OST_OK : ost_fail(p->err, OST_ERR_MEMORY, "no memory for a layer of text");
+    ost_status status = layer ? OST_OK : ost_fail(p->err, OST_ERR_MEMORY, "out of memory for a layer of text");
     for (int i = 0; i < NX; i++)
         *put_mm(x[i], -57340000 + i * INT64_C(470000)) = 0;
     for (int k = 0; k < layers && status == OST_OK; k++) {
@@ -155,7 +155,7 @@ static ost_status time_fscanf(parse *p)
     int16_t *densities = malloc(p->lines * sizeof *densities);
     ost_status status = OST_OK;
     if (!positions || !densities) {
-        status = ost_fail(p->err, OST_ERR_MEMORY, "no memory for %zu lines", p->lines);
+        status = ost_fail(p->err, OST_ERR_MEMORY, "out of memory for %zu lines", p->lines);
     } else {
         int64_t begin = bench_now();
         size_t lines = bench_fscanf_lines(p->path, positions, densities, p->lines);
@@ -200,7 +200,7 @@ static ost_status add_row(parse *p, bench_table *table, const char *name, bench_
         return OST_OK;
     bench_row *row = bench_row_add(table, name, "ms", p->options->threads);
     if (!row)
-        return ost_fail(p->err, OST_ERR_MEMORY, "no memory for a row");
+        return ost_fail(p->err, OST_ERR_MEMORY, "out of memory for a row");
     row->equal = p->equal;
     if (p->equal)
         bench_row_ours(row, &p->ours);

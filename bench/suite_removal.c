@@ -67,7 +67,7 @@ static ost_status open_case(removal *r)
     r->slices = bench_scene_slices(r->scene, r->z0, r->z_count);
     r->baseline = r->cl || bench_baseline_runs(r->baseline_reason, sizeof r->baseline_reason);
     if (!r->slices)
-        return ost_fail(r->err, OST_ERR_MEMORY, "no memory for a bone's slices");
+        return ost_fail(r->err, OST_ERR_MEMORY, "out of memory for a bone's slices");
     ost_status status = bench_backend(r->options, r->threads, &r->backend, r->err);
     if (status == OST_OK)
         status = ost_tool_upload(r->backend, &r->scene->tool, &r->tool, r->err);
@@ -111,7 +111,7 @@ static ost_status compare_bones(removal *r, const ost_bone *expected)
     const ost_dims d = r->scene->bone.dims;
     const size_t slice = (size_t)d.x * (size_t)d.y;
     int16_t *a = malloc(slice * SLAB * sizeof *a), *b = malloc(slice * SLAB * sizeof *b);
-    ost_status status = a && b ? OST_OK : ost_fail(r->err, OST_ERR_MEMORY, "no memory to compare bones");
+    ost_status status = a && b ? OST_OK : ost_fail(r->err, OST_ERR_MEMORY, "out of memory for the comparison of bones");
     for (int32_t z = 0; z < d.z && status == OST_OK; z += SLAB) {
         int32_t count = d.z - z < SLAB ? d.z - z : SLAB;
         status = ost_bone_download(r->bone, z, count, a, r->err);
@@ -161,7 +161,7 @@ static ost_status compare_thesis(removal *r)
     const ost_dims d = r->scene->bone.dims;
     int16_t *voxels = malloc((size_t)ost_dims_count(d) * sizeof *voxels);
     if (!voxels)
-        return ost_fail(r->err, OST_ERR_MEMORY, "no memory to compare with the thesis' kernel");
+        return ost_fail(r->err, OST_ERR_MEMORY, "out of memory for the comparison with the thesis' kernel");
     ost_status status = ost_bone_download(r->bone, 0, d.z, voxels, r->err);
     if (status == OST_OK) {
         if (r->cl)
@@ -257,7 +257,7 @@ static ost_status add_row(removal *r, const char *name, bench_series *ours, benc
 {
     bench_row *row = bench_row_add(r->table, name, "us", r->threads);
     if (!row)
-        return ost_fail(r->err, OST_ERR_MEMORY, "no memory for a row");
+        return ost_fail(r->err, OST_ERR_MEMORY, "out of memory for a row");
     row->equal = r->equal;
     if (r->equal)
         bench_row_ours(row, ours);
@@ -367,7 +367,7 @@ static ost_status add_not_run(bench_table *table, const bench_options *options, 
     if (!bench_wanted(options, name))
         return OST_OK;
     if (!(row = bench_row_add(table, name, "us", 1)))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
     snprintf(row->reason, sizeof row->reason, "%s", reason);
     return OST_OK;
 }

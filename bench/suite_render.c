@@ -80,13 +80,13 @@ static ost_status take_all(ost_surface *s, ost_error *err)
             count += (uint32_t)__builtin_popcount(b->occupancy[row]);
         uint32_t *points = realloc(b->points, ((size_t)count + 1) * sizeof *points);
         if (!points)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for %u points", (unsigned)count);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for %u points", (unsigned)count);
         uint32_t *shades = realloc(b->shades, ((size_t)count + 1) * sizeof *shades);
         if (shades)
             b->shades = shades;
         b->points = points;
         if (!shades)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for %u points", (unsigned)count);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for %u points", (unsigned)count);
         memset(shades, 0, ((size_t)count + 1) * sizeof *shades);
         b->count = b->capacity = count;
         s->points += count;
@@ -247,7 +247,7 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
             bench_row_extra(row, "covered_pixels", (double)covered(&f.ours));
         }
     } else if (status == OST_OK) {
-        status = ost_fail(s->err, OST_ERR_MEMORY, "no memory for a row");
+        status = ost_fail(s->err, OST_ERR_MEMORY, "out of memory for a row");
     }
     free_frames(&f);
     const char *const names[] = {name};

@@ -76,7 +76,7 @@ ost_status bench_gl_open(bench_gl **out, ost_error *err)
     ost_error why = {0};
     *out = calloc(1, sizeof **out);
     if (!*out)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the rows of OpenGL");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the rows of OpenGL");
 #ifdef __GLIBC__
     /* Software drivers free a frame's memory and allocate it again: pages that the system clears
        each time. */
@@ -169,7 +169,7 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
         bench_row_extra(row, "hidden_cells", counts.hidden);
         bench_row_extra(row, "pixels_that_differ", differ);
     } else if (status == OST_OK) {
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
     }
     bench_series_free(&series);
     bench_series_free(&thesis);

@@ -326,7 +326,7 @@ ost_status bench_kept(const bench_options *options, bench_table *table, const os
         if (row)
             row->equal = f.equal;
         else if (status == OST_OK)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
         if (row && f.equal)
             add_row(row, &f);
         bench_series_free(&f.kept);

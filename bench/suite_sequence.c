@@ -48,7 +48,7 @@ static ost_status prepare(sequence_run *s)
     s->ours = malloc(bone_bytes(s));
     s->expected = malloc(bone_bytes(s));
     if (!s->maps || !s->boxes || !s->ns || !s->full || !s->ours || !s->expected)
-        return ost_fail(s->err, OST_ERR_MEMORY, "no memory for a sequence of %d ticks", s->count);
+        return ost_fail(s->err, OST_ERR_MEMORY, "out of memory for a sequence of %d ticks", s->count);
     status = bench_path_make(&s->scene, s->count, &s->ticks, s->err);
     for (int i = 0; i < s->count && status == OST_OK; i++) {
         status = bench_scene_set_pose(&s->scene, &s->ticks[i].pose, s->err);
@@ -230,7 +230,7 @@ static ost_status sequence(const bench_options *options, bench_table *table, con
         if (baseline && equal)
             bench_row_extra(row, "chunks_mean", chunks);
     } else if (status == OST_OK) {
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
     }
     bench_series_free(&thesis);
     bench_sequence_free(&times);

@@ -57,7 +57,7 @@ static ost_status verify(const bench_scene *scene, ticker *ours, bool *equal, os
     ost_backend *backend = NULL;
     const size_t bytes = (size_t)ost_dims_count(scene->bone.dims) * sizeof(int16_t);
     int16_t *a = malloc(bytes), *b = malloc(bytes);
-    ost_status status = a && b ? ost_backend_open("ref", &backend, err) : ost_fail(err, OST_ERR_MEMORY, "no memory to compare bones");
+    ost_status status = a && b ? ost_backend_open("ref", &backend, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for the comparison of bones");
     if (status == OST_OK)
         status = open_ticker(scene, backend, &ref, err);
     if (status == OST_OK)
@@ -83,7 +83,7 @@ static ost_status add_row(const bench_options *options, bench_table *table, cons
         return OST_OK;
     bench_row *row = bench_row_add(table, name, "us", 1);
     if (!row)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
     row->equal = equal;
     bench_row_ours(row, ours);
     bench_row_baseline(row, thesis, "the thesis' kernel in C over the event's chunks, nothing else of a tick");
@@ -107,7 +107,7 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
     ost_status status = bench_scene_init(&scene, OST_TOOL_REAMER, OST_PM_PER_MM / 2, SCENE_SIDE, err);
     const int32_t z0 = scene.box.lo[2], z_count = scene.box.hi[2] - z0;
     if (status == OST_OK && !(slices = bench_scene_slices(&scene, z0, z_count)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a bone's slices");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone's slices");
     if (status == OST_OK)
         status = bench_thesis_init(&thesis, &scene, CHUNK, err);
     if (status == OST_OK)

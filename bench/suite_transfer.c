@@ -90,7 +90,7 @@ static ost_status compare(transfer *t, variant *v, const ost_bone *a, const ost_
         return OST_OK;
     int16_t *va = malloc(bytes), *vb = malloc(bytes);
     status = va && vb ? ost_bone_download(a, 0, d.z, va, t->err)
-                      : ost_fail(t->err, OST_ERR_MEMORY, "no memory to compare bones");
+                      : ost_fail(t->err, OST_ERR_MEMORY, "out of memory for the comparison of bones");
     if (status == OST_OK)
         status = ost_bone_download(b, 0, d.z, vb, t->err);
     if (status == OST_OK)
@@ -140,7 +140,7 @@ static ost_status make_floor(transfer *t)
     t->in = aligned_alloc(64, (t->in_bytes + 63) / 64 * 64);
     t->out = aligned_alloc(64, (out_bytes + 63) / 64 * 64);
     if (!t->in || !t->out)
-        return ost_fail(t->err, OST_ERR_MEMORY, "no memory for a copy of %zu bytes", out_bytes);
+        return ost_fail(t->err, OST_ERR_MEMORY, "out of memory for a copy of %zu bytes", out_bytes);
     memcpy(t->in, t->ct.voxels, t->in_bytes);
     memset(t->out, 1, out_bytes);
     return OST_OK;
@@ -198,7 +198,7 @@ static ost_status add_rows(transfer *t, bench_table *table, const char *reason)
         variant *v = &t->variants[i];
         bench_row *row = v->wanted ? bench_row_add(table, v->name, "ms", t->options->threads) : NULL;
         if (v->wanted && !row)
-            return ost_fail(t->err, OST_ERR_MEMORY, "no memory for a row");
+            return ost_fail(t->err, OST_ERR_MEMORY, "out of memory for a row");
         if (row) {
             fill_row(t, v, row);
             snprintf(row->baseline_reason, sizeof row->baseline_reason, "%s", reason);

@@ -136,7 +136,7 @@ static ost_status repeat(voxelize *v, int count)
 {
     const ost_dims d = v->mesh.grid.dims;
     v->bits = calloc((size_t)(d.x + 63) / 64 * (size_t)d.y * (size_t)d.z, sizeof *v->bits);
-    ost_status status = v->bits ? time_ours(v, NULL) : ost_fail(v->err, OST_ERR_MEMORY, "no memory for the baseline's bits");
+    ost_status status = v->bits ? time_ours(v, NULL) : ost_fail(v->err, OST_ERR_MEMORY, "out of memory for the baseline's bits");
     if (status == OST_OK)
         time_embree(v, false, NULL);
     for (int i = 0; i < count && status == OST_OK; i++) {
@@ -155,7 +155,7 @@ static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
         return OST_OK;
     bench_row *row = bench_row_add(v->table, name, "ms", v->options->threads);
     if (!row)
-        return ost_fail(v->err, OST_ERR_MEMORY, "no memory for a row");
+        return ost_fail(v->err, OST_ERR_MEMORY, "out of memory for a row");
     row->equal = v->equal;
     if (!v->equal)
         return OST_OK;
@@ -168,7 +168,8 @@ static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
     bench_row_baseline(row, &v->embree[low],
                        low ? "Embree ray packets with an all-hits filter, bits out, fast build" : "Embree ray packets with an all-hits filter, bits out");
     if (!v->has_embree)
-        snprintf(row->baseline_reason, sizeof row->baseline_reason, "Embree is not built in; Debian: libembree-dev");
+        snprintf(row->baseline_reason, sizeof row->baseline_reason,
+                 "Embree is not built in; install libembree-dev and build again");
     bench_row_extra(row, "triangles", (double)v->mesh.triangle_count);
     bench_row_extra(row, "voxels", (double)ost_dims_count(v->mesh.grid.dims));
     bench_row_extra(row, "solid_voxels", (double)v->report.solid_voxels);
@@ -186,7 +187,7 @@ static ost_status reserve_output(voxelize *v)
     const size_t bytes = (8 * (size_t)ost_vox_words(d.x) * (size_t)d.y * (size_t)d.z + 63) / 64 * 64;
     v->own_bits = aligned_alloc(64, bytes);
     if (!v->own_bits)
-        return ost_fail(v->err, OST_ERR_MEMORY, "no memory for %zu bytes of bits", bytes);
+        return ost_fail(v->err, OST_ERR_MEMORY, "out of memory for %zu bytes of bits", bytes);
     memset(v->own_bits, 1, bytes);
     return OST_OK;
 }
@@ -238,7 +239,7 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
         bench_row *row = bench_row_add(table, full, "ms", options->threads);
         if (row)
             snprintf(row->reason, sizeof row->reason, "comparing two grids of %d^3 voxels takes %.1f GB; less is free here", side, bytes * 1e-9);
-        return row ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a row");
+        return row ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
     }
     ost_status status = make(side * CUBE_VOXEL, &mesh, err);
     if (status == OST_OK)

@@ -106,7 +106,7 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
     r.last_words = calloc(count, sizeof *r.last_words);
     ost_status status = OST_OK;
     if (!out->results || !out->ranges || !out->lines || !out->seconds || !out->paths || !r.ends || !r.gone || !r.last_words)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for %zu results", cells);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu results", cells);
     if (status == OST_OK)
         status = dumps_check(out, err);
     if (status == OST_OK) /* the traces of all workers, those of the references, and a reserve */

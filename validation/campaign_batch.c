@@ -17,7 +17,7 @@ ost_status batch_begin(runner *r, ost_error *err)
     *b = (batch){.first = number ? r->ends[number - 1] : 0, .end = r->ends[number], .open = true, .given = -1};
     b->tasks = calloc((size_t)count, sizeof *b->tasks);
     if (!b->tasks)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of backends");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of backends");
     r->begun++;
     for (int s = 0; s < count; s++) {
         b->tasks[s].from = b->first;
@@ -33,7 +33,7 @@ ost_status batch_store_trace(batch *b, int subject_index, int from, int judged, 
 {
     stored_trace *stored = malloc(sizeof *stored);
     if (!stored)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of traces");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of traces");
     *stored = (stored_trace){subject_index, from, judged, *got, b->stored_traces};
     *got = (trace){0};
     b->stored_traces = stored;

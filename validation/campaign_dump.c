@@ -44,7 +44,8 @@ ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *er
     int fd;
     uint64_t *compared = calloc((size_t)c->plan->count, sizeof *compared);
     ost_status status =
-        compared ? scratch_file(&fd, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %d cases", c->plan->count);
+        compared ? scratch_file(&fd, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for %d cases",
+                                                     c->plan->count);
     if (status != OST_OK) {
         free(compared);
         return status;

@@ -261,7 +261,7 @@ static ost_status store_bone(maker *m, const trace_block_view *b, const int16_t 
     m->state = malloc(bytes);
     m->next = malloc(bytes);
     if (!m->ref || !m->state || !m->next)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone of %zu bytes", bytes);
     memcpy(m->ref, b->voxels, bytes);
     memcpy(m->state, got, bytes);
     return OST_OK;
@@ -281,7 +281,7 @@ static ost_status make_complete(maker *m, const trace_record *r, const char *nam
     const size_t bytes = (size_t)ost_dims_count(b.dims) * b.voxel_bytes;
     uint8_t *voxels = malloc(bytes);
     if (!voxels)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %zu bytes", bytes);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %zu bytes", bytes);
     ost_status status = read_grid(m->folder, name, b.dims, b.voxel_bytes, voxels, &there, err);
     if (status == OST_OK && !there)
         memcpy(voxels, b.voxels, bytes);
@@ -413,7 +413,7 @@ static ost_status write_case(const char *folder, const trace *t, compare_range r
                 dims = b.dims;
                 bone = malloc(bytes);
                 if (!bone)
-                    status = ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+                    status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone of %zu bytes", bytes);
                 else
                     memcpy(bone, b.voxels, bytes);
             }
@@ -450,7 +450,7 @@ ost_status dump_write(const char *folder, const char *program, const plan *p, co
     json_t *o = json_pack("{s:i,s:s,s:i,s:s,s:s,s:s}", "osteon_dump", FORMAT, "program", program, "arithmetic", OST_ARITHMETIC_VERSION, "tier",
                           plan_tier_name(p->tier), "seed", seed, "only", p->only ? p->only : "");
     char *text = o ? json_dumps(o, JSON_INDENT(1) | JSON_SORT_KEYS) : NULL;
-    status = text ? write_file(path, text, strlen(text), err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", path);
+    status = text ? write_file(path, text, strlen(text), err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", path);
     free(text);
     json_decref(o);
     return status;

@@ -38,12 +38,12 @@ static ost_status put_json(const char *folder, const char *name, json_t *value, 
 {
     char path[PATH];
     FILE *f = NULL;
-    ost_status status = value ? open_file(folder, name, path, &f, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+    ost_status status = value ? open_file(folder, name, path, &f, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     if (status == OST_OK) {
         const bool dumped = json_dumpf(value, f, JSON_INDENT(1) | JSON_SORT_KEYS) == 0 && fputc('\n', f) != EOF;
         status = close_file(f, path, err);
         if (status == OST_OK && !dumped)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for %s", path);
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", path);
     }
     json_decref(value);
     return status;

@@ -36,7 +36,7 @@ static ost_status store_bones(margin_walk *w, const trace_block_view *a, const t
         free(w->bone[side]);
         w->bone[side] = malloc(bytes);
         if (!w->bone[side])
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone of %zu bytes", bytes);
         memcpy(w->bone[side], views[side]->voxels, bytes);
     }
     return OST_OK;

@@ -80,7 +80,7 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
         return OST_OK;
     moved *list = malloc(count * sizeof *list);
     if (!list)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu differing voxels", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu differing voxels", count);
     count = 0;
     for (size_t i = 0; i < all; i++)
         if (margin_value16(a, i) != margin_value16(b, i))

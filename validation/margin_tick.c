@@ -189,7 +189,7 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
                     change *grown = realloc(changes, capacity * sizeof *grown);
                     if (!grown) {
                         free(changes);
-                        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tick's changes");
+                        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tick's changes");
                     }
                     changes = grown;
                 }

@@ -36,7 +36,7 @@ static ost_status add_one(path_list *list, const char *name, uint64_t entered, o
     if (i == list->count) {
         path_count *grown = realloc(list->paths, (size_t)(i + 1) * sizeof *grown);
         if (!grown)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of %d paths", i + 1);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of %d paths", i + 1);
         list->paths = grown;
         list->count++;
         grown[i] = (path_count){.entered = 0};

@@ -41,7 +41,7 @@ ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *gr
     const size_t bytes = (size_t)ost_dims_count(dims) * sizeof(int16_t);
     int16_t *voxels = malloc(bytes); /* a copy, since the voxels of a trace are not aligned */
     if (!voxels)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %zu bytes", bytes);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %zu bytes", bytes);
     memcpy(voxels, block.voxels, bytes);
     status = ost_grid_upload(grid, 0, dims.z, voxels, err);
     free(voxels);
@@ -59,7 +59,7 @@ ost_status perform_give_bone(performer *p, ost_error *err)
     const size_t bytes = (size_t)ost_dims_count(p->dims) * sizeof(int16_t);
     p->right = malloc(bytes);
     if (!p->right)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone of %zu bytes", bytes);
     memcpy(p->right, block.voxels, bytes);
     memcpy(p->was, p->right, bytes);
     return ost_bone_upload(p->bone, 0, p->dims.z, p->right, err);

@@ -20,7 +20,7 @@ static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
     const size_t slice = (size_t)g->dims.x * (size_t)g->dims.y;
     int16_t *voxels = calloc(slice * (size_t)g->dims.z, sizeof *voxels);
     if (!voxels)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a CT of %d slices", (int)g->dims.z);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a CT of %d slices", (int)g->dims.z);
     for (size_t i = 0; i < s->sample_count; i++) {
         const ost_sample *one = &s->samples[i];
         voxels[(size_t)((one->x - g->origin.x) / g->spacing.x) +
@@ -136,7 +136,7 @@ ost_status perform_import(performer *p, ost_error *err)
         p->was = malloc(bytes);
         p->is = malloc(bytes);
         status = p->was && p->is ? perform_record_bone(p, TRACE_CHUNKS, err)
-                                 : ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %zu bytes", bytes);
+                                 : ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone of %zu bytes", bytes);
     }
     if (status == OST_OK)
         status = perform_give_bone(p, err);

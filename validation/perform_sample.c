@@ -49,7 +49,7 @@ static ost_status occupancy_words(performer *p, ost_error *err)
     const size_t words = (size_t)info.chunk_size * (size_t)info.chunk_size * (size_t)info.chunk_size / 32;
     uint32_t *bits = malloc(words * sizeof *bits);
     if (!bits)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the occupancy of a chunk");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the occupancy of a chunk");
     for (int32_t c = 0; c < info.chunks && status == OST_OK; c++) {
         status = ost_bone_occupancy(p->bone, 1, &c, bits, err);
         if (status == OST_OK)

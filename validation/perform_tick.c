@@ -52,7 +52,8 @@ ost_status perform_begin_ticks(performer *p, ost_error *err)
         return status;
     p->maps = calloc(OST_SWEEP_MAX, sizeof *p->maps);
     p->boxes = calloc(OST_SWEEP_MAX, sizeof *p->boxes);
-    return p->maps && p->boxes ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for an event of %d poses", OST_SWEEP_MAX);
+    return p->maps && p->boxes ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for an event of %d poses",
+                                                   OST_SWEEP_MAX);
 }
 
 /* Writes the totals, then for each chunk its number and the voxels and sums of densities of every class. */
@@ -112,7 +113,7 @@ static ost_status steps_by_backend(performer *p, const ost_tick *tick, int hande
     if (!p->made_maps)
         p->made_maps = malloc(OST_SWEEP_MAX * sizeof *p->made_maps);
     if (!p->made_poses || !p->made_maps)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d poses", OST_SWEEP_MAX);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d poses", OST_SWEEP_MAX);
     int its = handed;
     const bool sweeps = memcmp(from, &tick->pose, sizeof *from) != 0;
     const ost_status status =

@@ -55,7 +55,7 @@ ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const
     *out = (plan){.tier = tier, .seed = seed, .shard = shard, .shards = shards, .only = only, .user = user ? user->store : NULL};
     out->cases = malloc((size_t)capacity * sizeof *out->cases);
     if (!out->cases)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a plan of %d cases", capacity);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a plan of %d cases", capacity);
     for (int f = 0; f < PLAN_FAMILIES; f++)
         for (int n = 0; n < count_of(f, tier, only); n++) {
             plan_case c = {.family = (plan_family)f, .number = n, .tier = tier, .seed = seed};

@@ -191,7 +191,7 @@ static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
     const size_t before = s->path.count;
     ost_tick *ticks = realloc(s->path.ticks, (before + more->count) * sizeof *ticks);
     if (!ticks)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", before + more->count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu ticks", before + more->count);
     s->path.ticks = ticks;
     const int64_t from = before ? ticks[before - 1].t_ns + 1000000 - more->ticks[0].t_ns : 0;
     for (size_t i = 0; i < more->count; i++) {

@@ -56,7 +56,7 @@ ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err)
     const size_t voxels = (size_t)ost_dims_count(dims);
     s->samples = malloc((voxels + voxels / 8 + 1) * sizeof *s->samples);
     if (!s->samples)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", voxels);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu samples", voxels);
     size_t n = 0;
     for (int32_t k = 0; k < dims.z; k++)
         for (int32_t j = 0; j < dims.y; j++)
@@ -96,7 +96,7 @@ ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err
     s->batch = 1 << 16;
     s->samples = malloc((voxels + 1) * sizeof *s->samples);
     if (!s->samples)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", voxels);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu samples", voxels);
     size_t n = 0;
     for (int32_t k = 0; k < g->dims.z; k++)
         for (int32_t j = 0; j < g->dims.y; j++)

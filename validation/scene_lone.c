@@ -39,7 +39,7 @@ static ost_status reserve_voxels(scene *s, ost_error *err)
     const size_t voxels = (size_t)ost_dims_count(s->rect.dims);
     s->samples = malloc(voxels * sizeof *s->samples);
     s->batch = voxels;
-    return s->samples ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", voxels);
+    return s->samples ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu samples", voxels);
 }
 
 static void add_sample(scene *s, int32_t x, int32_t y, int32_t z, int64_t density)

@@ -85,7 +85,7 @@ static ost_tick *another(scene *s, ost_error *err)
     const size_t i = s->path.count;
     ost_tick *ticks = realloc(s->path.ticks, (i + 1) * sizeof *ticks);
     if (!ticks) {
-        ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", i + 1);
+        ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu ticks", i + 1);
         return NULL;
     }
     s->path.ticks = ticks;

@@ -117,7 +117,7 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     s->batch = LARGE_SAMPLES;
     s->samples = malloc(LARGE_SAMPLES * sizeof *s->samples);
     if (!s->samples)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d samples", LARGE_SAMPLES);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d samples", LARGE_SAMPLES);
     large_samples(s, d);
     /* Preparing a tool takes a device as long as the remainder of the case, so the smoke tier has a third of the
        bar's volume. */
@@ -204,7 +204,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
     s->batch = 1 << 16;
     s->samples = malloc((size_t)ost_dims_count(s->rect.dims) * sizeof *s->samples);
     if (!s->samples)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a CT of %d slices", RODS_Z);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a CT of %d slices", RODS_Z);
     for (int32_t z = 0; z < RODS_Z; z++)
         for (int32_t y = 0; y < RODS_Y; y++)
             for (int32_t x = 0; x < RODS_X; x++, s->sample_count++) {
@@ -245,7 +245,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
     s->batch = 5000;
     s->samples = malloc(MOST * sizeof *s->samples);
     if (!s->samples)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d samples", (int)MOST);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d samples", (int)MOST);
     for (int i = 0; i < MOST; i++, s->sample_count++) {
         const int32_t x = (int32_t)draw_between(d, 0, SIDE - 1), y = (int32_t)draw_between(d, 0, SIDE - 1),
                       z = (int32_t)draw_between(d, 0, SIDE - 1);
@@ -290,7 +290,7 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
     const size_t voxels = (size_t)ost_dims_count(s->rect.dims);
     s->samples = malloc(voxels * sizeof *s->samples);
     if (!s->samples)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", voxels);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu samples", voxels);
     for (int32_t z = 0; z < HOLLOW_Z; z++)
         for (int32_t y = 0; y < HOLLOW_Y; y++)
             for (int32_t x = 0; x < HOLLOW_X; x++, s->sample_count++) {

@@ -16,7 +16,7 @@ static subject *add(subject_list *list, const char *spec, const char *what, ost_
 {
     subject *grown = realloc(list->subjects, ((size_t)list->count + 1) * sizeof *grown);
     if (!grown) {
-        ost_fail(err, OST_ERR_MEMORY, "no memory for a list of backends");
+        ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of backends");
         return NULL;
     }
     list->subjects = grown;

@@ -215,7 +215,7 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
         json_object_set_new(row, "reason", json_string(reason));
     }
     if (status == OST_OK && (!row || json_array_set(r->rows, t->number, row) != 0))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the suite's results");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the suite's results");
     json_decref(row);
     r->slots[slot] = r->slots[--r->count];
     r->done++;
@@ -290,14 +290,14 @@ ost_status suite_run(const suite_options *o, json_t **out, ost_error *err)
     runner r = {.o = o, .tests = tests, .rows = rows};
     *out = NULL;
     ost_status status = tests && rows ? find_program(o->folder, r.program, err)
-                                      : ost_fail(err, OST_ERR_MEMORY, "no memory for the suite");
+                                      : ost_fail(err, OST_ERR_MEMORY, "out of memory for the suite");
     for (size_t i = 0; status == OST_OK && i < json_array_size(tests); i++)
         if (json_array_append_new(rows, json_null()) != 0)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for the suite");
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the suite");
     if (status == OST_OK)
         status = run_all(&r, err);
     if (status == OST_OK && !(*out = json_pack("{s:I,s:O}", "limit_s", (json_int_t)o->limit_s, "tests", rows)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the suite's results");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the suite's results");
     if (status == OST_OK)
         suite_count(*out);
     json_decref(tests);

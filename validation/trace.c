@@ -133,7 +133,7 @@ ost_status trace_create(const char *path, trace_writer **out, ost_error *err)
     *out = NULL;
     if (!w || !(w->path = strdup(path))) {
         free(w);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a trace");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a trace");
     }
     w->file = fopen(path, "wb");
     if (!w->file) {
@@ -208,7 +208,7 @@ ost_status trace_end(trace_writer *w, ost_error *err)
 {
     end_words(w);
     if (w->no_memory)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a record of %zu bytes", w->used);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a record of %zu bytes", w->used);
     const uint64_t body = w->used - HEAD;
     memcpy(w->buffer + 16, &body, 8);
     memcpy(w->buffer + HEAD, &w->words, 8);
@@ -248,7 +248,7 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
             capacity = capacity ? 2 * capacity : 1024;
             trace_record *grown = realloc(t->records, capacity * sizeof *grown);
             if (!grown)
-                return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu records", path, capacity);
+                return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %zu records", path, capacity);
             t->records = grown;
         }
         t->records[t->count++] = (trace_record){(trace_stage)u32_at(head + 4), u32_at(head + 8), u32_at(head + 12), head + HEAD, body, u64_at(head + HEAD - 8)};

@@ -63,7 +63,7 @@ ost_status user_store_begin(user_store **out, ost_error *err)
     if (u)
         u->head = calloc(1, sizeof *u->head);
     if (!u || !u->head)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the user's cases");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the user's cases");
     *u->head = (store_head){.magic = MAGIC, .entry_bytes = (int32_t)sizeof(entry)};
     u->size = sizeof *u->head;
     u->own_fd = true;
@@ -218,7 +218,7 @@ ost_status user_store_open(int fd, user_store **out, ost_error *err)
     user_store *u = calloc(1, sizeof *u);
     *out = u;
     if (!u)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the user's cases");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the user's cases");
     u->fd = fd;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size < (off_t)sizeof *u->head)
         return ost_fail(err, OST_ERR_INPUT, "--user is for workers: descriptor %d has no inputs", fd);
@@ -285,7 +285,8 @@ static ost_status read_part(const user_store *u, const part *p, ost_snapped_mesh
     m->vertices = malloc(p->vertices * sizeof *m->vertices);
     m->triangles = malloc((p->triangles ? p->triangles : 1) * sizeof *m->triangles);
     if (!m->vertices || !m->triangles)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a mesh of %llu triangles", (unsigned long long)p->triangles);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a mesh of %llu triangles",
+                        (unsigned long long)p->triangles);
     memcpy(m->vertices, u->map + p->vertices_at, p->vertices * sizeof *m->vertices);
     memcpy(m->triangles, u->map + p->triangles_at, p->triangles * sizeof *m->triangles);
     for (size_t t = 0; t < m->triangle_count; t++)

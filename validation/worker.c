@@ -38,7 +38,8 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
     double *seconds = calloc((size_t)(to > from ? to - from : 0) + 1, sizeof *seconds);
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* the worker is killed if its parent ends */
     const bool second = strcmp(spec, SUBJECT_DENSE) == 0;
-    ost_status status = seconds ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the times of %d cases", to - from);
+    ost_status status = seconds ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of %d cases",
+                                                    to - from);
     if (status == OST_OK)
         status = second ? dense_open(NULL, &backend, err) : ost_backend_open(spec, &backend, err);
     if (status == OST_OK && given)

@@ -232,7 +232,7 @@ int main(int argc, char **argv)
     json_set_alloc_funcs(json_memory, free);
     ost_error err = {0};
     if (argc < 2) {
-        ost_fail(&err, OST_ERR_USAGE, "which verb? See osteon --help");
+        ost_fail(&err, OST_ERR_USAGE, "no verb given; see osteon --help");
         return fail(NULL, &err, OST_ERR_USAGE);
     }
     const char *word = argv[1];

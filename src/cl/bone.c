@@ -35,7 +35,7 @@ ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry
 {
     cl_bone *bone = calloc(1, sizeof *bone);
     if (!bone)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone");
     bone->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
     bone->chunk_dims = ost_chunk_dims(geometry->dims, chunk_size);
     bone->chunks = (size_t)ost_dims_count(bone->chunk_dims);
@@ -45,7 +45,7 @@ ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry
     bone->slots_outdated = true;
     ost_status status = OST_OK;
     if (!bone->slot || !bone->active)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the table of %zu chunks", bone->chunks);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the table of %zu chunks", bone->chunks);
     else
         memset(bone->slot, 0xff, bone->chunks * sizeof *bone->slot); /* OST_CL_NONE */
     const ost_cl_bone shape = {
@@ -111,7 +111,7 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
     size_t reserved = 0;
     uint32_t *list = realloc(bone->free, capacity * sizeof *list);
     if (!list)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of %zu chunks", capacity);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of %zu chunks", capacity);
     bone->free = list;
     ost_status status = ost_cl_spare_take(b, capacity * density_bytes, "densities of a bone", &density, &reserved, err);
     if (status == OST_OK)
@@ -315,13 +315,13 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
     uint32_t *scanned = calloc(bone->chunks, sizeof *scanned), *counted = NULL;
     ost_status status = OST_OK;
     if (!scanned)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %zu chunks", bone->chunks);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the counts of %zu chunks", bone->chunks);
     if (status == OST_OK)
         status = scan_all(bone, s, scanned, err);
     if (status == OST_OK)
         status = give_slots(bone, scanned, s->z0 == 0 && s->z1 == last, err);
     if (status == OST_OK && bone->used && !complete_layers && !(counted = malloc(bone->used * sizeof *counted)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %zu chunks", bone->used);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the counts of %zu chunks", bone->used);
     if (status == OST_OK)
         status = sync_slots(bone, err);
     if (status != OST_OK)
@@ -477,7 +477,7 @@ ost_status ost_cl_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_erro
     int16_t *leaf = malloc(OST_LEAF * OST_LEAF * OST_LEAF * sizeof *leaf);
     ost_status status = OST_OK;
     if (!voxels || !leaf)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a layer of leaves");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a layer of leaves");
     for (int32_t z = 0; z < leaf_dims.z && status == OST_OK; z++) {
         const int32_t z0 = z * OST_LEAF, count = dims.z - z0 < OST_LEAF ? dims.z - z0 : OST_LEAF;
         status = ost_cl_bone_download(base, z0, count, voxels, err);

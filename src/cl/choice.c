@@ -156,7 +156,7 @@ static ost_cl_device *append(ost_cl_devices *devices)
 
 static ost_status no_memory(ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory for the list of OpenCL devices");
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for the list of OpenCL devices");
 }
 
 static ost_status list_platform(const ost_cl_api *cl, cl_platform_id platform, int index, ost_cl_devices *out, ost_error *err)
@@ -280,8 +280,8 @@ static ost_status set_option(const char *key, size_t key_length, const char *val
             return ost_fail(err, OST_ERR_USAGE, "backend cl: kernels=%.40s; expected cpu or gpu", text);
         return OST_OK;
     }
-    return ost_fail(err, OST_ERR_USAGE, "backend cl: '%.*s' is unknown; options are platform=, device=, workgroup=, kernels=, staging= and order=",
-                    (int)(key_length < 40 ? key_length : 40), key);
+    return ost_fail(err, OST_ERR_USAGE, "backend cl: unknown option '%.*s'; expected platform=, device=, workgroup=, "
+                    "kernels=, staging= and order=", (int)(key_length < 40 ? key_length : 40), key);
 }
 
 ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error *err)

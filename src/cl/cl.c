@@ -65,7 +65,8 @@ ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend 
     else if (tried)
         status = ost_fail(err, first, "%s", why.text);
     else
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "backend cl: no OpenCL device fits '%.200s'; osteon devices lists what is here", text);
+        status = ost_fail(err, OST_ERR_UNAVAILABLE,
+                          "backend cl: no OpenCL device matches '%.200s'; see osteon devices", text);
     ost_cl_devices_free(&devices);
     return status;
 }

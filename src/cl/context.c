@@ -109,8 +109,8 @@ static ost_status set_up(cl_backend *b, bool chosen, ost_error *err)
     ost_status status = set_up_program(b, err);
     if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS && chosen)
         return ost_fail(err, OST_ERR_UNAVAILABLE,
-                        "OpenCL device '%.120s' ends a loop after %u turns, too early for kernels=cpu; kernels=gpu has shorter loops", b->device.name,
-                        (unsigned)b->turns);
+                        "OpenCL device '%.120s' ends a loop after %u iterations, too early for kernels=cpu; use "
+                        "kernels=gpu", b->device.name, (unsigned)b->turns);
     if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS) { /* this device then gets the kernel set for GPUs */
         b->cpu_set = false;
         drop_program(b);
@@ -133,7 +133,7 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
     int16_t *zeros = calloc(OST_LEAF * OST_LEAF * OST_LEAF, sizeof *zeros);
     ost_status status = OST_OK;
     if (!b || !zeros)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cl");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend cl");
     else
         status = ost_digest_leaf16(zeros, &b->empty_leaf, err);
     free(zeros);

@@ -59,9 +59,9 @@ static void fill_pairs(uint64_t in[2 * PAIRS])
 static ost_status wrong(const cl_backend *b, const char *what, uint64_t found, uint64_t expected, ost_error *err)
 {
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "OpenCL device '%.120s' is refused: its integers are wrong: %s gives 0x%llx, correct is 0x%llx; another version of its "
-                    "driver may do better (this one: %.60s)",
-                    b->device.name, what, (unsigned long long)found, (unsigned long long)expected, b->device.driver);
+                    "OpenCL device '%.120s' is refused: wrong integer result: %s gives 0x%llx, expected 0x%llx; try "
+                    "another version of its driver (this one: %.60s)", b->device.name, what,
+                    (unsigned long long)found, (unsigned long long)expected, b->device.driver);
 }
 
 static ost_status check_words(const cl_backend *b, const uint64_t *in, const uint64_t *out, ost_error *err)
@@ -106,9 +106,9 @@ static ost_status check_turns(cl_backend *b, const uint32_t turns[2], ost_error 
     if (b->turns >= OST_CL_TURNS_LEAST)
         return OST_OK;
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "OpenCL device '%.120s' is refused: it ends a loop after %u turns without a word, and %u are needed; another version "
-                    "of its driver may do better (this one: %.60s)",
-                    b->device.name, (unsigned)b->turns, (unsigned)OST_CL_TURNS_LEAST, b->device.driver);
+                    "OpenCL device '%.120s' is refused: it ends a loop after %u iterations without an error; "
+                    "expected at least %u; try another version of its driver (this one: %.60s)", b->device.name,
+                    (unsigned)b->turns, (unsigned)OST_CL_TURNS_LEAST, b->device.driver);
 }
 
 ost_status ost_cl_fingerprint_check(cl_backend *b, ost_error *err)
@@ -123,7 +123,7 @@ ost_status ost_cl_fingerprint_check(cl_backend *b, ost_error *err)
     ost_status status = OST_OK;
     uint64_t *in = malloc(in_bytes), *out = malloc(out_bytes);
     if (!in || !out) {
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the fingerprint of an OpenCL device");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the fingerprint of an OpenCL device");
         goto done;
     }
     fill_pairs(in);

@@ -9,9 +9,8 @@ ost_status ost_cl_alive(const ost_backend *backend, bool lost, const char *what,
     if (!lost)
         return OST_OK;
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "the %s on OpenCL device '%.120s' is lost: the device failed while it was changed; make it again from its last known "
-                    "state, here or on another backend",
-                    what, ((const cl_backend *)backend)->device.name);
+                    "the %s on OpenCL device '%.120s' is lost: the device failed while it was changed; create it "
+                    "again from its last stored state", what, ((const cl_backend *)backend)->device.name);
 }
 
 static size_t grid_bytes(const ost_geometry *geometry)
@@ -23,7 +22,7 @@ static ost_status store_create(cl_backend *b, const ost_geometry *geometry, cl_s
 {
     cl_store *store = calloc(1, sizeof *store);
     if (!store)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid");
     ost_status status = ost_cl_spare_take(b, grid_bytes(geometry), "grid", &store->voxels, &store->reserved, err);
     if (status != OST_OK) {
         free(store);
@@ -46,7 +45,7 @@ ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geom
 {
     cl_grid *grid = calloc(1, sizeof *grid);
     if (!grid)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid");
     grid->base = (ost_grid){.backend = backend, .geometry = *geometry};
     grid->store = store;
     ost_status status = OST_OK;

@@ -63,7 +63,7 @@ ost_status ost_cl_key(const ost_cl_device *d, const char *const *sources, size_t
     enum { ABOUT = sizeof about / sizeof about[0] };
     const char **parts = malloc((ABOUT + count + settings(NULL)) * sizeof *parts);
     if (!parts)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the kernels' sources");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the kernels' sources");
     memcpy(parts, about, sizeof about);
     for (size_t i = 0; i < count; i++)
         parts[ABOUT + i] = sources[i];

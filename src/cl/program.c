@@ -103,7 +103,7 @@ ost_status ost_cl_build(cl_backend *b, const char *const *sources, size_t count,
     cl_int code = CL_SUCCESS;
     const char **texts = malloc(count * sizeof *texts);
     if (!texts)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the kernels' sources");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the kernels' sources");
     for (size_t i = 0; i < count; i++)
         texts[i] = sources[i];
     cl_program program = b->cl->clCreateProgramWithSource(b->context, (cl_uint)count, texts, NULL, &code);

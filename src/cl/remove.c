@@ -66,7 +66,7 @@ static ost_status array_reserve(event_array *a, size_t bytes, ost_error *err)
     const size_t capacity = bytes + bytes / 2;
     void *host = realloc(a->host, capacity);
     if (!host)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for an event (%zu bytes)", capacity);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for an event (%zu bytes)", capacity);
     a->host = host;
     a->capacity = capacity;
     return OST_OK;
@@ -209,7 +209,7 @@ static ost_status plan_block(plan *p, size_t chunk, const int32_t first[3], ost_
         const size_t capacity = number ? 2 * number : 256;
         size_t *grown = realloc(s->chunk, capacity * sizeof *grown);
         if (!grown)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for an event of %zu blocks", capacity);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for an event of %zu blocks", capacity);
         s->chunk = grown;
         s->chunk_capacity = capacity;
     }
@@ -324,7 +324,7 @@ static ost_status write_input(plan *p, ost_error *err)
         bytes += parts[i]->bytes;
     }
     if (bytes > UINT32_MAX)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for an event (%zu bytes)", bytes);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for an event (%zu bytes)", bytes);
     s->reports.bytes = head.blocks * sizeof(ost_cl_block_report);
     const size_t reports = s->reports.bytes ? s->reports.bytes : sizeof(ost_cl_block_report);
     ost_status status = array_reserve(&s->input, bytes, err);
@@ -420,7 +420,7 @@ static ost_status reserve_report(const plan *p, const int32_t lo[3], const int32
         return OST_OK;
     ost_chunk_report *grown = realloc(p->report->chunks, needed * sizeof *grown);
     if (!grown)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", needed);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a report of %zu chunks", needed);
     p->report->chunks = grown;
     p->report->capacity = needed;
     return OST_OK;
@@ -431,13 +431,13 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
     cl_backend *b = (cl_backend *)bone->base.backend;
     ost_status status = ost_cl_alive(bone->base.backend, bone->lost, "bone", err);
     if (status == OST_OK && !b->event && !(b->event = calloc(1, sizeof *b->event)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for an event");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for an event");
     if (status != OST_OK)
         return status;
     if (b->turns < OST_CL_TURNS && (uint32_t)event->pose_count > OST_CL_TURNS_POSES(b->turns))
         return ost_fail(err, OST_ERR_UNAVAILABLE,
-                        "OpenCL device '%.120s' ends a loop after %u turns without a word, which is too early for an event of %d poses",
-                        b->device.name, (unsigned)b->turns, event->pose_count);
+                        "OpenCL device '%.120s' ends a loop after %u iterations without an error, too early for an "
+                        "event of %d poses", b->device.name, (unsigned)b->turns, event->pose_count);
     plan p = {.b = b, .bone = bone, .tool = tool, .event = event, .s = b->event, .apply = apply, .report = report, .part = {.chunk = -1}};
     p.s->blocks.bytes = p.s->entries.bytes = 0;
     int32_t lo[3], hi[3];

@@ -17,7 +17,7 @@ ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geo
 {
     cl_tool *tool = calloc(1, sizeof *tool);
     if (!tool)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool");
     tool->base = (ost_tool){.backend = backend, .geometry = *geometry};
     ost_status status = ost_cl_spare_take((cl_backend *)backend, voxels_of(geometry), "tool", &tool->classes, &tool->reserved, err);
     if (status != OST_OK) {

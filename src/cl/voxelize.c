@@ -88,7 +88,8 @@ ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting
     cl_mem steps = NULL, leaks = NULL, counts = NULL;
     uint32_t leaking = 0, *count = calloc(2 * (size_t)dims.z, sizeof *count);
     cl_tool *tool = NULL;
-    ost_status status = count ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %d slices", (int)dims.z);
+    ost_status status = count ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for the counts of %d slices",
+                                                  (int)dims.z);
     if (status == OST_OK)
         status = ost_cl_tool_create(backend, &cutting->grid, &tool, err);
     if (status == OST_OK)

@@ -87,7 +87,8 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
     bins->range = malloc(((size_t)mesh->triangle_count + 1) * sizeof *bins->range);
     bins->number = malloc(((size_t)mesh->triangle_count + 1) * sizeof *bins->number);
     if (!bins->vertex || !bins->range || !bins->number)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the tiles of %zu triangles", (size_t)mesh->triangle_count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the tiles of %zu triangles",
+                        (size_t)mesh->triangle_count);
     find_ranges(bins, f);
     return OST_OK;
 }
@@ -199,7 +200,8 @@ static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, const ti
     bins->list = malloc(((size_t)bins->entries + 1) * sizeof *bins->list);
     if (!change || !bins->start || !bins->list) {
         free(change);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for lists of %llu triangles", (unsigned long long)bins->entries);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for lists of %llu triangles",
+                        (unsigned long long)bins->entries);
     }
     /* First next[l + 1] is the count of list l. After the sums below next[l] is the index at which list l begins
        and, once the list is filled, ends. */
@@ -278,7 +280,7 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
         count = tile_count(&v.tiles);
         counts = malloc(3 * count * sizeof *counts);
         if (!counts)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for the counts of %zu tiles", count);
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the counts of %zu tiles", count);
     }
     if (status == OST_OK)
         status = ost_cl_tool_create(backend, &cutting->grid, &tool, err);

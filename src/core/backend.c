@@ -58,21 +58,21 @@ static ost_status unknown_backend(const char *spec, ost_error *err)
         size_t used = strlen(names);
         snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", backends[i]->name);
     }
-    return ost_fail(err, OST_ERR_USAGE, "there is no backend '%.80s'; known here: %s", spec, names);
+    return ost_fail(err, OST_ERR_USAGE, "unknown backend '%.80s'; expected %s", spec, names);
 }
 
 ost_status ost_backend_open(const char *spec, ost_backend **out, ost_error *err)
 {
     *out = NULL;
     if (!spec)
-        return ost_fail(err, OST_ERR_USAGE, "no backend named");
+        return ost_fail(err, OST_ERR_USAGE, "no backend given");
     size_t length = strcspn(spec, ":");
     const ost_backend_ops *ops = find_backend(spec, length);
     if (!ops)
         return unknown_backend(spec, err);
     char reason[256] = "";
     if (!ops->available(reason, sizeof reason))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "backend '%s' cannot be used here: %s", ops->name, reason);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "backend '%s' is not available: %s", ops->name, reason);
     ost_status status = ops->open(spec[length] ? spec + length + 1 : "", out, err);
     if (status == OST_OK)
         (*out)->ops = ops;
@@ -157,7 +157,7 @@ ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t coun
         return ost_fail(err, OST_ERR_USAGE, "samples, a report and a rule for duplicates are needed");
     for (size_t i = 0; i < count; i++)
         if (samples[i].density < INT16_MIN || samples[i].density > INT16_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "line %lld: a density of %d; supported are -32768 to 32767",
+            return ost_fail(err, OST_ERR_RANGE, "line %lld: a density of %d; expected -32768 to 32767",
                             (long long)(first_line + samples[i].line), (int)samples[i].density);
     return rect->backend->ops->ct_to_rect(rect, samples, count, first_line, duplicates, report, err);
 }
@@ -190,7 +190,8 @@ ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample ru
     const ost_geometry *g = &rect->geometry;
     char text[OST_PM_TEXT];
     if (cubic < OST_SPACING_MIN || cubic > OST_SPACING_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a cubic voxel of %s mm; supported are 0.001 to 100 mm", ost_pm_format(cubic, text));
+        return ost_fail(err, OST_ERR_RANGE, "a cubic voxel of %s mm; expected 0.001 to 100 mm", ost_pm_format(cubic,
+                        text));
     if (!ost_resample_name(rule))
         return ost_fail(err, OST_ERR_USAGE, "unknown rule %d for resampling", (int)rule);
     int64_t dims[3] = {
@@ -200,7 +201,8 @@ ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample ru
     };
     for (int a = 0; a < 3; a++)
         if (dims[a] > OST_DIM_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "a cubic voxel of %s mm gives %lld voxels along %c; supported are at most %d",
+            return ost_fail(err, OST_ERR_RANGE,
+                            "a cubic voxel of %s mm gives %lld voxels along %c; expected at most %d",
                             ost_pm_format(cubic, text), (long long)dims[a], "xyz"[a], OST_DIM_MAX);
     ost_geometry geometry = {
         .dims = {(int32_t)dims[0], (int32_t)dims[1], (int32_t)dims[2]},
@@ -215,12 +217,13 @@ ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample ru
 static ost_status check_bone(const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_error *err)
 {
     if (geometry->spacing.x != geometry->spacing.y || geometry->spacing.x != geometry->spacing.z)
-        return ost_fail(err, OST_ERR_USAGE, "a bone's voxels are cubes, not %.9g x %.9g x %.9g mm", ost_pm_to_mm(geometry->spacing.x),
-                        ost_pm_to_mm(geometry->spacing.y), ost_pm_to_mm(geometry->spacing.z));
+        return ost_fail(err, OST_ERR_USAGE, "voxels of %.9g x %.9g x %.9g mm; a bone needs cubic voxels",
+                        ost_pm_to_mm(geometry->spacing.x), ost_pm_to_mm(geometry->spacing.y),
+                        ost_pm_to_mm(geometry->spacing.z));
     if (chunk_size != 16 && chunk_size != 32 && chunk_size != 64)
-        return ost_fail(err, OST_ERR_USAGE, "chunks of %d voxels; supported are 16, 32 and 64", chunk_size);
+        return ost_fail(err, OST_ERR_USAGE, "chunks of %d voxels; expected 16, 32 and 64", chunk_size);
     if (threshold < 1 || threshold > INT16_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a threshold of %d; supported are 1 to %d", (int)threshold, INT16_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "a threshold of %d; expected 1 to %d", (int)threshold, INT16_MAX);
     return OST_OK;
 }
 
@@ -278,20 +281,20 @@ ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, in
 ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
 {
     if (!bone || (count > 0 && (!at || !densities)))
-        return ost_fail(err, OST_ERR_USAGE, "sampling needs a bone, voxels and room for their densities");
+        return ost_fail(err, OST_ERR_USAGE, "sampling needs a bone, voxels and an array for their densities");
     return bone->backend->ops->bone_sample(bone, count, at, densities, err);
 }
 
 ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
 {
     if (!bone || (count > 0 && (!chunks || !words)))
-        return ost_fail(err, OST_ERR_USAGE, "occupancy needs a bone, chunks and room for their words");
+        return ost_fail(err, OST_ERR_USAGE, "occupancy needs a bone, chunks and an array for their words");
     const int32_t n = bone->chunk_size;
     const ost_dims d = bone->geometry.dims;
     const int64_t all = (int64_t)((d.x + n - 1) / n) * ((d.y + n - 1) / n) * ((d.z + n - 1) / n);
     for (size_t i = 0; i < count; i++)
         if (chunks[i] < 0 || chunks[i] >= all)
-            return ost_fail(err, OST_ERR_USAGE, "there is no chunk %d; the bone has %lld", (int)chunks[i], (long long)all);
+            return ost_fail(err, OST_ERR_USAGE, "no chunk %d; the bone has %lld", (int)chunks[i], (long long)all);
     return bone->backend->ops->bone_occupancy(bone, count, chunks, words, err);
 }
 
@@ -301,7 +304,7 @@ ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest 
     ost_digest *own = leaves ? NULL : malloc(count * sizeof *own);
     ost_digest *all = leaves ? leaves : own;
     if (!all)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu digests", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu digests", count);
     ost_status status = bone->backend->ops->bone_leaves(bone, all, err);
     if (status == OST_OK && root)
         status = ost_digest_root(OST_GRID_BONE, &bone->geometry, bone->threshold, all, count, root, err);
@@ -387,7 +390,7 @@ static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const 
     if (!tool || !event || !report)
         return ost_fail(err, OST_ERR_USAGE, "a tool, an event and a report are needed");
     if (bone->backend != tool->backend)
-        return ost_fail(err, OST_ERR_USAGE, "bone and tool live on different backends");
+        return ost_fail(err, OST_ERR_USAGE, "bone and tool are on different backends");
     if (event->pose_count < 1 || event->pose_count > OST_SWEEP_MAX || !event->maps || !event->boxes || !event->classes)
         return ost_fail(err, OST_ERR_USAGE, "an event of %d poses; it needs 1 to %d, with maps, boxes and classes", event->pose_count,
                         OST_SWEEP_MAX);

@@ -41,7 +41,7 @@ ost_status ost_chunk_grid_init(ost_chunk_grid *grid, ost_dims dims, int size, in
         .dims = dims, .size = size, .threshold = threshold, .chunk_dims = chunk_dims, .count = ost_dims_count(chunk_dims)};
     grid->chunks = calloc((size_t)grid->count, sizeof *grid->chunks);
     if (!grid->chunks)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a table of %lld chunks", (long long)grid->count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a table of %lld chunks", (long long)grid->count);
     return OST_OK;
 }
 
@@ -175,8 +175,8 @@ ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count
                     ost_chunk_release(chunk);
             }
     if (!enough)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the chunks of slices %d to %d (%zu bytes each)", z0, z1 - 1,
-                        ost_chunk_bytes(grid->size));
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the chunks of slices %d to %d (%zu bytes each)", z0,
+                        z1 - 1, ost_chunk_bytes(grid->size));
     return OST_OK;
 }
 

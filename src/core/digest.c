@@ -29,12 +29,12 @@ ost_status ost_hasher_open(ost_hasher **out, ost_error *err)
     ost_hasher *hasher = malloc(sizeof *hasher);
     *out = NULL;
     if (!hasher)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a SHA-256 context");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a SHA-256 context");
     hasher->context = EVP_MD_CTX_new();
     if (!hasher->context || EVP_DigestInit_ex(hasher->context, EVP_sha256(), NULL) != 1) {
         EVP_MD_CTX_free(hasher->context);
         free(hasher);
-        return ost_fail(err, OST_ERR_MEMORY, "libcrypto has no memory for SHA-256 (or is built without it)");
+        return ost_fail(err, OST_ERR_MEMORY, "libcrypto: out of memory for SHA-256, or built without it");
     }
     *out = hasher;
     return OST_OK;
@@ -43,7 +43,7 @@ ost_status ost_hasher_open(ost_hasher **out, ost_error *err)
 ost_status ost_hasher_add(ost_hasher *hasher, const void *bytes, size_t size, ost_error *err)
 {
     if (EVP_DigestUpdate(hasher->context, bytes, size) != 1)
-        return ost_fail(err, OST_ERR_MEMORY, "libcrypto has no memory to hash %zu bytes", size);
+        return ost_fail(err, OST_ERR_MEMORY, "libcrypto: out of memory for the hash of %zu bytes", size);
     return OST_OK;
 }
 
@@ -55,7 +55,7 @@ ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err)
     unsigned length = 0;
     ost_digest digest;
     if (EVP_DigestFinal_ex(hasher->context, digest.bytes, &length) != 1 || length != OST_DIGEST_BYTES)
-        status = ost_fail(err, OST_ERR_MEMORY, "libcrypto has no memory to finish a digest");
+        status = ost_fail(err, OST_ERR_MEMORY, "libcrypto: out of memory for a digest");
     else if (out)
         *out = digest;
     EVP_MD_CTX_free(hasher->context);
@@ -196,7 +196,7 @@ ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, co
     uint8_t *leaf = malloc(LEAF_VOXELS * voxel_size);
     ost_status status = OST_OK;
     if (!leaves || !leaf) {
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for %zu digests", total);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu digests", total);
         goto cleanup;
     }
     size_t n = 0;

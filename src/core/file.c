@@ -11,7 +11,7 @@
 static ost_status cannot_open(const char *path, ost_file *out, ost_error *err)
 {
     out->absent = errno == ENOENT || errno == ENOTDIR;
-    return ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    return ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", path, strerror(errno));
 }
 
 static ost_status check_type(const char *path, const struct stat *info, ost_error *err)
@@ -19,8 +19,9 @@ static ost_status check_type(const char *path, const struct stat *info, ost_erro
     if (S_ISREG(info->st_mode))
         return OST_OK;
     if (S_ISDIR(info->st_mode))
-        return ost_fail(err, OST_ERR_IO, "%s: is a folder; a regular file is expected", path);
-    return ost_fail(err, OST_ERR_IO, "%s: is a pipe or a device; a regular file is expected, so save it to a file first", path);
+        return ost_fail(err, OST_ERR_IO, "%s: is a folder; expected a regular file", path);
+    return ost_fail(err, OST_ERR_IO, "%s: is a pipe or a device; expected a regular file, so save it to a file first",
+                    path);
 }
 
 static ost_status open_at(int folder, const char *path, bool follow, ost_file *out, ost_error *err)
@@ -42,11 +43,11 @@ static ost_status open_at(int folder, const char *path, bool follow, ost_file *o
         return cannot_open(path, out, err);
     int flags = -1;
     if (fstat(fd, &info) != 0 || (flags = fcntl(fd, F_GETFL)) < 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", path, strerror(errno));
     if (status == OST_OK)
         status = check_type(path, &info, err);
     if (status == OST_OK && fcntl(fd, F_SETFL, flags & ~O_NONBLOCK) != 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", path, strerror(errno));
     if (status != OST_OK) {
         close(fd);
         return status;
@@ -74,7 +75,7 @@ ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error
         *absent = file.absent;
     *out = status == OST_OK ? fdopen(file.fd, "r") : NULL;
     if (status == OST_OK && !*out) {
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a stream", path);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a stream", path);
         close(file.fd);
     }
     return status;
@@ -91,11 +92,13 @@ ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_e
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
-            return ost_fail(err, OST_ERR_IO, "%s: cannot be read at byte %lld: %s", path, (long long)done, strerror(errno));
+            return ost_fail(err, OST_ERR_IO, "%s: cannot read at byte %lld: %s", path, (long long)done,
+                            strerror(errno));
         if (n == 0 && left == 0)
             return OST_OK;
         if (n == 0 || left == 0)
-            return ost_fail(err, OST_ERR_IO, "%s: its size changed while it was read; it had %lld bytes", path, (long long)file->size);
+            return ost_fail(err, OST_ERR_IO, "%s: file changed while it was read; its size was %lld bytes", path,
+                            (long long)file->size);
         done += n;
     }
 }
@@ -105,7 +108,7 @@ ost_status ost_file_bytes(const char *path, const ost_file *file, char **bytes, 
     *size = 0;
     *bytes = malloc((size_t)file->size + 1);
     if (!*bytes)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its %lld bytes", path, (long long)file->size);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %lld bytes", path, (long long)file->size);
     const ost_status status = ost_file_fill(path, file, *bytes, err);
     if (status != OST_OK) {
         free(*bytes);
@@ -128,7 +131,8 @@ ost_status ost_file_read(const char *path, size_t max, char **bytes, size_t *siz
     if (status != OST_OK)
         return status;
     if ((uint64_t)file.size > max)
-        status = ost_fail(err, OST_ERR_RANGE, "%s: %lld bytes; at most %zu are expected", path, (long long)file.size, max);
+        status = ost_fail(err, OST_ERR_RANGE, "%s: %lld bytes; expected at most %zu", path, (long long)file.size,
+                          max);
     else
         status = ost_file_bytes(path, &file, bytes, size, err);
     close(file.fd);

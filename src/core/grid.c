@@ -26,17 +26,18 @@ ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, os
     const int64_t origin[3] = {geometry->origin.x, geometry->origin.y, geometry->origin.z};
     for (int a = 0; a < 3; a++) {
         if (dims[a] < 1 || dims[a] > OST_DIM_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "%s: %d voxels along %c; supported are 1 to %d", what, (int)dims[a], "xyz"[a], OST_DIM_MAX);
+            return ost_fail(err, OST_ERR_RANGE, "%s: %d voxels along %c; expected 1 to %d", what, (int)dims[a],
+                            "xyz"[a], OST_DIM_MAX);
         if (spacing[a] < OST_SPACING_MIN || spacing[a] > OST_SPACING_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "%s: spacing of %.9g mm along %c; supported are 0.001 to 100 mm", what,
+            return ost_fail(err, OST_ERR_RANGE, "%s: spacing of %.9g mm along %c; expected 0.001 to 100 mm", what,
                             ost_pm_to_mm(spacing[a]), "xyz"[a]);
         if (origin[a] < -OST_LENGTH_MAX || origin[a] > OST_LENGTH_MAX || origin[a] + (dims[a] - 1) * spacing[a] > OST_LENGTH_MAX)
             return ost_fail(err, OST_ERR_RANGE, "%s: voxel centres from %.6g to %.6g mm along %c; supported is within 8000 mm of 0", what,
                             ost_pm_to_mm(origin[a]), ost_pm_to_mm(origin[a]) + (dims[a] - 1) * ost_pm_to_mm(spacing[a]), "xyz"[a]);
     }
     if (ost_dims_count(geometry->dims) > INT64_C(1) << 36)
-        return ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; supported are at most 2^36", what, (int)dims[0], (int)dims[1],
-                        (int)dims[2]);
+        return ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; expected at most 2^36", what, (int)dims[0],
+                        (int)dims[1], (int)dims[2]);
     return OST_OK;
 }
 
@@ -49,8 +50,9 @@ ost_status ost_volume_init(ost_volume *volume, const ost_geometry *geometry, ost
     size_t count = (size_t)ost_dims_count(geometry->dims);
     volume->voxels = calloc(count, sizeof *volume->voxels);
     if (!volume->voxels)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %d x %d x %d voxels (%zu bytes)", (int)geometry->dims.x,
-                        (int)geometry->dims.y, (int)geometry->dims.z, count * sizeof *volume->voxels);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %d x %d x %d voxels (%zu bytes)",
+                        (int)geometry->dims.x, (int)geometry->dims.y, (int)geometry->dims.z,
+                        count * sizeof *volume->voxels);
     return OST_OK;
 }
 

@@ -114,10 +114,12 @@ ost_status ost_isa_choose(const char *name, ost_isa *out, ost_error *err)
     for (int isa = 0; isa < OST_ISA_COUNT; isa++)
         if (strcmp(names[isa], name) == 0) {
             if (!ost_isa_available((ost_isa)isa))
-                return ost_fail(err, OST_ERR_UNAVAILABLE, "%sinstruction set '%s' cannot be used here; osteon devices says what can", from, name);
+                return ost_fail(err, OST_ERR_UNAVAILABLE,
+                                "%sinstruction set '%s' is not available here; see osteon devices", from, name);
             *out = (ost_isa)isa;
             return OST_OK;
         }
-    return ost_fail(err, OST_ERR_USAGE, "%sthere is no instruction set '%.40s'; known are auto, scalar, avx2, avx512, avx512vbmi and neon",
+    return ost_fail(err, OST_ERR_USAGE,
+                    "%sunknown instruction set '%.40s'; expected auto, scalar, avx2, avx512, avx512vbmi and neon",
                     from, name);
 }

@@ -34,7 +34,7 @@ ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err)
     if (end == text || ost_decimal_read(text, end, &decimal) != end)
         return ost_fail(err, OST_ERR_INPUT, "'%.80s' is not a length; expected a decimal number of millimetres, for example 0.47", text);
     if (!ost_decimal_to_pm(&decimal, out, NULL))
-        return ost_fail(err, OST_ERR_RANGE, "%.80s mm is beyond the supported range of 8000 mm", text);
+        return ost_fail(err, OST_ERR_RANGE, "%.80s mm; expected at most 8000 mm", text);
     return OST_OK;
 }
 

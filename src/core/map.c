@@ -39,7 +39,8 @@ static ost_status check(const ost_geometry *bone, const ost_tool_geometry *tool,
     if (bone->spacing.x != bone->spacing.y || bone->spacing.x != bone->spacing.z)
         return ost_fail(err, OST_ERR_USAGE, "a bone needs equal spacing on its axes; resample it to cubic voxels first");
     if (bone->spacing.x > OST_MAP_RATIO_MAX * tool->voxel)
-        return ost_fail(err, OST_ERR_RANGE, "a bone voxel of %s mm is more than %d tool voxels of %s mm; voxelize the tool coarser",
+        return ost_fail(err, OST_ERR_RANGE,
+                        "a bone voxel of %s mm is more than %d tool voxels of %s mm; use larger tool voxels",
                         ost_pm_format(bone->spacing.x, s), OST_MAP_RATIO_MAX, ost_pm_format(tool->voxel, v));
     if (tool->dims.x > OST_TOOL_DIM_REMOVE_MAX || tool->dims.y > OST_TOOL_DIM_REMOVE_MAX || tool->dims.z > OST_TOOL_DIM_REMOVE_MAX)
         return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes up to %d an axis", tool->dims.x,
@@ -53,11 +54,11 @@ ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const os
     if (status != OST_OK)
         return status;
     if (!ost_rotation_fits(pose))
-        return ost_fail(err, OST_ERR_RANGE, "a pose beyond 8 m or with a quaternion far from unit length");
+        return ost_fail(err, OST_ERR_RANGE, "invalid pose: expected a position within 8 m and a unit quaternion");
     ost_rotation r = ost_rotation_of(pose);
     if (r.n < OST_ROTATION_N_MIN || r.n > OST_ROTATION_N_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a pose whose quaternion (%d, %d, %d, %d) / 2^30 is not near unit length", pose->qw,
-                        pose->qx, pose->qy, pose->qz);
+        return ost_fail(err, OST_ERR_RANGE, "invalid pose: quaternion (%d, %d, %d, %d) / 2^30; expected unit length",
+                        pose->qw, pose->qx, pose->qy, pose->qz);
 
     const ost_i128 one = (ost_i128)1 << OST_MAP_FRACTION;
     const ost_pm from[3] = {bone->origin.x - pose->t.x, bone->origin.y - pose->t.y, bone->origin.z - pose->t.z};

@@ -8,13 +8,13 @@ ost_status ost_mesh_init(ost_mesh *mesh, size_t vertex_count, size_t triangle_co
 {
     *mesh = (ost_mesh){0};
     if (triangle_count > OST_MESH_TRIANGLES_MAX || vertex_count > 3 * (size_t)OST_MESH_TRIANGLES_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a mesh of %zu triangles and %zu vertices; supported are at most %d triangles",
+        return ost_fail(err, OST_ERR_RANGE, "a mesh of %zu triangles and %zu vertices; expected at most %d triangles",
                         triangle_count, vertex_count, OST_MESH_TRIANGLES_MAX);
     mesh->vertices = malloc((vertex_count ? vertex_count : 1) * sizeof *mesh->vertices);
     mesh->triangles = malloc((triangle_count ? triangle_count : 1) * sizeof *mesh->triangles);
     if (!mesh->vertices || !mesh->triangles) {
         ost_mesh_free(mesh);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a mesh of %zu triangles", triangle_count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a mesh of %zu triangles", triangle_count);
     }
     mesh->vertex_count = vertex_count;
     mesh->triangle_count = triangle_count;
@@ -43,7 +43,7 @@ ost_status ost_mesh_check_indices(const ost_mesh *mesh, ost_error *err)
 ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost_error *err)
 {
     if (mesh->triangle_count == 0)
-        return ost_fail(err, OST_ERR_INPUT, "the mesh has no triangle");
+        return ost_fail(err, OST_ERR_INPUT, "the mesh has no triangles");
     ost_status status = ost_mesh_check_indices(mesh, err);
     if (status != OST_OK)
         return status;

@@ -113,7 +113,7 @@ ost_status ost_mesh_open_edges(const ost_mesh *mesh, size_t *open_edges, ost_err
     uint32_t *weld = malloc((mesh->vertex_count + 1) * sizeof *weld);
     edge *edges = malloc((3 * mesh->triangle_count + 1) * sizeof *edges);
     if (!keyed || !weld || !edges) {
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for the edges of %zu triangles", mesh->triangle_count);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the edges of %zu triangles", mesh->triangle_count);
         goto cleanup;
     }
     weld_vertices(mesh, keyed, weld);

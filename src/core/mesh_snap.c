@@ -117,7 +117,7 @@ ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, os
     out->vertices = calloc(mesh->vertex_count + 1, sizeof *out->vertices);
     out->triangles = malloc((mesh->triangle_count + 1) * sizeof *out->triangles);
     if (!out->vertices || !out->triangles)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory to snap a mesh of %zu triangles", mesh->triangle_count);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory to snap a mesh of %zu triangles", mesh->triangle_count);
     else
         status = snap_vertices(mesh, out, err);
     if (status == OST_OK)

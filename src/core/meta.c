@@ -52,7 +52,7 @@ ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_
     int i = find(meta, key);
     if (i < 0) {
         if (meta->count == OST_META_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "no room for '%s': at most %d keys", key, OST_META_MAX);
+            return ost_fail(err, OST_ERR_RANGE, "too many keys: '%s'; expected at most %d", key, OST_META_MAX);
         i = meta->count++;
     }
     /* key and value may point into this entry, as ost_meta_get returns its value. */

@@ -145,10 +145,12 @@ static ost_status count_ticks(const ost_path *handle, int32_t rpm, size_t *count
         const ost_tick *row = &handle->ticks[i], *before = i ? row - 1 : NULL;
         const int64_t parts = parts_of(before, row, rpm);
         if (parts > OST_MOTOR_PARTS_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "row %zu at %.9f s: its motor turns more than %d times since the row before it; a tool that is lifted between them needs no rows there",
-                            i, (double)row->t_ns * 1e-9, OST_MOTOR_PARTS_MAX / 8);
+            return ost_fail(err, OST_ERR_RANGE, "row %zu at %.9f s: the motor turns more than %d times since the "
+                            "previous row; expected shorter intervals, or a lifted tool between the rows", i,
+                            (double)row->t_ns * 1e-9, OST_MOTOR_PARTS_MAX / 8);
         if (parts > 1 && turns_too_far(&before->pose, &row->pose))
-            return ost_fail(err, OST_ERR_RANGE, "row %zu at %.9f s: the hand turns by more than 90 degrees since the row before it", i, (double)row->t_ns * 1e-9);
+            return ost_fail(err, OST_ERR_RANGE, "row %zu at %.9f s: the device turns by more than 90 degrees since "
+                            "the previous row; expected shorter intervals", i, (double)row->t_ns * 1e-9);
         *count += (size_t)parts;
         if (*count > OST_PATH_TICKS_MAX)
             return ost_fail(err, OST_ERR_RANGE, "with a motor of %d turns a minute the path has more than %d ticks", rpm, OST_PATH_TICKS_MAX);
@@ -161,7 +163,7 @@ ost_status ost_motor_path(ost_path *path, int32_t rpm, ost_motor *motor, ost_err
     size_t count, at = 0;
     ost_path out;
     if (rpm < 0 || rpm > OST_RPM_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "a motor speed of %d rpm; 0 to %d are supported", rpm, OST_RPM_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "a motor speed of %d rpm; expected 0 to %d", rpm, OST_RPM_MAX);
     ost_status status = count_ticks(path, rpm, &count, err);
     if (status == OST_OK)
         status = ost_path_init(&out, count, err);

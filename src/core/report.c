@@ -21,7 +21,7 @@ ost_status ost_report_add(ost_report *report, const ost_chunk_report *chunk, ost
         size_t capacity = report->capacity ? 2 * report->capacity : 64;
         ost_chunk_report *more = realloc(report->chunks, capacity * sizeof *more);
         if (!more)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", capacity);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for a report of %zu chunks", capacity);
         report->chunks = more;
         report->capacity = capacity;
     }
@@ -54,7 +54,7 @@ ost_density_classes ost_density_classes_default(void)
 ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err)
 {
     if (classes->count < 1 || classes->count > OST_CLASS_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "%d density classes; 1 to %d are supported", classes->count, OST_CLASS_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "%d density classes; expected 1 to %d", classes->count, OST_CLASS_MAX);
     if (classes->border[0] < 1)
         return ost_fail(err, OST_ERR_USAGE, "density class 0 begins at %d; an active voxel has 1 or more", classes->border[0]);
     for (int c = 1; c < classes->count; c++)

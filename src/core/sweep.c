@@ -82,11 +82,11 @@ ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_
     if (status != OST_OK)
         return status;
     if (bone_voxel < OST_SPACING_MIN || bone_voxel > OST_SPACING_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "bone voxel of %lld pm; 0.001 to 100 mm are supported", (long long)bone_voxel);
+        return ost_fail(err, OST_ERR_RANGE, "bone voxel of %lld pm; expected 0.001 to 100 mm", (long long)bone_voxel);
     if (!ost_rotation_fits(a) || !ost_rotation_fits(b))
-        return ost_fail(err, OST_ERR_RANGE, "a pose beyond 8 m or with a quaternion far from unit length");
+        return ost_fail(err, OST_ERR_RANGE, "invalid pose: expected a position within 8 m and a unit quaternion");
     if (!near_unit(a) || !near_unit(b))
-        return ost_fail(err, OST_ERR_RANGE, "a pose whose quaternion is not near unit length");
+        return ost_fail(err, OST_ERR_RANGE, "invalid pose: expected a unit quaternion");
     /*
      * cos^2 of the angle between the quaternions below 1/2 means over 45 degrees, and over 90 in
      * space. Products < 2^121.03.

@@ -13,7 +13,7 @@ ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *
     size_t count = (size_t)ost_dims_count(geometry->dims);
     tool->voxels = calloc(count, 1);
     if (!tool->voxels)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool grid of %zu voxels", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool grid of %zu voxels", count);
     return OST_OK;
 }
 
@@ -40,17 +40,18 @@ ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, ost_error 
     const int32_t dims[3] = {geometry->dims.x, geometry->dims.y, geometry->dims.z};
     const int64_t corner[3] = {geometry->corner.x, geometry->corner.y, geometry->corner.z};
     if (geometry->voxel < OST_TOOL_VOXEL_MIN || geometry->voxel > OST_SPACING_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "tool voxel of %.9g mm; supported are 0.001 to 100 mm", ost_pm_to_mm(geometry->voxel));
+        return ost_fail(err, OST_ERR_RANGE, "tool voxel of %.9g mm; expected 0.001 to 100 mm",
+                        ost_pm_to_mm(geometry->voxel));
     for (int a = 0; a < 3; a++) {
         if (dims[a] < 1 || dims[a] > OST_TOOL_DIM_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "a tool grid of %d x %d x %d voxels; supported are 1 to %d along %c", (int)dims[0],
-                            (int)dims[1], (int)dims[2], OST_TOOL_DIM_MAX, "xyz"[a]);
+            return ost_fail(err, OST_ERR_RANGE, "a tool grid of %d x %d x %d voxels; expected 1 to %d along %c",
+                            (int)dims[0], (int)dims[1], (int)dims[2], OST_TOOL_DIM_MAX, "xyz"[a]);
         if (corner[a] < -OST_LENGTH_MAX || corner[a] > OST_LENGTH_MAX || corner[a] + dims[a] * geometry->voxel > OST_LENGTH_MAX)
             return ost_fail(err, OST_ERR_RANGE, "a tool grid that begins at %.6g mm along %c; supported is within 8000 mm of 0",
                             ost_pm_to_mm(corner[a]), "xyz"[a]);
     }
     if (ost_dims_count(geometry->dims) > OST_TOOL_VOXELS_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a tool grid of %d x %d x %d voxels; supported are at most 2^33", (int)dims[0], (int)dims[1],
-                        (int)dims[2]);
+        return ost_fail(err, OST_ERR_RANGE, "a tool grid of %d x %d x %d voxels; expected at most 2^33", (int)dims[0],
+                        (int)dims[1], (int)dims[2]);
     return OST_OK;
 }

@@ -23,7 +23,8 @@ ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *cons
     (void)count;
     (void)at;
     (void)densities;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend %s keeps its voxels where a tick cannot look at them; a force needs backend cpu or ref",
+    return ost_fail(err, OST_ERR_UNAVAILABLE,
+                    "backend %s: voxels are not in host memory; a force needs backend cpu or ref",
                     bone->backend->ops->name);
 }
 
@@ -32,6 +33,7 @@ ost_status ost_no_occupancy(const ost_bone *bone, size_t count, const int32_t *c
     (void)count;
     (void)chunks;
     (void)words;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend %s gives its voxels slice by slice; to be looked at while it changes a bone needs backend cpu, ref or cl",
+    return ost_fail(err, OST_ERR_UNAVAILABLE,
+                    "backend %s: no snapshot of a bone while it changes; use backend cpu, ref or cl",
                     bone->backend->ops->name);
 }

@@ -84,13 +84,14 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
         if (strncmp(option, keys[key], length) != 0)
             continue;
         if (options->given & 1u << key)
-            return ost_fail(err, OST_ERR_USAGE, "backend cpu: %s is given twice; once is enough", keys[key]);
+            return ost_fail(err, OST_ERR_USAGE, "backend cpu: %s is given twice", keys[key]);
         options->given |= 1u << key;
         const char *value = option + length;
         switch (key) {
         case 0:
             options->isa = value;
-            return *value ? OST_OK : ost_fail(err, OST_ERR_USAGE, "backend cpu: isa= says no instruction set; osteon devices lists them");
+            return *value ? OST_OK : ost_fail(err, OST_ERR_USAGE, "backend cpu: isa= needs the name of an "
+                                              "instruction set; see osteon devices");
         case 1:
             return set_threads(value, &options->threads, err);
         case 2:
@@ -101,7 +102,8 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
             return set_voxelizer(value, &options->voxelizer, err);
         }
     }
-    return ost_fail(err, OST_ERR_USAGE, "backend cpu: '%.40s' is unknown; options are isa=NAME, threads=N, grain=N, order=N and voxelizer=NAME", option);
+    return ost_fail(err, OST_ERR_USAGE, "backend cpu: unknown option '%.40s'; expected isa=NAME, threads=N, grain=N, "
+                    "order=N and voxelizer=NAME", option);
 }
 
 /* Parses a list of options. Writes zeros over the commas of text; options points into it afterwards. */
@@ -126,7 +128,7 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
     char *text = strdup(options);
     ost_status status = OST_OK;
     if (!text)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend cpu");
     if (status == OST_OK)
         status = read_options(text, &chosen, err);
     ost_isa level = OST_ISA_SCALAR;
@@ -136,13 +138,13 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
         status = ost_backend_ref.open("", &ref, err);
     ost_cpu_sharing *sharing = NULL;
     if (status == OST_OK && !(sharing = malloc(sizeof *sharing)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend cpu");
     /*
      * It contains tables that are aligned to cache lines, so it is too; its size is then a multiple of
      * the alignment.
      */
     if (status == OST_OK && !(backend = aligned_alloc(_Alignof(cpu_backend), sizeof *backend)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend cpu");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend cpu");
     if (status == OST_OK) {
         memset(backend, 0, sizeof *backend);
         backend->ref = *(const ref_backend *)ref;

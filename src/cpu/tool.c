@@ -12,7 +12,7 @@ ost_status ost_cpu_tool_adopt(ost_tool **tool, ost_error *err)
         free(shapes);
         ost_ref_tool_free(*tool);
         *tool = NULL;
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool");
     }
     grown->shapes = shapes;
     *tool = &grown->ref.base;

@@ -83,7 +83,7 @@ ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params
         return status;
     ost_force *f = calloc(1, sizeof *f);
     if (!f)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a force");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a force");
     f->bone = bone;
     f->params = chosen;
     f->spacing = (double)bone->geometry.spacing.x * OST_M_PER_PM;
@@ -106,7 +106,7 @@ ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_err
         return ost_fail(err, OST_ERR_USAGE, "a force takes up to %d tools of up to %d points", TOOLS_MAX, OST_SHELL_MAX);
     contact_shell *points = malloc(sizeof *points);
     if (!points)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool's shell");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool's shell");
     ost_contact_shell_make(shell, &force->params, force->spacing, points);
     force->shells[force->tools++] = points;
     return OST_OK;
@@ -447,7 +447,7 @@ ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, do
 {
     *out = (ost_force_result){.tool = *device};
     if (tool < 0 || tool >= force->tools)
-        return ost_fail(err, OST_ERR_USAGE, "force: there is no tool %d", tool);
+        return ost_fail(err, OST_ERR_USAGE, "force: no tool %d", tool);
     if (!(period_s > 0))
         return ost_fail(err, OST_ERR_USAGE, "force: a period of %g s", period_s);
     if (!force->grip.coupled || force->grip.tool != tool)

@@ -161,10 +161,11 @@ ost_status ost_force_params_check(const ost_force_params *params, ost_error *err
     for (int i = 0; i < COUNT && !parameters[i].safety; i++) {
         const double value = ost_force_key_value(i, params, NULL);
         if (!(value >= parameters[i].key.lo && value <= parameters[i].key.hi))
-            return ost_fail(err, OST_ERR_RANGE, "force: %s is %g; %g to %g is supported", parameters[i].key.name, value, parameters[i].key.lo, parameters[i].key.hi);
+            return ost_fail(err, OST_ERR_RANGE, "force: %s is %g; expected %g to %g", parameters[i].key.name, value,
+                            parameters[i].key.lo, parameters[i].key.hi);
     }
     if (!(params->speed >= 0 && params->speed <= 1e4))
-        return ost_fail(err, OST_ERR_RANGE, "force: speed is %g; 0 to 1e4 rad/s is supported", params->speed);
+        return ost_fail(err, OST_ERR_RANGE, "force: speed is %g; expected 0 to 1e4 rad/s", params->speed);
     return passes_too_fast(params) ? ost_fail(err, OST_ERR_RANGE, "force: %s", too_fast) : OST_OK;
 }
 
@@ -203,12 +204,13 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
     while (i < COUNT && (strlen(parameters[i].key.name) != length || memcmp(parameters[i].key.name, text, length) != 0))
         i++;
     if (i == COUNT && length == 5 && memcmp("speed", text, length) == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%d: speed is the motor's: leave it out, and pass --rpm to osteon sim", file, line);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s:%d: speed is set by the motor; remove the line and pass --rpm to osteon sim", file, line);
     if (i == COUNT)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%d: '%.*s' is no parameter; osteon sim --print-force-params lists them", file, line,
-                        (int)(length < 60 ? length : 60), text);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: unknown parameter '%.*s'; see osteon sim --print-force-params",
+                        file, line, (int)(length < 60 ? length : 60), text);
     if (seen[i])
-        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is set a second time", file, line, parameters[i].key.name);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is set twice", file, line, parameters[i].key.name);
     seen[i] = true;
     const ost_force_key *key = &parameters[i].key;
     const char *value = colon + 1 + strspn(colon + 1, " \t"), *after;

@@ -140,7 +140,7 @@ ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error
     const int most = d.x > d.y ? (d.x > d.z ? d.x : d.z) : d.y > d.z ? d.y : d.z;
     ost_shell_point *points = malloc(OST_SHELL_MAX * sizeof *points);
     if (!points)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool's shell");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool's shell");
     /*
      * The first cell size is estimated from the box's surface; then it is increased until the
      * points fit.
@@ -150,7 +150,7 @@ ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error
         cells c;
         if (!cells_open(tool, size, &c)) {
             free(points);
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool's shell");
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool's shell");
         }
         add_faces(tool, &c);
         const size_t count = take(&c, points, OST_SHELL_MAX);

@@ -301,7 +301,7 @@ static ost_status open_socket(bridge *b, ost_error *err)
     const char *name = to + bracketed;
     const size_t length = colon ? (size_t)(colon - to) - 2 * bracketed : 0;
     if (!colon || length == 0 || length >= sizeof host || !colon[1])
-        return ost_fail(err, OST_ERR_USAGE, "'%.100s' is not HOST:PORT", to);
+        return ost_fail(err, OST_ERR_USAGE, "'%.100s'; expected HOST:PORT", to);
     memcpy(host, name, length);
     host[length] = '\0';
     const int error = getaddrinfo(host, colon + 1, &hints, &found);
@@ -310,7 +310,7 @@ static ost_status open_socket(bridge *b, ost_error *err)
     ost_status status = OST_OK;
     b->socket = socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (b->socket < 0 || connect(b->socket, found->ai_addr, found->ai_addrlen) != 0)
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "%.100s: cannot be reached: %s", to, strerror(errno));
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "%.100s: cannot connect: %s", to, strerror(errno));
     else if (getnameinfo(found->ai_addr, found->ai_addrlen, number, sizeof number, port, sizeof port, NI_NUMERICHOST | NI_NUMERICSERV) == 0)
         snprintf(b->report->to, BRIDGE_ADDRESS, strchr(number, ':') ? "[%s]:%s" : "%s:%s", number, port);
     freeaddrinfo(found);
@@ -322,7 +322,7 @@ static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
     const uint64_t one = 1;
     const int error = ost_thread_begin(&b->thread, run_network, b);
     if (error)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the link: %s", strerror(error));
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for the link: %s", strerror(error));
     const ost_servo_options how = {.ticks = b->options->ticks, .no_realtime = b->options->no_realtime};
     b->begin_ns = ost_clock_ns();
     ost_status status = ost_servo_run(device, &how, tick, NULL, b, &b->report->loop, err);
@@ -342,7 +342,7 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
     memset(report, 0, sizeof *report);
     bridge *b = calloc(1, sizeof *b);
     if (!b)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bridge");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bridge");
     const ost_pose nowhere = ost_pose_identity();
     b->options = options;
     b->report = report;
@@ -364,7 +364,8 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
     b->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     ost_status status = OST_OK;
     if (b->wake < 0 || !link_random(&b->number))
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "the system gives no eventfd or no random number: %s", strerror(errno));
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create an eventfd or read a random number: %s",
+                          strerror(errno));
     if (status == OST_OK)
         status = link_key_read(options->key, &b->key, err);
     if (status == OST_OK)
@@ -374,7 +375,8 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
     if (status == OST_OK && !report->met && report->busy)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "the simulation at %s has another bridge", report->to);
     else if (status == OST_OK && !report->met && !(options->stop_requested && options->stop_requested()))
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "no simulation answers at %s: there is none, or it has another key", report->to);
+        status = ost_fail(err, OST_ERR_UNAVAILABLE,
+                          "no simulation answers at %s: none is running, or it has another key", report->to);
     if (b->socket >= 0)
         close(b->socket);
     if (b->wake >= 0)

@@ -30,13 +30,15 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
     const choice *c = user;
     const int button = button_of(c->info, key);
     if (button < 0)
-        return ost_fail(err, OST_ERR_USAGE, "device %s: it has no button '%s'; osteon devices lists them", c->info->name, key);
+        return ost_fail(err, OST_ERR_USAGE, "device %s: unknown button '%s'; see osteon devices", c->info->name, key);
     for (int a = 0; a < OST_ACTION_COUNT; a++)
         if (strcmp(names[a], value) == 0) {
             c->of[button] = (ost_action)a;
             return OST_OK;
         }
-    return ost_fail(err, OST_ERR_USAGE, "device %s: %s=%.40s: a button does none, motor, motor-switch, next-tool, clutch or home", c->info->name, key, value);
+    return ost_fail(err, OST_ERR_USAGE,
+                    "device %s: %s=%.40s; expected none, motor, motor-switch, next-tool, clutch or home",
+                    c->info->name, key, value);
 }
 
 ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX], ost_error *err)

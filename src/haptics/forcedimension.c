@@ -70,7 +70,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 {
     if (strcmp(key, "scale") == 0)
         return haptic_integer("dhd", key, value, 1, MOST_SCALE_PERCENT, user, err);
-    return ost_fail(err, OST_ERR_USAGE, "device dhd: it has no option '%s'; known is scale, per cent", key);
+    return ost_fail(err, OST_ERR_USAGE, "device dhd: unknown option '%s'; expected scale (per cent)", key);
 }
 
 static ost_status dhd_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
@@ -83,16 +83,16 @@ static ost_status dhd_open(const char *options, const ost_haptic_setup *setup, h
         return status;
     haptic_instance *d = calloc(1, sizeof *d);
     if (!d)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device dhd");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device dhd");
     if (!vendor_load(&library, &d->dhd, reason)) {
         free(d);
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: %s", reason);
     }
     d->workspace = haptic_workspace_make(&setup->start, axes, (double)percent / 100);
     if (d->dhd.open() < 0) {
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: it cannot be opened: %.160s", d->dhd.last_error());
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: cannot open: %.160s", d->dhd.last_error());
     } else if (d->dhd.enable_force(1, LAST_OPENED) < 0) {
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: its force cannot be switched on: %.160s", d->dhd.last_error());
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: cannot enable forces: %.160s", d->dhd.last_error());
         d->dhd.close(LAST_OPENED);
     }
     if (status != OST_OK)

@@ -195,7 +195,7 @@ static void take_message(haptic_instance *h)
     if (good)
         meet(h);
     if (h->bad == GARBAGE_MOST)
-        fail(h, "the service says nothing of an Inverse3");
+        fail(h, "the service reports no Inverse3");
 }
 
 /* Writes a command. Numbers are integers with an exponent, so that no locale affects them. */
@@ -290,7 +290,7 @@ static void *run_connection(void *user)
     haptic_instance *h = user;
     for (;;) {
         if (lws_service(h->context, 0) < 0) {
-            fail(h, "libwebsockets gave up");
+            fail(h, "libwebsockets failed");
             break;
         }
         if (!atomic_load(&h->stop))
@@ -319,9 +319,11 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
     if (strcmp(key, "scale") == 0)
         return haptic_number("inverse3", key, value, 1, 1000, &c->percent, err);
     if (strcmp(key, "id") != 0)
-        return ost_fail(err, OST_ERR_USAGE, "device inverse3: it has no option '%s'; known are id, port and scale", key);
+        return ost_fail(err, OST_ERR_USAGE, "device inverse3: unknown option '%s'; expected id, port or scale", key);
     if (!is_id(value))
-        return ost_fail(err, OST_ERR_USAGE, "device inverse3: id=%.40s: must be letters, digits, '-' and '_', %d at most", value, ID - 1);
+        return ost_fail(err, OST_ERR_USAGE,
+                        "device inverse3: id=%.40s; expected letters, digits, '-' and '_', %d at most", value,
+                        ID - 1);
     strcpy(c->id, value);
     return OST_OK;
 }
@@ -366,19 +368,21 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
     lws_set_log_level(0, NULL);
     h->context = lws_create_context(&info);
     if (!h->context)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: libwebsockets gives no context");
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: libwebsockets cannot create a context");
     const struct lws_client_connect_info to = {.context = h->context, .address = "127.0.0.1", .port = (int)c->port, .path = "/", .host = "localhost",
                                                .origin = "localhost", .local_protocol_name = protocols[0].name, .pwsi = &h->wsi};
     if (!lws_client_connect_via_info(&to))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: Haply's service does not answer at 127.0.0.1:%d", (int)c->port);
     const int error = ost_thread_begin(&h->thread, run_connection, h);
     if (error)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: no thread for its connection: %s", strerror(error));
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: cannot create a thread for its connection: %s",
+                        strerror(error));
     const bool met = wait_for(&h->met, OPEN_MS) && !atomic_load(&h->lost);
     if (met)
         return OST_OK;
     stop_thread(h);
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: Haply's service at 127.0.0.1:%d gives no device%s: %s", (int)c->port,
+    return ost_fail(err, OST_ERR_UNAVAILABLE,
+                    "device inverse3: Haply's service at 127.0.0.1:%d offers no device%s: %s", (int)c->port,
                     h->wanted[0] ? " of that id" : "", h->why[0] ? h->why : "it says nothing");
 }
 
@@ -392,7 +396,7 @@ static ost_status inverse3_open(const char *options, const ost_haptic_setup *set
         return status;
     haptic_instance *h = calloc(1, sizeof *h);
     if (!h)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device inverse3");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device inverse3");
     memcpy(h->wanted, c.id, ID);
     h->clutch = haptic_clutch_make(&setup->start, c.percent / 100);
     haptic_clutch_lay(&h->clutch);

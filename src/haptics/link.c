@@ -131,14 +131,14 @@ ost_status link_key_make(const void *bytes, size_t size, link_key **out, ost_err
         return ost_fail(err, OST_ERR_INPUT, "a key has %d to %d bytes, not %zu", LINK_KEY_MIN, LINK_KEY_MAX, size);
     link_key *key = calloc(1, sizeof *key);
     if (!key)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a key");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a key");
     char digest[] = "SHA256";
     const OSSL_PARAM params[] = {OSSL_PARAM_construct_utf8_string(OSSL_MAC_PARAM_DIGEST, digest, 0), OSSL_PARAM_construct_end()};
     key->mac = EVP_MAC_fetch(NULL, "HMAC", NULL);
     key->context = key->mac ? EVP_MAC_CTX_new(key->mac) : NULL;
     if (!key->context || EVP_MAC_init(key->context, bytes, size, params) != 1) {
         link_key_free(key);
-        return ost_fail(err, OST_ERR_INTERNAL, "libcrypto gives no HMAC-SHA-256");
+        return ost_fail(err, OST_ERR_INTERNAL, "libcrypto has no HMAC-SHA-256");
     }
     *out = key;
     return OST_OK;
@@ -162,15 +162,16 @@ ost_status link_key_read(const char *path, link_key **out, ost_error *err)
     *out = NULL;
     ost_status status = ost_file_open(path, &file, &why);
     if (status != OST_OK)
-        return ost_fail(err, status, file.absent ? "%s; to make a key: (umask 077; head -c 32 /dev/urandom >%s)" : "%s", why.text, path);
+        return ost_fail(err, status, file.absent ? "%s; to create a key: (umask 077; head -c 32 /dev/urandom >%s)" : "%s",
+                        why.text, path);
     const int fd = file.fd;
     ssize_t size = -1;
     if (fstat(fd, &st) != 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     else if (st.st_mode & (S_IRWXG | S_IRWXO))
-        status = ost_fail(err, OST_ERR_USAGE, "%s: others may read this key, so it is none; chmod 600 %s", path, path);
+        status = ost_fail(err, OST_ERR_USAGE, "%s: other users can read this key; run chmod 600 %s", path, path);
     else if ((size = read(fd, bytes, sizeof bytes)) < 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: reading failed: %s", path, strerror(errno));
+        status = ost_fail(err, OST_ERR_IO, "%s: read failed: %s", path, strerror(errno));
     close(fd);
     if (status == OST_OK) {
         status = link_key_make(bytes, (size_t)size, out, err);

@@ -47,7 +47,8 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
         return haptic_integer("motion", key, value, 1, 60000, &c->gap_ms, err);
     if (strcmp(key, "jump") == 0)
         return haptic_number("motion", key, value, 0.1, 1000, &c->jump_mm, err);
-    return ost_fail(err, OST_ERR_USAGE, "device motion: it has no option '%s'; known are scale, per cent, gap, ms, and jump, mm", key);
+    return ost_fail(err, OST_ERR_USAGE,
+                    "device motion: unknown option '%s'; expected scale (per cent), gap (ms) or jump (mm)", key);
 }
 
 static void motion_close(haptic_instance *m)
@@ -62,7 +63,8 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
     char file[FILE_NAME];
     const size_t length = strcspn(options, ",");
     if (length == 0 || length >= sizeof file)
-        return ost_fail(err, OST_ERR_USAGE, "device motion: needs the file of a motion, as in motion:hand.csv,scale=5");
+        return ost_fail(err, OST_ERR_USAGE,
+                        "device motion: no file given; expected for example motion:hand.csv,scale=5");
     memcpy(file, options, length);
     file[length] = '\0';
     ost_status status = options[length] ? haptic_options("motion", options + length + 1, take, &c, err) : OST_OK;
@@ -72,7 +74,7 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
         return status;
     haptic_instance *m = calloc(1, sizeof *m);
     if (!m)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device motion");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device motion");
     const ost_path_options gaps = {c.gap_ms ? c.gap_ms * 1000000 : setup->gaps.max_gap_ns,
                                    c.jump_mm > 0 ? (ost_pm)(c.jump_mm * (double)OST_PM_PER_MM) : setup->gaps.max_jump_pm};
     ost_path_report table;

@@ -39,7 +39,7 @@ ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input
         return status;
     ost_mouse_input *input = calloc(1, sizeof *input);
     if (!input)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a hand");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the state of device mouse");
     for (int i = 0; i < NEWEST_SLOTS; i++)
         input->state[i] = *start;
     newest_begin(&input->newest);
@@ -92,7 +92,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 {
     (void)user;
     (void)value;
-    return ost_fail(err, OST_ERR_USAGE, "device mouse: it has no option '%s', and no others", key);
+    return ost_fail(err, OST_ERR_USAGE, "device mouse: unknown option '%s'; it has no options", key);
 }
 
 static ost_status mouse_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
@@ -102,13 +102,13 @@ static ost_status mouse_open(const char *options, const ost_haptic_setup *setup,
     if (status != OST_OK)
         return status;
     if (!m.input)
-        return ost_fail(err, OST_ERR_USAGE, "device mouse: needs a window, whose mouse it is");
+        return ost_fail(err, OST_ERR_USAGE, "device mouse: needs a window; omit --headless");
     const ost_haptic_state *start = latest(m.input);
     take_pose(&start->pose, m.at, m.q);
     m.tool = start->tool;
     *out = malloc(sizeof **out);
     if (!*out)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device mouse");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device mouse");
     **out = m;
     return OST_OK;
 }

@@ -12,7 +12,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 {
     (void)user;
     (void)value;
-    return ost_fail(err, OST_ERR_USAGE, "device null: it has no option '%s'", key);
+    return ost_fail(err, OST_ERR_USAGE, "device null: unknown option '%s'; it has no options", key);
 }
 
 static ost_status null_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
@@ -24,7 +24,7 @@ static ost_status null_open(const char *options, const ost_haptic_setup *setup, 
         return status;
     *out = malloc(sizeof **out);
     if (!*out)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device null");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device null");
     (*out)->pose = setup->start;
     return OST_OK;
 }

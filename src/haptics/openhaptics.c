@@ -114,7 +114,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
     if (strcmp(key, "scale") == 0)
         return haptic_integer("openhaptics", key, value, 1, 1000, &c->percent, err);
     if (strcmp(key, "name") != 0)
-        return ost_fail(err, OST_ERR_USAGE, "device openhaptics: it has no option '%s'; known are name and scale", key);
+        return ost_fail(err, OST_ERR_USAGE, "device openhaptics: unknown option '%s'; expected name or scale", key);
     if (strlen(value) >= NAME)
         return ost_fail(err, OST_ERR_USAGE, "device openhaptics: name=%.60s...: longer than %d bytes", value, NAME - 1);
     strcpy(c->name, value);
@@ -149,7 +149,7 @@ static ost_status openhaptics_open(const char *options, const ost_haptic_setup *
         return status;
     haptic_instance *h = calloc(1, sizeof *h);
     if (!h)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device openhaptics");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device openhaptics");
     if (!vendor_load(&library, &h->hd, reason)) {
         free(h);
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: %s", reason);
@@ -269,7 +269,8 @@ static ost_status openhaptics_run(haptic_instance *h, haptic_beat *beat, void *u
     const bool over = wait_for(h);
     h->hd.stop();
     h->hd.unschedule(handle);
-    return over ? OST_OK : ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: its thread has not called for %d ms", POLL_MS);
+    return over ? OST_OK : ost_fail(err, OST_ERR_UNAVAILABLE,
+                                    "device openhaptics: no call of its servo thread for %d ms", POLL_MS);
 }
 
 const haptic_driver haptic_openhaptics = {

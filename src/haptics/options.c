@@ -22,7 +22,7 @@ ost_status haptic_options(const char *device, const char *options, haptic_option
             return status;
         p += k + 1 + v;
         if (*p == ',' && !*++p)
-            return ost_fail(err, OST_ERR_USAGE, "device %s: nothing follows the last ','", device);
+            return ost_fail(err, OST_ERR_USAGE, "device %s: no option after the last ','", device);
     }
     return OST_OK;
 }
@@ -35,7 +35,8 @@ ost_status haptic_number(const char *device, const char *key, const char *value,
     const bool read = ost_decimal_read(value, end, &d) == end && ost_decimal_scale(&d, 1000000, &millionths, NULL);
     *out = (double)millionths / 1e6;
     if (!read || !(*out >= lo && *out <= hi))
-        return ost_fail(err, OST_ERR_USAGE, "device %s: %s=%.40s: must be a number from %g to %g", device, key, value, lo, hi);
+        return ost_fail(err, OST_ERR_USAGE, "device %s: %s=%.40s; expected a number from %g to %g", device, key,
+                        value, lo, hi);
     return OST_OK;
 }
 
@@ -45,7 +46,7 @@ ost_status haptic_integer(const char *device, const char *key, const char *value
     bool exact = false;
     const char *end = value + strlen(value);
     if (ost_decimal_read(value, end, &d) != end || !ost_decimal_scale(&d, 1, out, &exact) || !exact || *out < lo || *out > hi)
-        return ost_fail(err, OST_ERR_USAGE, "device %s: %s=%.40s: must be a whole number from %lld to %lld", device, key, value, (long long)lo,
-                        (long long)hi);
+        return ost_fail(err, OST_ERR_USAGE, "device %s: %s=%.40s; expected a whole number from %lld to %lld", device,
+                        key, value, (long long)lo, (long long)hi);
     return OST_OK;
 }

@@ -18,7 +18,7 @@ struct haptic_instance {
 static ost_status no_options(void *user, const char *key, const char *value, ost_error *err)
 {
     (void)value;
-    return ost_fail(err, OST_ERR_USAGE, "device %s: it has no option '%s'", (const char *)user, key);
+    return ost_fail(err, OST_ERR_USAGE, "device %s: unknown option '%s'; it has no options", (const char *)user, key);
 }
 
 static ost_status make(const char *name, const char *options, haptic_instance **out, ost_error *err)
@@ -29,7 +29,7 @@ static ost_status make(const char *name, const char *options, haptic_instance **
     if (status != OST_OK)
         return status;
     *out = calloc(1, sizeof **out);
-    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for device %s", name);
+    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for device %s", name);
 }
 
 static void script_close(haptic_instance *instance)
@@ -41,7 +41,7 @@ static void script_close(haptic_instance *instance)
 static ost_status script_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     if (!setup->path || setup->path->count == 0)
-        return ost_fail(err, OST_ERR_USAGE, "device script: needs a path to follow");
+        return ost_fail(err, OST_ERR_USAGE, "device script: no path given");
     ost_status status = make("script", options, out, err);
     if (status != OST_OK)
         return status;
@@ -56,7 +56,7 @@ static ost_status script_open(const char *options, const ost_haptic_setup *setup
 static ost_status replay_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     if (!setup->session)
-        return ost_fail(err, OST_ERR_USAGE, "device replay: needs a session");
+        return ost_fail(err, OST_ERR_USAGE, "device replay: no session given");
     ost_session *session;
     ost_status status = make("replay", options, out, err);
     if (status != OST_OK)

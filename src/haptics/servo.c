@@ -255,11 +255,13 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
     if (s.options.period_ns == 0)
         s.options.period_ns = PERIOD_NS;
     if (s.options.period_ns < 10000 || s.options.period_ns > INT64_C(1000000000))
-        return ost_fail(err, OST_ERR_USAGE, "a period of %lld ns; 10,000 to 1,000,000,000 are supported", (long long)s.options.period_ns);
+        return ost_fail(err, OST_ERR_USAGE, "a period of %lld ns; expected 10,000 to 1,000,000,000",
+                        (long long)s.options.period_ns);
     if (s.options.lead_ns < 0 || s.options.lead_ns > s.options.period_ns / 2)
-        return ost_fail(err, OST_ERR_USAGE, "a rehearsal %lld ns before a tick; 0 to half a period are supported", (long long)s.options.lead_ns);
+        return ost_fail(err, OST_ERR_USAGE, "a rehearsal %lld ns before a tick; expected 0 to half a period",
+                        (long long)s.options.lead_ns);
     if (s.options.no_clock && !(driver->caps & OST_HAPTIC_LOGICAL))
-        return ost_fail(err, OST_ERR_USAGE, "device %s knows time: it cannot be served without a clock", driver->name);
+        return ost_fail(err, OST_ERR_USAGE, "device %s has its own time: it needs a clock", driver->name);
 
     const bool rehearses = s.options.rehearse && !s.options.no_clock && !(driver->caps & OST_HAPTIC_OWN_CLOCK);
     report->lead_ns = s.options.lead_ns = rehearses ? s.options.lead_ns : 0;

@@ -74,13 +74,14 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
     if (strcmp(key, "friction") == 0)
         return haptic_integer("sim", key, value, 0, 5000, &c->friction_mn, err);
     if (strcmp(key, "grip") != 0)
-        return ost_fail(err, OST_ERR_USAGE, "device sim: it has no option '%s'; known are grip, seed, tremor and friction", key);
+        return ost_fail(err, OST_ERR_USAGE, "device sim: unknown option '%s'; expected grip, seed, tremor or friction",
+                        key);
     for (size_t i = 0; i < sizeof grips / sizeof grips[0]; i++)
         if (strcmp(value, grips[i].name) == 0) {
             c->hand = grips[i];
             return OST_OK;
         }
-    return ost_fail(err, OST_ERR_USAGE, "device sim: grip=%.40s: must be light, normal or firm", value);
+    return ost_fail(err, OST_ERR_USAGE, "device sim: grip=%.40s; expected light, normal or firm", value);
 }
 
 static void position_of(const ost_pose *pose, double out[3])
@@ -103,10 +104,10 @@ static ost_status sim_open(const char *options, const ost_haptic_setup *setup, h
     if (status != OST_OK)
         return status;
     if (!setup->path || setup->path->count == 0)
-        return ost_fail(err, OST_ERR_USAGE, "device sim: its hand needs a path to follow");
+        return ost_fail(err, OST_ERR_USAGE, "device sim: no path given");
     haptic_instance *s = calloc(1, sizeof *s);
     if (!s)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device sim");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device sim");
     status = ost_path_init(&s->path, setup->path->count, err);
     if (status != OST_OK) {
         free(s);

@@ -112,7 +112,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
         return haptic_number("spnav", key, value, 0, 720, &c->turn_degrees, err);
     if (strcmp(key, "hold") == 0)
         return haptic_integer("spnav", key, value, 0, 1, &c->hold, err);
-    return ost_fail(err, OST_ERR_USAGE, "device spnav: it has no option '%s'; known are speed, turn and hold", key);
+    return ost_fail(err, OST_ERR_USAGE, "device spnav: unknown option '%s'; expected speed, turn or hold", key);
 }
 
 static ost_status spnav_begin(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
@@ -125,14 +125,14 @@ static ost_status spnav_begin(const char *options, const ost_haptic_setup *setup
         return status;
     haptic_instance *s = calloc(1, sizeof *s);
     if (!s)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device spnav");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device spnav");
     s->how = c;
     s->q[0] = 1;
     s->workspace = haptic_workspace_make(&setup->start, axes, 1);
     if (!vendor_load(&library, &s->spnav, reason))
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: %s", reason);
     else if (s->spnav.open() < 0)
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: spacenavd does not answer; is it started?");
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: spacenavd does not answer; start it first");
     if (status != OST_OK) {
         free(s);
         return status;

@@ -21,7 +21,7 @@ int ost_haptic_count(void)
 ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err)
 {
     if (index < 0 || index >= DRIVERS)
-        return ost_fail(err, OST_ERR_USAGE, "there is no device number %d; %d are known", index, DRIVERS);
+        return ost_fail(err, OST_ERR_USAGE, "no device %d; expected 0 to less than %d", index, DRIVERS);
     const haptic_driver *d = drivers[index];
     *out = (ost_haptic_info){.name = d->name,
                              .description = d->description,
@@ -44,7 +44,7 @@ ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *optio
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device %s: %s", driver->name, reason);
     ost_haptic *device = calloc(1, sizeof *device);
     if (!device)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device %s", driver->name);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device %s", driver->name);
     device->driver = driver;
     ost_status status = driver->open(options, setup ? setup : &nothing, &device->instance, err);
     if (status != OST_OK) {
@@ -59,7 +59,7 @@ ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_
 {
     *out = NULL;
     if (!spec)
-        return ost_fail(err, OST_ERR_USAGE, "which device?");
+        return ost_fail(err, OST_ERR_USAGE, "no device given");
     const size_t length = strcspn(spec, ":");
     for (int i = 0; i < DRIVERS; i++)
         if (strlen(drivers[i]->name) == length && memcmp(drivers[i]->name, spec, length) == 0)
@@ -67,7 +67,7 @@ ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_
     char names[160] = "";
     for (int i = 0, used = 0; i < DRIVERS; i++)
         used += snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", drivers[i]->name);
-    return ost_fail(err, OST_ERR_USAGE, "'%.60s' is no device; known are %s", spec, names);
+    return ost_fail(err, OST_ERR_USAGE, "unknown device '%.60s'; expected %s", spec, names);
 }
 
 void ost_haptic_close(ost_haptic *device)

@@ -214,7 +214,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
         return haptic_integer("udp", key, value, 100, 3600000, &c->lost_ms, err);
     char *text = strcmp(key, "bind") == 0 ? c->bind : strcmp(key, "key") == 0 ? c->key : NULL;
     if (!text)
-        return ost_fail(err, OST_ERR_USAGE, "device udp: it has no option '%s'; known are key, port, bind and lost", key);
+        return ost_fail(err, OST_ERR_USAGE, "device udp: unknown option '%s'; expected key, port, bind or lost", key);
     if (strlen(value) >= NAME)
         return ost_fail(err, OST_ERR_USAGE, "device udp: %s=%.60s...: longer than %d bytes", key, value, NAME - 1);
     strcpy(text, value);
@@ -230,7 +230,8 @@ static ost_status open_socket(haptic_instance *u, const choice *c, ost_error *er
     char port[8], host[64] = "";
     snprintf(port, sizeof port, "%d", (int)c->port);
     if (getaddrinfo(c->bind, port, &hints, &found) != 0)
-        return ost_fail(err, OST_ERR_USAGE, "device udp: bind=%.60s: is no address in numbers, as 127.0.0.1 or ::1", c->bind);
+        return ost_fail(err, OST_ERR_USAGE,
+                        "device udp: bind=%.60s; expected a numeric address such as 127.0.0.1 or ::1", c->bind);
     ost_status status = OST_OK;
     u->socket = socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (u->socket < 0 || bind(u->socket, found->ai_addr, found->ai_addrlen) != 0 || getsockname(u->socket, (struct sockaddr *)&own, &size) != 0 ||
@@ -245,7 +246,8 @@ static ost_status open_socket(haptic_instance *u, const choice *c, ost_error *er
 static ost_status start_thread(haptic_instance *u, ost_error *err)
 {
     const int error = ost_thread_begin(&u->thread, run_network, u);
-    return error ? ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: no thread for its socket: %s", strerror(error)) : OST_OK;
+    return error ? ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: cannot create a thread for its socket: %s",
+                            strerror(error)) : OST_OK;
 }
 
 static void forget(haptic_instance *u)
@@ -263,15 +265,15 @@ static ost_status udp_open(const char *options, const ost_haptic_setup *setup, h
     choice c = {.port = PORT, .lost_ms = LOST_MS, .bind = "127.0.0.1"};
     ost_status status = haptic_options("udp", options, take, &c, err);
     if (status == OST_OK && !c.key[0])
-        status = ost_fail(err, OST_ERR_USAGE, "device udp: needs key=FILE, the key that the bridge has too; to make one: "
-                                              "(umask 077; head -c 32 /dev/urandom >FILE)");
+        status = ost_fail(err, OST_ERR_USAGE, "device udp: missing option key=FILE, the key of the bridge; to create "
+                          "one: (umask 077; head -c 32 /dev/urandom >FILE)");
     if (status == OST_OK)
         status = ost_pose_check(&setup->start, err);
     if (status != OST_OK)
         return status;
     haptic_instance *u = calloc(1, sizeof *u);
     if (!u)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for device udp");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for device udp");
     const ost_force_params force = ost_force_defaults();
     u->socket = -1;
     u->stiffness = (uint32_t)(force.stiffness * 1e3);
@@ -283,7 +285,8 @@ static ost_status udp_open(const char *options, const ost_haptic_setup *setup, h
     newest_begin(&u->out);
     u->stop = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (u->stop < 0 || !link_random(&u->simulation))
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: the system gives no eventfd or no random number: %s", strerror(errno));
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: cannot create an eventfd or read a random number: %s",
+                          strerror(errno));
     if (status == OST_OK)
         status = link_key_read(c.key, &u->key, err);
     if (status == OST_OK)

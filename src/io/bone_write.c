@@ -48,7 +48,8 @@ static ost_status write_slabs(const char *path, const ost_bone *bone, const ost_
     slices = slices < 1 ? 1 : slices > dims.z ? dims.z : slices;
     ost_volume_writer *writer = NULL;
     int16_t *slab = malloc(slice * (size_t)slices * sizeof *slab);
-    ost_status status = slab ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %d slices of %zu voxels", path, slices, slice);
+    ost_status status = slab ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %d slices of %zu voxels",
+                                                 path, slices, slice);
     if (status == OST_OK)
         status = ost_volume_writer_open(path, &info->geometry, meta, OST_ELEMENT_INT16, false, options, &writer, err);
     for (int32_t z = 0; status == OST_OK && z < dims.z; z += slices) {

@@ -103,7 +103,8 @@ static ost_status count_active(const job *j, int32_t threshold, int64_t *out, os
     const ost_dims dims = j->result->rect.dims;
     const size_t slice = (size_t)dims.x * (size_t)dims.y;
     int16_t *voxels = malloc(slice * sizeof *voxels);
-    ost_status status = voxels ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a slice of %zu voxels", j->path, slice);
+    ost_status status = voxels ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a slice of %zu voxels",
+                                                   j->path, slice);
     *out = 0;
     for (int32_t z = 0; z < dims.z && status == OST_OK; z++) {
         status = ost_grid_download(j->rect, z, 1, voxels, err);
@@ -209,8 +210,8 @@ static ost_status check_sparse(const job *j, uint64_t samples, ost_dims dims, os
         return OST_OK;
     return ost_fail(err, OST_ERR_INPUT,
                     "%s: %" PRIu64 " samples span %d x %d x %d voxels, of which all but one in %" PRIu64
-                    " would be empty; is some position wrong, or the spacing?",
-                    j->path, samples, (int)dims.x, (int)dims.y, (int)dims.z, voxels / samples);
+                    " would be empty; check the positions and the spacing", j->path, samples, (int)dims.x,
+                    (int)dims.y, (int)dims.z, voxels / samples);
 }
 
 static ost_status rect_from_text(job *j, ost_error *err)
@@ -220,7 +221,8 @@ static ost_status rect_from_text(job *j, ost_error *err)
     const ost_text_summary *summary = &text.summary;
     ost_geometry full;
     if (j->options->volume.orientation[0] || j->options->volume.form != OST_FORM_AUTO)
-        return ost_fail(err, OST_ERR_USAGE, "%s: the positions of a text are LPS; --orientation and --form are for NIfTI and NRRD", j->path);
+        return ost_fail(err, OST_ERR_USAGE, "%s: --orientation and --form need a NIfTI or NRRD file; the positions "
+                        "in a text CT are always LPS", j->path);
     ost_status status = ost_text_source_open(&text.source, j->path, err);
     if (status != OST_OK)
         return status;
@@ -271,7 +273,8 @@ static ost_status upload_crop(const job *j, const ost_volume *volume, ost_error 
     const ost_dims to = j->result->rect.dims, from = volume->geometry.dims;
     int16_t *slice = malloc((size_t)to.x * (size_t)to.y * sizeof *slice);
     if (!slice)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a slice of %d x %d voxels", j->path, (int)to.x, (int)to.y);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a slice of %d x %d voxels", j->path, (int)to.x,
+                        (int)to.y);
     ost_status status = OST_OK;
     for (int32_t z = 0; z < to.z && status == OST_OK; z++) {
         for (int32_t y = 0; y < to.y; y++) {
@@ -331,11 +334,14 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
     bool exact;
     if (ost_decimal_read(text, end, &value) != end || !ost_decimal_scale(&value, 1, &threshold, &exact) || !exact || threshold < 1 ||
         threshold > INT16_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "%s: its threshold is '%.40s'; expected a whole number from 1 to %d", j->path, text,
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: threshold '%.40s' in the header; expected a whole number from 1 to %d", j->path, text,
                         INT16_MAX);
     if (requested && requested < threshold)
-        return ost_fail(err, OST_ERR_INPUT, "%s: is a bone that was cut at %" PRId64 " HU: what was below is gone, and a threshold of %" PRId32
-                        " cannot bring it back; import the CT again with --threshold %" PRId32, j->path, threshold, requested, requested);
+        return ost_fail(err, OST_ERR_INPUT, "%s: is a bone that was cut at %" PRId64
+                        " HU: values below it are not stored, so a threshold of %" PRId32
+                        " is impossible; import the CT again with --threshold %" PRId32, j->path, threshold,
+                        requested, requested);
     *out = requested ? requested : (int32_t)threshold;
     return OST_OK;
 }
@@ -411,10 +417,11 @@ static ost_status check_options(const ost_import_options *options, const char *p
     const ost_pm lengths[4] = {options->spacing.x, options->spacing.y, options->spacing.z, options->cubic};
     for (int i = 0; i < 4; i++)
         if (lengths[i] != 0 && (lengths[i] < OST_SPACING_MIN || lengths[i] > OST_SPACING_MAX))
-            return ost_fail(err, OST_ERR_RANGE, "%s: %s of %.9g mm; supported are 0.001 to 100 mm", path, i < 3 ? "a spacing" : "a cubic voxel",
-                            ost_pm_to_mm(lengths[i]));
+            return ost_fail(err, OST_ERR_RANGE, "%s: %s of %.9g mm; expected 0.001 to 100 mm", path,
+                            i < 3 ? "a spacing" : "a cubic voxel", ost_pm_to_mm(lengths[i]));
     if (options->threshold < 0 || options->threshold > INT16_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: a threshold of %" PRId32 "; supported are 1 to %d", path, options->threshold, INT16_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "%s: a threshold of %" PRId32 "; expected 1 to %d", path,
+                        options->threshold, INT16_MAX);
     if (options->has_resample && !ost_resample_name(options->resample))
         return ost_fail(err, OST_ERR_USAGE, "%s: unknown rule %d for resampling", path, (int)options->resample);
     return OST_OK;
@@ -440,7 +447,7 @@ static ost_status rect_from_file(job *j, ost_error *err)
     case OST_FILE_UNKNOWN:
         break;
     }
-    return ost_fail(err, OST_ERR_INPUT, "%s: is no CT that osteon knows; expected text (x y z density), NRRD or NIfTI", j->path);
+    return ost_fail(err, OST_ERR_INPUT, "%s: not a CT; expected text (x y z density), NRRD or NIfTI", j->path);
 }
 
 ost_status ost_import(ost_backend *backend, const char *path, const ost_import_options *options, ost_bone **out,
@@ -454,7 +461,7 @@ ost_status ost_import(ost_backend *backend, const char *path, const ost_import_o
     if (!result) {
         own = malloc(sizeof *own);
         if (!own)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a report", path);
+            return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a report", path);
         result = own;
     }
     *result = (ost_import_result){0};

@@ -28,7 +28,7 @@ ost_status ost_import_digest(const char *path, ost_grid_kind kind, const ost_gri
     int16_t *leaf = malloc(sizeof *leaf * OST_LEAF * OST_LEAF * OST_LEAF);
     ost_status status = OST_OK;
     if (!leaves || !slab || !leaf)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory to digest %zu leaves", path, count);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for the digests of %zu leaves", path, count);
     for (int32_t z0 = 0; z0 < g->dims.z && status == OST_OK; z0 += OST_LEAF) {
         int32_t depth = g->dims.z - z0 < OST_LEAF ? g->dims.z - z0 : OST_LEAF;
         status = ost_grid_download(grid, z0, depth, slab, err);

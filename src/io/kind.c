@@ -72,11 +72,11 @@ static ost_status gzip_head(const char *path, int fd, unsigned char head[GZIP_HE
 {
     const int own = fcntl(fd, F_DUPFD_CLOEXEC, 0);
     if (own < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     gzFile gz = gzdopen(own, "rb");
     if (!gz) {
         close(own);
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", path);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for decompression", path);
     }
     const int n = gzread(gz, head, GZIP_HEAD);
     int number = Z_OK;
@@ -85,9 +85,9 @@ static ost_status gzip_head(const char *path, int fd, unsigned char head[GZIP_HE
     gzclose(gz);
     *size = n > 0 ? (size_t)n : 0;
     if (number == Z_MEM_ERROR)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", path);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for decompression", path);
     if (number == Z_ERRNO)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(error));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(error));
     return OST_OK;
 }
 
@@ -207,7 +207,7 @@ ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *e
     for (ssize_t n = 1; n > 0 && size < HEAD; size += (size_t)(n > 0 ? n : 0)) {
         n = pread(file.fd, head + size, HEAD - size, (off_t)size);
         if (n < 0) {
-            status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+            status = ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
             close(file.fd);
             return status;
         }

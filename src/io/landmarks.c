@@ -80,7 +80,7 @@ static ost_status add(const char *location, ost_landmarks *all, const char *labe
     if (all->count % 64 == 0) {
         ost_landmark *items = realloc(all->items, ((size_t)all->count + 64) * sizeof *items);
         if (!items)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %d landmarks", location, all->count + 64);
+            return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %d landmarks", location, all->count + 64);
         all->items = items;
     }
     ost_landmark *l = &all->items[all->count];
@@ -90,8 +90,8 @@ static ost_status add(const char *location, ost_landmarks *all, const char *labe
     l->role = ost_landmark_role_of(l->label);
     for (int i = 0; i < all->count && l->role != OST_LANDMARK_OTHER; i++)
         if (all->items[i].role == l->role)
-            return ost_fail(err, OST_ERR_INPUT, "%s: '%s' and '%s' name the same landmark; one position was expected", location,
-                            all->items[i].label, l->label);
+            return ost_fail(err, OST_ERR_INPUT, "%s: '%s' and '%s' name the same landmark; expected one position",
+                            location, all->items[i].label, l->label);
     all->count++;
     return OST_OK;
 }
@@ -110,9 +110,9 @@ static ost_status json_ras(const char *path, const json_t *markup, bool *ras, os
     const char *units = json_string_value(json_object_get(markup, "coordinateUnits"));
     *ras = system && (strcasecmp(system, "RAS") == 0 || strcmp(system, "0") == 0);
     if (system && !*ras && strcasecmp(system, "LPS") != 0 && strcmp(system, "1") != 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: coordinateSystem is '%.20s'; LPS or RAS was expected", path, system);
+        return ost_fail(err, OST_ERR_INPUT, "%s: coordinateSystem is '%.20s'; expected LPS or RAS", path, system);
     if (units && strcmp(units, "mm") != 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: coordinateUnits is '%.20s'; mm was expected", path, units);
+        return ost_fail(err, OST_ERR_INPUT, "%s: coordinateUnits is '%.20s'; expected mm", path, units);
     return OST_OK;
 }
 
@@ -127,11 +127,12 @@ static ost_status json_point(const char *path, const json_t *point, size_t numbe
         return OST_OK;
     snprintf(location, sizeof location, "%.240s: control point %zu", path, number);
     if (json_array_size(position) != 3)
-        return ost_fail(err, OST_ERR_INPUT, "%s: its position is not an array of three numbers", location);
+        return ost_fail(err, OST_ERR_INPUT, "%s: the position is not an array of three numbers", location);
     for (size_t a = 0; a < 3; a++) {
         const json_t *value = json_array_get(position, a);
         if (!json_is_number(value) || !ost_pm_from_double(json_number_value(value), &p[a]))
-            return ost_fail(err, OST_ERR_INPUT, "%s: coordinate %zu of its position is not a length within 8 m", location, a + 1);
+            return ost_fail(err, OST_ERR_INPUT, "%s: coordinate %zu of the position is not a length within 8 m",
+                            location, a + 1);
     }
     return add(location, out, json_is_string(label) ? json_string_value(label) : "", json_string_length(label), (ost_pm3){p[0], p[1], p[2]}, ras,
                err);
@@ -146,7 +147,7 @@ static ost_status read_json(const char *path, const char *text, size_t size, ost
     const json_t *markups = json_object_get(root, "markups");
     ost_status status = OST_OK;
     if (!json_is_array(markups))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: has no array 'markups', as a .mrk.json of 3D Slicer has", path);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: no array 'markups'; expected a .mrk.json of 3D Slicer", path);
     for (size_t m = 0; m < json_array_size(markups) && status == OST_OK; m++) {
         const json_t *markup = json_array_get(markups, m), *points = json_object_get(markup, "controlPoints");
         bool ras = false;
@@ -253,11 +254,11 @@ static ost_status take_comment(table *t, const char *p, const char *end, ost_err
     if (is_word(&key, "CoordinateSystem")) {
         t->ras = is_word(&values[0], "RAS") || is_word(&values[0], "0");
         if (!t->ras && !is_word(&values[0], "LPS") && !is_word(&values[0], "1"))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: CoordinateSystem is '%.*s'; LPS or RAS was expected", t->path, t->line,
-                            (int)(values[0].length < 20 ? values[0].length : 20), values[0].begin);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: CoordinateSystem is '%.*s'; expected LPS or RAS", t->path,
+                            t->line, (int)(values[0].length < 20 ? values[0].length : 20), values[0].begin);
         t->has_system = true;
     } else if (is_word(&key, "columns") && !take_columns(t, values, count)) {
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: its columns have no label, x, y and z", t->path, t->line);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: missing columns; expected label, x, y and z", t->path, t->line);
     }
     return OST_OK;
 }
@@ -270,7 +271,9 @@ static ost_status take_row(table *t, const field *fields, int count, ost_landmar
     char location[300];
     snprintf(location, sizeof location, "%.240s:%ld", t->path, t->line);
     if (t->fcsv && !t->has_system)
-        return ost_fail(err, OST_ERR_INPUT, "%s: a .fcsv without '# CoordinateSystem = LPS' or RAS above its rows", location);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: no coordinate system; expected '# CoordinateSystem = LPS' or RAS before the first row",
+                        location);
     for (int a = 0; a < 3; a++) {
         ost_decimal d;
         const field *f = at[a] < count ? &fields[at[a]] : NULL;
@@ -327,7 +330,7 @@ ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *e
     if (bytes > FILE_MAX)
         status = ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes; a file of landmarks has at most %d", path, (unsigned long long)bytes, FILE_MAX);
     else if (!(text = malloc((size_t)bytes + 1)))
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %llu bytes", path, (unsigned long long)bytes);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %llu bytes", path, (unsigned long long)bytes);
     if (status == OST_OK)
         status = ost_input_read(input, text, (size_t)bytes, &size, err);
     ost_input_close(input);
@@ -335,13 +338,13 @@ ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *e
         text[size] = 0;
         size_t first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, start = first + strspn(text + first, " \t\r\n");
         if (memchr(text, 0, size))
-            status = ost_fail(err, OST_ERR_INPUT, "%s: is no text; .mrk.json, .fcsv or CSV was expected", path);
+            status = ost_fail(err, OST_ERR_INPUT, "%s: not a text file; expected .mrk.json, .fcsv or CSV", path);
         else if (text[start] == '{')
             status = read_json(path, text + first, size - first, out, err);
         else
             status = read_table(path, text + first, size - first, out, err);
         if (status == OST_OK && out->count == 0)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: has no landmarks", path);
+            status = ost_fail(err, OST_ERR_INPUT, "%s: no landmarks in the file; expected at least one", path);
     }
     free(text);
     if (status != OST_OK)

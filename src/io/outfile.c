@@ -136,7 +136,7 @@ static int open_unnamed(const ost_outfile *file)
 
 static ost_status cannot_write(const ost_outfile *file, int number, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", file->path, strerror(number));
+    return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", file->path, strerror(number));
 }
 
 /* Duplicates the process's own stream: /dev/stdout may be a file that a shell appends to, and is not replaced. */
@@ -161,7 +161,7 @@ static ost_status open_in_folder(ost_outfile *file, ost_error *err)
     char *slash = strrchr(file->target, '/');
     file->base = slash ? slash + 1 : file->target;
     if (!*file->base)
-        return ost_fail(err, OST_ERR_IO, "%s: names a folder; a file name is needed", file->path);
+        return ost_fail(err, OST_ERR_IO, "%s: is a folder; expected a file name", file->path);
 
     if (!slash) {
         file->folder = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -174,7 +174,7 @@ static ost_status open_in_folder(ost_outfile *file, ost_error *err)
         slash[1] = separator;
     }
     if (file->folder < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: its folder cannot be opened: %s", file->path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot open the folder: %s", file->path, strerror(errno));
     file->fd = open_unnamed(file);
     if (file->fd < 0)
         file->fd = open_hidden(file);
@@ -183,7 +183,7 @@ static ost_status open_in_folder(ost_outfile *file, ost_error *err)
 
 static ost_status no_name(const char *path, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
+    return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a file name", path);
 }
 
 static ost_status open_temporary(ost_outfile *file, ost_error *err)
@@ -192,7 +192,7 @@ static ost_status open_temporary(ost_outfile *file, ost_error *err)
     if (lstat(file->path, &st) == 0 && S_ISLNK(st.st_mode)) {
         file->target = realpath(file->path, NULL);
         if (!file->target)
-            return ost_fail(err, OST_ERR_IO, "%s: is a symbolic link that leads nowhere (%s)", file->path, strerror(errno));
+            return ost_fail(err, OST_ERR_IO, "%s: is a dangling symbolic link (%s)", file->path, strerror(errno));
     } else {
         file->target = strdup(file->path);
     }
@@ -204,10 +204,11 @@ static ost_status allocate(const char *path, ost_outfile **out, ost_error *err)
 {
     *out = NULL;
     if (!*path)
-        return ost_fail(err, OST_ERR_USAGE, "an output file's name is empty");
+        return ost_fail(err, OST_ERR_USAGE, "empty name of an output file");
     ost_outfile *file = malloc(sizeof *file);
     if (!file)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for an output buffer of %d bytes", path, BUFFER_BYTES);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for an output buffer of %d bytes", path,
+                        BUFFER_BYTES);
     file->target = NULL;
     file->base = NULL;
     file->folder = file->fd = file->slot = -1;
@@ -238,11 +239,11 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
         /* A name that is too long for the file system is refused now; otherwise commit would fail. */
         status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_temporary(file, err);
     } else if (S_ISDIR(st.st_mode)) {
-        status = ost_fail(err, OST_ERR_IO, "%s: is a folder; a file name is needed", path);
+        status = ost_fail(err, OST_ERR_IO, "%s: is a folder; expected a file name", path);
     } else if (!S_ISREG(st.st_mode)) {
         status = open_destination(file, err);
     } else if (access(path, W_OK) != 0) {
-        status = ost_fail(err, OST_ERR_IO, "%s: exists and may not be overwritten: %s", path, strerror(errno));
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot overwrite: %s", path, strerror(errno));
     } else {
         status = open_temporary(file, err);
     }
@@ -267,8 +268,8 @@ static ost_status write_failed(const ost_outfile *file, ost_error *err)
         reason = "the limit of a file's size is reached";
     else if (file->failed_errno == EPIPE)
         reason = "the reader has closed the pipe";
-    return ost_fail(err, OST_ERR_IO, "%s: writing failed after %llu bytes: %s", file->path, (unsigned long long)file->flushed,
-                    reason);
+    return ost_fail(err, OST_ERR_IO, "%s: write failed after %llu bytes: %s", file->path,
+                    (unsigned long long)file->flushed, reason);
 }
 
 static ost_status write_all(ost_outfile *file, const unsigned char *bytes, size_t size, ost_error *err)
@@ -327,7 +328,7 @@ ost_status ost_outfile_printf(ost_outfile *file, ost_error *err, const char *for
     int n = vsnprintf(text, sizeof text, format, args);
     va_end(args);
     if (n < 0 || (size_t)n >= sizeof text)
-        return ost_fail(err, OST_ERR_INTERNAL, "%s: a formatted piece of output is too long", file->path);
+        return ost_fail(err, OST_ERR_INTERNAL, "%s: a formatted line of output is too long", file->path);
     return ost_outfile_write(file, text, (size_t)n, err);
 }
 
@@ -383,7 +384,8 @@ ost_status ost_outfile_commit(ost_outfile *file, ost_error *err)
             int named = file->slot < 0 ? name_unnamed(file)
                                        : renameat(file->folder, slots[file->slot].name, file->folder, file->base);
             if (named != 0) {
-                status = ost_fail(err, OST_ERR_IO, "%s: written, but cannot be given its name: %s", file->path, strerror(errno));
+                status = ost_fail(err, OST_ERR_IO, "%s: cannot rename the temporary file to this name: %s",
+                                  file->path, strerror(errno));
             } else {
                 slot_drop(file->slot);
                 file->slot = -1;

@@ -61,7 +61,8 @@ static ost_status fail_field(const reader *r, int column, const char *field, con
     char quote[OST_TEXT_QUOTE];
     const char *field_end = ost_text_field_end(field, end);
     if (ost_text_is_binary(field, field_end))
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: binary bytes; expected %s", r->path, (long long)r->line, expected_row);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: binary data; expected %s", r->path, (long long)r->line,
+                        expected_row);
     return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d (%s) is '%s'; expected %s", r->path, (long long)r->line, column + 1,
                     column_names[r->metres][r->kind[column]], ost_text_quote(field, field_end, quote), expected);
 }
@@ -110,8 +111,8 @@ static ost_status read_header(reader *r, const char *p, const char *end, ost_err
         for (int k = POSE_COLUMNS; k < KINDS && column >= POSE_COLUMNS; k++)
             kind = is_name(field, p, column_names[0][k]) ? k : kind;
         if (column < POSE_COLUMNS && !is_name(field, p, column_names[r->metres][column]))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is called '%s'; expected %s, with mm or with m", r->path,
-                            (long long)r->line, column + 1, ost_text_quote(field, p, quote), expected_row);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is named '%s'; expected %s, with mm or with m",
+                            r->path, (long long)r->line, column + 1, ost_text_quote(field, p, quote), expected_row);
         if (kind != NOT_READ && named[kind])
             return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is a second '%s'", r->path, (long long)r->line, column + 1,
                             column_names[0][kind]);
@@ -122,7 +123,8 @@ static ost_status read_header(reader *r, const char *p, const char *end, ost_err
         r->kind[column] = (uint8_t)kind;
     }
     if (column < POSE_COLUMNS || (p != end && *p != '#'))
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the header has not the columns %s", r->path, (long long)r->line, expected_row);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: missing columns in the header; expected %s", r->path,
+                        (long long)r->line, expected_row);
     r->columns = needed;
     r->header = true;
     r->lifted_column = named[LIFTED];
@@ -138,7 +140,8 @@ static ost_status new_tick(reader *r, ost_tick **tick, ost_error *err)
         size_t capacity = r->capacity ? r->capacity + r->capacity / 2 : 1024;
         ost_tick *more = realloc(path->ticks, capacity * sizeof *more);
         if (!more)
-            return ost_fail(err, OST_ERR_MEMORY, "%s:%lld: no memory for a path of %zu ticks", r->path, (long long)r->line, capacity);
+            return ost_fail(err, OST_ERR_MEMORY, "%s:%lld: out of memory for a path of %zu ticks", r->path,
+                            (long long)r->line, capacity);
         path->ticks = more;
         r->capacity = capacity;
     }
@@ -232,8 +235,8 @@ static ost_status read_line(reader *r, const char *p, const char *newline, ost_e
     const char *end = newline > p && newline[-1] == '\r' ? newline - 1 : newline;
     r->line++;
     if (newline - p > OST_TEXT_LINE_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the line is longer than %d bytes; is this a path?", r->path, (long long)r->line,
-                        OST_TEXT_LINE_MAX);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the line is longer than %d bytes; expected a path as CSV",
+                        r->path, (long long)r->line, OST_TEXT_LINE_MAX);
     p = ost_text_skip_blanks(p, end);
     if (p == end)
         return OST_OK;
@@ -273,7 +276,7 @@ static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, co
     ost_i128 *values = malloc(path->count * sizeof *values);
     size_t count = 0;
     if (!values)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for the intervals of %zu rows", r->path, path->count);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for the intervals of %zu rows", r->path, path->count);
     for (size_t i = 1; i < path->count; i++)
         if (is_pair(&path->ticks[i - 1], &path->ticks[i]))
             values[count++] = of(&path->ticks[i - 1], &path->ticks[i]);
@@ -361,9 +364,11 @@ ost_status ost_path_read(const char *path, const ost_path_options *options, ost_
     } while (status == OST_OK && block.begin < block.end);
     ost_text_lines_close(lines);
     if (status == OST_OK && r.report.rows == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: holds no row in %lld lines; expected %s", path, (long long)r.line, expected_row);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: no row in %lld lines; expected %s", path, (long long)r.line,
+                          expected_row);
     if (status == OST_OK && out->count == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: holds %zu rows and no pose: in each a column of the pose is nan", path, r.report.rows);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: %zu rows without a pose: every row has nan in a column of the pose",
+                          path, r.report.rows);
     if (status == OST_OK)
         status = mark_gaps(&r, options, err);
     if (status != OST_OK)

@@ -33,10 +33,12 @@ static ost_status read_corner(const char *path, const char *text, ost_pm3 *out, 
         p += strspn(p, " ");
         p = ost_decimal_read(p, end, &d);
         if (!p || !ost_decimal_to_pm(&d, to[a], NULL))
-            return ost_fail(err, OST_ERR_INPUT, "%s: osteon_" OST_META_TOOL_CORNER " is '%.60s'; three lengths in mm were expected", path, text);
+            return ost_fail(err, OST_ERR_INPUT, "%s: osteon_" OST_META_TOOL_CORNER
+                            " is '%.60s'; expected three lengths in mm", path, text);
     }
     if (*p)
-        return ost_fail(err, OST_ERR_INPUT, "%s: osteon_" OST_META_TOOL_CORNER " is '%.60s'; three lengths in mm were expected", path, text);
+        return ost_fail(err, OST_ERR_INPUT, "%s: osteon_" OST_META_TOOL_CORNER
+                        " is '%.60s'; expected three lengths in mm", path, text);
     return OST_OK;
 }
 
@@ -49,8 +51,9 @@ static ost_status tool_geometry(const char *path, const ost_geometry *g, const o
 {
     if (g->spacing.x != g->spacing.y || g->spacing.x != g->spacing.z) {
         char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
-        return ost_fail(err, OST_ERR_INPUT, "%s: voxels of %s x %s x %s mm; a tool has cubic ones", path, ost_pm_format(g->spacing.x, x),
-                        ost_pm_format(g->spacing.y, y), ost_pm_format(g->spacing.z, z));
+        return ost_fail(err, OST_ERR_INPUT, "%s: voxels of %s x %s x %s mm; expected cubic voxels", path,
+                        ost_pm_format(g->spacing.x, x), ost_pm_format(g->spacing.y, y), ost_pm_format(g->spacing.z,
+                        z));
     }
     ost_pm h = half(g->spacing.x);
     *out = (ost_tool_geometry){.dims = g->dims, .voxel = g->spacing.x, .corner = {g->origin.x - h, g->origin.y - h, g->origin.z - h}};
@@ -80,8 +83,8 @@ ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_erro
     /* The header is read first, so that a file that is not a tool is refused before its voxels are read. */
     ost_status status = ost_volume_read_any(path, NULL, NULL, &geometry, &meta, &report, &element, err);
     if (status == OST_OK && element != OST_ELEMENT_UINT8)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: its voxels are %s; a tool grid has uint8 (0 void, 1 cutting, 2 not cutting)", path,
-                          report.type);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: voxels are %s; expected uint8 (0 void, 1 cutting, 2 not cutting)",
+                          path, report.type);
     if (status == OST_OK)
         status = tool_geometry(path, &geometry, &meta, &tool, err);
     if (status != OST_OK)
@@ -89,14 +92,15 @@ ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_erro
     status = ost_volume_read_any(path, NULL, &volume, &geometry, &meta, &report, &element, err);
     int64_t count = ost_dims_count(tool.dims);
     if (status == OST_OK && (element != OST_ELEMENT_UINT8 || ost_dims_count(geometry.dims) != count))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: changed while it was read", path);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: file changed while it was read", path);
     if (status == OST_OK && (status = ost_tool_volume_init(out, &tool, err)) != OST_OK)
         ost_fail_context(err, "%s", path);
     for (int64_t i = 0; status == OST_OK && i < count; i++) {
         if (volume.voxels[i] > OST_TOOL_NONCUTTING)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: voxel (%lld, %lld, %lld) is %d; 0 void, 1 cutting or 2 not cutting was expected", path,
-                              (long long)(i % tool.dims.x), (long long)(i / tool.dims.x % tool.dims.y),
-                              (long long)(i / tool.dims.x / tool.dims.y), volume.voxels[i]);
+            status = ost_fail(err, OST_ERR_INPUT, "%s: voxel (%lld, %lld, %lld) is %d; expected 0 (void), 1 "
+                              "(cutting) or 2 (not cutting)", path, (long long)(i % tool.dims.x),
+                              (long long)(i / tool.dims.x % tool.dims.y), (long long)(i / tool.dims.x / tool.dims.y),
+                              volume.voxels[i]);
         else
             out->voxels[i] = (uint8_t)volume.voxels[i];
     }
@@ -111,7 +115,8 @@ ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, 
 {
     const ost_tool_geometry *t = &tool->geometry;
     if (ost_volume_format_of(path) != OST_FORMAT_NRRD)
-        return ost_fail(err, OST_ERR_USAGE, "%s: a tool grid is written as NRRD; the name should end in .nrrd", path);
+        return ost_fail(err, OST_ERR_USAGE, "%s: a tool grid is written as NRRD; expected a name that ends in .nrrd",
+                        path);
     if (!tool->voxels)
         return ost_fail(err, OST_ERR_USAGE, "%s: the tool to write has no voxels", path);
     char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT], corner[3 * OST_PM_TEXT + 3], arithmetic[16];

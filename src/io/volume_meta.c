@@ -32,7 +32,7 @@ static ost_status next_line(ost_input *input, char *line, size_t capacity, size_
         if (status != OST_OK || byte < 0)
             return status;
         if (*size + 1 >= capacity)
-            return ost_fail(err, OST_ERR_INPUT, "%s: its header has changed while it was read", ost_input_path(input));
+            return ost_fail(err, OST_ERR_INPUT, "%s: header changed while it was read", ost_input_path(input));
         line[(*size)++] = (char)byte;
         line[*size] = 0;
         if (byte == '\n')
@@ -84,7 +84,7 @@ static ost_status write_nrrd(const char *path, const ost_meta *meta, ost_error *
     ost_outfile *out = NULL;
     char *block = malloc(OST_NRRD_HEADER_MAX);
     if (!block)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to copy its header", path);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a copy of its header", path);
     ost_status status = ost_input_open(path, &input, err);
     if (status == OST_OK)
         status = ost_outfile_open(path, &out, err);
@@ -107,7 +107,8 @@ static ost_status write_nifti(const char *path, const ost_meta *meta, ost_error 
     if (status != OST_OK)
         return status;
     if (!ost_meta_get(&volume.meta, OST_META_KIND) || strcmp(report.type, "int16") != 0 || report.reoriented || report.rounded_values)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: is a NIfTI of another program, which stays as it is: give these facts to 'osteon import'", path);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: cannot change a NIfTI header that osteon did not write; pass "
+                          "these values to 'osteon import'", path);
     if (status == OST_OK) {
         volume.meta = *meta;
         status = ost_volume_write(path, &volume, NULL, err);
@@ -125,5 +126,6 @@ ost_status ost_volume_write_meta(const char *path, const ost_meta *meta, ost_err
     if (status == OST_OK && kind == OST_FILE_NIFTI)
         return write_nifti(path, meta, err);
     return status != OST_OK ? status
-                            : ost_fail(err, OST_ERR_INPUT, "%s: only NRRD and NIfTI hold facts that can be set; give them to 'osteon import'", path);
+                            : ost_fail(err, OST_ERR_INPUT, "%s: cannot set values in this format; expected NRRD or "
+                                       "NIfTI; pass the values to 'osteon import'", path);
 }

@@ -38,12 +38,12 @@ static const char *header_of(const char *path, char *out, size_t capacity)
 static ost_status unknown(const char *path, const unsigned char *bytes, size_t size, ost_error *err)
 {
     if (size == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: is empty; a NRRD or NIfTI volume was expected", path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected a NRRD or NIfTI volume", path);
     char start[3 * 8 + 1] = "";
     for (size_t i = 0; i < size && i < 8; i++)
         snprintf(start + 3 * i, 4, "%02x ", bytes[i]);
     start[strlen(start) - 1] = 0;
-    return ost_fail(err, OST_ERR_INPUT, "%s: neither NRRD nor NIfTI (it starts with bytes %s)", path, start);
+    return ost_fail(err, OST_ERR_INPUT, "%s: not a NRRD or NIfTI file (it starts with bytes %s)", path, start);
 }
 
 ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
@@ -76,9 +76,10 @@ ost_status ost_volume_read_any(const char *path, const ost_volume_options *optio
         if (status == OST_OK)
             status = ost_input_read(input, head, sizeof head, &got, err);
         if (status == OST_OK && got >= 4 && memcmp(head, "NRRD", 4) == 0)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: a NRRD file packed as a whole; unpack it with gzip -d first", path);
+            status = ost_fail(err, OST_ERR_INPUT,
+                              "%s: the complete NRRD file is compressed; decompress it with gzip -d first", path);
         else if (status == OST_OK && ost_nifti_sniff(head, got) == 0)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: gzip data that are no NIfTI volume", path);
+            status = ost_fail(err, OST_ERR_INPUT, "%s: gzip data, but not a NIfTI volume", path);
         if (status == OST_OK)
             status = ost_input_seek(input, 0, err);
         if (status == OST_OK)

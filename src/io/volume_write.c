@@ -26,8 +26,8 @@ ost_volume_format ost_volume_format_of(const char *path)
 
 ost_status ost_volume_format_unknown(const char *path, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_USAGE, "%s: the name does not say which format to write; it should end in .nrrd, .nii, .nii.gz or .txt",
-                    path);
+    return ost_fail(err, OST_ERR_USAGE,
+                    "%s: unknown output format; expected a name that ends in .nrrd, .nii, .nii.gz or .txt", path);
 }
 
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,

@@ -59,7 +59,7 @@ static size_t dirty_words(const ost_live *live)
 
 static ost_status no_memory(ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory for what others see of a bone");
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for a snapshot of a bone");
 }
 
 /* Passes every chunk's words to `visit`, in ascending order of chunk numbers. */
@@ -139,7 +139,7 @@ ost_status ost_live_create(const ost_bone *bone, ost_live **out, ost_error *err)
 {
     *out = NULL;
     if (!bone)
-        return ost_fail(err, OST_ERR_USAGE, "which bone is to be seen?");
+        return ost_fail(err, OST_ERR_USAGE, "no bone given");
     ost_live *live = aligned_alloc(LINE, (sizeof *live + LINE - 1) / LINE * LINE);
     if (!live)
         return no_memory(err);

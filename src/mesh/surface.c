@@ -166,7 +166,7 @@ static ost_status vertex_capacity(builder *b, ost_error *err)
     if (along)
         b->along = along;
     if (!vertices || !coordinates || !along)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu vertices", capacity);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a surface of %zu vertices", capacity);
     b->vertex_capacity = capacity;
     return OST_OK;
 }
@@ -207,7 +207,7 @@ static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_e
         size_t capacity = more(b->triangle_capacity);
         uint32_t(*triangles)[3] = realloc(b->mesh.triangles, capacity * sizeof *triangles);
         if (!triangles)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu triangles", capacity);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for a surface of %zu triangles", capacity);
         b->mesh.triangles = triangles;
         b->triangle_capacity = capacity;
     }
@@ -336,7 +336,7 @@ static ost_status smooth(builder *b, ost_error *err)
     size_t n = b->mesh.vertex_count;
     float(*sum)[4] = calloc(n, sizeof *sum);
     if (!sum)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to smooth %zu vertices", n);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory to smooth %zu vertices", n);
     for (size_t v = 0; v < n; v++)
         if (b->coordinates[v] >= 0)
             b->coordinates[v] = 0.5f;
@@ -384,7 +384,7 @@ static ost_status place_vertices(builder *b, ost_error *err)
         }
     uint8_t *ring = calloc(b->mesh.vertex_count ? b->mesh.vertex_count : 1, 1);
     if (!ring)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu vertices", b->mesh.vertex_count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu vertices", b->mesh.vertex_count);
     for (size_t t = 0; t < b->mesh.triangle_count; t++) {
         const uint32_t *x = b->mesh.triangles[t];
         if (b->coordinates[x[0]] >= 0)
@@ -408,7 +408,7 @@ ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_
     *out = (ost_mesh){0};
     builder *b = calloc(1, sizeof *b);
     if (!b)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a surface");
     b->volume = volume;
     b->threshold = threshold;
     b->nx = (int64_t)d.x + 2;
@@ -417,7 +417,7 @@ ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_
     ost_status status = OST_OK;
     uint32_t *slots = calloc(area, 5 * sizeof *slots);
     if (!slots)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for slices of %zu voxels", area);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for slices of %zu voxels", area);
     for (int s = 0; s < 4 && slots; s++)
         b->slice[s / 2][s % 2] = slots + (size_t)s * area;
     if (slots)
@@ -427,7 +427,9 @@ ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_
     for (int64_t k = -1; k < d.z && status == OST_OK; k++)
         status = slab(b, k, err);
     if (status == OST_OK && b->mesh.triangle_count == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "no voxel has %d or more: there is no surface", threshold);
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "no voxel has a density of %d or more, so there is no surface; use a lower threshold",
+                          threshold);
     if (status == OST_OK && coordinates == OST_SURFACE_SMOOTH)
         status = smooth(b, err);
     if (status == OST_OK)

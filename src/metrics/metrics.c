@@ -68,7 +68,7 @@ static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *e
     k->mark = drill ? calloc((size_t)ost_dims_count(g->dims), 1) : NULL;
     if (k->mark)
         ost_tool_way_mark(motion, g, k->mark);
-    return k->floor && (k->mark || !drill) ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for metrics");
+    return k->floor && (k->mark || !drill) ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for metrics");
 }
 
 static int64_t index_of(const work *k, const int32_t v[3])
@@ -329,7 +329,7 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
     o->removed_mm3 = (double)removed * mm3;
     o->plate_mm3 = plate;
     o->plate_kept_percent = plate > 0 ? 100 * remaining / plate : 0;
-    return removed ? OST_OK : ost_fail(err, OST_ERR_INPUT, "nothing was removed: there is nothing to measure");
+    return removed ? OST_OK : ost_fail(err, OST_ERR_INPUT, "no bone was removed, so there is nothing to measure");
 }
 
 /*

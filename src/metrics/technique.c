@@ -135,7 +135,7 @@ ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_
     if (!in || !scratch) {
         free(in);
         free(scratch);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the technique of %zu ticks", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the technique of %zu ticks", count);
     }
     out->passes = spells(motion, count, cuts, PASS_GAP_S, &out->cutting_s, NULL);
     out->contacts = spells(motion, count, touches, GAP_S, &out->contact_s, in);

@@ -63,7 +63,7 @@ ost_status ost_operation_create(ost_world *world, const ost_operation_options *o
         return ost_fail(err, OST_ERR_USAGE, "an operation needs a world");
     ost_operation *o = calloc(1, sizeof *o);
     if (!o)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for an operation");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for an operation");
     o->world = world;
     if (options)
         o->options = *options;
@@ -71,7 +71,7 @@ ost_status ost_operation_create(ost_world *world, const ost_operation_options *o
     ost_safety_begin(&o->safety, o->options.safety);
     o->options.safety = NULL;
     if (o->options.rpm < OST_RPM_ON || o->options.rpm > OST_RPM_MAX) {
-        ost_fail(err, OST_ERR_USAGE, "a motor speed of %d rpm; 0 to %d are supported", o->options.rpm, OST_RPM_MAX);
+        ost_fail(err, OST_ERR_USAGE, "a motor speed of %d rpm; expected 0 to %d", o->options.rpm, OST_RPM_MAX);
         free(o);
         return OST_ERR_USAGE;
     }

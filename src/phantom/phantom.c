@@ -143,7 +143,7 @@ ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *op
     const ost_phantom_options *o = options ? options : &defaults;
     memset(out, 0, sizeof *out);
     if ((int)kind < 0 || kind >= OST_PHANTOM_COUNT)
-        return ost_fail(err, OST_ERR_USAGE, "there is no phantom number %d", (int)kind);
+        return ost_fail(err, OST_ERR_USAGE, "no phantom %d", (int)kind);
     double scale = o->scale == 0 ? 1 : o->scale;
     if (!(scale >= SCALE_MIN && scale <= SCALE_MAX))
         return ost_fail(err, OST_ERR_RANGE, "a scale of %g: expected %g to %g", scale, SCALE_MIN, SCALE_MAX);

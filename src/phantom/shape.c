@@ -55,7 +55,7 @@ ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *point
     memset(outline, 0, sizeof *outline);
     piece *pieces = malloc((size_t)count * PIECES * sizeof *pieces);
     if (!pieces)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for an outline of %d points", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for an outline of %d points", count);
     double lo_u = 1e30, lo_v = 1e30, hi_u = -1e30, hi_v = -1e30;
     bool used[OST_OUTLINE_TAGS] = {false};
     for (int i = 0; i < count; i++) {
@@ -92,7 +92,7 @@ ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *point
         outline->to_tag[t] = used[t] ? malloc(cells * sizeof *outline->to_tag[t]) : NULL;
     for (int t = 0; t < OST_OUTLINE_TAGS; t++)
         if (!outline->inside || (used[t] && !outline->to_tag[t])) {
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for an outline's table of %zu places", cells);
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for an outline's table of %zu places", cells);
             ost_outline_free(outline);
             break;
         }

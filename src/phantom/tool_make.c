@@ -52,7 +52,7 @@ ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, os
     if (status != OST_OK)
         return status;
     if (o.segments < OST_TOOL_SEGMENTS_MIN || o.segments > OST_TOOL_SEGMENTS_MAX || o.segments % 4)
-        return ost_fail(err, OST_ERR_USAGE, "%s: %d segments; a multiple of 4 from %d to %d is needed", kinds[kind].name, o.segments,
-                        OST_TOOL_SEGMENTS_MIN, OST_TOOL_SEGMENTS_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "%s: %d segments; expected a multiple of 4 from %d to %d",
+                        kinds[kind].name, o.segments, OST_TOOL_SEGMENTS_MIN, OST_TOOL_SEGMENTS_MAX);
     return kinds[kind].make(&o, out, err);
 }

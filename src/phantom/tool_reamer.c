@@ -139,7 +139,8 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     const bool shaft = options->part == OST_TOOL_SHAFT, head = options->part == OST_TOOL_HEAD;
     const ost_pm seam = rim + d * 54 / 360; /* the flat back from which the hub rises */
     if (shaft && top - d / 6 <= seam)
-        return ost_fail(err, OST_ERR_USAGE, "a reamer of diameter %s mm and length %s mm has no hub of its own", ost_pm_format(d, a), ost_pm_format(top, b));
+        return ost_fail(err, OST_ERR_USAGE, "a reamer of diameter %s mm and length %s mm has no hub", ost_pm_format(d,
+                        a), ost_pm_format(top, b));
     const int first = shaft ? BACK_OF_HEAD - 1 : 0, last = head ? BACK_OF_HEAD : BACK_RINGS;
 
     ost_skin skin;

@@ -54,7 +54,7 @@ static ost_status open_plugin(const char *options, ost_backend **out, ost_error 
     file[length] = '\0';
     plugin_backend *b = calloc(1, sizeof *b);
     if (!b)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a plugin");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a plugin");
     ost_status status = ost_plugin_load(file, &b->table, b->name, err);
     if (status == OST_OK) {
         plugin_error_sink t;

@@ -12,7 +12,7 @@ static ost_status new_bone(ost_backend *backend, const ost_geometry *geometry, i
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone");
     (*out)->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
     return OST_OK;
 }
@@ -125,7 +125,8 @@ ost_status ost_adapt_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_e
     const ost_dims d = base->geometry.dims;
     const size_t bytes = (size_t)d.x * (size_t)d.y * OST_LEAF * sizeof(int16_t);
     int16_t *slab = malloc(bytes), *leaf = malloc(OST_LEAF * OST_LEAF * OST_LEAF * sizeof *leaf);
-    ost_status status = slab && leaf ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for %zu bytes of slices", bytes);
+    ost_status status = slab && leaf ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu bytes of slices",
+                                                         bytes);
     for (int32_t z = 0; z < d.z && status == OST_OK; z += OST_LEAF) {
         const int32_t depth = least(OST_LEAF, d.z - z);
         status = ost_adapt_bone_download(base, z, depth, slab, err);

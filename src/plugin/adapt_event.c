@@ -75,7 +75,7 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_even
     if (bone->lost || !maps) {
         if (maps != &one)
             free(maps);
-        return bone->lost ? ost_adapt_is_lost(b, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for the maps of %d poses", event->pose_count);
+        return bone->lost ? ost_adapt_is_lost(b, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for the maps of %d poses", event->pose_count);
     }
     for (int p = 0; p < event->pose_count; p++)
         maps[p] = map_of(&event->maps[p], &event->boxes[p]);

@@ -16,7 +16,7 @@ static ost_status new_grid(ost_backend *backend, const ost_geometry *geometry, p
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid");
     (*out)->base = (ost_grid){.backend = backend, .geometry = *geometry};
     return OST_OK;
 }

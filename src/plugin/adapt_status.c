@@ -11,20 +11,23 @@ ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t st
     if (status == OST_PLUGIN_OK)
         return OST_OK;
     if (status < 0 || status > OST_PLUGIN_LOST)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: %s returned %d, which is no status of the plugin interface", b->name, slot, (int)status);
+        return ost_fail(err, OST_ERR_UNAVAILABLE,
+                        "plugin %s: %s returned %d, which is not a status of the plugin interface", b->name, slot,
+                        (int)status);
     if (status == OST_PLUGIN_LOST && lost)
         *lost = true;
-    return ost_fail(err, statuses[status], "plugin %s: %s: %s", b->name, slot, t->text[0] ? t->text : "failed without a word");
+    return ost_fail(err, statuses[status], "plugin %s: %s: %s", b->name, slot, t->text[0] ? t->text :
+                    "failed without a message");
 }
 
 ost_status ost_adapt_no_object(const plugin_backend *b, const char *slot, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: %s said that all is well and gave no object", b->name, slot);
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: %s returned success but no object", b->name, slot);
 }
 
 ost_status ost_adapt_is_lost(const plugin_backend *b, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: an earlier call failed in the middle and the object was lost", b->name);
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: an earlier call failed and the object was lost", b->name);
 }
 
 ost_plugin_geometry ost_adapt_geometry(const ost_geometry *g)

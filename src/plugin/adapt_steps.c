@@ -7,7 +7,7 @@
 
 static ost_status is_handed(const plugin_backend *b, const char *slot, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: has no slot %s: it takes what the host made", b->name, slot);
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: has no slot %s; the host does this step", b->name, slot);
 }
 
 ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid,
@@ -29,7 +29,7 @@ ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_
     plugin_error_sink t;
     ost_status status = OST_OK;
     if (!out->vertices || !out->triangles)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory to snap a mesh of %zu triangles", mesh->triangle_count);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory to snap a mesh of %zu triangles", mesh->triangle_count);
     if (status == OST_OK) {
         made.vertices = out->vertices[0];
         made.triangles = out->triangles[0];

@@ -14,7 +14,7 @@ static ost_status new_tool(ost_backend *backend, const ost_tool_geometry *geomet
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool");
     (*out)->base = (ost_tool){.backend = backend, .geometry = *geometry};
     return OST_OK;
 }

@@ -21,8 +21,8 @@ static ost_status check_table(const char *file, const ost_plugin *found, ost_plu
 {
     /* The first two members exist in every version. */
     if (found->abi != OST_PLUGIN_ABI)
-        return ost_fail(err, OST_ERR_USAGE, "%s: made for version %u of the plugin interface; this osteon has version %u", file, (unsigned)found->abi,
-                        (unsigned)OST_PLUGIN_ABI);
+        return ost_fail(err, OST_ERR_USAGE, "%s: built for version %u of the plugin interface; expected version %u",
+                        file, (unsigned)found->abi, (unsigned)OST_PLUGIN_ABI);
     const size_t least = offsetof(ost_plugin, snap); /* later members were added without a new ABI number */
     if (found->size < least)
         return ost_fail(err, OST_ERR_USAGE, "%s: its table has %u bytes; version %u of the plugin interface has %zu", file, (unsigned)found->size,
@@ -33,7 +33,7 @@ static ost_status check_table(const char *file, const ost_plugin *found, ost_plu
         return ost_fail(err, OST_ERR_USAGE, "%s: its table has no %s", file, table->description ? "name" : "description");
 #define CHECK_SLOT(slot) \
     if (!table->slot)    \
-        return ost_fail(err, OST_ERR_USAGE, "%s: slot %s of its table is NULL; every slot of the plugin interface is needed", file, #slot);
+        return ost_fail(err, OST_ERR_USAGE, "%s: slot %s of its table is NULL; expected a function", file, #slot);
     SLOTS(CHECK_SLOT)
 #undef CHECK_SLOT
     if (table->arithmetic != 0 && table->arithmetic != OST_ARITHMETIC_VERSION)
@@ -58,7 +58,7 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
     void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!handle) {
         const char *why = dlerror();
-        return ost_fail(err, OST_ERR_INPUT, "plugin %s: cannot be loaded: %s", file, why ? why : "for no reason that is known");
+        return ost_fail(err, OST_ERR_INPUT, "plugin %s: cannot be loaded: %s", file, why ? why : "unknown reason");
     }
     ost_plugin_entry_function *entry = NULL;
     void *symbol = dlsym(handle, OST_PLUGIN_ENTRY);
@@ -69,7 +69,8 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
         memcpy(&entry, &symbol, sizeof entry); /* POSIX: the address of a function fits into an object pointer */
         const ost_plugin *found = entry(OST_PLUGIN_ABI);
         if (!found)
-            status = ost_fail(err, OST_ERR_USAGE, "plugin %s: refuses to work with version %u of the plugin interface", file, (unsigned)OST_PLUGIN_ABI);
+            status = ost_fail(err, OST_ERR_USAGE, "plugin %s: does not support version %u of the plugin interface",
+                              file, (unsigned)OST_PLUGIN_ABI);
         else
             status = check_table(file, found, table, name, err);
     }

@@ -256,14 +256,14 @@ ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *e
 {
     *out = NULL;
     if (!(height >= 5 && height <= 200))
-        return ost_fail(err, OST_ERR_RANGE, "letters of %.3g pixels; 5 to 200 are supported", height);
+        return ost_fail(err, OST_ERR_RANGE, "letters of %.3g pixels; expected 5 to 200", height);
     ost_lettering *l = calloc(1, sizeof *l);
     bool complete = l != NULL;
     for (size_t i = 0; complete && i < sizeof drawings / sizeof *drawings; i++)
         complete = draw_glyph(&drawings[i], height / CAPITAL, &l->glyph[drawings[i].c - FIRST]);
     if (!complete) {
         ost_lettering_free(l);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for letters");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for letters");
     }
     *out = l;
     return OST_OK;

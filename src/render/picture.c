@@ -15,7 +15,7 @@ ost_status ost_picture_init(ost_picture *picture, int width, int height, ost_err
     size_t bytes = (size_t)width * (size_t)height * 3;
     picture->rgb = calloc(bytes, 1);
     if (!picture->rgb)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a picture of %zu bytes", bytes);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a picture of %zu bytes", bytes);
     picture->width = width;
     picture->height = height;
     return OST_OK;

@@ -82,7 +82,7 @@ ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uin
     if (info)
         status = encode(png, info, picture, effort, &s, err);
     else
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for libpng");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for libpng");
     png_destroy_write_struct(&png, &info);
     if (status != OST_OK) {
         free(s.bytes);
@@ -125,8 +125,8 @@ ost_status ost_picture_write_png(const char *path, const ost_picture *picture, o
 
 static ost_status without_png(ost_error *err)
 {
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without libpng and writes no pictures; Debian: install libpng-dev "
-                                              "and build again");
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "osteon was built without libpng and writes no pictures; Debian: "
+                    "install libpng-dev and build again");
 }
 
 ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size, ost_error *err)

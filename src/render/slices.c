@@ -146,7 +146,7 @@ ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixel
     if (status == OST_OK)
         status = ost_lettering_create(OST_MARKS_LETTER * unit, &letters, err);
     if (status == OST_OK && !(sheet.pixels = malloc((size_t)total * (size_t)tallest * sizeof *sheet.pixels)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a picture of %d x %d pixels", total, tallest);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a picture of %d x %d pixels", total, tallest);
     if (status == OST_OK) {
         ost_sheet_box(&sheet, 0, 0, total, tallest, BACK, 256);
         for (int i = 0, x0 = 0; i < 3; x0 += width[i] + GAP, i++) {
@@ -227,7 +227,7 @@ ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before
     if (!volume->voxels)
         return ost_fail(err, OST_ERR_USAGE, "slices need a volume with voxels");
     if (before && (!before->voxels || !ost_geometry_equal(&volume->geometry, &before->geometry)))
-        return ost_fail(err, OST_ERR_USAGE, "the volume before and the one after must have the same dims, spacing and origin");
+        return ost_fail(err, OST_ERR_USAGE, "both volumes must have the same dims, spacing and origin");
     if (window < 1)
         return ost_fail(err, OST_ERR_USAGE, "a window of %d HU: expected at least 1", window);
     middle(&d, at);

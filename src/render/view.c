@@ -112,7 +112,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
     if (!volume->voxels)
         return ost_fail(err, OST_ERR_USAGE, "a view needs a volume with voxels");
     if (before && (!before->voxels || !ost_geometry_equal(&volume->geometry, &before->geometry)))
-        return ost_fail(err, OST_ERR_USAGE, "the volume before and the one after must have the same dims, spacing and origin");
+        return ost_fail(err, OST_ERR_USAGE, "both volumes must have the same dims, spacing and origin");
 
     ost_viewer viewer;
     aim a = {0};

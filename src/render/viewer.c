@@ -66,7 +66,7 @@ static ost_status surface_of(const ost_tool_volume *volume, ost_surface *surface
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err)
 {
     if (viewer->tools == OST_VIEWER_TOOLS)
-        return ost_fail(err, OST_ERR_USAGE, "a viewer has up to %d tools", OST_VIEWER_TOOLS);
+        return ost_fail(err, OST_ERR_USAGE, "too many tools; expected at most %d", OST_VIEWER_TOOLS);
     ost_status status = surface_of(volume, &viewer->tool[viewer->tools], err);
     if (status == OST_OK)
         viewer->tool_grid[viewer->tools++] = volume->geometry;

@@ -165,7 +165,7 @@ static ost_status unit_axis(const ost_glenoid *glenoid, vec *out, ost_error *err
 static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
 {
     if (!ost_pm_from_binary(t.x, &out->t.x) || !ost_pm_from_binary(t.y, &out->t.y) || !ost_pm_from_binary(t.z, &out->t.z))
-        return ost_fail(err, OST_ERR_RANGE, "the path leaves the 8 m around the bone's origin");
+        return ost_fail(err, OST_ERR_RANGE, "the path leaves the range of 8 m around the bone's origin");
     out->qw = (int32_t)rint(q.w * OST_Q30_ONE);
     out->qx = (int32_t)rint(q.x * OST_Q30_ONE);
     out->qy = (int32_t)rint(q.y * OST_Q30_ONE);
@@ -214,7 +214,7 @@ ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry
     press_load load;
     *out = (ost_path){0};
     if (ticks == 0 || ticks > OST_PATH_TICKS_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "a path of %zu ticks; 1 to %d are supported", ticks, OST_PATH_TICKS_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "a path of %zu ticks; expected 1 to %d", ticks, OST_PATH_TICKS_MAX);
     ost_status status = begin(glenoid, geometry, ticks, &s, out, err);
     press_begin(&load);
     for (size_t k = 0; k < ticks && status == OST_OK; k++) {

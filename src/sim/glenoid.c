@@ -80,7 +80,7 @@ ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *er
     const char *text = ost_meta_get(meta, OST_META_SIDE);
     *out = !text ? OST_SIDE_UNKNOWN : strcmp(text, "left") == 0 ? OST_SIDE_LEFT : strcmp(text, "right") == 0 ? OST_SIDE_RIGHT : OST_SIDE_UNKNOWN;
     if (text && *out == OST_SIDE_UNKNOWN)
-        return ost_fail(err, OST_ERR_INPUT, "%s: '%s' is neither left nor right", OST_META_SIDE, text);
+        return ost_fail(err, OST_ERR_INPUT, "%s: '%s'; expected left or right", OST_META_SIDE, text);
     return OST_OK;
 }
 

@@ -16,7 +16,7 @@ static ost_status copy_bone(ost_world *world, ost_error *err)
     const size_t count = (size_t)ost_dims_count(world->geometry.dims);
     int16_t *voxels = malloc(count * sizeof *voxels);
     if (!voxels)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a copy of the bone, %zu voxels", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a copy of the bone, %zu voxels", count);
     ost_status status = ost_bone_download(world->bone.voxels.bone, 0, world->geometry.dims.z, voxels, err);
     if (status != OST_OK) {
         free(voxels);
@@ -40,7 +40,7 @@ ost_status ost_world_saved_make(ost_world *world, ost_error *err)
     if (world->saved)
         world->saved->ticks = malloc(ticks * sizeof *world->saved->ticks);
     if (!world->saved || !world->saved->ticks)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", ticks);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu ticks", ticks);
     return copy_bone(world, err);
 }
 
@@ -72,7 +72,7 @@ ost_status ost_world_save_tool(ost_world *world, int index, const ost_tool *tool
         /* A tool's initial state is the same as in ost_world_add_tool. */
         world->saved->inputs[index] = (ost_input_component){.pose = ost_pose_identity(), .event = ost_pose_identity()};
     } else {
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a copy of a tool, %zu voxels", count);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a copy of a tool, %zu voxels", count);
     }
     ost_tool_volume_free(&volume);
     return status;

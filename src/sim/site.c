@@ -95,7 +95,7 @@ static ost_status count_zone(const ost_bone *bone, const ost_glenoid *glenoid, d
     const int32_t from = (int32_t)fmin(fmax(middle - reach, 0), g->dims.z), to = (int32_t)fmin(fmax(middle + reach + 1, 0), g->dims.z);
     int16_t *slab = malloc((size_t)g->dims.x * (size_t)g->dims.y * SLAB * sizeof *slab);
     if (!slab)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d slices of the bone", SLAB);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d slices of the bone", SLAB);
     for (int32_t z = from; z < to && status == OST_OK; z += SLAB) {
         const int32_t slices = to - z < SLAB ? to - z : SLAB;
         status = ost_bone_download(bone, z, slices, slab, err);

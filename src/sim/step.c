@@ -30,11 +30,11 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
         return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns after one at %lld ns; time must increase", (long long)tick->t_ns,
                         (long long)world->clock.t_ns);
     if (tick->rpm == OST_RPM_OF_DEVICE)
-        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has the pose of a hand and no motor speed: ost_motor_path makes the tool's of it",
-                        (long long)tick->t_ns);
+        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has the pose of a device and no motor speed; convert "
+                        "the path with ost_motor_path", (long long)tick->t_ns);
     if (tick->rpm < OST_RPM_ON || tick->rpm > OST_RPM_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has a motor speed of %d rpm; 0 to %d are supported", (long long)tick->t_ns,
-                        tick->rpm, OST_RPM_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has a motor speed of %d rpm; expected 0 to %d",
+                        (long long)tick->t_ns, tick->rpm, OST_RPM_MAX);
     return ost_pose_check(&tick->pose, err);
 }
 

@@ -16,9 +16,11 @@ ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, os
         return ost_fail(err, OST_ERR_USAGE, "a world needs a bone");
     ost_world_options chosen = options ? *options : (ost_world_options){0};
     if (chosen.removal_period_ns < 0)
-        return ost_fail(err, OST_ERR_USAGE, "a removal period of %lld ns; 0 or more is needed", (long long)chosen.removal_period_ns);
+        return ost_fail(err, OST_ERR_USAGE, "a removal period of %lld ns; expected 0 or more",
+                        (long long)chosen.removal_period_ns);
     if (chosen.saved_ticks < 0 || chosen.saved_ticks > OST_WORLD_SAVED_TICKS_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "%d ticks to keep; 0 to %d are supported", (int)chosen.saved_ticks, OST_WORLD_SAVED_TICKS_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "%d ticks to keep; expected 0 to %d", (int)chosen.saved_ticks,
+                        OST_WORLD_SAVED_TICKS_MAX);
     if (chosen.classes.count == 0)
         chosen.classes = ost_density_classes_default();
     ost_status status = ost_density_classes_check(&chosen.classes, err);
@@ -27,7 +29,7 @@ ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, os
 
     ost_world *world = calloc(1, sizeof *world);
     if (!world)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a world");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a world");
     world->options = chosen;
     world->geometry = bone->geometry;
     world->chunk_size = bone->chunk_size;
@@ -65,7 +67,7 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     if (world->tool_count == OST_WORLD_TOOLS_MAX)
         return ost_fail(err, OST_ERR_USAGE, "a world holds up to %d tools", OST_WORLD_TOOLS_MAX);
     if (tool->backend != world->bone.voxels.bone->backend)
-        return ost_fail(err, OST_ERR_USAGE, "tool '%s' lives on another backend than the bone", name ? name : "");
+        return ost_fail(err, OST_ERR_USAGE, "tool '%s' is on another backend than the bone", name ? name : "");
     /*
      * With a tool that is too large, or whose voxels are too small for this bone, a map fails at
      * every pose. This is checked here and not at the first tick.
@@ -110,7 +112,7 @@ ost_status ost_world_reserve_poses(ost_world *world, int count, ost_error *err)
     if (boxes)
         world->boxes = boxes;
     if (!maps || !boxes)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a sweep of %d poses", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a sweep of %d poses", count);
     world->capacity = count;
     return OST_OK;
 }
@@ -134,7 +136,7 @@ ost_status ost_world_reserve(ost_world *world, ost_error *err)
         return status;
     ost_chunk_report *grown = realloc(world->report.chunks, chunks * sizeof *grown);
     if (!grown)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", chunks);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a report of %zu chunks", chunks);
     world->report.chunks = grown;
     world->report.capacity = chunks;
     return OST_OK;

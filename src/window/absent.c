@@ -14,7 +14,8 @@ ost_status ost_window_open(const char *title, int width, int height, ost_window 
     (void)height;
     *out = NULL;
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "this osteon was built without a window; Debian: install libglfw3-dev and libepoxy-dev and build again, or use --headless");
+                    "osteon was built without a window; Debian: install libglfw3-dev and libepoxy-dev and build "
+                    "again, or use --headless");
 }
 
 void ost_window_close(ost_window *window)
@@ -75,7 +76,7 @@ bool ost_window_next(ost_window *window, ost_window_event *out)
 ost_status ost_window_check(const ost_window *window, ost_error *err)
 {
     (void)window;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without a window");
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "osteon was built without a window");
 }
 
 bool ost_window_damaged(const ost_window *window)
@@ -89,5 +90,5 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
     (void)window;
     (void)picture;
     (void)sync;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without a window");
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "osteon was built without a window");
 }

@@ -34,14 +34,16 @@ static ost_status no_window(ost_error *err)
 {
     const char *why = NULL;
     glfwGetError(&why);
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "no window could be opened: %.300s; --headless runs without one", why ? why : "the system does not say why");
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot open a window: %.300s; pass --headless to run without a window",
+                    why ? why : "unknown reason");
 }
 
 static ost_status too_old(const ost_window *w, ost_error *err)
 {
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "a window needs OpenGL 3.3, and here is %s (%s); a newer driver may have it, LIBGL_ALWAYS_SOFTWARE=1 takes Mesa's own, "
-                    "and --headless runs without one", w->version[0] ? w->version : "none", w->renderer[0] ? w->renderer : "no renderer");
+                    "a window needs OpenGL 3.3, found %s (%s); install a newer driver, set LIBGL_ALWAYS_SOFTWARE=1 "
+                    "or pass --headless", w->version[0] ? w->version : "none",
+                    w->renderer[0] ? w->renderer : "no renderer");
 }
 
 static bool is_set(const char *variable)
@@ -58,7 +60,8 @@ static ost_status begin(ost_error *err)
 {
     const bool wayland = is_set("WAYLAND_DISPLAY");
     if (!wayland && !is_set("DISPLAY"))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "there is no display to open a window on (DISPLAY is not set); --headless runs without one");
+        return ost_fail(err, OST_ERR_UNAVAILABLE,
+                        "cannot open a window: DISPLAY is not set; pass --headless to run without a window");
 #ifdef GLFW_PLATFORM /* GLFW 3.4 and later; an earlier build has one platform */
     if (!wayland)
         glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
@@ -99,7 +102,8 @@ static ost_status create_newest(ost_window *w, int width, int height, ost_error 
     if (create(w, width, height, 4, 4) || create(w, width, height, 3, 3))
         return epoxy_gl_version() >= 33 ? OST_OK : too_old(w, err);
     if (glfwGetError(&why) != GLFW_VERSION_UNAVAILABLE && why) {
-        ost_fail(err, OST_ERR_UNAVAILABLE, "no window could be opened: %.300s; --headless runs without one", why);
+        ost_fail(err, OST_ERR_UNAVAILABLE, "cannot open a window: %.300s; pass --headless to run without a window",
+                 why);
         if (!create(w, 64, 64, 0, 0) || epoxy_gl_version() >= 33)
             return OST_ERR_UNAVAILABLE; /* the version is not the reason */
         return too_old(w, err);
@@ -126,8 +130,9 @@ static ost_status make(ost_window *w, int width, int height, ost_error *err)
         return status;
     ost_x11_outlive(w->handle);
     if (!ost_shown_make(&w->shown))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL %s (%s) does not take the window's program; --headless runs without a window", w->version,
-                        w->renderer);
+        return ost_fail(err, OST_ERR_UNAVAILABLE,
+                        "OpenGL %s (%s) cannot run the window's program; pass --headless to run without a window",
+                        w->version, w->renderer);
     learn(w);
     w->shm = ost_window_info_get(w).software ? ost_shm_open(w->handle) : NULL;
     ost_window_listen(w);
@@ -140,7 +145,7 @@ ost_status ost_window_open(const char *title, int width, int height, ost_window 
     *out = NULL;
     ost_window *w = calloc(1, sizeof *w);
     if (!w)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a window");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a window");
     snprintf(w->title, sizeof w->title, "%s", title);
     ost_status status = begin(err);
     if (status == OST_OK)
@@ -249,8 +254,9 @@ static ost_status restart(ost_window *w, ost_error *err)
     int64_t *oldest = &w->reset_ns[w->resets % OST_WINDOW_RESETS];
     w->resets++;
     if (*oldest && now - *oldest < RESETS_WITHIN_NS)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "the graphics driver (%s) was reset %d times within %d s; --headless runs without it", w->renderer,
-                        OST_WINDOW_RESETS + 1, (int)(RESETS_WITHIN_NS / 1000000000));
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "the graphics driver (%s) was reset %d times within %d s; pass "
+                        "--headless to run without a window", w->renderer, OST_WINDOW_RESETS + 1,
+                        (int)(RESETS_WITHIN_NS / 1000000000));
     *oldest = now;
     glfwGetWindowPos(w->handle, &x, &y);
     ost_shm_close(w->shm);
@@ -270,7 +276,8 @@ static ost_status restart(ost_window *w, ost_error *err)
 static ost_status gone(ost_error *err)
 {
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    ost_x11_state_get() == OST_X11_NO_SERVER ? "the display went away, and the window with it" : "something else destroyed the window");
+                    ost_x11_state_get() == OST_X11_NO_SERVER ? "lost the connection to the display" :
+                    "another program destroyed the window");
 }
 
 ost_status ost_window_check(const ost_window *window, ost_error *err)
@@ -325,8 +332,9 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
         return OST_OK;
     if (!ost_shown_draw(&window->shown, picture->pixels, picture->stride, width, height, window->frame_width, window->frame_height))
         return was_reset(window) ? restart(window, err)
-                                 : ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) has no memory for a picture of %d x %d pixels", window->renderer,
-                                            width, height);
+                                 : ost_fail(err, OST_ERR_UNAVAILABLE,
+                                            "OpenGL (%s): out of memory for a picture of %d x %d pixels",
+                                            window->renderer, width, height);
     glfwSwapBuffers(window->handle);
     return ost_window_lives(window) ? OST_OK : gone(err);
 }

@@ -131,6 +131,6 @@ grep -q "no row could be run: $scratch/nowhere" err || fail "no row at all: $(ca
 check "rows that were run of none" "$(value rows_run)" 0
 TMPDIR=$scratch
 
-refuse 2 "no row of suite tick holds 'nothing'" bench --suite tick --filter nothing
+refuse 2 "no row of suite tick matches 'nothing'" bench --suite tick --filter nothing
 refuse 2 '--scale 2' bench --scale 2
 finish

@@ -47,10 +47,10 @@ wait $simulator
 check "status when nobody came" $? 0
 grep -q "counters of device udp: all are 0" sim.out || fail "people read: $(cat sim.out)"
 
-refuse 2 "needs key=FILE" sim --headless --bone bone.nrrd --device udp
-refuse 2 "others may read this key" sim --headless --bone bone.nrrd --device udp:key=bone.nrrd
-refuse 2 "'nowhere' is not HOST:PORT" bridge --to nowhere --key key --device null
-refuse 2 "hand needs a path" bridge --to 127.0.0.1:9 --key key --device sim
-refuse 2 "is no device" bridge --to 127.0.0.1:9 --key key --device omni
+refuse 2 "missing option key=FILE" sim --headless --bone bone.nrrd --device udp
+refuse 2 "other users can read this key" sim --headless --bone bone.nrrd --device udp:key=bone.nrrd
+refuse 2 "'nowhere'; expected HOST:PORT" bridge --to nowhere --key key --device null
+refuse 2 "device sim: no path given" bridge --to 127.0.0.1:9 --key key --device sim
+refuse 2 "unknown device" bridge --to 127.0.0.1:9 --key key --device omni
 refuse 2 "--seconds 0: must be" bridge --to 127.0.0.1:9 --key key --device null --seconds 0
 finish

@@ -90,7 +90,7 @@ check "a path" "$(value kind) $(value ticks)" "path 2"
 run 0 ream --bone bone.nrrd --tool reamer.nrrd --path far.csv --out far.nrrd
 grep -q 'no bone was removed' err || fail "nothing removed, and nothing said"
 run 0 diff bone.nrrd far.nrrd
-refuse 2 'asks for tool' ream --bone bone.nrrd --tool reamer.nrrd --path bad.csv --out x.nrrd <<X
+refuse 2 'uses tool' ream --bone bone.nrrd --tool reamer.nrrd --path bad.csv --out x.nrrd <<X
 $(printf 't_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool\n0,0,0,0,1,0,0,0,3\n' >bad.csv)
 X
 

@@ -84,6 +84,6 @@ printf '[]' >b/protocol.json
 refuse 2 "protocol.json" diff a b
 rm b/protocol.json
 refuse 2 "protocol.json" diff a b
-refuse 2 "is not: there is nothing to compare" diff a case.json
-refuse 2 "for grids" diff a a --html x.html
+refuse 2 "is not; expected two grids" diff a case.json
+refuse 2 "needs grids, not bundles" diff a a --html x.html
 finish

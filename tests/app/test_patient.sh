@@ -53,8 +53,8 @@ quiet "a bone of stated orientation"
 refuse 2 'its header states where its axes point' import stated.nrrd --orientation RAS --out x.nrrd
 refuse 2 'expected three letters' import plain.nrrd --orientation RASP --out x.nrrd
 refuse 2 'expected three letters' import plain.nrrd --orientation RAL --out x.nrrd
-refuse 2 'the positions of a text are LPS' import assumed.txt --orientation RAS --out x.nrrd
-refuse 2 'is a NRRD; --form is for NIfTI' import plain.nrrd --form sform --out x.nrrd
+refuse 2 'positions in a text CT are always LPS' import assumed.txt --orientation RAS --out x.nrrd
+refuse 2 'is a NRRD file; --form needs a NIfTI file' import plain.nrrd --form sform --out x.nrrd
 
 # -------------------------------------------------------------------- side
 # The right phantom without its facts: position, axis and side are requested or computed.
@@ -119,7 +119,7 @@ axis_ras=$(echo "$at" | awk -F, '{ printf "%s,%s,%s", -$1 - 20, -$2, $3 }')
     printf '1,%s,0,0,0,1,1,1,0,%s,,\n' "$l,$s" Glenoid "$axis_ras" Axis 0,-0.5,1 TS 5,-2.25,-110 'inferior angle' 1,2,3 'odd one'
 } >f.fcsv
 run 0 import bare.nrrd --landmarks f.fcsv --out told7.nrrd --json
-warned "label 'odd one' has no meaning here"
+warned "unknown label 'odd one' ignored"
 for fact in $facts; do value "meta.$fact"; done >got
 cmp -s expected got || fail "landmarks give other facts: $(cat got)"
 printf 'glenoid,%s\n' "$at" >f.csv
@@ -140,7 +140,7 @@ for fact in $facts; do value "meta.$fact"; done >got
 cmp -s expected got || fail "--set gives other facts: $(cat got)"
 cp set.nrrd kept.nrrd
 refuse 2 'one of the two is wrong' info set.nrrd --set side=left
-refuse 2 "neither left nor right" info set.nrrd --set side=up
+refuse 2 "expected left or right" info set.nrrd --set side=up
 refuse 2 'expected KEY=VALUE' info set.nrrd --set threshold=3
 refuse 2 'expected KEY=VALUE' info set.nrrd --set side
 refuse 2 "not three decimals" info set.nrrd --set at=1,2
@@ -151,13 +151,13 @@ check "removed" "$(value meta.trigonum_mm 2>/dev/null)$(value meta.side 2>/dev/n
 run 0 export kept.nrrd --out set.nii.gz
 run 0 info set.nii.gz --set trigonum=1,2,3 --json
 check "in a NIfTI" "$(value meta.trigonum_mm) $(value meta.side)" "1 2 3 right"
-refuse 2 "give these facts to 'osteon import'" info told5.txt --set side=right
+refuse 2 "pass these values to 'osteon import'" info told5.txt --set side=right
 ls -a | grep -q '\.part$' && fail "--set left a part file"
 
 # ------------------------------------------------------- thresholds and units
 run 0 import bare.nrrd --threshold 200 --out bone200.nrrd
-refuse 2 'was cut at 200 HU: what was below is gone' import bone200.nrrd --threshold 120 --out x.nrrd
-refuse 2 'was cut at 200 HU: what was below is gone' ream --bone bone200.nrrd --threshold 199 --at "$at" --axis 1,0,0 $ream
+refuse 2 'was cut at 200 HU: values below it are not stored' import bone200.nrrd --threshold 120 --out x.nrrd
+refuse 2 'was cut at 200 HU: values below it are not stored' ream --bone bone200.nrrd --threshold 199 --at "$at" --axis 1,0,0 $ream
 run 0 import bone200.nrrd --threshold 200 --out x.nrrd
 run 0 import bone200.nrrd --threshold 300 --out x.nrrd
 run 0 import bone200.nrrd --out x.nrrd

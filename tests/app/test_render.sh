@@ -8,7 +8,7 @@
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 refuse 2 "--size 0x5: expected" render bone.nrrd --out a.png --size 0x5
-refuse 2 "of which --tool" render bone.nrrd --out a.png --pose 0,0,0,1,0,0,0
+refuse 2 "needs --tool TOOL" render bone.nrrd --out a.png --pose 0,0,0,1,0,0,0
 refuse 2 "--pose 1,2: expected" render bone.nrrd --out a.png --tool builtin:peg --pose 1,2
 refuse 2 "must end in .png" render bone.nrrd --out a.jpg
 if ! "$osteon" devices | grep -q '^  png *yes'; then
@@ -62,17 +62,17 @@ for verb in render export; do
 done
 run 0 import ct.nrrd --cubic 1 --out coarse.nrrd
 run 0 export coarse.nrrd --slices --size 100 --out slices.png --json
-refuse 2 "slices have one size" export coarse.nrrd --slices --size 100x90 --out slices.png
+refuse 2 "expected one number for slices" export coarse.nrrd --slices --size 100x90 --out slices.png
 
 # Cut surfaces, planes, ghosts and lines: each is visible, and the same on other instruction
 # sets.
-refuse 2 "below which surface" render bone.nrrd --out a.png --colour depth
+refuse 2 "needs the uncut bone: pass --before BONE" render bone.nrrd --out a.png --colour depth
 refuse 2 "expected plan, across" render bone.nrrd --out a.png --clip sideways
-refuse 2 "no direction" render bone.nrrd --out a.png --clip 1,2,3,0,0,0
+refuse 2 "are not a direction" render bone.nrrd --out a.png --clip 1,2,3,0,0,0
 refuse 2 "need --clip" render bone.nrrd --out a.png --clip-shift 2
-refuse 2 "goes with --clip plan" render bone.nrrd --out a.png --clip axial --clip-turn 2
+refuse 2 "needs --clip plan" render bone.nrrd --out a.png --clip axial --clip-turn 2
 refuse 2 "did you mean chunks" render bone.nrrd --out a.png --overlay chunk
-refuse 2 "of which --tool" render bone.nrrd --out a.png --ghost tool
+refuse 2 "needs --tool TOOL" render bone.nrrd --out a.png --ghost tool
 run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --out cut.nrrd
 run 0 render cut.nrrd --before bone.nrrd --size 240x160 --colour bone --out plain.png --json
 plain=$(cksum <plain.png)

@@ -99,20 +99,20 @@ check "files of its video" "$(ls -A | grep -E 'killed|part$|part\.')" ""
 : >encoder-continues
 wait_for encoder-ended
 check "files of its video when the encoder has ended" "$(ls -A | grep -E 'killed|part$|part\.')" ""
-refuse 2 "there is no such overlay" replay other.session --video other2.y4m --overlay chunk
+refuse 2 "unknown overlay" replay other.session --video other2.y4m --overlay chunk
 run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out half.nrrd --json
 check "half of it" "$(value ticks) $(value end_compared)" "61 false"
 
 # Refused inputs: another bone, another tool, no bone, a file that is no session.
 refuse 2 "is not the bone of this session" replay short.session --bone whole.nrrd
 refuse 2 "is not the tool 0 of this session" replay short.session --tool builtin:reamer --tool builtin:peg
-refuse 2 "1 tools are given, the session has 2" replay short.session --tool builtin:peg
+refuse 2 "1 tools given; the session has 2" replay short.session --tool builtin:peg
 mkdir moved && cp short.session moved/
 (cd moved && "$osteon" replay short.session 2>../err >/dev/null) && fail "a bone that is not there"
 (cd moved && "$osteon" replay short.session --bone ../bone.nrrd >/dev/null) || fail "a bone that was moved"
-refuse 2 "is no session" replay bone.nrrd
+refuse 2 "not a session" replay bone.nrrd
 refuse 2 "No such file" replay nothing.session
-refuse 2 "--repair is for sessions" info bone.nrrd --repair x.session
+refuse 2 "--repair needs a session" info bone.nrrd --repair x.session
 refuse 2 "must end in .session" ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --out x.nrrd --record x.log
 refuse 2 "is a session, not a CT" import short.session --out x.nrrd
 
@@ -194,7 +194,7 @@ if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
         fi
     done
     run 1 replay changed.session
-    grep -q "differs from what was recorded from tick 70 on; --verify says where" out || fail "without --verify: $(cat out)"
+    grep -q "differs from what was recorded from tick 70 on; pass --verify to find where" out || fail "without --verify: $(cat out)"
 fi
 
 # A wrong backend: the tick, chunk and voxel of the difference are reported.

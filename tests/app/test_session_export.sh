@@ -34,7 +34,7 @@ for kind in mcap h5 hdf5; do
     refuse 2 "export the session to a table, --out FILE.csv" export felt.session --out x.$kind
     [ ! -e x.$kind ] || fail "a file in a format that was removed"
 done
-refuse 2 "is no session" export bone.nrrd --out x.csv
-refuse 2 "cannot write there" export felt.session --out nowhere/x.csv
+refuse 2 "not a session" export bone.nrrd --out x.csv
+refuse 2 "cannot write:" export felt.session --out nowhere/x.csv
 [ ! -e x.csv ] || fail "a file of nothing"
 finish

@@ -74,7 +74,7 @@ done
 run 0 sim --headless --bone bone.nrrd --seconds 0.2 --renderer null --json
 check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --hud
-refuse 2 "one video at a time" sim --headless --bone bone.nrrd --video a.y4m --video-pipe cat
+refuse 2 "cannot be combined" sim --headless --bone bone.nrrd --video a.y4m --video-pipe cat
 refuse 2 "--size 12x: expected" sim --headless --bone bone.nrrd --size 12x
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --picture a.png
 
@@ -114,14 +114,14 @@ run 0 sim --headless --bone bone.nrrd --seconds 0.5 --no-clock --force-params we
 awk "BEGIN { exit !($(value peak_force_n) <= 0.2 && $(value peak_force_n) > 0.1) }" || fail "a force of at most 0.2 N is $(value peak_force_n)"
 echo "stiffness: 1e9" >wrong.params
 refuse 2 "wrong.params:1: stiffness is '1e9': expected 1 to 1e+06 N/m" sim --headless --force-params wrong.params
-refuse 2 "nothing.params: cannot be opened" sim --headless --force-params nothing.params
+refuse 2 "nothing.params: cannot open" sim --headless --force-params nothing.params
 echo "turn_stiffness: 1" >turn.params
 run 0 sim --headless --bone bone.nrrd --seconds 0.05 --no-clock --force-params turn.params
-grep -q "device sim does not, so the tool's direction is the hand's" err || fail "a torque that nobody renders: $(cat err)"
+grep -q "turn_stiffness ignored: device sim renders no torques" err || fail "a torque that nobody renders: $(cat err)"
 
 run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --force instant --json
 check "instant" "$(value force)" instant
-refuse 2 "device null renders no force" sim --headless --bone bone.nrrd --device null --force energy
+refuse 2 "device null cannot render a force; pass --force off" sim --headless --bone bone.nrrd --device null --force energy
 
 # Scripts and sessions as devices end before the given time.
 run 0 sim --headless --bone bone.nrrd --device replay --path live.session --no-clock --json
@@ -151,7 +151,7 @@ run 0 replay hand.session --verify --backend $other --json
 check "seen, and again" "$(value ticks) $(value equal) $(value sha256)" "802 true $hand"
 run 0 sim --headless --bone bone.nrrd --device motion:hand.csv,scale=20 --no-clock
 grep -q "lost tracking 2 times, 0.399 s in all" out || fail "a drop-out: $(cat out)"
-refuse 2 "nowhere.csv: cannot be opened" sim --headless --bone bone.nrrd --device motion:nowhere.csv
+refuse 2 "nowhere.csv: cannot open" sim --headless --bone bone.nrrd --device motion:nowhere.csv
 refuse 2 "bone.nrrd:1: " sim --headless --bone bone.nrrd --device motion:bone.nrrd
 
 # Operations that were stopped or killed in the middle and continued give the same bone as one
@@ -176,7 +176,7 @@ run 0 sim --headless --no-clock --device script --resume killed.session --path r
 check "gone on with after a kill" "$(($(value ticks_before) + $(value ticks))) $(value sha256)" "301 $one"
 run 0 sim --headless --no-clock --device null --resume first.session --path builtin:peg-hole --seconds 0.02 --json
 check "a device that is elsewhere" "$(value faults) $(value fault_ticks)" "1 20"
-refuse 2 "it is what is resumed" sim --headless --resume first.session --record first.session
+refuse 2 "is the session to resume" sim --headless --resume first.session --record first.session
 refuse 2 "is not the bone of this session" sim --headless --resume first.session --bone all.nrrd
 
 # Ended by a signal: the session is complete and records that reason.
@@ -211,9 +211,9 @@ if [ "${OST_TEST_LONG:-0}" = 1 ] && mkfifo slow.session; then
     check "through a slow pipe" "$(value ticks) $(value equal)" "5000 true"
 fi
 
-refuse 2 "'omni' is no device" sim --headless --bone bone.nrrd --device omni
-refuse 2 "must be light, normal or firm" sim --headless --bone bone.nrrd --device sim:grip=iron
-refuse 2 "--seconds 0 is no time" sim --headless --seconds 0
+refuse 2 "unknown device 'omni'" sim --headless --bone bone.nrrd --device omni
+refuse 2 "expected light, normal or firm" sim --headless --bone bone.nrrd --device sim:grip=iron
+refuse 2 "--seconds 0: must be greater than 0" sim --headless --seconds 0
 refuse 2 "--seconds -1: must be from 0" sim --headless --seconds -1
 refuse 2 "needs one --path SESSION" sim --headless --device replay
 refuse 2 "must end in .session" sim --headless --record x.log
@@ -240,7 +240,7 @@ if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     limit() {
         run 0 sim --headless --bone bone.nrrd --device "$1" --seconds 0.02 --record limit.session --json ${3:+--force-params "$3"}
         check "limit of $1, ${FAKE_HD_MAX_FORCE-}${FAKE_DHD_TYPE-} ${3-}" "$(value max_force_n) $(value max_force_from)" "$2"
-        if grep -q "is no limit to use" err; then warned=1; else warned=0; fi
+        if grep -q "is not a usable limit" err; then warned=1; else warned=0; fi
         run 0 info limit.session --json
         grep -q "\"force.max_force\": \"${2%% *}\"" out || fail "limit of $1 in the session: $(cat out)"
         grep -q "\"force.max_force_from\": \"${2#* }" out || fail "where the limit of $1 is from, in the session: $(cat out)"
@@ -293,7 +293,7 @@ run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --
 [ "$turning" -gt $(($(value removed_voxels) * 11 / 10)) ] || fail "a reamer that turns takes $turning voxels, one that hardly does $(value removed_voxels)"
 refuse 2 "must be from 0 to 3000" ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --out off.nrrd --rpm 3001
 refuse 2 "at least 13.3 Hz" sim --headless --bone bone.nrrd --rate 5
-refuse 2 "it has no button 'lever'" sim --headless --bone bone.nrrd --device dhd --buttons lever=motor
+refuse 2 "unknown button 'lever'" sim --headless --bone bone.nrrd --device dhd --buttons lever=motor
 refuse 2 "device sim has no buttons" sim --headless --bone bone.nrrd --buttons 1=motor
 "$osteon" sim --print-force-params | grep -q '^speed' && fail "the motor's speed is no parameter of the force"
 # Suitable parameters depend on the device; each preset file is accepted.

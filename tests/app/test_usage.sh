@@ -30,16 +30,16 @@ for verb in $verbs; do
 done
 
 # Wrong usage: one line, status 2, nothing on standard output, and a suggestion.
-refuse 2 'which verb?'
+refuse 2 'no verb given'
 refuse 2 'did you mean ream?' reem --bone x
 refuse 2 'did you mean voxelize?' voxelise
 refuse 2 'not a verb' operate
 refuse 2 'not a verb' ''
 refuse 2 'did you mean --version?' --versoin
-refuse 2 'which CT?' import
-refuse 2 "'b' is one argument too many" import a b
-refuse 2 'an argument is empty; which CT?' import ''
-refuse 2 'an argument is empty; which second grid?' diff a ''
+refuse 2 'no CT given' import
+refuse 2 "unexpected argument 'b'" import a b
+refuse 2 'empty argument: no CT given' import ''
+refuse 2 'empty argument: no second grid given' diff a ''
 refuse 2 '--out needs a value' import a --out
 refuse 2 '--out needs a value' import a --out --json
 refuse 2 '--out FILE is missing' import a
@@ -51,7 +51,7 @@ refuse 2 'expected 16, 32 or 64' import a --out b.nrrd --chunk 17
 refuse 2 'from 1 to 32767' import a --out b.nrrd --threshold 0
 refuse 2 'expected a whole number' import a --out b.nrrd --threshold 120.5
 refuse 2 'expected from:to' import a --out b.nrrd --crop 0:1,2:3
-refuse 2 'keeps nothing' import builtin:glenoid --out b.nrrd --crop 5:5,0:9,0:9
+refuse 2 'the range from 5 to 5 is empty' import builtin:glenoid --out b.nrrd --crop 5:5,0:9,0:9
 refuse 2 '.nrrd, .nii, .nii.gz or .txt' import a --out b.stl
 refuse 2 'No such file or directory' import a --out no/such/folder/b.nrrd
 refuse 2 'File name too long' import a --out "$(printf 'x%.0s' $(seq 300)).nrrd"
@@ -71,16 +71,16 @@ refuse 2 'did you mean scapula?' phantom scapla --out b.nrrd
 refuse 2 'did you mean reamer?' tool remer --out b.stl
 refuse 2 'builtin:nothing' voxelize builtin:nothing --out b.nrrd
 refuse 2 'builtin:peg-hole' ream --bone builtin:glenoid --out b.nrrd --tool builtin:peg --path builtin:peghole
-refuse 2 'which second grid?' diff a
-refuse 2 'not both' export a --out b.png --view lateral --slices
-refuse 2 'are for .png' export a --out b.nrrd --view lateral
+refuse 2 'no second grid given' diff a
+refuse 2 'cannot be combined' export a --out b.png --view lateral --slices
+refuse 2 'need a .png file' export a --out b.nrrd --view lateral
 refuse 2 'backend' import builtin:glenoid --out b.nrrd --backend nonsense
 
 # Options of backends; each message says what was expected.
 peg="voxelize builtin:peg --voxel 1 --out b.nrrd"
-refuse 2 "no backend 'cpux'; known here: cpu, ref" $peg --backend cpux
-refuse 2 "no instruction set 'sse9'; known are auto, scalar" $peg --backend cpu:isa=sse9
-refuse 2 'isa= says no instruction set' $peg --backend cpu:isa=
+refuse 2 "unknown backend 'cpux'; expected cpu, ref" $peg --backend cpux
+refuse 2 "unknown instruction set 'sse9'; expected auto, scalar" $peg --backend cpu:isa=sse9
+refuse 2 'isa= needs the name of an instruction set' $peg --backend cpu:isa=
 refuse 2 'isa= is given twice' $peg --backend cpu:isa=scalar,isa=scalar
 for threads in 0 -1 +2 ' 2' 1025 99999999999999999999 2x ''; do
     refuse 2 "threads=$threads; expected a number from 1 to 1024" $peg --backend "cpu:threads=$threads"
@@ -90,13 +90,13 @@ for grain in 0 -1 +2 2x '' 10000000000; do
     refuse 2 "order=$grain; expected a number from 1 to 9999999999" $peg --backend "cpu:order=$grain"
 done
 refuse 2 'must be from 1 to 1024' $peg --threads 1025
-refuse 2 'give one of them' $peg --backend cpu:threads=2 --threads 3
+refuse 2 'pass one of them' $peg --backend cpu:threads=2 --threads 3
 refuse 2 'voxelizer=rays; expected auto, triangles or embree' $peg --backend cpu:voxelizer=rays
-refuse 2 "'color=red' is unknown; options are isa=NAME, threads=N, grain=N, order=N and voxelizer=NAME" $peg --backend cpu:color=red
-refuse 2 'backend ref takes no options' $peg --backend ref:threads=2
+refuse 2 "unknown option 'color=red'; expected isa=NAME, threads=N, grain=N, order=N and voxelizer=NAME" $peg --backend cpu:color=red
+refuse 2 "backend ref: unknown option 'threads'; it has no options" $peg --backend ref:threads=2
 OSTEON_ISA=sse9
 export OSTEON_ISA
-refuse 2 "OSTEON_ISA: there is no instruction set 'sse9'" $peg
+refuse 2 "OSTEON_ISA: unknown instruction set 'sse9'" $peg
 run 0 devices
 grep -q "^  cpu *no *OSTEON_ISA" out || fail "devices with a wrong OSTEON_ISA: $(head -c 300 out)"
 unset OSTEON_ISA
@@ -114,7 +114,7 @@ for isa in scalar avx2 avx512 avx512vbmi neon; do
     if "$osteon" devices | grep -q "works with.*there are.*\<$isa\>"; then
         check "OSTEON_ISA=$isa is heard" "$(OSTEON_ISA=$isa value_of isa)" $isa
     else
-        refuse 3 "instruction set '$isa' cannot be used here" $peg --backend cpu:isa=$isa
+        refuse 3 "instruction set '$isa' is not available here" $peg --backend cpu:isa=$isa
     fi
 done
 check "files left behind by refusals" "$(ls | grep -v '^\(out\|err\|help_all\|options_\)' | tr '\n' ' ')" ""

@@ -8,17 +8,17 @@
 . "${srcdir:-.}/tests/app/lib.sh"
 
 refuse 2 "needs a window" sim --headless --device mouse --bone builtin:glenoid
-refuse 2 "add --headless" sim --no-clock
-refuse 2 "add --headless" sim --renderer null
+refuse 2 "pass --headless" sim --no-clock
+refuse 2 "pass --headless" sim --renderer null
 if ! "$osteon" devices | grep -q '^  window *yes'; then
     refuse 3 "built without a window" sim
     finish
 fi
 unset DISPLAY WAYLAND_DISPLAY
-refuse 3 "there is no display" sim
+refuse 3 "cannot open a window: DISPLAY is not set" sim
 DISPLAY=:31999
 export DISPLAY
-refuse 3 "--headless runs without one" sim
+refuse 3 "pass --headless to run without a window" sim
 unset DISPLAY
 if ! command -v Xvfb >/dev/null || ! command -v xdotool >/dev/null; then
     [ $failures -eq 0 ] || finish
@@ -27,7 +27,7 @@ if ! command -v Xvfb >/dev/null || ! command -v xdotool >/dev/null; then
 fi
 
 . "$source_folder/tests/app/display.sh"
-MESA_GL_VERSION_OVERRIDE=2.1 refuse 3 "needs OpenGL 3.3, and here is 2.1 Mesa" sim
+MESA_GL_VERSION_OVERRIDE=2.1 refuse 3 "needs OpenGL 3.3, found 2.1 Mesa" sim
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 
@@ -107,8 +107,8 @@ lost() {
 }
 opened destroyed.session --quiet --tool builtin:burr
 xdotool windowclose "$window"
-lost "something else destroyed the window"
+lost "another program destroyed the window"
 opened gone.session --quiet --tool builtin:burr
 kill $xvfb
-lost "the display went away"
+lost "lost the connection to the display"
 finish

@@ -39,7 +39,7 @@ for folder in empty broken; do
     run 0 tool peg --out peg.stl
     [ $meshes = yes ] || continue
     run 0 voxelize peg.stl --voxel 1 --out peg.nrrd
-    refuse 3 "backend 'cl' cannot be used here" voxelize peg.stl --voxel 1 --out other.nrrd --backend cl
+    refuse 3 "backend 'cl' is not available" voxelize peg.stl --voxel 1 --out other.nrrd --backend cl
     [ ! -e other.nrrd ] || fail "an output appeared"
 done
 finish

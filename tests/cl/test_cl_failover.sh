@@ -95,7 +95,7 @@ for percent in 20 50 80 97; do
     echo "# launch $FAIL_AT of $many failed after $(value failover.ticks) whole ticks"
     check "lines on standard error" "$(wc -l <err | tr -d ' ')" 1
     checks=$((checks + 1))
-    grep -q 'backend cpu continues' err || fail "nothing is said but '$(cat err)'"
+    grep -q 'failover to backend cpu' err || fail "nothing is said but '$(cat err)'"
     run 2 $ream --out stopped.nrrd --backend cl --no-failover
     check "lines on standard error" "$(wc -l <err | tr -d ' ')" 1
     [ ! -e stopped.nrrd ] || fail "an output of a stopped run appeared"

@@ -241,7 +241,7 @@ static void refused_for_what_it_computes(void **state)
     flip_size = 100000; /* the fingerprint's results: word 6 of item 500 */
     flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
-    assert_non_null(strstr(err.text, "integers are wrong"));
+    assert_non_null(strstr(err.text, "wrong integer result"));
     assert_non_null(strstr(err.text, "(long)int * 100"));
     flip_size = 1; /* the layout is read first: value 3 of its list */
     flip_at = 12;
@@ -287,7 +287,7 @@ static void ends_loops(void **state)
     assert_non_null(strstr(err.text, "too early for kernels=cpu"));
     turns_given = OST_CL_TURNS_LEAST - 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
-    assert_non_null(strstr(err.text, "ends a loop after 61503 turns"));
+    assert_non_null(strstr(err.text, "ends a loop after 61503 iterations"));
 }
 
 /* Two backends on one device, open at the same time, use different kernel sets, each with kernels of its own. */
@@ -350,7 +350,7 @@ static void too_many_poses(void **state)
     }
     ost_event event = {.pose_count = MOST + 1, .maps = maps, .boxes = boxes, .classes = &classes};
     assert_int_equal(ost_bone_remove(bone, tool, &event, &report, &err), OST_ERR_UNAVAILABLE);
-    assert_non_null(strstr(err.text, "ends a loop after 65535 turns"));
+    assert_non_null(strstr(err.text, "ends a loop after 65535 iterations"));
     assert_non_null(strstr(err.text, "3619 poses"));
     int16_t *now = content(bone, &g);
     assert_memory_equal(now, voxels, sizeof voxels);

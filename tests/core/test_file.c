@@ -146,7 +146,7 @@ static void read_completely(void **state)
         assert_int_equal(ost_file_open(at("plain"), &file, NULL), OST_OK);
         put("plain", later[i]);
         assert_int_equal(ost_file_fill("plain", &file, to, &err), OST_ERR_IO);
-        assert_non_null(strstr(err.text, "size changed"));
+        assert_non_null(strstr(err.text, "file changed while it was read"));
         close(file.fd);
     }
 }

@@ -48,7 +48,7 @@ static void the_error_names_axis_and_value(void **state)
     ost_geometry g = plain();
     g.spacing.y = 0;
     ost_geometry_check(&g, "rect grid", &err);
-    assert_string_equal(err.text, "rect grid: spacing of 0 mm along y; supported are 0.001 to 100 mm");
+    assert_string_equal(err.text, "rect grid: spacing of 0 mm along y; expected 0.001 to 100 mm");
 }
 
 static void volumes_start_at_zero(void **state)

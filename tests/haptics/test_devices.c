@@ -52,19 +52,19 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
     static const struct {
         const char *spec, *says;
     } cases[] = {
-        {"omni", "'omni' is no device; known are null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, inverse3, udp"},
-        {"", "'' is no device"},
-        {"si", "is no device"},
-        {"null:x=1", "no option 'x'"},
+        {"omni", "unknown device 'omni'; expected null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, inverse3, udp"},
+        {"", "unknown device ''"},
+        {"si", "unknown device"},
+        {"null:x=1", "unknown option 'x'"},
         {"sim:grip", "'grip' is not key=value"},
-        {"sim:grip=weak", "must be light, normal or firm"},
-        {"sim:seed=-1", "must be a whole number from 0"},
+        {"sim:grip=weak", "expected light, normal or firm"},
+        {"sim:seed=-1", "expected a whole number from 0"},
         {"sim:seed=1.5", "whole number"},
         {"sim:tremor=5001", "from 0 to 5000"},
-        {"sim:seed=1,", "nothing follows the last ','"},
+        {"sim:seed=1,", "no option after the last ','"},
         {"sim:=1", "is not key=value"},
-        {"script:a=b", "no option 'a'"},
-        {"replay", "needs a session"},
+        {"script:a=b", "unknown option 'a'"},
+        {"replay", "no session given"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         ost_error err = {0};
@@ -72,7 +72,7 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
         assert_int_equal(ost_haptic_open(cases[i].spec, &setup, &device, &err), OST_ERR_USAGE);
         assert_null(device);
         if (!strstr(err.text, cases[i].says))
-            fail_msg("'%s' is told: %s", cases[i].spec, err.text);
+            fail_msg("'%s' gives: %s", cases[i].spec, err.text);
     }
     ost_error err = {0};
     ost_haptic *device;

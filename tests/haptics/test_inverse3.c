@@ -341,7 +341,7 @@ static void the_grip_turns_the_tool(void **state)
      */
     service *s = begin_service(NONE, 0, true);
     assert_int_equal(open_at(s, ",id=A-2", &device, &err), OST_ERR_UNAVAILABLE);
-    assert_non_null(strstr(err.text, "gives no device of that id"));
+    assert_non_null(strstr(err.text, "offers no device of that id"));
     end_service(s);
     s = begin_service(NONE, 0, true);
     atomic_store(&s->x_um, 200000);
@@ -366,8 +366,8 @@ static void a_service_that_fails(void **state)
         fault what;
         const char *says; /* the message if it fails before the first state */
     } cases[] = {
-        {CLOSE, "closed the connection"}, {END, "closed the connection"}, {HUGE_FRAME, "gives no device"}, {LONG_MESSAGE, "too long"},
-        {GARBAGE, "says nothing of an Inverse3"}, {WRONG, "says nothing of an Inverse3"},
+        {CLOSE, "closed the connection"}, {END, "closed the connection"}, {HUGE_FRAME, "offers no device"}, {LONG_MESSAGE, "too long"},
+        {GARBAGE, "reports no Inverse3"}, {WRONG, "reports no Inverse3"},
     };
     ost_error err = {0};
     ost_haptic *device;

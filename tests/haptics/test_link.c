@@ -138,7 +138,7 @@ static void keys(void **state)
     const char *file = scratch_write(folder, "open.key", bytes, 32);
     assert_int_equal(chmod(file, 0640), 0);
     assert_int_equal(link_key_read(file, &key, &err), OST_ERR_USAGE);
-    assert_non_null(strstr(err.text, "open.key: others may read this key"));
+    assert_non_null(strstr(err.text, "open.key: other users can read this key"));
     assert_int_equal(chmod(file, 0600), 0);
     assert_ok(link_key_read(file, &key, &err));
     link_key_free(key);
@@ -151,7 +151,7 @@ static void keys(void **state)
     assert_int_equal(link_key_read(file, &key, &err), OST_ERR_INPUT);
     assert_null(key);
     assert_int_equal(link_key_read("/nowhere/a.key", &key, &err), OST_ERR_IO);
-    assert_non_null(strstr(err.text, "to make a key"));
+    assert_non_null(strstr(err.text, "to create a key"));
     scratch_remove(folder);
 }
 

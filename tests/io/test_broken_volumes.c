@@ -59,9 +59,9 @@ static void nrrd_fields(void **state)
         {"sizes", "sizes: 16000 8000 256\nspace units: \"um\" \"um\" \"um\"\nspace dimension: 3\n", "need 65536000000", OST_ERR_INPUT},
         {"sizes", "sizes: 2 2 3\n", "need 24", OST_ERR_INPUT},
         {"sizes", "sizes: 2 2 1\n", "8 bytes too many", OST_ERR_INPUT},
-        {"sizes", "sizes: 2 2 2\nsizes: 2 2 2\n", "given before", OST_ERR_INPUT},
-        {"spacings", "", "how large a voxel is", OST_ERR_INPUT},
-        {"spacings", "spacings: nan nan nan\n", "how large a voxel is", OST_ERR_INPUT},
+        {"sizes", "sizes: 2 2 2\nsizes: 2 2 2\n", "duplicate 'sizes'; the first one", OST_ERR_INPUT},
+        {"spacings", "", "no voxel size in the header", OST_ERR_INPUT},
+        {"spacings", "spacings: nan nan nan\n", "no voxel size in the header", OST_ERR_INPUT},
         {"spacings", "spacings: 1 nan 1\n", "greater than 0", OST_ERR_INPUT},
         {"spacings", "spacings: 1 0 1\n", "greater than 0", OST_ERR_INPUT},
         {"spacings", "spacings: 1 -1 1\n", "greater than 0", OST_ERR_INPUT},
@@ -99,11 +99,11 @@ static void nrrd_fields(void **state)
         {"encoding", "encoding: bzip2\n", "not read here", OST_ERR_INPUT},
         {"encoding", "encoding: lzma\n", "raw, gzip or text", OST_ERR_INPUT},
         {"encoding", "encoding: gzip\n", "damaged", OST_ERR_INPUT},
-        {"encoding", "encoding: text\n", "no number", OST_ERR_INPUT},
+        {"encoding", "encoding: text\n", "not a number", OST_ERR_INPUT},
         {"endian", "", "no 'endian:'", OST_ERR_INPUT},
         {"endian", "endian: middle\n", "little or big", OST_ERR_INPUT},
         {"#", "nonsense\n", "neither 'field: value'", OST_ERR_INPUT},
-        {"#", "colour: red\n", "no field of the NRRD format", OST_ERR_INPUT},
+        {"#", "colour: red\n", "not a field of the NRRD format", OST_ERR_INPUT},
         {"#", "osteon_Bad Key:=x\n", "is not a key", OST_ERR_RANGE},
         {"#", "line skip: -1\n", "count of lines", OST_ERR_INPUT},
         {"#", "line skip: 99\n", "ends after", OST_ERR_INPUT},
@@ -111,7 +111,7 @@ static void nrrd_fields(void **state)
         {"#", "byte skip: 17\n", "to be skipped", OST_ERR_INPUT},
         {"#", "byte skip: 1\n", "need 16", OST_ERR_INPUT},
         {"encoding", "encoding: gzip\nbyte skip: -1\n", "only raw", OST_ERR_INPUT},
-        {"#", "data file: absent.raw\n", "cannot be opened", OST_ERR_IO},
+        {"#", "data file: absent.raw\n", "cannot open", OST_ERR_IO},
         {"#", "data file: b.%d 1 3 1\n", "do not fit", OST_ERR_INPUT},
         {"#", "data file: b.%d 1 2 0\n", "leads from one to the other", OST_ERR_INPUT},
         {"#", "data file: b.%d 2 1 1\n", "leads from one to the other", OST_ERR_INPUT},
@@ -138,17 +138,17 @@ static void nrrd_starts(void **state)
         const char *text, *words;
     } cases[] = {
         {"", "is empty"},
-        {"N", "neither NRRD nor NIfTI"},
-        {"NRRD", "where NRRD0001"},
+        {"N", "not a NRRD or NIfTI file"},
+        {"NRRD", "expected NRRD0001"},
         {"NRRD0006\n\n", "NRRD0001 to NRRD0005"},
         {"NRRD0000\n\n", "NRRD0001 to NRRD0005"},
         {"NRRD00051\n\n", "NRRD0001 to NRRD0005"},
-        {"NRRD0005", "ends within its header"},
-        {"NRRD0005\n", "ends within its header"},
+        {"NRRD0005", "file ends in the header"},
+        {"NRRD0005\n", "file ends in the header"},
         {"NRRD0005\n\n", "no 'dimension:'"},
-        {"NRRD0005\ntype: uint8", "ends within its header"},
-        {"solid cube\n", "neither NRRD nor NIfTI"},
-        {"1 2 3 4\n", "neither NRRD nor NIfTI"},
+        {"NRRD0005\ntype: uint8", "file ends in the header"},
+        {"solid cube\n", "not a NRRD or NIfTI file"},
+        {"1 2 3 4\n", "not a NRRD or NIfTI file"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         write_file("s.nrrd", cases[i].text, strlen(cases[i].text));
@@ -157,7 +157,7 @@ static void nrrd_starts(void **state)
     write_file("s.nrrd", "NRRD0005\nty\0pe: x\n\n", 19);
     assert_refused(at("s.nrrd"), NULL, OST_ERR_INPUT, "a NUL");
     assert_refused(at(""), NULL, OST_ERR_IO, "is a folder");
-    assert_refused(at("absent.nrrd"), NULL, OST_ERR_IO, "cannot be opened");
+    assert_refused(at("absent.nrrd"), NULL, OST_ERR_IO, "cannot open");
     assert_int_equal(mkfifo(at("pipe.nrrd"), 0600), 0);
     assert_refused(at("pipe.nrrd"), NULL, OST_ERR_IO, "is a pipe or a device");
 }
@@ -172,7 +172,7 @@ static void a_header_without_end(void **state)
     for (int i = 0; i < 5 << 20; i++)
         putc('a', file);
     fclose(file);
-    assert_refused(at("long.nrrd"), NULL, OST_ERR_INPUT, "goes on after 4194304 bytes");
+    assert_refused(at("long.nrrd"), NULL, OST_ERR_INPUT, "longer than 4194304 bytes");
 }
 
 /* Every shorter file is refused with an error of its own, and so is a file with one byte more. */
@@ -293,25 +293,25 @@ static void nrrd_values(void **state)
         const char *type, *values, *words;
     } cases[] = {
         {"int16", "1 2 3 4 5 6 7", "ends"},
-        {"int16", "1 2 3 4 5 6 7 8 9", "go on"},
+        {"int16", "1 2 3 4 5 6 7 8 9", "unexpected value"},
         {"int16", "1 2 3 4 5 6 7 eight", "no density"},
         {"int16", "1 2 3 4 5 6 7 0x10", "no density"},
-        {"int16", "1 2 3 4 5 6 7 1.5", "is no int16"},
-        {"uint8", "1 2 3 4 5 6 7 256", "is no uint8"},
-        {"uint8", "1 2 3 4 5 6 7 -1", "is no uint8"},
+        {"int16", "1 2 3 4 5 6 7 1.5", "is not a value of type int16"},
+        {"uint8", "1 2 3 4 5 6 7 256", "is not a value of type uint8"},
+        {"uint8", "1 2 3 4 5 6 7 -1", "is not a value of type uint8"},
         {"float", "1 2 3 4 5 6 7 nan", "voxel (1, 1, 1)"},
         {"float", "1 2 3 4 5 6 7 inf", "no density"},
         {"float", "1 2 3 4 5 6 7 1e30", "beyond int16"},
         {"double", "1 2 3 4 -32768.6 6 7 8", "voxel (0, 0, 1)"},
         {"uint64", "1 2 3 4 5 6 7 18446744073709551615", "beyond int16"},
-        {"uint64", "1 2 3 4 5 6 7 18446744073709551616", "is no uint64"},
-        {"uint64", "1 2 3 4 5 6 7 1e9999", "is no uint64"},
-        {"uint64", "1 2 3 4 5 6 7 -1", "is no uint64"},
+        {"uint64", "1 2 3 4 5 6 7 18446744073709551616", "is not a value of type uint64"},
+        {"uint64", "1 2 3 4 5 6 7 1e9999", "is not a value of type uint64"},
+        {"uint64", "1 2 3 4 5 6 7 -1", "is not a value of type uint64"},
         {"int64", "1 2 3 4 5 6 7 -9223372036854775808", "-9223372036854775808 is beyond int16"},
-        {"int64", "1 2 3 4 5 6 7 -9223372036854775809", "is no int64"},
-        {"int64", "1 2 3 4 5 6 7 9223372036854775808", "is no int64"},
-        {"int32", "1 2 3 4 5 6 7 2147483648", "is no int32"},
-        {"int8", "1 2 3 4 5 6 7 -129", "is no int8"},
+        {"int64", "1 2 3 4 5 6 7 -9223372036854775809", "is not a value of type int64"},
+        {"int64", "1 2 3 4 5 6 7 9223372036854775808", "is not a value of type int64"},
+        {"int32", "1 2 3 4 5 6 7 2147483648", "is not a value of type int32"},
+        {"int8", "1 2 3 4 5 6 7 -129", "is not a value of type int8"},
     };
     char fields[200];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -353,8 +353,8 @@ static void nifti_fields(void **state)
             case 7: s.dim[0] = 7; s.dim[7] = 0; words = "dim[7]"; break;
             case 8: s.datatype = 128; s.bitpix = 24; words = "RGB"; break;
             case 9: s.datatype = 32; s.bitpix = 64; words = "complex"; break;
-            case 10: s.datatype = 0; words = "none of NIfTI's"; break;
-            case 11: s.datatype = -3; words = "none of NIfTI's"; break;
+            case 10: s.datatype = 0; words = "unknown datatype"; break;
+            case 11: s.datatype = -3; words = "unknown datatype"; break;
             case 12: s.bitpix = 16; words = "bitpix"; break;
             case 13: s.vox_offset = 100; words = "vox_offset"; break;
             case 14: s.vox_offset = 1e9; words = "to be skipped"; break;
@@ -399,7 +399,7 @@ static void nifti_fields(void **state)
     file.size = 0;
     put_gzip(&file, "hello", 5);
     write_file("f.nii.gz", file.data, file.size);
-    assert_refused(at("f.nii.gz"), NULL, OST_ERR_INPUT, "no NIfTI");
+    assert_refused(at("f.nii.gz"), NULL, OST_ERR_INPUT, "not a NIfTI volume");
     write_file("f.nii.gz", "\x1f\x8b\x08 nonsense", 12);
     assert_refused(at("f.nii.gz"), NULL, OST_ERR_INPUT, "gzip");
     file.size = 0;

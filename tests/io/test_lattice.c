@@ -220,7 +220,7 @@ static void what_cannot_be_found_is_asked_for(void **state)
     fill(&a, 0, 470000000, 50, 4, NULL);
     a.value[30] += 100000000;
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_INPUT);
-    assert_string_equal(err.text, "ct.txt:2: x = 0.47 is no whole number of steps from the lowest; the smallest step is 0.37 mm, from 14.2 "
+    assert_string_equal(err.text, "ct.txt:2: x = 0.47 is not a whole number of steps from the lowest; the smallest step is 0.37 mm, from 14.2 "
                                   "(lines 31 and 32); give the spacing (--spacing)");
 
     /* 1.3 mm without digits: 0 1 3 4 5 6 8 ... must not be read as 1 mm with absent layers. */

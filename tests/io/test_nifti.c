@@ -71,7 +71,7 @@ static void pairs(void **state)
         ost_volume_report report;
         unlink(at("p.img"));
         write_nifti("p.hdr", &s, NULL, 0);
-        assert_refused(at("p.hdr"), NULL, OST_ERR_INPUT, "neither is there");
+        assert_refused(at("p.hdr"), NULL, OST_ERR_INPUT, "no file with the voxels");
         packed.size = 0;
         put_gzip(&packed, eight, 8);
         write_file("p.img.gz", packed.data, packed.size);
@@ -211,7 +211,7 @@ static void forms_that_disagree(void **state)
         write_nifti("f.nii", &s, eight, 8);
         assert_ok(ost_volume_read(at("f.nii"), NULL, &v, NULL, &err));
         ost_volume_free(&v);
-        assert_refused(at("f.nii"), &(ost_volume_options){.form = OST_FORM_QFORM}, OST_ERR_USAGE, "--form qform: its header has none");
+        assert_refused(at("f.nii"), &(ost_volume_options){.form = OST_FORM_QFORM}, OST_ERR_USAGE, "--form qform: not in the header");
     }
 }
 

@@ -705,7 +705,7 @@ static void a_disk_that_stays_full_is_an_error_at_the_end(void **state)
     ost_session_header *header = make_header();
     if (access("/dev/full", W_OK) == 0) {
         assert_int_equal(ost_recorder_open("/dev/full", header, NULL, &recorder, &err), OST_ERR_IO);
-        assert_non_null(strstr(err.text, "/dev/full: recording cannot begin: the disk is full"));
+        assert_non_null(strstr(err.text, "/dev/full: cannot start the recording: the disk is full"));
     }
     assert_int_equal(ost_recorder_open("/nowhere/x.session", header, NULL, &recorder, &err), OST_ERR_IO);
     assert_int_equal(ost_recorder_open("x", header, &(ost_recorder_options){.capacity = 3}, &recorder, &err), OST_ERR_USAGE);

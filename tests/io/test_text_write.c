@@ -165,7 +165,7 @@ static void a_full_disk_leaves_nothing(void **state)
         signal(SIGXFSZ, SIG_IGN);
         setrlimit(RLIMIT_FSIZE, &(struct rlimit){500000, 500000});
         ost_status status = ost_text_write_volume(path, &volume, 4, &err);
-        _exit(status == OST_ERR_IO && strstr(err.text, "out.txt: writing failed after 500000 bytes") ? 0 : 1);
+        _exit(status == OST_ERR_IO && strstr(err.text, "out.txt: write failed after 500000 bytes") ? 0 : 1);
     }
     int ended;
     assert_int_equal(waitpid(child, &ended, 0), child);

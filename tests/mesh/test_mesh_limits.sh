@@ -36,7 +36,7 @@ fi
     head -c 100000 /dev/zero
 } >short.stl
 check "80 million triangles that are not there" "$(within_limit short.stl)" \
-    "2 osteon info: short.stl: byte 80: says 80000000 triangles, which take 4000000084 bytes; the file has 100084 (cut off, or no STL)"
+    "2 osteon info: short.stl: byte 80: the header states 80000000 triangles, which take 4000000084 bytes; the file has 100084 (cut off, or no STL)"
 
 # An OBJ of 19 MB: polygons of 900 corners, two bytes each, make 9,000,000 triangles.
 awk 'BEGIN {

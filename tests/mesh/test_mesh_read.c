@@ -273,7 +273,7 @@ static void units_are_believed_or_guessed(void **state)
         {"0.047", OST_UNIT_AUTO, 0, "0.047 mm across"},
         {"0.047", OST_UNIT_AUTO, 0, "--unit m makes it 47 mm, --unit inch makes it 1.19 mm"},
         {"1001", OST_UNIT_AUTO, 0, "--unit um makes it 1 mm"},
-        {"0.000001", OST_UNIT_AUTO, 0, "mm if it is so meant"},
+        {"0.000001", OST_UNIT_AUTO, 0, "mm to confirm millimetres"},
         {"8001", OST_UNIT_MM, 0, "within 8000 mm"},
         {"9", OST_UNIT_M, 0, "within 8000 mm"},
         {"3e37", OST_UNIT_MM, 0, "within 8000 mm"},
@@ -314,7 +314,7 @@ static void broken_text_is_told_where(void **state)
         {"x.stl", "", "the file is empty"},
         {"x.stl", "hello", "5 bytes are too few"},
         {"x.stl", "solid a\n", ":2: expected 'facet' or 'endsolid', found the end"},
-        {"x.stl", "solid a\nendsolid a\n", "holds no triangle"},
+        {"x.stl", "solid a\nendsolid a\n", "has no triangle"},
         {"x.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 zero\n", ":4: expected a number, found 'zero'"},
         {"x.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\n", ":4: expected a number, found 'nan'"},
         {"x.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 1,5 0\n", ":4: expected a number, found '1,5'"},
@@ -325,7 +325,7 @@ static void broken_text_is_told_where(void **state)
         {"x.stl", "solid a\n" FACET "endsolid\nsolid b\n" FACET "junk\n", ":18: expected 'facet' or 'endsolid', found 'junk'"},
         {"x.stl", "solid a\n" FACET "endsolid\nmore\n", ":10: expected 'solid', found 'more'"},
         {"x.obj", "", "the file is empty"},
-        {"x.obj", "v 0 0 0\n", "holds no face"},
+        {"x.obj", "v 0 0 0\n", "has no face"},
         {"x.obj", "v 0 0\n", ":1: a vertex needs three numbers, found 2"},
         {"x.obj", "v 0 0 inf\n", ":1: expected a number, found 'inf'"},
         {"x.obj", "v 0 0 0 2\n", ":1: a vertex of weight '2'"},
@@ -333,7 +333,7 @@ static void broken_text_is_told_where(void **state)
         {"x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", ":4: vertex '0' of a face"},
         {"x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", ":4: vertex '-4' of a face"},
         {"x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n", ":4: vertex '99999999999999999999'"},
-        {"x.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", "holds no face"},
+        {"x.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", "has no face"},
         {"x.ply", "plyx\n", "begins with a line 'ply'"},
         {"x.ply", "ply\nformat ascii 1.0\n", "no end_header"},
         {"x.ply", "ply\nformat morse 1.0\n", ":2: expected ascii, binary_little_endian"},
@@ -344,7 +344,7 @@ static void broken_text_is_told_where(void **state)
         {"x.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty half x\n", ":4: expected a type"},
         {"x.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list float int x\n", ":4: expected an integer type"},
         {"x.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n", "x, y and z"},
-        {"x.ply", PLY_HEAD "element vertex 3\n", ":7: a second element"},
+        {"x.ply", PLY_HEAD "element vertex 3\n", ":7: duplicate name of an element"},
         {"x.ply", PLY_HEAD "property float x\n" PLY_FACE, "x, y and z"},
         {"x.ply", PLY_HEAD "end_header\n0 0 0\n1 0 0\n0 1 0\n", "a cloud of points has no inside"},
         {"x.ply", PLY_HEAD "junk\n", ":7: expected format, element"},
@@ -353,11 +353,11 @@ static void broken_text_is_told_where(void **state)
         {"x.ply", PLY_HEAD PLY_FACE "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":13: face 0: expected indices of vertices"},
         {"x.ply", PLY_HEAD PLY_FACE "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", ":13: face 0: expected indices of vertices"},
         {"x.ply", PLY_HEAD PLY_FACE "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", ":13: face 0: expected a count"},
-        {"x.ply", PLY_HEAD PLY_FACE "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "holds no face"},
-        {"x.3ds", "MMMMMM", "byte 2: says"},
+        {"x.ply", PLY_HEAD PLY_FACE "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "has no face"},
+        {"x.3ds", "MMMMMM", "byte 2: the header states"},
         {"x.3ds", "no", "begins with a chunk of kind 4D4D"},
-        {"x.off", "OFF\n3 1 0\n", "'.off' is no mesh format"},
-        {"noextension", "v 0 0 0\n", "'no extension' is no mesh format"},
+        {"x.off", "OFF\n3 1 0\n", "'.off' is not a supported mesh format"},
+        {"noextension", "v 0 0 0\n", "'no extension' is not a supported mesh format"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ost_error err = {0};
@@ -381,9 +381,9 @@ static void broken_bytes_are_told_where(void **state)
         size_t at;
         const char *says;
     } rows[] = {
-        {0, 80, "byte 80: says 4000000000 triangles"},
+        {0, 80, "byte 80: the header states 4000000000 triangles"},
         {0, 84 + 50 * 7 + 12 + 16, "byte 462: triangle 7 has a coordinate that is not a number"},
-        {10, 2, "byte 2: says 4000000000 bytes"},
+        {10, 2, "byte 2: the header states 4000000000 bytes"},
         {10, 8, "byte 6: a chunk whose size"},
         {10, 36, "byte 36: a coordinate that is no finite number"},
     };

@@ -345,7 +345,7 @@ def rect_geometry(text, spacing):
     dims = tuple(rhe(Fraction(h - l, s)) + 1 for l, h, s in zip(low, high, spacing))
     if "dims" in text.own:
         if text.own["dims"] != dims:
-            raise Refused("the text's own dims are others")
+            raise Refused("the declared dims are others")
         if len(text.samples) != dims[0] * dims[1] * dims[2] or not text.terminated:
             raise Refused("the text's own dims say that it has another end")
     return check_limits(dims, spacing, low)

@@ -50,7 +50,7 @@ own="--only user --ct ct.txt --cubic 0.7 --tool builtin:peg"
     run 1 compare plugin:./thesis_f32.so $own --json
     check "own files, the plugin" "$(value cases.0.case) $(value cases.0.verdict) $(value margins.0.stages.0.stage)" "user/1 differs rect"
 }
-refuse 2 "give them with --ct" compare own --cubic 0.7
+refuse 2 "needs --ct, --tool or --path" compare own --cubic 0.7
 
 # As evidence: the margins are in the bundle, and follow from its cases.
 run 1 validate --only import/1 --backends dump:theirs --out b
@@ -73,14 +73,14 @@ check "removal alone" "$(value margins.0.stages.3.voxels)" "$(value margins.0.st
 run 1 compare plugin:./thesis_f32.so --only import/1 --apart --json
 cp out apart.json
 check "chunks alone" "$(value margins.0.stages.2.voxels)" "$(value margins.0.stages.2.below_threshold)"
-refuse 2 "a dump was made before" compare theirs --apart
+refuse 2 "not a dump" compare theirs --apart
 run 1 validate --backends plugin:./thesis_f32.so --only import/1 --apart --json
 check "validate apart" "$(value apart) $(value evidence)" "true false"
 check "validate apart: stage" "$(value findings.0.stage)" "$("$json_get" cases.0.stage <apart.json)"
-refuse 2 "evidence is of complete runs" validate --apart --out nothing
+refuse 2 "evidence needs complete runs" validate --apart --out nothing
 run 0 validate --backends cpu:threads=1 --only import/1 --apart
 grep -q "every stage and tick apart" out || fail "apart is not said: $(head -n 1 out)"
-refuse 2 "--given belongs to" validate --given theirs
+refuse 2 "--given needs" validate --given theirs
 run 0 validate --worker ref --dump some --only poses/1
 mv some/poses-1/tick-23.raw t23
 rm -f some/poses-1/tick-*.raw some/poses-1/final.raw
@@ -95,7 +95,7 @@ grep -q "poses/1 on dump:some: tick 23: 1 voxel, the first at (1, 0, 0): 1" out 
 # a dump of all families: a case whose import is refused has a record without a grid
 run 0 validate --worker ref --dump refused --only reach/2
 run 2 compare refused
-grep -q "nothing to compare" err || fail "a dump of a refused import: $(cat err)"
+grep -q "no grid of these cases found" err || fail "a dump of a refused import: $(cat err)"
 
 # > in place of >= at the threshold: a class, and every voxel on the border
 if command -v python3 >/dev/null; then
@@ -142,7 +142,7 @@ spoil 2 "also a .raw" twice
 text() { rm w/import-1/rect.raw && echo hello >w/import-1/rect.nrrd; }
 spoil 2 "rect.nrrd" text
 folder() { rm w/import-1/rect.raw && mkdir w/import-1/rect.raw; }
-spoil 2 "rect.raw: is a folder; a regular file is expected" folder
+spoil 2 "rect.raw: is a folder; expected a regular file" folder
 head_of() { echo "$1" >w/dump.json; }
 spoil 2 "dump.json:" head_of '{'
 spoil 2 "osteon_dump must be 1" head_of '{"osteon_dump":2}'
@@ -155,7 +155,7 @@ run 2 compare none
 rm none/dump.json
 refuse 2 "docs/dumps.md" compare none
 refuse 2 "nobody" compare nobody
-refuse 2 "belong together" validate --worker ref --trace x --dump y
+refuse 2 "--worker needs --trace or --dump" validate --worker ref --trace x --dump y
 
 # inputs for another program
 run 0 validate --export-cases inputs --only poses/1

@@ -37,9 +37,9 @@ ream 2 "version 99 of the plugin interface" --backend plugin:broken_abi.so
 ream 2 "has 40 bytes" --backend plugin:broken_size.so
 ream 2 "slot collide of its table is NULL" --backend plugin:broken_slot.so
 ream 2 "version 99 of docs/arithmetic.md" --backend plugin:broken_arithmetic.so
-ream 2 "refuses to work with" --backend plugin:broken_refuses.so
+ream 2 "does not support" --backend plugin:broken_refuses.so
 ream 2 "xxxx" --backend plugin:mirror.so,break=options
-ream 3 "gave no object" --backend plugin:mirror.so,break=nothing
+ream 3 "but no object" --backend plugin:mirror.so,break=nothing
 ream 2 "contract=on or contract=off" --backend plugin:thesis_f32.so,contract=maybe
 [ ! -e x.nrrd ] || fail "an output was left by a plugin that was refused"
 
@@ -60,11 +60,11 @@ fails() {
     grep -qF -- "$2" out || fail "$1: '$(cat out)' does not say '$2'"
 }
 fails crash "ended by signal 11" sweep/1
-fails status "remove returned 77, which is no status" sweep/1
+fails status "remove returned 77, which is not a status" sweep/1
 fails lost "the device?went away" sweep/1
 fails report "reported chunk -3" sweep/1
 fails stats "-1 active chunks" sweep/1
-fails voxelize "gave no object" mesh/1
+fails voxelize "but no object" mesh/1
 # Steps that a plugin makes itself are compared and named; an older table, which has no slot for them, is handed the host's.
 fails snap "snap 0: mesh digest is" mesh/1
 fails steps "steps 0: step yz (pose 1) is" sweep/1

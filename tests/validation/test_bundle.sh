@@ -20,11 +20,11 @@ refuse 2 "exists" validate --only import/ --backends "$one" --out b
 refuse 2 "no case of tier smoke begins with" validate --only nothing --out c
 refuse 2 "must be I/N" validate --shard 3/2 --out c
 refuse 2 "plonk" validate --backends plonk --out c
-refuse 2 "belong together" validate --worker ref
-refuse 2 "no folder" verify nowhere
+refuse 2 "--worker needs --trace or --dump" validate --worker ref
+refuse 2 "not a folder" verify nowhere
 # With only the reference nothing was compared, and no file says that anything is equal.
 run 3 validate --only import/0 --backends ref --out alone
-check "why" "$(cat err)" "osteon validate: nothing was compared: no backend but the reference ran a case that the reference did not refuse"
+check "why" "$(cat err)" "osteon validate: nothing was compared: no backend other than the reference ran a case that the reference accepted"
 check "what the reference alone is called" "$(sed -n 's/^  verdict  *//p' out)" "NOT COMPARED (a reduced run: no evidence)"
 check "verdict of the reference alone" "$("$json_get" verdict <alone/results.json)" "NOT COMPARED"
 "$osteon" verify alone >out 2>err

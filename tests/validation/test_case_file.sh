@@ -57,6 +57,6 @@ bad "'triangles'" "{$case, \"keep\": {\"triangles\": [[0, 0, 0]]}}"
 bad "nothing of the grid" "{$case, \"keep\": {\"crop\": [[5000, 0, 0], [5001, 1, 1]]}}"
 bad "no sample is left" "{$case, \"keep\": {\"samples\": []}}"
 refuse 2 "nowhere.json" validate --case nowhere.json
-refuse 2 "no --only" validate --case small.json --only mesh
+refuse 2 "cannot be combined with --only" validate --case small.json --only mesh
 [ ! -e c ] || fail "an output appeared"
 finish

@@ -50,7 +50,7 @@ refuse 2 "is a certificate" verify b --trust certificate.pem
 mkdir none
 refuse 2 "no public key (*.pem) in this folder" verify b --trust none
 refuse 2 "No such file" verify b --trust nowhere.pem
-refuse 2 "--timestamp-ca is for --trust" verify b --timestamp-ca trusted/tester.pem
+refuse 2 "--timestamp-ca needs --trust" verify b --timestamp-ca trusted/tester.pem
 refuse 2 "--sign needs --out" validate --sign tester.key
 refuse 2 "line of UTF-8" sign b --key tester.key --meaning "$(printf 'two\nlines')"
 if grep -rl "PRIVATE KEY" b; then fail "a private key is in the bundle"; fi

@@ -50,7 +50,7 @@ again=$(sed -n 's/^  again: //p; s/^  made small: .*: \(.* validate --case .*\)/
 sh -c "$again" >again.out 2>&1
 check "the printed command: $again" $? 1
 
-change message 'no memory to place %d samples' 'no memory to put %d samples'
+change message 'out of memory to place %d samples' 'out of memory to put %d samples'
 try 1 message.patch
 says 'NOT NOTICED: tier smoke, seed 1, --only import/0; equal on cpu:threads=1' out
 

@@ -36,8 +36,8 @@ done
 run 0 verify b
 run 0 verify b --rerun --path $path --tool $mesh --ct second.nrrd --ct $ct --json
 check "made again" "$(value rerun)" true
-refuse 2 "--rerun needs them, 2 with --ct, 1 with --tool, 1 with --path" verify b --rerun
-refuse 2 "are for --rerun" verify b --ct $ct
+refuse 2 "--rerun needs these files, 2 with --ct, 1 with --tool, 1 with --path" verify b --rerun
+refuse 2 "need --rerun" verify b --ct $ct
 sed '30s/[0-9]$/7/; 30s/$/1/' $ct >changed.txt
 refuse 2 "none of the files given with --ct is the bundle's" verify b --rerun --path $path --tool $mesh --ct second.nrrd --ct changed.txt
 refuse 2 "No such file" verify b --rerun --path nowhere --tool $mesh --ct second.nrrd --ct $ct
@@ -97,25 +97,25 @@ head -c 3000 /dev/urandom >noise
 printf 'solid\n' >empty.stl
 printf '0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n' >twice.csv
 awk 'NR == 9 { $1 = "nan" } { print }' $ct >nan.txt
-bad "no regular file" --ct /dev/zero
+bad "not a regular file" --ct /dev/zero
 bad "No such file" --ct nowhere.nii.gz
 bad "noise" --ct noise
 bad "nan.txt:9" --ct nan.txt
 bad "is a mesh" --ct $mesh
 bad "empty.stl" --tool empty.stl
 bad "noise" --tool noise
-bad "give the mesh" --tool second.nrrd
+bad "pass its mesh" --tool second.nrrd
 bad "twice.csv:2" --ct $ct --tool $mesh --path twice.csv
 bad "needs --tool and --ct" --tool $mesh --path $path
 bad "the glenoid's position and axis are not set" --ct $ct --tool $mesh --path builtin:peg-hole
-bad "is for files of your own" --cubic 0.5
-bad "up to 4" --tool $mesh --tool $mesh --tool $mesh --tool $mesh --tool $mesh
+bad "needs --ct, --tool or --path" --cubic 0.5
+bad "expected at most 4" --tool $mesh --tool $mesh --tool $mesh --tool $mesh --tool $mesh
 bad "no case of tier smoke begins with 'user'"
 bad "at most 1024" --ct $ct --tool $mesh --path $path --voxel 0.02
 TMPDIR=$scratch/no-such-folder
 export TMPDIR
 bad "no-such-folder" --ct $ct
 unset TMPDIR
-refuse 2 "no --ct, --tool and --path with it" validate --merge shards --out mixed --ct $ct
+refuse 2 "cannot be combined with --ct, --tool or --path" validate --merge shards --out mixed --ct $ct
 refuse 2 "for workers" validate --worker ref --trace t --user 4</dev/null
 finish

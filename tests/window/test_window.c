@@ -62,21 +62,21 @@ static void what_is_missing_is_said(void **state)
     fake_begin();
     the_fake.version = 0;
     the_fake.plain_version = 21;
-    refused("needs OpenGL 3.3, and here is 2.1 of a test (a fake)");
+    refused("needs OpenGL 3.3, found 2.1 of a test (a fake)");
     refused("LIBGL_ALWAYS_SOFTWARE=1");
     /* A driver that reports another reason, but also has only 2.1. */
     the_fake.why = "no visual";
-    refused("here is 2.1 of a test");
+    refused("found 2.1 of a test");
     /* The version is sufficient, so it is not the reason. */
     the_fake.plain_version = 45;
     refused("no visual");
     the_fake.plain_version = 0;
     refused("no visual");
     the_fake.why = NULL;
-    refused("here is none (no renderer)");
+    refused("found none (no renderer)");
     fake_begin();
     the_fake.no_compile = true;
-    refused("does not take the window's program");
+    refused("cannot run the window's program");
 }
 
 static void the_newest_context_is_taken(void **state)
@@ -233,7 +233,7 @@ static void frames_of_any_size(void **state)
     ost_window *w = opened();
     the_fake.no_texture_memory = true;
     assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
-    assert_non_null(strstr(err.text, "no memory for a picture of 8 x 8"));
+    assert_non_null(strstr(err.text, "out of memory for a picture of 8 x 8"));
     closed(w);
 }
 

@@ -66,7 +66,7 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
         return ost_fail(err, OST_ERR_IO, "%s: exists; a bundle is written once and never over another", out);
     bundle *made = calloc(1, sizeof *made);
     if (!made)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bundle");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bundle");
     size_t length = strlen(out);
     while (length > 1 && out[length - 1] == '/')
         length--;
@@ -140,7 +140,7 @@ ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost
 {
     char *text = json_dumps(value, JSON_SORT_KEYS | JSON_INDENT(1));
     if (!text)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     const size_t size = strlen(text);
     text[size] = '\n'; /* replaces the NUL */
     ost_status status = bundle_put(b, name, text, size + 1, err);
@@ -193,7 +193,7 @@ ost_status bundle_end(bundle *b, ost_error *err)
     ost_status status = manifest_of(b->folder, &manifest, err);
     char *text = status == OST_OK ? manifest_text(manifest) : NULL;
     if (status == OST_OK && !text)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a manifest");
     if (status == OST_OK)
         status = bundle_put(b, MANIFEST_FILE, text, strlen(text), err);
     if (status == OST_OK)

@@ -261,10 +261,10 @@ static ost_status write_one(const char *name, derive *make, const json_t *protoc
     ost_memory_stream made;
     FILE *to = ost_memory_stream_open(&made);
     if (!to)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     make(to, protocol, cases, summary);
     if (!ost_memory_stream_close(to, &made))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     const ost_status status = sink(user, name, made.bytes, made.size, err);
     free(made.bytes);
     return status;

@@ -48,7 +48,7 @@ static int by_name(const void *a, const void *b)
 
 static ost_status no_memory(ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory for " DEVICES_FILE);
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for " DEVICES_FILE);
 }
 
 /* Reads the first line of a file. */

@@ -234,7 +234,7 @@ ost_status bundle_difference(const char *folder_a, const char *folder_b, const c
                          "compared", compared, "different_cases", (json_int_t)json_array_size(differences), "differences", differences, "not_compared", not_compared,
                          "notes", notes_of(&a, &b));
         if (!*out)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory to compare bundles");
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the comparison of bundles");
     }
     side_free(&a);
     side_free(&b);

@@ -39,7 +39,7 @@ static ost_status add_leaves(const trace_block_view *b, bool numbered, ost_dims 
                 const int64_t number = (b->lo[0] + from[0]) / OST_LEAF +
                                        (int64_t)all.x * ((b->lo[1] + from[1]) / OST_LEAF + (int64_t)all.y * ((b->lo[2] + from[2]) / OST_LEAF));
                 if (json_array_append_new(leaves, numbered ? json_pack("[I,s]", (json_int_t)number, hex) : json_string(hex)) != 0)
-                    return ost_fail(err, OST_ERR_MEMORY, "no memory for digests");
+                    return ost_fail(err, OST_ERR_MEMORY, "out of memory for digests");
             }
     return OST_OK;
 }
@@ -108,7 +108,7 @@ ost_status digests_of_case(const trace *t, compare_range range, char **lines, os
     size_t used = 0;
     *lines = malloc(range.count * LINE + 1);
     if (!*lines)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the digests of %zu records", range.count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the digests of %zu records", range.count);
     (*lines)[0] = '\0';
     for (size_t k = 0; k < range.count && status == OST_OK; k++) {
         const trace_record *r = &t->records[range.first + k];
@@ -147,5 +147,5 @@ ost_status digests_of_record(const trace_record *r, ost_dims bone, json_t **out,
     if (*out && json_array_size(leaves) > 0)
         json_object_set(*out, "leaves", leaves);
     json_decref(leaves);
-    return status != OST_OK || *out ? status : ost_fail(err, OST_ERR_MEMORY, "no memory for digests");
+    return status != OST_OK || *out ? status : ost_fail(err, OST_ERR_MEMORY, "out of memory for digests");
 }

@@ -98,5 +98,5 @@ ost_status environment_of(const char *program, json_t **out, ost_error *err)
 #endif
                      "cores_online", (json_int_t)sysconf(_SC_NPROCESSORS_ONLN), "compiler", COMPILER, "program_sha256", hex, "program_version", PACKAGE_VERSION, "locale",
                      setlocale(LC_ALL, NULL), "rounding", fegetround() == FE_TONEAREST ? "to nearest" : "not to nearest", "variables", variables());
-    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the environment");
+    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for the environment");
 }

@@ -16,7 +16,7 @@
 
 static ost_status no_memory(ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory for the evidence");
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for the evidence");
 }
 
 ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only, json_t **out, ost_error *err)

@@ -35,7 +35,7 @@ static ost_status read_line(FILE *file, int number, char **line, size_t *capacit
             const size_t wanted = *capacity ? 2 * *capacity : 1 << 16;
             char *grown = realloc(*line, wanted);
             if (!grown)
-                return ost_fail(err, OST_ERR_MEMORY, "no memory for line %d of " EVIDENCE_CASES, number);
+                return ost_fail(err, OST_ERR_MEMORY, "out of memory for line %d of " EVIDENCE_CASES, number);
             *line = grown;
             *capacity = wanted;
         }
@@ -52,7 +52,7 @@ static ost_status check_written(const json_t *row, const char *where, const char
 {
     char *text = json_dumps(row, JSON_SORT_KEYS | JSON_COMPACT);
     if (!text)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", where);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", where);
     const bool same = strlen(text) == size && memcmp(text, line, size) == 0;
     free(text);
     return same ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: is not written as osteon writes it", where);
@@ -88,7 +88,7 @@ static ost_status read_lines(FILE *file, bool with_leaves, json_t *out, ost_erro
         if (status == OST_OK && !with_leaves && (status = check_written(row, where, line, size, err)) == OST_OK)
             drop_leaves(row);
         if (status == OST_OK && json_array_append(out, row) != 0)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for %s", where);
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", where);
         json_decref(row);
     }
     free(line);
@@ -105,7 +105,7 @@ ost_status evidence_read_cases(const char *folder, bool with_leaves, json_t **ou
     FILE *stream = fdopen(file.fd, "r");
     json_t *list = json_array();
     if (!stream || !list)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for " EVIDENCE_CASES);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for " EVIDENCE_CASES);
     else
         status = read_lines(stream, with_leaves, list, err);
     if (stream)

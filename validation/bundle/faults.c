@@ -61,5 +61,5 @@ ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err)
     json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)s->seed));
     if (s->first_problem[0])
         json_object_set_new(*out, "first_problem", json_string(s->first_problem));
-    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for sensitivity.json");
+    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for sensitivity.json");
 }

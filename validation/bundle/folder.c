@@ -90,7 +90,7 @@ static ost_status open_folder(int above, const char *name, const char *path, boo
 {
     *fd = openat(above, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NONBLOCK | (follow ? 0 : O_NOFOLLOW));
     *absent = *fd < 0 && (errno == ENOENT || errno == ENOTDIR);
-    return *fd >= 0 ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    return *fd >= 0 ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", path, strerror(errno));
 }
 
 ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_error *err)
@@ -131,7 +131,7 @@ static ost_status read_block(const char *name, int fd, void *to, size_t size, si
         got = read(fd, to, size);
     while (got < 0 && errno == EINTR);
     *n = got > 0 ? (size_t)got : 0;
-    return got >= 0 ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", name, strerror(errno));
+    return got >= 0 ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", name, strerror(errno));
 }
 
 ost_status folder_digest(const char *folder, const char *name, ost_digest *out, int64_t *size, ost_error *err)
@@ -205,11 +205,11 @@ static ost_status add_file(listing *l, const char *name, int64_t size, ost_error
         l->capacity = l->capacity ? 2 * l->capacity : 64;
         folder_file *grown = realloc(o->files, l->capacity * sizeof *grown);
         if (!grown)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu names", l->capacity);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu names", l->capacity);
         o->files = grown;
     }
     o->files[o->count] = (folder_file){strdup(name), size};
-    return o->files[o->count++].name ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a name");
+    return o->files[o->count++].name ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a name");
 }
 
 static const char *type_of(mode_t mode)
@@ -260,7 +260,7 @@ static ost_status list_folder(listing *l, int top, const char *folder, const cha
     DIR *dir = status == OST_OK ? fdopendir(fd) : NULL;
     if (!dir) {
         if (status == OST_OK) {
-            status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", folder, strerror(errno));
+            status = ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", folder, strerror(errno));
             close(fd);
         }
         return status;
@@ -320,5 +320,5 @@ ost_status bundle_next_entry(DIR *dir, const char *folder, struct dirent **entry
         errno = 0;
         *entry = readdir(dir);
     } while (*entry && (strcmp((*entry)->d_name, ".") == 0 || strcmp((*entry)->d_name, "..") == 0));
-    return *entry || !errno ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", folder, strerror(errno));
+    return *entry || !errno ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", folder, strerror(errno));
 }

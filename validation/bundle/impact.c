@@ -250,7 +250,7 @@ ost_status impact_of(const char *old, const char *now, json_t **out, ost_error *
                       compare_indexes(json_incref(ra), json_incref(rb)), "explained", explained, "conclusion",
                       conclusion);
         if (!*out)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for %s", IMPACT_FILE);
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", IMPACT_FILE);
     }
     json_decref(results);
     json_decref(verdicts);

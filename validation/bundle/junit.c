@@ -144,7 +144,7 @@ ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t
     const page p = {ost_memory_stream_open(&made), protocol, cases, times, environment};
     if (!p.to) {
         json_decref(summary);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for " JUNIT_FILE);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for " JUNIT_FILE);
     }
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"osteon validate\">\n", p.to);
     if (json_integer_value(json_object_get(summary, "compared")) == 0)
@@ -154,7 +154,7 @@ ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t
     fputs("</testsuites>\n", p.to);
     json_decref(summary);
     if (!ost_memory_stream_close(p.to, &made))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for " JUNIT_FILE);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for " JUNIT_FILE);
     status = sink(user, JUNIT_FILE, made.bytes, made.size, err);
     free(made.bytes);
     return status;

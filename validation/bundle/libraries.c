@@ -182,7 +182,7 @@ static void other_name(const char *path, char out[PATH_MAX])
 
 static ost_status no_memory(ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of libraries");
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of libraries");
 }
 
 static void free_words(char **argv, size_t from, size_t n)

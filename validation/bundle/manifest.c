@@ -59,7 +59,7 @@ static ost_status describe_files(const char *folder, const folder_files *l, json
     ost_digest *leaves = calloc(2 * l->count + 1, sizeof *leaves);
     ost_digest *some = leaves ? leaves + l->count : NULL;
     size_t count = 0, some_count = 0;
-    ost_status status = leaves ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for %zu digests", l->count);
+    ost_status status = leaves ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu digests", l->count);
     for (size_t i = 0; i < l->count && status == OST_OK; i++) {
         const char *name = l->files[i].name;
         char hex[OST_DIGEST_HEX];
@@ -77,7 +77,7 @@ static ost_status describe_files(const char *folder, const folder_files *l, json
         count++;
         json_t *row = json_pack("{s:s,s:I,s:s}", "name", name, "size", (json_int_t)size, "sha256", ost_digest_hex(&file, hex));
         if (!row || json_array_append_new(files, row) != 0)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a manifest");
     }
     if (status == OST_OK)
         status = tree_of(leaves, count, all, err);
@@ -101,7 +101,7 @@ static ost_status manifest_of_files(const char *folder, const folder_files *l, j
         *out = json_pack("{s:i,s:O,s:O,s:s,s:s,s:s}", "schema", SCHEMA, "files", files, "varying", names, "root", ost_digest_hex(&all, a), "results_root",
                          ost_digest_hex(&results, b), "hash", "SHA-256; roots as in RFC 6962 over SHA-256(00 name 00 digest)");
     if (status == OST_OK && !*out)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a manifest");
     json_decref(files);
     json_decref(names);
     return status;
@@ -238,7 +238,7 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
     if (status == OST_OK)
         status = bundle_find(folder, MANIFEST_FILE, &bytes, &size, err);
     if (status == OST_OK && !(text = manifest_text(is)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a manifest");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a manifest");
     if (status == OST_OK && !bytes) {
         problem(user, BUNDLE_ABSENT, MANIFEST_FILE, "is missing");
         ++*found;

@@ -43,7 +43,7 @@ static ost_status plan_of_file(const json_t *file, const plan_user *user, plan *
     if (count < 1 || count > CASES_MAX)
         return ost_fail(err, OST_ERR_INPUT, "'case' must have 1 to %d cases", CASES_MAX);
     if (!(out->cases = calloc(count, sizeof *out->cases)))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu cases", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu cases", count);
     for (size_t i = 0; i < count; i++) {
         const ost_status status = case_of_json(list ? json_array_get(list, i) : file, "case", user, &out->cases[i], err);
         if (status != OST_OK) {

@@ -24,7 +24,7 @@ static ost_status put_json(const char *name, const json_t *value, evidence_sink 
 {
     char *text = json_dumps(value, JSON_SORT_KEYS | JSON_INDENT(1));
     if (!text)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     const size_t size = strlen(text);
     text[size] = '\n';
     ost_status status = sink(user, name, text, size + 1, err);
@@ -39,7 +39,7 @@ static ost_status put_known_anomalies(evidence_sink *sink, void *user, ost_error
     for (size_t i = 0; to && i < sizeof anomaly_lines / sizeof anomaly_lines[0]; i++)
         fprintf(to, "%s\n", anomaly_lines[i]);
     if (!to || !ost_memory_stream_close(to, &made))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", KNOWN_ANOMALIES_FILE);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", KNOWN_ANOMALIES_FILE);
     const ost_status status = sink(user, KNOWN_ANOMALIES_FILE, made.bytes, made.size, err);
     free(made.bytes);
     return status;
@@ -49,7 +49,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
 {
     json_t *devices = NULL, *tools = NULL;
     char *requirements = trace_requirements();
-    ost_status status = requirements ? sink(user, REQUIREMENTS_FILE, requirements, strlen(requirements), err) : ost_fail(err, OST_ERR_MEMORY, "no memory for requirements");
+    ost_status status = requirements ? sink(user, REQUIREMENTS_FILE, requirements, strlen(requirements), err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for requirements");
     free(requirements);
     if (status == OST_OK)
         status = put_known_anomalies(sink, user, err);

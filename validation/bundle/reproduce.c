@@ -57,7 +57,7 @@ static ost_status put_case(const campaign *c, int i, int s, const minimised *m, 
     char *text = o ? json_dumps(o, JSON_SORT_KEYS | JSON_COMPACT) : NULL;
     json_decref(o);
     if (!text)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a case");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a case");
     name_of(c->plan->cases[i].id, s, f->reproduce);
     minimised_text(m, f->small);
     const size_t size = strlen(text);

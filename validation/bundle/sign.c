@@ -120,7 +120,7 @@ static ost_status statement_of(const contents *c, const claim *claimed, json_t *
                            c->protocol_sha256, "passedTests", passed, "failedTests", failed);
     json_decref(passed);
     json_decref(failed);
-    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a statement");
+    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a statement");
 }
 
 /* --------------------------------------------------------------- signing */
@@ -190,7 +190,7 @@ ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, 
     status = statement_of(&c, &claimed, &statement, err);
     contents_free(&c);
     if (status == OST_OK && !(payload = json_dumps(statement, JSON_COMPACT | JSON_SORT_KEYS)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a statement");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a statement");
     if (status == OST_OK)
         status = sign_envelope_make(key, payload, strlen(payload), &envelope, err);
     if (status == OST_OK)
@@ -355,7 +355,7 @@ static ost_status check_envelope(const check *c, const char *name, ost_error *er
                               claimed.meaning, "claimed_time", claimed.time, "keys", keys, "checked", c->trust != NULL,
                               "stamped", stamped, "time_stamp", time);
         if (!o || json_array_append_new(c->list, o) != 0)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for signatures");
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for signatures");
     }
     json_decref(keys);
     free(bytes);
@@ -421,7 +421,7 @@ ost_status sign_check(const char *folder, const sign_trust *trust, bundle_proble
     if (status == OST_OK && !dir && (why == ENOTDIR || why == ELOOP))
         report(&c, "", "is not a folder");
     else if (status == OST_OK && !dir && why != ENOENT)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(why));
+        status = ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(why));
     if (fd >= 0 && !dir)
         close(fd);
     if (status == OST_OK && dir) {

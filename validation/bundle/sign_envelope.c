@@ -20,7 +20,7 @@ static ost_status encode(const char *payload, size_t size, char **out, size_t *o
     *out_size = (size_t)n + size;
     *out = malloc(*out_size);
     if (!*out)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for an envelope");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for an envelope");
     memcpy(*out, head, (size_t)n);
     memcpy(*out + n, payload, size);
     return OST_OK;
@@ -92,7 +92,7 @@ ost_status sign_envelope_make(const sign_key *key, const char *payload, size_t s
                                 : NULL;
         *text = o ? json_dumps(o, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
         if (!*text)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for an envelope");
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for an envelope");
         json_decref(o);
         free(body);
         free(sig);

@@ -42,7 +42,7 @@ static ost_status take_key(const char *path, EVP_PKEY *pkey, sign_key *out, ost_
     const int size = status == OST_OK ? i2d_PUBKEY(pkey, &der) : 0;
     if (status == OST_OK)
         status = size > 0 ? ost_digest_bytes(der, (size_t)size, &digest, err)
-                          : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a key", path);
+                          : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a key", path);
     OPENSSL_free(der);
     if (status == OST_OK) {
         out->key = pkey;
@@ -85,7 +85,7 @@ ost_status sign_key_open(const char *path, const char *passphrase, sign_key **ou
                                   : "");
         else if (!key) {
             EVP_PKEY_free(pkey);
-            status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a key", path);
+            status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a key", path);
         } else if ((status = take_key(path, pkey, key, err)) != OST_OK)
             free(key);
         else
@@ -180,7 +180,7 @@ static ost_status trust_folder(const char *path, sign_trust *t, ost_error *err)
 ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out, ost_error *err)
 {
     sign_trust *t = calloc(1, sizeof *t);
-    ost_status status = t ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for trusted keys");
+    ost_status status = t ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for trusted keys");
     *out = NULL;
     for (int i = 0; i < count && status == OST_OK; i++) {
         struct stat info;

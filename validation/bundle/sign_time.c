@@ -29,7 +29,7 @@ ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *er
     BIO_free(bio);
     free(bytes);
     if (!store)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for certificates", path);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for certificates", path);
     if (!found) {
         X509_STORE_free(store);
         return ost_fail(err, OST_ERR_INPUT, "%s: no certificate in PEM", path);

@@ -272,11 +272,11 @@ static ost_status write_one(const char *name, void (*make)(FILE *to, json_t *too
     ost_memory_stream made;
     FILE *to = ost_memory_stream_open(&made);
     if (!to)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     out_of_memory = false;
     make(to, tools);
     const bool complete = ost_memory_stream_close(to, &made) && !out_of_memory;
-    const ost_status status = complete ? sink(user, name, made.bytes, made.size, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", name);
+    const ost_status status = complete ? sink(user, name, made.bytes, made.size, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     free(made.bytes);
     return status;
 }

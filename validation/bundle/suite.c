@@ -168,7 +168,7 @@ ost_status suite_check(const char *folder, const json_t *protocol, bundle_proble
         if (expected)
             check_all(&c, suite, protocol, expected);
         else
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for the tests of " REQUIREMENTS_FILE);
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the tests of " REQUIREMENTS_FILE);
     }
     free(requirements);
     json_decref(expected);

@@ -279,10 +279,10 @@ ost_status trace_table_write(const char *requirements, const json_t *cases, cons
     ost_memory_stream made;
     FILE *to = ost_memory_stream_open(&made);
     if (!to)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for " TRACE_FILE);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for " TRACE_FILE);
     write_rows(to, requirements, cases, common, suite);
     if (!ost_memory_stream_close(to, &made))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for " TRACE_FILE);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for " TRACE_FILE);
     const ost_status status = sink(user, TRACE_FILE, made.bytes, made.size, err);
     free(made.bytes);
     return status;

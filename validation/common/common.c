@@ -39,7 +39,7 @@ ost_status common_check(uint64_t seed, json_t **out, ost_error *err)
         *out = json_pack("{s:I,s:I,s:s,s:O,s:o}", "passed", passed, "failed", (json_int_t)json_array_size(l.checks) - passed, "on",
                          "the scalar reference; other backends equal it where the cases say so", "checks", l.checks, "by_the_tests", by_the_tests());
         if (!*out)
-            l.status = ost_fail(err, OST_ERR_MEMORY, "no memory for the checks");
+            l.status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the checks");
     }
     json_decref(l.checks);
     return l.status;

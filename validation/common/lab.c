@@ -18,7 +18,7 @@ void lab_record(lab *l, const char *kind, const char *name, const char *requirem
     json_t *row = json_pack("{s:s,s:s,s:s,s:s,s:b,s:s,s:s}", "kind", kind, "name", name, "requirements", requirements, "what", what, "passed", passed, "expected", expected,
                             "got", text);
     if (!row || json_array_append_new(l->checks, row) != 0)
-        l->status = ost_fail(l->err, OST_ERR_MEMORY, "no memory for a check");
+        l->status = ost_fail(l->err, OST_ERR_MEMORY, "out of memory for a check");
 }
 
 ost_geometry lab_cube(int32_t nx, int32_t ny, int32_t nz, ost_pm spacing)
@@ -93,7 +93,7 @@ void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const
     ost_map *maps = calloc((size_t)count, sizeof *maps);
     ost_voxel_box *boxes = calloc((size_t)count, sizeof *boxes);
     if (l->status == OST_OK && (!maps || !boxes))
-        l->status = ost_fail(l->err, OST_ERR_MEMORY, "no memory for %d poses", count);
+        l->status = ost_fail(l->err, OST_ERR_MEMORY, "out of memory for %d poses", count);
     for (int k = 0; k < count && l->status == OST_OK; k++) {
         l->status = ost_map_make(&poses[k], g, ost_tool_geometry_get(tool), &maps[k], l->err);
         boxes[k] = (ost_voxel_box){.hi = {g->dims.x, g->dims.y, g->dims.z}};
@@ -119,7 +119,7 @@ uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const 
     uint64_t gone = 0;
     int16_t *voxels = malloc((size_t)all * sizeof *voxels);
     if (l->status == OST_OK && !voxels)
-        l->status = ost_fail(l->err, OST_ERR_MEMORY, "no memory for a bone");
+        l->status = ost_fail(l->err, OST_ERR_MEMORY, "out of memory for a bone");
     for (int64_t i = 0; voxels && i < all; i++)
         voxels[i] = density;
     if (voxels)

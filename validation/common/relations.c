@@ -23,7 +23,7 @@ static void make(lab *l, draw *d, scene *s)
     s->tool = NULL;
     if (!s->before) {
         if (l->status == OST_OK)
-            l->status = ost_fail(l->err, OST_ERR_MEMORY, "no memory for a bone");
+            l->status = ost_fail(l->err, OST_ERR_MEMORY, "out of memory for a bone");
         return;
     }
     s->a = s->before + COUNT;

@@ -11,14 +11,14 @@ ost_status dense_bone_create(ost_backend *backend, const ost_geometry *geometry,
     const size_t count = (size_t)ost_dims_count(geometry->dims);
     dense_bone *bone = calloc(1, sizeof *bone);
     if (!bone)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone");
     bone->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
     bone->density = calloc(count, sizeof *bone->density);
     bone->active = calloc(count, 1);
     if (!bone->density || !bone->active) {
         dense_bone_free(&bone->base);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone of %d x %d x %d voxels", geometry->dims.x, geometry->dims.y,
-                        geometry->dims.z);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone of %d x %d x %d voxels", geometry->dims.x,
+                        geometry->dims.y, geometry->dims.z);
     }
     *out = &bone->base;
     return OST_OK;
@@ -195,7 +195,7 @@ ost_status dense_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_error
     const dense_bone *bone = (const dense_bone *)base;
     const ost_dims d = base->geometry.dims;
     int16_t *leaf = malloc(OST_LEAF * OST_LEAF * OST_LEAF * sizeof *leaf);
-    ost_status status = leaf ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a leaf");
+    ost_status status = leaf ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a leaf");
     for (int32_t c = 0; c < d.z && status == OST_OK; c += OST_LEAF)
         for (int32_t b = 0; b < d.y && status == OST_OK; b += OST_LEAF)
             for (int32_t a = 0; a < d.x && status == OST_OK; a += OST_LEAF) {

@@ -76,7 +76,7 @@ ost_status dense_open(const deviation *how, ost_backend **out, ost_error *err)
         return ost_fail(err, OST_ERR_USAGE, "there is no deviation number %d", (int)how->kind);
     dense *d = calloc(1, sizeof *d);
     if (!d)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for backend dense");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for backend dense");
     d->base.ops = &table;
     if (how && how->kind != DEVIATION_NONE) {
         d->own.how = *how;

@@ -14,13 +14,13 @@ ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry,
 {
     dense_grid *grid = calloc(1, sizeof *grid);
     if (!grid)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid");
     grid->base = (ost_grid){.backend = backend, .geometry = *geometry};
     grid->made.voxels = calloc(count_of(&grid->base), sizeof *grid->made.voxels);
     if (!grid->made.voxels) {
         free(grid);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %d x %d x %d voxels", geometry->dims.x, geometry->dims.y,
-                        geometry->dims.z);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %d x %d x %d voxels", geometry->dims.x,
+                        geometry->dims.y, geometry->dims.z);
     }
     *out = &grid->base;
     return OST_OK;
@@ -226,7 +226,7 @@ static ost_status prepare(dense_grid *grid, ost_error *err)
     const size_t count = count_of(&grid->base);
     grid->made.seen = calloc(count, 1);
     if (!grid->made.seen)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for which voxels have a sample");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for which voxels have a sample");
     if (!deviant_in(m, DEVIATION_RECT))
         return OST_OK;
     grid->right.seen = calloc(count, 1);
@@ -237,7 +237,7 @@ static ost_status prepare(dense_grid *grid, ost_error *err)
         free(grid->right.voxels);
         grid->made.seen = grid->right.seen = NULL;
         grid->right.voxels = NULL;
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the grid without the deviation");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the grid without the deviation");
     }
     memcpy(grid->right.voxels, grid->made.voxels, count * sizeof *grid->right.voxels);
     deviant_begin(m, DEVIATION_RECT, grid->base.geometry.dims, 0);

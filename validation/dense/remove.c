@@ -43,7 +43,7 @@ static ost_status marks_for(const dense_bone *bone, dense_marks *out, ost_error 
     out->cut = calloc(count, sizeof *out->cut);
     out->touch = calloc(count, sizeof *out->touch);
     out->met = calloc((size_t)ost_dims_count(chunk_dims(bone)), sizeof *out->met);
-    return out->cut && out->touch && out->met ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for the marks of %zu voxels", count);
+    return out->cut && out->touch && out->met ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for the marks of %zu voxels", count);
 }
 
 static void free_marks(dense_marks *marks)
@@ -253,7 +253,7 @@ static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_
         status = marks_for(bone, &right, err);
         before = malloc(count * sizeof *before);
         if (status == OST_OK && !before)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for the bone as it was");
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the bone as it was");
     }
     if (status != OST_OK)
         goto done;

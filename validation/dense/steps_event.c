@@ -9,7 +9,7 @@ ost_status steps_history_begin(const ost_path *path, bool sweep_off, int64_t per
 {
     *out = (steps_history){.sweep_off = sweep_off, .period_ns = period_ns, .ticks = path->ticks};
     out->taken = calloc(path->count + 1, sizeof *out->taken);
-    return out->taken ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a list of %zu ticks", path->count);
+    return out->taken ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of %zu ticks", path->count);
 }
 
 void steps_history_free(steps_history *h)

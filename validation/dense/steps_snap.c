@@ -94,7 +94,7 @@ ost_status steps_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_s
     bool *used = calloc(mesh->vertex_count + 1, sizeof *used);
     ost_status status = OST_OK;
     if (!out->vertices || !out->triangles || !used)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory to snap a mesh of %zu triangles", mesh->triangle_count);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory to snap a mesh of %zu triangles", mesh->triangle_count);
     for (size_t t = 0; t < mesh->triangle_count && status == OST_OK; t++)
         for (int c = 0; c < 3 && status == OST_OK; c++) {
             if (mesh->triangles[t][c] >= mesh->vertex_count)

@@ -15,12 +15,12 @@ ost_status dense_tool_upload(ost_backend *backend, const ost_tool_volume *volume
     const size_t count = (size_t)ost_dims_count(volume->geometry.dims);
     dense_tool *tool = calloc(1, sizeof *tool);
     if (!tool)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool");
     tool->base = (ost_tool){.backend = backend, .geometry = volume->geometry};
     tool->voxels = calloc(count, 1);
     if (!tool->voxels) {
         free(tool);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool of %zu voxels", count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool of %zu voxels", count);
     }
     if (volume->voxels)
         memcpy(tool->voxels, volume->voxels, count);
@@ -264,7 +264,7 @@ ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
     const ost_tool_volume empty = {.geometry = cutting->grid};
     ost_tool *right = NULL;
     const row r = {.count = malloc((size_t)d.x * sizeof *r.count), .times = malloc((size_t)d.x * sizeof *r.times)};
-    ost_status status = r.count && r.times ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a row of %d voxels", d.x);
+    ost_status status = r.count && r.times ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a row of %d voxels", d.x);
     if (status == OST_OK)
         status = dense_tool_upload(backend, &empty, out, err);
     if (status == OST_OK && twice)

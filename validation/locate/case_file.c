@@ -146,7 +146,7 @@ ost_status case_of_json(const json_t *o, const char *where, const plan_user *use
         return OST_OK;
     scene_cut *cut = calloc(1, sizeof *cut);
     if (!cut)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a case");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a case");
     ost_status status = read_cut(cut_json, where, cut, err);
     if (status == OST_OK)
         out->cut = cut;
@@ -224,7 +224,7 @@ ost_status case_file_read(const char *path, const plan_user *user, plan *out, js
     if (count < 1 || count > CASES_MAX)
         status = bad(path, err, "'cases' must be a list of 1 to 1024 cases");
     else if (!(out->cases = calloc(count, sizeof *out->cases)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for %zu cases", count);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu cases", count);
     for (size_t i = 0; i < count && status == OST_OK; i++) {
         status = case_of_json(list ? json_array_get(list, i) : o, path, user, &out->cases[i], err);
         if (status == OST_OK)

@@ -39,7 +39,7 @@ static ost_status cut_ct(const scene_cut *cut, scene *s, ost_error *err)
     size_t kept = 0, capacity = s->sample_count;
     ost_sample *to = s->samples;
     if (s->lent && !(to = malloc((capacity ? capacity : 1) * sizeof *to)))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu samples", capacity);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu samples", capacity);
     for (size_t i = 0; i < s->sample_count; i++) {
         const ost_sample *one = &s->samples[i];
         const int64_t at[3] = {ost_rhe_div(one->x - g.origin.x, g.spacing.x), ost_rhe_div(one->y - g.origin.y, g.spacing.y),

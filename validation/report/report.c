@@ -337,7 +337,7 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     FILE *to = ost_memory_stream_open(&made);
     if (!to) {
         json_decref(summary);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", REPORT_FILE);
     }
     ost_error unread = {0};
     const page p = {to, folder, protocol, cases, summary, &unread};
@@ -366,7 +366,7 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     signing(&p);
     files(&p);
     page_end(&p);
-    status = ost_memory_stream_close(to, &made) ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for %s", REPORT_FILE);
+    status = ost_memory_stream_close(to, &made) ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", REPORT_FILE);
     if (status == OST_OK && unread.status != OST_OK)
         status = ost_fail(err, unread.status, "%s", unread.text);
     if (status == OST_OK)

@@ -15,7 +15,8 @@ ost_status backend_choose(const app_state *app, ost_backend **out, ost_error *er
     if (!app->threads || !backend_is(app, "cpu"))
         return ost_backend_open(app->backend, out, err);
     if (strstr(app->backend, "threads="))
-        return ost_fail(err, OST_ERR_USAGE, "--threads %lld and --backend %.80s both say how many threads; give one of them",
+        return ost_fail(err, OST_ERR_USAGE,
+                        "--threads %lld and --backend %.80s both set the number of threads; pass one of them",
                         (long long)app->threads, app->backend);
     const char *options = strchr(app->backend, ':');
     char spec[256];

@@ -269,9 +269,9 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
         const char *word = argv[i];
         if (only_operands || word[0] != '-' || !word[1]) {
             if (!next || !next->name)
-                return usage_error(app, err, "'%s' is one argument too many", word);
+                return usage_error(app, err, "unexpected argument '%s'", word);
             if (!*word)
-                return usage_error(app, err, "an argument is empty; %s", next->missing);
+                return usage_error(app, err, "empty argument: %s", next->missing);
             *next++->out = word;
             continue;
         }
@@ -284,7 +284,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
         if (strcmp(word, "-o") == 0)
             word = "--out";
         if (word[1] != '-')
-            return usage_error(app, err, "'%s' is not an option; options are written --name", word);
+            return usage_error(app, err, "unknown option '%s'; expected --NAME", word);
         const char *name = word + 2;
         size_t length = strcspn(name, "=");
         const option *o = find(usage->options, name, length);

@@ -51,7 +51,7 @@ typedef struct option {
 typedef struct operand {
     const char *name;
     const char **out;
-    const char *missing; /* message if it is missing: "which CT?" */
+    const char *missing; /* message if it is missing: "no CT given" */
 } operand;
 
 typedef struct usage_text {

@@ -42,7 +42,7 @@ ost_status debrief_tick(debrief *d, const ost_session_tick *t, ost_error *err)
         const size_t capacity = d->capacity ? 2 * d->capacity : 4096;
         ost_motion *grown = realloc(d->motion, capacity * sizeof *grown);
         if (!grown)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for the motion of %zu ticks", capacity);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for the motion of %zu ticks", capacity);
         d->motion = grown;
         d->capacity = capacity;
     }
@@ -199,7 +199,7 @@ ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, c
     ost_bone_info info;
     ost_volume after = {0};
     ost_metrics *m = malloc(sizeof *m);
-    ost_status status = m ? ost_bone_info_get(bone, &info, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for metrics");
+    ost_status status = m ? ost_bone_info_get(bone, &info, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for metrics");
     if (status == OST_OK)
         status = take_bone(bone, &after, err);
     if (status == OST_OK)

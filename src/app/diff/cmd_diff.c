@@ -133,7 +133,7 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
     const char *name_a = NULL, *name_b = NULL, *html = NULL;
     int64_t limit = 10;
     int chunk = 1;
-    const operand operands[] = {{"A", &name_a, "which two grids?"}, {"B", &name_b, "which second grid?"}, {0}};
+    const operand operands[] = {{"A", &name_a, "no grids given; expected two"}, {"B", &name_b, "no second grid given"}, {0}};
     const option options[] = {
         {.name = "html", .kind = OPTION_TEXT, .out = &html, .value = "FILE", .help = "write a page with slices, a view of the surface where most differs, a\nchunk map and the voxels"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &limit, .value = "N", .min = 0, .max = 100000,
@@ -161,11 +161,12 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
     if (html && (status = out_check(app, html, "html|htm", err)) != OST_OK)
         return status;
     if (diff_is_folder(name_a) != diff_is_folder(name_b))
-        return ost_fail(err, OST_ERR_INPUT, "%s is a folder and %s is not: there is nothing to compare", diff_is_folder(name_a) ? name_a : name_b,
-                        diff_is_folder(name_a) ? name_b : name_a);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s is a folder and %s is not; expected two grids, two tools or two bundles",
+                        diff_is_folder(name_a) ? name_a : name_b, diff_is_folder(name_a) ? name_b : name_a);
     if (diff_is_folder(name_a)) {
         if (html)
-            return usage_error(app, err, "--html is for grids, not for bundles");
+            return usage_error(app, err, "--html needs grids, not bundles");
         return diff_bundles(app, name_a, name_b, limit, err);
     }
     loaded_volume a = {0}, b = {0};
@@ -174,8 +175,9 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = load_volume(app, name_b, &b, err);
     if (status == OST_OK && (a.kind == LOAD_TOOL) != (b.kind == LOAD_TOOL))
-        status = ost_fail(err, OST_ERR_INPUT, "%s is a tool and %s is not: there is nothing to compare", a.kind == LOAD_TOOL ? name_a : name_b,
-                          a.kind == LOAD_TOOL ? name_b : name_a);
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s is a tool and %s is not; expected two grids, two tools or two bundles",
+                          a.kind == LOAD_TOOL ? name_a : name_b, a.kind == LOAD_TOOL ? name_b : name_a);
     if (status == OST_OK)
         status = diff_compare(&a, &b, 16 << chunk, (size_t)limit, &r, err);
     if (status == OST_OK && html)

@@ -149,7 +149,7 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
     if (!axes || !chunks || !out->first) {
         free(axes);
         free(chunks);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to compare %zu chunks", chunk_count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the comparison of %zu chunks", chunk_count);
     }
     compare_voxels(a, b, limit, chunks, axis, out);
     out->busiest[0] = most(axis[0], ga->dims.x);

@@ -86,7 +86,7 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     posix_spawnattr_t how;
     sigset_t none, usual;
     if (pipe2(ends_of, O_CLOEXEC) != 0)
-        return ost_fail(err, OST_ERR_IO, "no pipe for a video: %s", strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "cannot create a pipe for a video: %s", strerror(errno));
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, ends_of[0], STDIN_FILENO);
     if (f->messages)
@@ -129,13 +129,15 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
                       "-color_primaries", "bt709", "-color_trc", "bt709"};
     int count = 16;
     if (!find_program("ffmpeg", program))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: no ffmpeg in PATH to make it; Debian: install ffmpeg, or name a folder or a .y4m instead", f->target);
+        return ost_fail(err, OST_ERR_UNAVAILABLE,
+                        "%s: ffmpeg not found in PATH; install ffmpeg, or pass a folder or a .y4m file", f->target);
     ost_status status = ost_outfile_open(f->target, &f->out, err);
     if (status != OST_OK)
         return status;
     f->messages = tmpfile();
     if (!f->messages)
-        return ost_fail(err, OST_ERR_IO, "no temporary file for the messages of %s: %s", program, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "cannot create a temporary file for the messages of %s: %s", program,
+                        strerror(errno));
     fcntl(fileno(f->messages), F_SETFD, FD_CLOEXEC);
     for (const char *const *more = strcmp(format, "webm") == 0 ? vp9 : x264; *more; more++)
         argv[count++] = *more;
@@ -203,13 +205,15 @@ static ost_status open_folder(film_file *f, ost_error *err)
     char first[NAME];
     struct stat st;
     if (mkdir(f->target, 0777) != 0 && errno != EEXIST)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be made: %s", f->target, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot create: %s", f->target, strerror(errno));
     if (stat(f->target, &st) != 0 || !S_ISDIR(st.st_mode))
-        return ost_fail(err, OST_ERR_USAGE, "--video %s: is no folder; a file's name ends in .mp4, .mkv, .mov, .webm or .y4m", f->target);
+        return ost_fail(err, OST_ERR_USAGE,
+                        "--video %s: not a folder; expected a name that ends in .mp4, .mkv, .mov, .webm or .y4m",
+                        f->target);
     if (snprintf(first, sizeof first, "%s/frame-000000.png", f->target) >= (int)sizeof first)
         return ost_fail(err, OST_ERR_IO, "%s: %s", f->target, strerror(ENAMETOOLONG));
     if (access(first, F_OK) == 0)
-        return ost_fail(err, OST_ERR_IO, "%s: has a video already; nothing is written over", f->target);
+        return ost_fail(err, OST_ERR_IO, "%s: the folder has a video already; pass another folder", f->target);
     f->folder = true;
     return OST_OK;
 }
@@ -230,13 +234,13 @@ ost_status film_file_open(const char *target, const char *command, int fps, film
     *out = NULL;
     film_file *f = calloc(1, sizeof *f);
     if (!f)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a video");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a video");
     f->fps = fps;
     f->pipe = -1;
     ost_status status = OST_OK;
     const char *format = target ? ffmpeg_format(target) : NULL;
     if (target && !(f->target = strdup(target)))
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a video");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a video");
     else if (command)
         status = start_shell(f, command, err);
     else if (ends(target, ".y4m"))
@@ -324,7 +328,7 @@ static ost_status begin(film_file *f, int width, int height, ost_error *err)
     f->size = 3 * (size_t)width * (size_t)height;
     f->bytes = f->folder ? NULL : malloc(f->size);
     if (!f->fitted || (!f->folder && !f->bytes))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a video of %d x %d pixels", width, height);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a video of %d x %d pixels", width, height);
     f->width = width;
     f->height = height;
     snprintf(head, sizeof head, "YUV4MPEG2 W%d H%d F%d:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n", width, height, f->fps);

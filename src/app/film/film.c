@@ -151,7 +151,7 @@ static void *work(void *user)
 ost_status film_check(const app_state *app, const film_options *options, ost_error *err)
 {
     if (options->target && options->pipe)
-        return usage_error(app, err, "--video %s and --video-pipe: one video at a time", options->target);
+        return usage_error(app, err, "--video %s and --video-pipe cannot be combined", options->target);
     return OST_OK;
 }
 
@@ -160,7 +160,7 @@ ost_status film_open(const film_options *options, film **out, ost_error *err)
     *out = NULL;
     film *f = calloc(1, sizeof *f);
     if (!f)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a video");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a video");
     f->options = *options;
     if (options->target || options->pipe) {
         const ost_status status = film_file_open(options->target, options->pipe, (int)options->fps, &f->file, err);
@@ -176,7 +176,7 @@ ost_status film_open(const film_options *options, film **out, ost_error *err)
     if (error) {
         film_file_close(f->file, NULL);
         free(f);
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for pictures: %s", strerror(error));
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for pictures: %s", strerror(error));
     }
     *out = f;
     return OST_OK;

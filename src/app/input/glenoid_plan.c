@@ -52,7 +52,8 @@ static ost_status overlay(const char *session, const ost_session_header *header,
     for (int i = 0; header && i < SAME; i++) {
         const char *value = ost_session_header_get(header, same[i].session);
         if (value && ost_meta_set(stored, same[i].grid, value, NULL) != OST_OK)
-            return ost_fail(err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which cannot be", session, same[i].session, value);
+            return ost_fail(err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which is not valid", session,
+                            same[i].session, value);
     }
     return OST_OK;
 }
@@ -69,7 +70,8 @@ static ost_status find_depth(const app_state *app, const glenoid_plan_options *o
         ost_decimal d;
         const char *end = stored + strlen(stored);
         if (ost_decimal_read(stored, end, &d) != end || !ost_decimal_scale(&d, 1000, &um, NULL) || um < 0 || um > DEPTH_UM_MAX)
-            return ost_fail(err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which cannot be", session, depth_key, stored);
+            return ost_fail(err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which is not valid", session,
+                            depth_key, stored);
     }
     *out = (double)um * 1e-3;
     return OST_OK;

@@ -42,7 +42,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
     const bool exists = stat(path, &st) == 0;
     /* Such a name would otherwise fail only at the end, after all the work. */
     if (!exists && errno == ENAMETOOLONG)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
     bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
     if (!special && !ends_with_one_of(path, ends)) {
         char spoken[OPTION_SPOKEN];
@@ -52,7 +52,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
     char folder[4096];
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
     if (stat(folder, &st) != 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot write there: %s", path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
     return OST_OK;
 }
 
@@ -81,7 +81,7 @@ static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_b
             end[e] = (int32_t)value;
         }
         if (end[0] >= end[1])
-            return usage_error(app, err, "--crop '%s': from %d to %d keeps nothing", text, end[0], end[1]);
+            return usage_error(app, err, "--crop '%s': the range from %d to %d is empty", text, end[0], end[1]);
         out->lo[a] = end[0];
         out->hi[a] = end[1];
     }
@@ -121,7 +121,7 @@ static ost_status phantom_volume(const char *kind_name, ost_volume *out, ost_err
     for (int k = 0; k < OST_PHANTOM_COUNT; k++)
         if (strcmp(kind_name, ost_phantom_name((ost_phantom_kind)k)) == 0)
             return ost_phantom_make((ost_phantom_kind)k, NULL, out, err);
-    return ost_fail(err, OST_ERR_USAGE, "builtin:%s: there is no such bone; osteon phantom --help lists them", kind_name);
+    return ost_fail(err, OST_ERR_USAGE, "builtin:%s: unknown bone; see osteon phantom --help", kind_name);
 }
 
 static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume, const ost_import_options *options, ost_bone **out,
@@ -190,7 +190,8 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
     const char *kind = builtin_name(name);
     if (kind) {
         if (ct->crop || ct->spacing.x || ct->orientation || ct->form)
-            return usage_error(app, err, "--crop, --spacing, --orientation and --form are for files; write %s with osteon phantom first", name);
+            return usage_error(app, err, "--crop, --spacing, --orientation and --form need a file; write %s with "
+                               "osteon phantom first", name);
         ost_volume volume = {0};
         status = phantom_volume(kind, &volume, err);
         if (status == OST_OK)
@@ -239,7 +240,7 @@ static ost_status load_part(const char *name, ost_unit unit, ost_tool_part part,
     if (!builtin_name(name))
         return ost_mesh_read(name, unit, out, report, err);
     if (k == OST_TOOL_KIND_COUNT)
-        return ost_fail(err, OST_ERR_USAGE, "%s: there is no such tool; osteon tool --help lists them", name);
+        return ost_fail(err, OST_ERR_USAGE, "%s: unknown tool; see osteon tool --help", name);
     ost_status status = ost_tool_make(k, &(ost_tool_options){.part = part}, out, err);
     if (status == OST_OK) {
         snprintf(report->format, sizeof report->format, "built in");
@@ -332,7 +333,8 @@ static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, co
             warn(app, "%s: the surface is not closed (%zu open edges): %s rows of voxels leak and were left empty", name, report->open_edges,
                  format_count(text, (int64_t)report->voxels.leaking_rows));
         if (!report->voxels.solid_voxels)
-            warn(app, "%s: not one voxel of %g mm is inside the mesh", name, ost_pm_to_mm(options->voxel));
+            warn(app, "%s: no voxel of %g mm is inside the mesh; use a smaller --voxel", name,
+                 ost_pm_to_mm(options->voxel));
     }
     ost_snapped_mesh_free(&snapped);
     ost_snapped_mesh_free(&snapped_shaft);
@@ -363,7 +365,7 @@ ost_status load_tool(const app_state *app, ost_backend *backend, const char *nam
         return status;
     }
     if (kind != OST_FILE_MESH && kind != OST_FILE_UNKNOWN)
-        return ost_fail(err, OST_ERR_INPUT, "%s: is neither a mesh nor a tool grid", name);
+        return ost_fail(err, OST_ERR_INPUT, "%s: not a mesh or a tool grid", name);
     return voxelize_meshes(app, backend, name, noncutting, options, out, report, err);
 }
 
@@ -465,7 +467,7 @@ ost_status load_volume(const app_state *app, const char *name, loaded_volume *ou
     if (kind == OST_FILE_CT_TEXT)
         return load_text_volume(app, name, out, err);
     if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI)
-        return ost_fail(err, OST_ERR_INPUT, "%s: has no voxels; a CT, a bone or a tool grid is needed", name);
+        return ost_fail(err, OST_ERR_INPUT, "%s: no voxels; expected a CT, a bone or a tool grid", name);
     ost_meta meta = {0};
     status = ost_volume_read_header(name, NULL, &meta, NULL, err);
     if (status != OST_OK)

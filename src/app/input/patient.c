@@ -95,12 +95,12 @@ static ost_status take_landmarks(const app_state *app, const char *file, const c
         if (all.items[i].role != OST_LANDMARK_OTHER)
             found[all.items[i].role] = &all.items[i];
         else
-            warn(app, "%s: label '%s' has no meaning here and is left out; glenoid, axis, trigonum and inferior angle have one", file,
+            warn(app, "%s: unknown label '%s' ignored; expected glenoid, axis, trigonum or inferior angle", file,
                  all.items[i].label);
     }
     const ost_landmark *glenoid = found[OST_LANDMARK_GLENOID], *axis = found[OST_LANDMARK_AXIS_POINT];
     if (axis && !glenoid)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: '%s' is a point on the axis from the glenoid's centre, which the file does not have", file,
+        status = ost_fail(err, OST_ERR_INPUT, "%s: '%s' needs the label glenoid, which the file does not have", file,
                           axis->label);
     if (status == OST_OK && glenoid)
         status = set_triple(name, OST_META_GLENOID_AT, glenoid->at, meta, err);
@@ -109,8 +109,9 @@ static ost_status take_landmarks(const app_state *app, const char *file, const c
                        ost_pm_to_mm(axis->at.z - glenoid->at.z)};
         const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         if (length < 1)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: '%s' is %.2g mm from '%s'; a point at least 1 mm into the bone was expected", file, axis->label,
-                              length, glenoid->label);
+            status = ost_fail(err, OST_ERR_INPUT,
+                              "%s: '%s' is %.2g mm from '%s'; expected a point at least 1 mm into the bone", file,
+                              axis->label, length, glenoid->label);
         for (int a = 0; a < 3; a++)
             d[a] /= length;
         if (status == OST_OK)

@@ -64,7 +64,8 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
         }
     }
     const char *near = nearest_name(name, names, OST_BUILTIN_COUNT);
-    return usage_error(app, err, "--path builtin:%s: there is no such path; did you mean builtin:%s?", name, near ? near : names[0]);
+    return usage_error(app, err, "--path builtin:%s: unknown path; did you mean builtin:%s?", name,
+                       near ? near : names[0]);
 }
 
 /* Reads the ticks of a session, up to the first missing one. */
@@ -98,8 +99,8 @@ static ost_status file_path(const app_state *app, const char *name, int32_t inde
         last = out->ticks[i].tool > last ? out->ticks[i].tool : last;
     if (last >= tool_count) {
         ost_path_free(out);
-        return ost_fail(err, OST_ERR_INPUT, "%s: asks for tool %d, counted from 0, but %d tool%s given with --tool", name, last, tool_count,
-                        tool_count == 1 ? " is" : "s are");
+        return ost_fail(err, OST_ERR_INPUT, "%s: uses tool %d, counted from 0, but %d tool%s given with --tool", name,
+                        last, tool_count, tool_count == 1 ? " is" : "s are");
     }
     for (size_t i = 0; i < out->count; i++) {
         out->ticks[i].tool = last == 0 ? index : out->ticks[i].tool;
@@ -117,10 +118,11 @@ static ost_status join(ost_path *all, const ost_path *part, ost_error *err)
     const ost_int128 shift = all->count ? (ost_int128)all->ticks[all->count - 1].t_ns + GAP_NS - part->ticks[0].t_ns : 0;
     const ost_int128 end = part->ticks[part->count - 1].t_ns + shift;
     if (all->count && end > OST_PATH_TIME_MAX_NS)
-        return ost_fail(err, OST_ERR_RANGE, "the paths together last until %.9g s; times up to 4 * 10^9 s are supported", (double)end * 1e-9);
+        return ost_fail(err, OST_ERR_RANGE, "the paths together last until %.9g s; expected times up to 4 * 10^9 s",
+                        (double)end * 1e-9);
     ost_tick *ticks = realloc(all->ticks, (all->count + part->count) * sizeof *ticks);
     if (!ticks)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu ticks", all->count + part->count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu ticks", all->count + part->count);
     all->ticks = ticks;
     for (size_t i = 0; i < part->count; i++) {
         ost_tick *tick = &ticks[all->count + i];

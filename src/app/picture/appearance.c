@@ -55,7 +55,7 @@ static ost_status check_clip(const app_state *app, appearance_options *o, ost_er
         memcpy(o->clip_at, n, sizeof o->clip_at);
         memcpy(o->clip_normal, n + 3, sizeof o->clip_normal);
         if (n[3] == 0 && n[4] == 0 && n[5] == 0)
-            return usage_error(app, err, "--clip %s: its last three numbers are no direction", o->clip_text);
+            return usage_error(app, err, "--clip %s: the last three numbers are not a direction", o->clip_text);
     }
     if (o->clip == CLIP_NONE) {
         const char *near = nearest_name(o->clip_text, clip_names + 1, CLIP_NAMES - 1);
@@ -63,7 +63,7 @@ static ost_status check_clip(const app_state *app, appearance_options *o, ost_er
                            near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
     }
     if (o->turn.text && o->clip != CLIP_PLAN && o->clip != CLIP_ACROSS)
-        return usage_error(app, err, "--clip-turn goes with --clip plan or across");
+        return usage_error(app, err, "--clip-turn needs --clip plan or across");
     return OST_OK;
 }
 
@@ -76,7 +76,8 @@ ost_status appearance_check(const app_state *app, appearance_options *o, ost_err
             k++;
         if (k == OST_OVERLAY_COUNT) {
             const char *near = nearest_name(name, ost_overlay_names, OST_OVERLAY_COUNT);
-            return usage_error(app, err, "--overlay %s: there is no such overlay; did you mean %s?", name, near ? near : ost_overlay_names[0]);
+            return usage_error(app, err, "--overlay %s: unknown overlay; did you mean %s?", name,
+                               near ? near : ost_overlay_names[0]);
         }
         o->overlay_bits |= 1u << k;
     }
@@ -202,9 +203,9 @@ ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_su
     memcpy(a->clip_at, options->clip_at, sizeof a->clip_at);
     memcpy(a->clip_normal, options->clip_normal, sizeof a->clip_normal);
     if (a->ghost != GHOST_NONE && !subject->has_face)
-        return ost_fail(err, OST_ERR_USAGE, "--ghost needs the glenoid: give --at and --axis");
+        return ost_fail(err, OST_ERR_USAGE, "--ghost needs the glenoid: pass --at and --axis");
     if (a->ghost == GHOST_TOOL && !tool)
-        return ost_fail(err, OST_ERR_USAGE, "--ghost tool: of which --tool?");
+        return ost_fail(err, OST_ERR_USAGE, "--ghost tool needs --tool TOOL");
     viewer->overlays = options->overlay_bits;
     viewer->scene.planned = subject->has_face;
     viewer->scene.depth_mm = depth_mm;

@@ -62,7 +62,7 @@ static ost_status load_all(const app_state *app, const ream_args *args, ream_job
         if (status == OST_OK) {
             ost_dims d = ost_tool_geometry_get(j->tools[i])->dims;
             if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
-                status = ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; at most %d on a side can ream: use a larger --voxel",
+                status = ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; reaming needs at most %d per side: use a larger --voxel",
                                   args->tools.value[i], d.x, d.y, d.z, OST_TOOL_DIM_REMOVE_MAX);
         }
     }
@@ -92,7 +92,7 @@ static ost_status motor_run(const app_state *app, const ream_args *args, ream_jo
 {
     ost_motor motor = {0};
     if (args->rpm_given && !has_device_speed(&j->path))
-        return usage_error(app, err, "--rpm %lld: %s has the speeds of its motor in it; leave --rpm out", (long long)args->rpm, args->paths.value[0]);
+        return usage_error(app, err, "--rpm %lld: %s contains motor speeds; omit --rpm", (long long)args->rpm, args->paths.value[0]);
     return ost_motor_path(&j->path, (int32_t)args->rpm, &motor, err);
 }
 
@@ -126,7 +126,7 @@ static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
     if (!args->paths.count)
         return usage_error(app, err, "--path PATH is missing");
     if (args->tools.count > 1 && args->paths.count > args->tools.count)
-        return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
+        return usage_error(app, err, "%d paths and %d tools; pass one tool for all paths, or one per path in the same order",
                            args->paths.count, args->tools.count);
     if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)
         return status;

@@ -54,7 +54,7 @@ static void warn_nothing(const app_state *app, const ream_job *j)
     hi.z += j->before.geometry.spacing.z * (j->before.geometry.dims.z - 1);
     char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT];
     warn(app, "no bone was removed: the tool %s; the bone's grid is from %s to %s, the tool halfway at %s",
-         j->met ? "came into the grid but met no bone" : "was never near it", format_point(a, lo), format_point(b, hi), format_point(c, at));
+         j->met ? "entered the grid but touched no bone" : "did not reach the grid", format_point(a, lo), format_point(b, hi), format_point(c, at));
 }
 
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err)

@@ -32,7 +32,7 @@ ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_e
         ost_backend_close(cpu);
         char text[OST_ERROR_TEXT];
         snprintf(text, sizeof text, "%s", err->text);
-        return ost_fail(err, status, "%.300s; backend cpu cannot continue either: %.280s", text, why.text);
+        return ost_fail(err, status, "%.300s; failover to backend cpu failed: %.280s", text, why.text);
     }
     for (int i = 0; i < OPTION_LIST_MAX; i++) {
         ost_tool_free(j->tools[i]);
@@ -44,7 +44,7 @@ ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_e
     j->backend = cpu;
     j->failed_over = true;
     progress_clear();
-    warn(app, "%s; backend cpu continues after %zu complete ticks and produces the same grid", err->text, ticks);
+    warn(app, "%s; failover to backend cpu after %zu complete ticks; the result is the same", err->text, ticks);
     ream_record_note(j, ticks, "the device failed; backend cpu continues");
     put(app->result, "failover", json_pack("{s:I,s:s}", "ticks", (json_int_t)ticks, "reason", err->text));
     *err = (ost_error){0};
@@ -56,7 +56,7 @@ ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, os
     ost_status status = OST_OK;
     j->tick_ns = malloc(j->path.count * sizeof *j->tick_ns);
     if (!j->tick_ns)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of %zu ticks", j->path.count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of %zu ticks", j->path.count);
     progress_begin(app);
     double start = now_ms();
     for (size_t i = 0; i < j->path.count; i++) {

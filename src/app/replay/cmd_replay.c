@@ -76,7 +76,7 @@ static ost_status open_other(const app_state *app, const replay *here, replay *o
     second.threads = 0;
     ost_status status = replay_open(&second, here->session, here->name, &here->setup, other, err);
     if (status != OST_OK)
-        ost_fail_context(err, "looking for where it differs");
+        ost_fail_context(err, "searching for the first difference");
     return status;
 }
 
@@ -184,9 +184,9 @@ static ost_status print_tick(const app_state *app, replay *here, ost_error *err)
                  difference.voxel[0], difference.voxel[1], difference.voxel[2], difference.here, name, difference.there, second, recording_right ? "agrees" : "does not agree either");
     else
         ost_fail(err, OST_ERR_DIFFER,
-                 "%s: differs from tick %llu on: removed were %llu voxels, recorded are %u; %s and %s agree on every voxel, so it is the recording "
-                 "that went another way",
-                 here->name, (unsigned long long)t->number, (unsigned long long)removed, (unsigned)t->removed, name, second);
+                 "%s: differs from tick %llu on: removed were %llu voxels, recorded are %u; %s and %s agree on every "
+                 "voxel, so the recording itself differs", here->name, (unsigned long long)t->number,
+                 (unsigned long long)removed, (unsigned)t->removed, name, second);
     replay_close(&other);
     return OST_ERR_DIFFER;
 }
@@ -212,12 +212,13 @@ static ost_status print_end(const app_state *app, replay *here, const ending *e,
                  here->name, (unsigned long long)tick, (long long)difference.chunk, difference.voxel[0], difference.voxel[1], difference.voxel[2], difference.here,
                  difference.there);
     } else if (counts) {
-        ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but at the end %llu ticks and %llu voxels were counted, recorded are %llu and %llu",
-                 here->name, (unsigned long long)e->totals.ticks, (unsigned long long)e->totals.removed_voxels, (unsigned long long)e->end.ticks,
+        ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the totals are %llu ticks and %llu voxels; "
+                 "recorded are %llu and %llu", here->name, (unsigned long long)e->totals.ticks,
+                 (unsigned long long)e->totals.removed_voxels, (unsigned long long)e->end.ticks,
                  (unsigned long long)e->end.removed_voxels);
     } else {
-        ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the bone at the end is not; two backends agree on it, so it is the recording "
-                 "that went another way", here->name);
+        ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the bone at the end is not; two backends "
+                 "agree on it, so the recording itself differs", here->name);
     }
     put(app->result, "first_difference", o);
     return OST_ERR_DIFFER;
@@ -233,9 +234,11 @@ static ost_status print_briefly(const app_state *app, const replay *here, ost_er
         put_text(o, "at", "end");
     put(app->result, "first_difference", o);
     if (here->differs)
-        return ost_fail(err, OST_ERR_DIFFER, "%s: differs from what was recorded from tick %llu on; --verify says where", here->name,
-                        (unsigned long long)here->recorded.number);
-    return ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the end is not; --verify says where", here->name);
+        return ost_fail(err, OST_ERR_DIFFER,
+                        "%s: differs from what was recorded from tick %llu on; pass --verify to find where",
+                        here->name, (unsigned long long)here->recorded.number);
+    return ost_fail(err, OST_ERR_DIFFER,
+                    "%s: every tick is as recorded, but the end is not; pass --verify to find where", here->name);
 }
 
 /* Returns true if --verify found no difference, but the file is incomplete and holds fewer ticks
@@ -263,8 +266,8 @@ static ost_status report(app_state *app, const replay_args *args, replay *r, con
     put_digest(o, "sha256", &e->root);
     if (!differs)
         put(o, "first_difference", json_null());
-    print_line(app, "%s: %s ticks done again with %s, %s voxels removed", args->session, format_count(a, (int64_t)r->done),
-               ost_backend_name(r->backend), format_count(b, (int64_t)e->totals.removed_voxels));
+    print_line(app, "%s: %s ticks replayed with %s, %s voxels removed", args->session, format_count(a,
+               (int64_t)r->done), ost_backend_name(r->backend), format_count(b, (int64_t)e->totals.removed_voxels));
     print_line(app, "  grid %s", ost_digest_hex(&e->root, hex));
     if (verified_in_part(args, r, e)) {
         app->answered = true;
@@ -348,7 +351,7 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
 {
     replay_args args = {.film.video.fps = 30};
     target_options *t = &args.plan.target;
-    const operand operands[] = {{"SESSION", &args.session, "which session?"}, {0}};
+    const operand operands[] = {{"SESSION", &args.session, "no session given"}, {0}};
     const option options[] = {
         {.name = "verify", .kind = OPTION_FLAG, .out = &args.verify,
          .help = "compare to the end of the recording, or say up to which tick of how\nmany; where something differs, find tick, chunk and voxel with a\nsecond backend"},
@@ -403,11 +406,11 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
         warn(app, "%s: %s", args.session, missing);
     put_text(app->result, "missing", missing);
     if (ost_session_summary_of(session)->complete_ticks == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: has no tick that could be done again", args.session);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: no tick can be replayed", args.session);
     if (status == OST_OK)
         status = session_keys_read(args.session, ost_session_header_of(session), &setup, err);
     if (status == OST_OK && args.tools.count && args.tools.count != setup.tools.count)
-        status = usage_error(app, err, "%d tools are given, the session has %d", args.tools.count, setup.tools.count);
+        status = usage_error(app, err, "%d tools given; the session has %d", args.tools.count, setup.tools.count);
     if (status == OST_OK) {
         setup.bone = args.bone ? args.bone : setup.bone;
         setup.tools = args.tools.count ? args.tools : setup.tools;

@@ -149,7 +149,7 @@ ost_status replay_film_begin(const app_state *app, const replay_film_options *op
         return OST_OK;
     replay_film *f = calloc(1, sizeof *f);
     if (!f)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a video");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a video");
     f->options = options;
     ost_status status = ost_live_create(r->bone, &f->live, err);
     if (status == OST_OK)

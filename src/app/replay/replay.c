@@ -130,7 +130,7 @@ ost_status replay_compare_bones(const replay *here, const replay *there, replay_
     const size_t slice = (size_t)d.x * (size_t)d.y;
     int16_t *a = malloc(slice * sizeof *a), *b = malloc(slice * sizeof *b);
     if (!a || !b)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for two slices of %zu voxels", slice);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for two slices of %zu voxels", slice);
     for (int32_t k = 0; k < d.z && status == OST_OK; k++) {
         status = ost_bone_download(here->bone, k, 1, a, err);
         if (status == OST_OK)

@@ -58,7 +58,7 @@ ost_status info_session(const app_state *app, const char *name, const char *repa
         status = ost_session_repair(session, repaired, err);
         if (status == OST_OK) {
             put_text(app->result, "repaired", repaired);
-            print_line(app, "%s: what is whole of it, %s records", repaired, format_count(a, (int64_t)s->records));
+            print_line(app, "%s: the undamaged part, %s records", repaired, format_count(a, (int64_t)s->records));
         }
     }
     ost_session_close(session);

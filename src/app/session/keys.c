@@ -207,7 +207,8 @@ static const char *get(reader *r, const char *key, bool needed)
 static void wrong(reader *r, const char *key, const char *value)
 {
     if (r->status == OST_OK)
-        r->status = ost_fail(r->err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which cannot be", r->session, key, value);
+        r->status = ost_fail(r->err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which is not valid", r->session,
+                             key, value);
 }
 
 static int64_t get_integer(reader *r, const char *key, int64_t lo, int64_t hi)

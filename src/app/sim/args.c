@@ -45,15 +45,16 @@ static ost_status check_show(const app_state *app, sim_args *args, ost_error *er
     if (status == OST_OK && (args->picture || args->video.target || args->video.pipe || !args->headless) && !args->renderer_given)
         args->renderer = SIM_RENDERER_POINTS;
     if (status == OST_OK && !args->headless && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--renderer %s: a window shows what points, gl or thesis draws; add --headless", sim_renderer_names[args->renderer]);
+        return usage_error(app, err, "--renderer %s: a window needs points, gl or thesis; otherwise pass --headless",
+                           sim_renderer_names[args->renderer]);
     if (status == OST_OK && !args->headless && args->no_clock)
-        return usage_error(app, err, "--no-clock: a window goes by the clock; add --headless");
+        return usage_error(app, err, "--no-clock: a window needs the clock; pass --headless");
     if (status == OST_OK && (args->hud || args->video.target || args->video.pipe) && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "%s: needs --renderer points, gl or thesis, who draw it", args->hud ? "--hud" : "--video");
+        return usage_error(app, err, "%s: needs --renderer points, gl or thesis", args->hud ? "--hud" : "--video");
     if (status == OST_OK)
         status = film_check(app, &args->video, err);
     if (status == OST_OK && args->picture && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--picture %s: needs --renderer points, gl or thesis, who draw it", args->picture);
+        return usage_error(app, err, "--picture %s: needs --renderer points, gl or thesis", args->picture);
     return status == OST_OK ? appearance_check(app, &args->look, err) : status;
 }
 
@@ -80,7 +81,7 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     if (args->picture && (status = out_check(app, args->picture, "png", err)) != OST_OK)
         return status;
     if (args->ticks == 0 && args->seconds.text)
-        return usage_error(app, err, "--seconds 0 is no time at all");
+        return usage_error(app, err, "--seconds 0: must be greater than 0");
     if (sim_device_is(args, "replay")) {
         if (args->paths.count != 1)
             return usage_error(app, err, "--device replay needs one --path SESSION");
@@ -98,13 +99,14 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
         args->paths = (option_list){1, {pressing ? "builtin:glenoid-press" : "builtin:glenoid-slow"}};
     args->plan.target.press_ticks = args->ticks && args->ticks < PRESS_TICKS_MAX ? (size_t)args->ticks : PRESS_TICKS_MAX;
     if (!args->resume && args->tools.count > 1 && args->paths.count > args->tools.count)
-        return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order",
+        return usage_error(app, err,
+                           "%d paths and %d tools; pass one tool for all paths, or one per path in the same order",
                            args->paths.count, args->tools.count);
     /* One thread runs the backend; the other cores are for recording and rendering. */
     if (!app->threads && strcmp(app->backend, "cpu") == 0)
         app->threads = 1;
     if (args->debrief && !args->record)
-        return usage_error(app, err, "--debrief needs --record SESSION: the hand's motion and its forces are read from there");
+        return usage_error(app, err, "--debrief needs --record SESSION, which stores the motion and the forces");
     if (args->debrief && (status = out_check(app, args->debrief, "html", err)) != OST_OK)
         return status;
     if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)

@@ -47,8 +47,7 @@ ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err
         read.max_nm = args->safety.max_nm;
     args->safety = read;
     if (status == OST_OK && args->force_params.turn_stiffness > 0 && !(caps & OST_HAPTIC_TORQUE)) {
-        warn(app, "%s: turn_stiffness is for devices that render torques; device %s does not, so the tool's direction is the hand's",
-             args->force_file, args->device);
+        warn(app, "%s: turn_stiffness ignored: device %s renders no torques", args->force_file, args->device);
         args->force_params.turn_stiffness = 0;
     }
     return status;
@@ -77,9 +76,9 @@ static void take_limits(const app_state *app, sim_args *args, const simulation *
     if (!ost_haptic_limits_get(s->device, &own))
         return;
     if (!ost_haptic_limits_usable(&own)) {
-        warn(app, "device %s reports that it gives %g N and %g N m (%s), which is no limit to use; forces up to %g N are given; "
-                  "--force-params FILE sets another",
-             ost_haptic_name(s->device), own.force_n, own.torque_nm, own.from, args->safety.max_n);
+        warn(app, "device %s reports that it gives %g N and %g N m (%s), which is not a usable limit; forces are "
+             "limited to %g N; set another limit with --force-params FILE", ost_haptic_name(s->device), own.force_n,
+             own.torque_nm, own.from, args->safety.max_n);
         return;
     }
     args->limits = own;
@@ -111,14 +110,15 @@ ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, o
     if (!args->force_given)
         args->force = renders;
     if (args->force && !renders)
-        return usage_error(app, err, "--force %s: device %s renders no force", sim_force_names[args->force], args->device);
+        return usage_error(app, err, "--force %s: device %s cannot render a force; pass --force off",
+                           sim_force_names[args->force], args->device);
     if (!args->force)
         return OST_OK;
     take_limits(app, args, s);
     args->force_params.mode = args->force == 2 ? OST_FORCE_INSTANT : OST_FORCE_ENERGY;
     ost_status status = ost_force_create(s->bone, &args->force_params, &s->force, err);
     if (status == OST_ERR_UNAVAILABLE && !args->force_given) {
-        warn(app, "%s; none is given", err->text);
+        warn(app, "%s; no force is rendered", err->text);
         args->force = 0;
         *err = (ost_error){0};
         return OST_OK;

@@ -37,7 +37,7 @@ ost_status sim_hud_create(int width, int height, double scale, sim_hud **out, os
     *out = NULL;
     sim_hud *h = calloc(1, sizeof *h);
     if (!h)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for what is written over a frame");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the HUD");
     h->unit = unit_for(width, height, scale);
     ost_status status = ost_lettering_create(PLAIN * h->unit, &h->plain, err);
     if (status == OST_OK)

@@ -13,12 +13,14 @@ ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, 
     char missing[OST_SESSION_MISSING];
     struct stat a, b;
     if (args->record && stat(args->record, &a) == 0 && stat(args->resume, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
-        return usage_error(app, err, "--record %s: it is what is resumed; record into another file, which will hold both", args->record);
+        return usage_error(app, err,
+                           "--record %s: is the session to resume; pass another file, which will hold both parts",
+                           args->record);
     ost_status status = ost_session_open(args->resume, &s->resumed, err);
     if (status != OST_OK)
         return status;
     if (ost_session_summary_of(s->resumed)->complete_ticks == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: has no tick that could be done again", args->resume);
+        return ost_fail(err, OST_ERR_INPUT, "%s: no tick can be replayed", args->resume);
     const ost_session_summary *sum = ost_session_summary_of(s->resumed);
     if (sum->complete_ticks < sum->ticks && ost_session_missing(s->resumed, missing)[0])
         warn(app, "%s: %s", args->resume, missing);
@@ -50,8 +52,8 @@ ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err)
         if (record.kind == OST_RECORD_TICK) {
             status = ost_world_step(s->world, &record.as.tick.tick, &step, err);
             if (status == OST_OK && ost_step_digest(&step, ost_world_classes(s->world)->count) != record.as.tick.digest)
-                status = ost_fail(err, OST_ERR_INPUT, "%s: tick %llu comes out otherwise than recorded; osteon replay --verify says where",
-                                  args->resume, (unsigned long long)record.as.tick.number);
+                status = ost_fail(err, OST_ERR_INPUT, "%s: tick %llu differs from the recording; run osteon replay "
+                                  "--verify to find where", args->resume, (unsigned long long)record.as.tick.number);
             s->last = record.as.tick.tick;
             ost_motor_advance(&s->motor, &s->last);
             s->before++;

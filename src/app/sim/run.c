@@ -62,7 +62,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
 {
     s->loop = malloc(sizeof *s->loop);
     if (!s->loop)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of a run");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of a run");
     ost_operation_options what = {
         .recorder = s->recorder,
         .force = s->force,

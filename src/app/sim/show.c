@@ -51,7 +51,7 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
         return OST_OK;
     sim_show *show = calloc(1, sizeof *show);
     if (!show)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a renderer");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a renderer");
     s->show = show;
     show->app = app;
     show->args = args;
@@ -191,14 +191,14 @@ ost_status sim_show_begin(sim_show *show, ost_error *err)
 {
     drawer *d = calloc(1, sizeof *d);
     if (!d)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a renderer's thread");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a renderer's thread");
     show->thread = d;
     const int error = ost_thread_begin(&d->thread, work, show);
     if (!error)
         return OST_OK;
     free(d);
     show->thread = NULL;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for a renderer: %s", strerror(error));
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for a renderer: %s", strerror(error));
 }
 
 ost_status sim_show_end(sim_show *show, ost_error *err)

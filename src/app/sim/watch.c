@@ -60,7 +60,7 @@ ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const c
     sim_watch *w = calloc(1, sizeof *w);
     *out = NULL;
     if (!w)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for watching a run");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a run's monitor");
     w->app = app;
     w->recorder = recorder;
     w->name = name;
@@ -69,7 +69,7 @@ ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const c
     const int error = ost_thread_begin(&w->thread, work, w);
     if (error) {
         free(w);
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for watching a run: %s", strerror(error));
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for watching a run: %s", strerror(error));
     }
     *out = w;
     return OST_OK;

@@ -112,7 +112,7 @@ static ost_status draw_loading(sim_window *w, ost_error *err)
         return status;
     w->blank = calloc((size_t)width * (size_t)height, sizeof *w->blank);
     if (!w->blank)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", width, height);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a frame of %d x %d pixels", width, height);
     const ost_sheet sheet = {.pixels = w->blank, .stride = width, .width = width, .height = height};
     char text[MESSAGE];
     snprintf(text, sizeof text, "%.100s: a moment", w->args->bone);
@@ -128,7 +128,7 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
 {
     sim_window *w = calloc(1, sizeof *w);
     if (!w)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a window");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a window");
     s->window = w;
     w->app = app;
     w->args = args;
@@ -545,7 +545,7 @@ ost_status sim_window_run(simulation *s, const ost_servo_options *how, ost_servo
     w->camera = sim_camera_at((ost_view_name)w->args->view, &s->show->subject, 1e-9 * (double)ost_live_geometry(s->show->live)->spacing.x);
     const int error = ost_thread_begin(&thread, run_servo, &v);
     if (error)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for the loop: %s", strerror(error));
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for the loop: %s", strerror(error));
     w->status = show_frames(w, &v, &w->err);
     interrupt_request();
     pthread_join(thread, NULL);

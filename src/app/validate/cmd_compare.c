@@ -133,7 +133,7 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
     put(app->result, "margins", list);
     put(app->result, "cases", cases);
     if (!compared)
-        return ost_fail(err, OST_ERR_INPUT, "nothing to compare: no grid of these cases was found; see docs/dumps.md for their names");
+        return ost_fail(err, OST_ERR_INPUT, "no grid of these cases found; see docs/dumps.md for their names");
     if (!campaign_equal(c))
         return ost_fail(err, OST_ERR_DIFFER, "%d of %d results differ from the reference's, %d failed", c->counts[CASE_DIFFERS], compared,
                         c->counts[CASE_FAILED] + c->counts[CASE_CRASHED] + c->counts[CASE_LATE]);
@@ -149,16 +149,17 @@ static ost_status find_subject(const app_state *app, compare_args *args, char sp
     const bool folder = stat(args->subject_spec, &info) == 0 && S_ISDIR(info.st_mode);
     const int n = snprintf(spec, SUBJECT_SPEC, "%s%s", folder ? SUBJECT_DUMP : "", args->subject_spec);
     if (n < 0 || n >= SUBJECT_SPEC || strchr(args->subject_spec, ';'))
-        return usage_error(app, err, "'%.60s': names one folder or one backend, of less than %d bytes and without a semicolon", args->subject_spec, SUBJECT_SPEC);
+        return usage_error(app, err, "'%.60s': expected one folder or one backend, shorter than %d bytes and without "
+                           "a semicolon", args->subject_spec, SUBJECT_SPEC);
     if (strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) != 0)
         return OST_OK;
     const ost_status status = dump_read_head(spec + strlen(SUBJECT_DUMP), &head, err);
     if (status != OST_OK)
         return status;
     if (args->apart)
-        return usage_error(app, err, "--apart gives a backend the reference's grids while it runs; a dump was made before");
+        return usage_error(app, err, "--apart needs a backend that runs now, not a dump");
     if (args->tier_given || args->seed_given)
-        return usage_error(app, err, "a dump says its tier and seed itself, in dump.json");
+        return usage_error(app, err, "--tier and --seed cannot be combined with a dump: dump.json states them");
     args->tier = (int)head.tier;
     args->seed = (int64_t)head.seed;
     memcpy(only, head.only, sizeof head.only);
@@ -170,7 +171,7 @@ static ost_status find_subject(const app_state *app, compare_args *args, char sp
 ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
 {
     compare_args args = {.seed = 1, .limit_s = 3600, .own = USER_FILES_DEFAULT};
-    const operand names[] = {{"DUMPS", &args.subject_spec, "which dumps, or which backend?"}, {NULL, NULL, NULL}};
+    const operand names[] = {{"DUMPS", &args.subject_spec, "no dumps or backend given"}, {NULL, NULL, NULL}};
     const option options[] = {
         {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: import, static/2, operation"},
         {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart, .help = "give every stage and tick the reference's input, so that\nno difference is handed down; not for dumps"},

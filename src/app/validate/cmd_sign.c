@@ -26,15 +26,16 @@ static ost_status check_first(app_state *app, const char *folder, json_t **summa
     json_decref(signatures);
     if (status == OST_OK && found)
         status =
-            ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written, and is not signed",
-                     folder, found, found == 1 ? "" : "s");
+            ost_fail(err, OST_ERR_DIFFER,
+                     "%s: %d problem%s: the bundle was changed after it was written, and is not signed", folder,
+                     found, found == 1 ? "" : "s");
     return status;
 }
 
 ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *folder = NULL, *key_file = NULL, *passphrase = NULL, *by = "", *meaning = NULL;
-    const operand operands[] = {{"BUNDLE", &folder, "which bundle?"}, {NULL, NULL, NULL}};
+    const operand operands[] = {{"BUNDLE", &folder, "no bundle given"}, {NULL, NULL, NULL}};
     const option options[] = {
         {.name = "key", .kind = OPTION_TEXT, .out = &key_file, .value = "FILE", .help = "private key in PEM: Ed25519, or ECDSA P-256", .required = true},
         {.name = "meaning", .kind = OPTION_TEXT, .out = &meaning, .value = "TEXT", .help = "what the signature means: \"reviewed and accepted\"", .required = true},
@@ -65,7 +66,7 @@ ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err)
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
     if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
-        return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
+        return ost_fail(err, OST_ERR_INPUT, "%s: not a folder; expected a bundle", folder);
     status = sign_key_open(key_file, passphrase, &key, err);
     if (status == OST_OK)
         status = check_first(app, folder, &summary, err);

@@ -133,31 +133,34 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     if (!options_parse(app, &usage, argc, argv, &status, err) || (status = shard_of(app, args.shard, &shard, &shards, err)) != OST_OK)
         return status;
     if (!args.worker != !(args.trace || args.dump) || (args.trace && args.dump))
-        return usage_error(app, err, "--worker and one of --trace and --dump belong together");
+        return usage_error(app, err, "--worker needs --trace or --dump, and the reverse");
     if (args.given && !args.trace)
-        return usage_error(app, err, "--given belongs to --worker and --trace");
+        return usage_error(app, err, "--given needs --worker and --trace");
     if (args.export_to && (args.worker || args.out))
-        return usage_error(app, err, "--export-cases runs nothing: no --worker and no --out");
+        return usage_error(app, err, "--export-cases cannot be combined with --worker or --out");
     if (args.apart && (args.out || args.worker || args.merge || args.faults_only || args.export_to))
-        return usage_error(app, err, "--apart compares single stages, and evidence is of complete runs: no --out, --worker, --merge, --faults-only or --export-cases with it");
+        return usage_error(app, err, "--apart cannot be combined with --out, --worker, --merge, --faults-only or "
+                           "--export-cases: evidence needs complete runs");
     if (args.merge && (!args.out || args.worker || args.shard))
-        return usage_error(app, err, "--merge needs --out and no shard or worker");
+        return usage_error(app, err, "--merge needs --out, and cannot be combined with --shard or --worker");
     if ((args.merge || args.faults_only) && user_files_given(&args.own))
-        return usage_error(app, err, "%s reads no files of your own: no --ct, --tool and --path with it", args.merge ? "--merge" : "--faults-only");
+        return usage_error(app, err, "%s cannot be combined with --ct, --tool or --path",
+                           args.merge ? "--merge" : "--faults-only");
     if (args.against && (!args.out || args.merge || args.faults_only))
-        return usage_error(app, err, "--against needs --out and a campaign");
+        return usage_error(app, err, "--against needs --out and a run of the campaign");
     if (args.against && (status = impact_check(args.against, err)) != OST_OK)
         return status;
     if (args.suite && (!args.out || args.merge || args.faults_only || args.worker || shard != 1))
-        return usage_error(app, err, "--with-suite needs --out and a campaign; of shards the first one has it");
+        return usage_error(app, err,
+                           "--with-suite needs --out and a run of the campaign; with --shard, only the first");
     if (args.suite && (status = suite_find(args.suite, err)) != OST_OK)
         return status;
     if ((args.sign && (!args.out || args.faults_only)) || (args.passphrase && !args.sign))
-        return usage_error(app, err, args.sign ? "--sign needs --out" : "--passphrase-file belongs to --sign");
+        return usage_error(app, err, args.sign ? "--sign needs --out" : "--passphrase-file needs --sign");
     if (args.faults_only)
         return validate_faults(app, &args, err);
     if (args.case_file && !args.worker && (args.only || args.shard))
-        return usage_error(app, err, "--case says which cases: no --only and no --shard with it");
+        return usage_error(app, err, "--case cannot be combined with --only or --shard");
     if (args.sign && (status = sign_key_open(args.sign, args.passphrase, &args.key, err)) != OST_OK)
         return status;
     if (args.merge) {

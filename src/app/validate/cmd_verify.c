@@ -66,7 +66,8 @@ static ost_status rerun_all(app_state *app, const user_files *own, const char *b
     if (status == OST_OK && record)
         status = user_files_again(app, own, record, &store, &again, err);
     else if (status == OST_OK && user_files_given(own))
-        status = ost_fail(err, OST_ERR_USAGE, "%s has no case of its user's own files: no --ct, --tool and --path", folder);
+        status = ost_fail(err, OST_ERR_USAGE,
+                          "%s: the bundle has no cases of user files; omit --ct, --tool and --path", folder);
     if (status == OST_OK && record && !json_equal(record, again)) {
         list_problem(l, BUNDLE_DIFFERENT, PROTOCOL, "says otherwise what became of the user's files than they come out here");
         ++*found;
@@ -171,7 +172,7 @@ static ost_status print_suite(app_state *app, const char *folder, ost_error *err
 ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *folder = NULL;
-    const operand operands[] = {{"BUNDLE", &folder, "which bundle?"}, {NULL, NULL, NULL}};
+    const operand operands[] = {{"BUNDLE", &folder, "no bundle given"}, {NULL, NULL, NULL}};
     const char *const by_default = app->backend;
     bool rerun = false;
     user_files own = USER_FILES_DEFAULT;
@@ -215,13 +216,13 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     const char *const backend = app->backend != by_default ? app->backend : NULL;
     if (!rerun && user_files_given(&own))
-        return usage_error(app, err, "--ct, --tool and --path are for --rerun");
+        return usage_error(app, err, "--ct, --tool and --path need --rerun");
     if (signatures.authority && !signatures.trust.count)
-        return usage_error(app, err, "--timestamp-ca is for --trust");
+        return usage_error(app, err, "--timestamp-ca needs --trust");
     if (!rerun && backend)
-        return usage_error(app, err, "--backend is for --rerun");
+        return usage_error(app, err, "--backend needs --rerun");
     if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
-        return ost_fail(err, OST_ERR_INPUT, "%s: no folder; a bundle is one", folder);
+        return ost_fail(err, OST_ERR_INPUT, "%s: not a folder; expected a bundle", folder);
     listing l = {.app = app, .problems = json_array()};
     status = check_bundle(folder, list_problem, &l, &found, &summary, err);
     if (status == OST_OK)
@@ -253,5 +254,7 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     if (l.absent)
         return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s: an incomplete bundle cannot be verified", folder, l.first,
                         found > 1 ? ", and there are more problems" : "");
-    return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "%s: %d problem%s: this bundle is not what was written", folder, found, found == 1 ? "" : "s");
+    return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER,
+                                          "%s: %d problem%s: the bundle was changed after it was written", folder,
+                                          found, found == 1 ? "" : "s");
 }

@@ -242,13 +242,14 @@ ost_status validate_judge_suite(const json_t *suite, ost_error *err)
         return ost_fail(err, OST_ERR_DIFFER, "%lld test%s of the suite failed; " SUITE_FILE " and the report say which",
                         (long long)failed, failed == 1 ? "" : "s");
     if (!json_integer_value(json_object_get(suite, "passed")))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "no test of the suite ran; " SUITE_FILE " has the reasons");
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "no test of the suite ran; see " SUITE_FILE " for the reasons");
     return OST_OK;
 }
 
 ost_status validate_nothing(ost_error *err)
 {
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "nothing was compared: no backend but the reference ran a case that the reference did not refuse");
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "nothing was compared: no backend other than the reference ran a case "
+                    "that the reference accepted");
 }
 
 /* Adds to the JSON what the summary lacks; everything else is in the bundle. */
@@ -294,11 +295,13 @@ ost_status validate_print(app_state *app, const validate_args *args, const campa
         return ost_fail(err, OST_ERR_DIFFER, "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
                         c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
     if (proof && !faults_proved(proof))
-        return ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", proof->first_problem[0] ? proof->first_problem : "nothing was changed");
+        return ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", proof->first_problem[0] ? proof->first_problem :
+                        "no result was changed");
     if (!common_proved(common))
         return ost_fail(err, OST_ERR_DIFFER, "%lld of the checks of common mistakes failed; common.json and the report say which",
                         (long long)json_integer_value(json_object_get(common, "failed")));
     if (!c->subjects->opencl && !args->cpu_only && !args->backends)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; --cpu-only says that this is meant", c->subjects->no_opencl);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; pass --cpu-only if this is intended",
+                        c->subjects->no_opencl);
     return OST_OK;
 }

@@ -162,7 +162,7 @@ static ost_status run_suite(const validate_args *args, int jobs, json_t **out, o
                                .jobs = jobs,
                                .show = show};
     const ost_status status =
-        requirements ? suite_run(&how, out, err) : ost_fail(err, OST_ERR_MEMORY, "no memory for requirements");
+        requirements ? suite_run(&how, out, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for requirements");
     free(requirements);
     return status;
 }
@@ -200,7 +200,7 @@ static ost_status take_batch(void *user, const campaign *c, int first, int count
         json_t *row;
         status = evidence_case(c, i, &row, err);
         if (status == OST_OK && json_array_append_new(j->cases, row) != 0)
-            status = ost_fail(err, OST_ERR_MEMORY, "no memory for the evidence");
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the evidence");
     }
     return status == OST_OK && j->b ? pictures_of_operation(c, validate_into_bundle, j->b, err) : status;
 }
@@ -305,5 +305,5 @@ ost_status validate_faults(app_state *app, const validate_args *args, ost_error 
         return status;
     put(app->result, "faults", faults);
     validate_print_faults(app, &s);
-    return faults_proved(&s) ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", s.first_problem[0] ? s.first_problem : "nothing was changed");
+    return faults_proved(&s) ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", s.first_problem[0] ? s.first_problem : "no result was changed");
 }

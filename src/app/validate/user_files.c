@@ -58,7 +58,8 @@ static ost_status parse_how(app_state *app, const json_t *how, user_files *u, os
         while (o->name && (!word || strncmp(word, "--", 2) != 0 || strcspn(word + 2, "=") != strlen(o->name) || strncmp(word + 2, o->name, strlen(o->name)) != 0))
             o++;
         if (!o->name || n == WORDS)
-            return ost_fail(err, OST_ERR_INPUT, "protocol.json: the user's files were read with '%.60s', which this version does not know", word ? word : "");
+            return ost_fail(err, OST_ERR_INPUT, "protocol.json: the user's files were read with '%.60s', which this "
+                            "version does not support", word ? word : "");
         words[n++] = (char *)(uintptr_t)word;
     }
     options_parse(app, &usage, n, words, &status, err);
@@ -80,7 +81,9 @@ static ost_status identify_file(const char *path, int64_t *bytes, ost_digest *di
     if (stat(path, &info) != 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: %s", path, strerror(errno));
     if (!S_ISREG(info.st_mode))
-        return ost_fail(err, OST_ERR_INPUT, "%s: is no regular file; its SHA-256 stands in the evidence, so that others can check it", path);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: not a regular file; the evidence needs the SHA-256 of a file that others can check",
+                        path);
     *bytes = info.st_size;
     return digest ? file_digest(path, digest, err) : OST_OK;
 }
@@ -133,7 +136,9 @@ static ost_status still_the_same(const user_files *u, const json_t *files, ost_e
     for (size_t i = 0; i < json_array_size(files) && status == OST_OK; i++) {
         const json_t *was = json_object_get(json_array_get(files, i), "sha256"), *is = json_object_get(json_array_get(again, i), "sha256");
         if (was && !json_equal(was, is))
-            status = ost_fail(err, OST_ERR_INPUT, "%s: has changed while it was read; try again when it is at rest", file_name(u, (int)i));
+            status = ost_fail(err, OST_ERR_INPUT,
+                              "%s: file changed while it was read; try again when no program writes to it",
+                              file_name(u, (int)i));
     }
     json_decref(again);
     return status;
@@ -163,7 +168,7 @@ static ost_status put_text_samples(const char *path, const ost_geometry *rect, b
     if (!rows || !samples) {
         free(rows);
         free(samples);
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to read %d lines", path, ROWS);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory to read %d lines", path, ROWS);
     }
     ost_status status = ost_text_source_open(&source, path, err);
     if (status == OST_OK) {
@@ -194,10 +199,11 @@ static ost_status put_volume_samples(const char *path, const ost_import_options 
     const bool fits = status == OST_OK && box.hi[0] <= from.x && box.hi[1] <= from.y && box.hi[2] <= from.z && box.hi[0] - box.lo[0] == rect->dims.x &&
                       box.hi[1] - box.lo[1] == rect->dims.y && box.hi[2] - box.lo[2] == rect->dims.z;
     if (status == OST_OK && !fits)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: has changed while it was read; try again when it is at rest", path);
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s: file changed while it was read; try again when no program writes to it", path);
     ost_sample *row = status == OST_OK ? malloc((size_t)rect->dims.x * sizeof *row) : NULL;
     if (status == OST_OK && !row)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a row of %d voxels", path, rect->dims.x);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a row of %d voxels", path, rect->dims.x);
     for (int32_t k = 0; status == OST_OK && k < rect->dims.z; k++)
         for (int32_t j = 0; status == OST_OK && j < rect->dims.y; j++) {
             const int16_t *voxels = volume.voxels + (size_t)box.lo[0] + (size_t)from.x * ((size_t)(box.lo[1] + j) + (size_t)from.y * (size_t)(box.lo[2] + k));
@@ -273,7 +279,8 @@ static ost_status snap_tool(const user_files *u, const char *name, bool moves, s
     ost_file_kind kind = OST_FILE_MESH;
     ost_status status = builtin_of(name) ? OST_OK : ost_file_kind_find(name, &kind, err);
     if (status == OST_OK && kind == OST_FILE_NRRD)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: is a grid; how a mesh becomes one is compared too, so give the mesh", name);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: is a tool grid; pass its mesh, since voxelization is compared too",
+                          name);
     if (status == OST_OK)
         status = load_mesh(name, (ost_unit)u->how.unit, &mesh, &report, err);
     if (status == OST_OK)
@@ -281,8 +288,9 @@ static ost_status snap_tool(const user_files *u, const char *name, bool moves, s
     if (status == OST_OK && (status = ost_tool_geometry_from_bounds(lo, hi, u->how.voxel, &grid, err)) != OST_OK)
         ost_fail_context(err, "%s", name);
     if (status == OST_OK && moves && (grid.dims.x > OST_TOOL_DIM_REMOVE_MAX || grid.dims.y > OST_TOOL_DIM_REMOVE_MAX || grid.dims.z > OST_TOOL_DIM_REMOVE_MAX))
-        status = ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; at most %d on a side can ream: use a larger --voxel", name, grid.dims.x, grid.dims.y, grid.dims.z,
-                          OST_TOOL_DIM_REMOVE_MAX);
+        status = ost_fail(err, OST_ERR_RANGE,
+                          "%s: %d x %d x %d voxels; reaming needs at most %d per side: use a larger --voxel", name,
+                          grid.dims.x, grid.dims.y, grid.dims.z, OST_TOOL_DIM_REMOVE_MAX);
     if (status == OST_OK)
         status = ost_mesh_snap(&mesh, &grid, &out->cutting, err);
     if (status == OST_OK) {
@@ -302,14 +310,17 @@ static ost_status snap_tool(const user_files *u, const char *name, bool moves, s
 static ost_status check_counts(const app_state *app, const user_files *u, ost_error *err)
 {
     if (u->tools.count > SCENE_TOOLS_MAX)
-        return usage_error(app, err, "%d tools are given; a case of your own has up to %d", u->tools.count, SCENE_TOOLS_MAX);
+        return usage_error(app, err, "%d tools given; expected at most %d", u->tools.count, SCENE_TOOLS_MAX);
     if (u->paths.count && (!u->cts.count || !u->tools.count))
-        return usage_error(app, err, "--path moves a tool through a bone: it needs --tool and --ct");
+        return usage_error(app, err, "--path needs --tool and --ct");
     if (u->tools.count > 1 && u->paths.count > u->tools.count)
-        return usage_error(app, err, "%d paths and %d tools: give one tool for all, or a tool for each path, in the same order", u->paths.count, u->tools.count);
+        return usage_error(app, err,
+                           "%d paths and %d tools; pass one tool for all paths, or one per path in the same order",
+                           u->paths.count, u->tools.count);
     for (int i = 0; i < u->cts.count; i++)
         if (builtin_of(u->cts.value[i]))
-            return usage_error(app, err, "--ct %s: phantoms are among the generated cases; --ct is for a file", u->cts.value[i]);
+            return usage_error(app, err, "--ct %s: expected a file; phantoms are in the generated cases",
+                               u->cts.value[i]);
     return OST_OK;
 }
 
@@ -388,7 +399,7 @@ ost_status user_files_of(const app_state *app, const user_files *u, int argc, ch
     if (user_files_given(u))
         status = user_files_read(app, u, how, store, record, err);
     else if (json_array_size(how))
-        status = usage_error(app, err, "%s is for files of your own: give them with --ct, --tool and --path", json_string_value(json_array_get(how, 0)));
+        status = usage_error(app, err, "%s needs --ct, --tool or --path", json_string_value(json_array_get(how, 0)));
     json_decref(how);
     return status;
 }
@@ -442,7 +453,8 @@ static ost_status take_file(const user_files *given, user_files *u, json_t *name
     while (k < 3 && (!kind || strcmp(kind, kinds[k]) != 0))
         k++;
     if (k == 3 || to[k]->count == OPTION_LIST_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "protocol.json: the list of the user's files is not one that this version knows");
+        return ost_fail(err, OST_ERR_INPUT,
+                        "protocol.json: the format of the list of user files is not supported by this version");
     if (builtin) {
         json_t *text = json_sprintf("builtin:%.80s", builtin);
         append(names, text);
@@ -464,13 +476,14 @@ ost_status user_files_again(app_state *app, const user_files *given, const json_
     *again = NULL;
     describe_needed(files, needed);
     if (!user_files_given(given) && needed[0])
-        status = ost_fail(err, OST_ERR_USAGE, "the bundle's cases user/1 and on are made of files that are not in it: --rerun needs them, %s", needed);
+        status = ost_fail(err, OST_ERR_USAGE, "the bundle has cases of user files: --rerun needs these files, %s",
+                          needed);
     if (status == OST_OK)
         status = parse_how(app, json_object_get(record, "how"), &u, err);
     for (size_t i = 0; i < json_array_size(files) && status == OST_OK; i++)
         status = take_file(given, &u, names, json_array_get(files, i), err);
     if (status == OST_OK && !json_is_array(json_object_get(record, "how")))
-        status = ost_fail(err, OST_ERR_INPUT, "protocol.json: how the user's files were read is not said");
+        status = ost_fail(err, OST_ERR_INPUT, "protocol.json: missing: how the user's files were read");
     if (status == OST_OK)
         status = user_files_read(app, &u, json_object_get(record, "how"), store, again, err);
     json_decref(names);

@@ -140,7 +140,7 @@ static void print_row(const app_state *app, const bench_row *row)
         return;
     }
     if (!row->equal) {
-        print_line(app, "%-30s WRONG: the grid is not the reference's", row->name);
+        print_line(app, "%-30s WRONG: the grid differs from the reference", row->name);
         return;
     }
     if (row->baseline.count) {
@@ -296,9 +296,10 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
         bench_table_free(&table);
     }
     if (status == OST_OK && all.rows == 0)
-        return usage_error(app, err, "no row of suite %s holds '%s'", suite, options->filter ? options->filter : "");
+        return usage_error(app, err, "no row of suite %s matches '%s'", suite,
+                           options->filter ? options->filter : "");
     if (status == OST_OK && all.wrong)
-        return ost_fail(err, OST_ERR_DIFFER, "a row's grid is not the reference's");
+        return ost_fail(err, OST_ERR_DIFFER, "a row's grid differs from the reference");
     put_integer(app->result, "rows_run", (int64_t)all.run);
     put_integer(app->result, "rows_not_run", (int64_t)(all.rows - all.run));
     if (status == OST_OK && all.run == 0) {
@@ -344,15 +345,13 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
                  "Embree, OpenCL against the thesis' kernel there. Every grid is first compared\n"
                  "with the reference's, byte by byte.",
         .options = options,
-        .notes = "Figures are medians; min and max stand beside them. ratio is baseline over ours.\n"
-                 "Rows that end in /1 and those of tick use one thread, all others --threads\n"
-                 "(default: all). A machine that does other work gives other figures: look at\n"
-                 "the minima. What each row is, what limits it and which goals are met:\n"
-                 "docs/performance.md.\n"
-                 "A row that cannot run here (a device without room for it, no memory, no program\n"
-                 "to compare with) is shown as not run, with its reason, and the others go on.\n"
-                 "Exit status 0: rows were measured; 1: a row's grid is not the reference's;\n"
-                 "2: wrong usage; 3: no row could be run, or the backend is not here.",
+        .notes = "Figures are medians; min and max stand beside them. ratio is baseline over ours.\nRows that end in "
+                 "/1 and those of tick use one thread, all others --threads\n(default: all). A machine that does "
+                 "other work gives other figures: look at\nthe minima. What each row is, what limits it and which "
+                 "goals are met:\ndocs/performance.md.\nA row that cannot run here (a device without room for it, no "
+                 "memory, no program\nto compare with) is shown as not run, with its reason, and the others go "
+                 "on.\nExit status 0: rows were measured; 1: a row's grid differs from the reference;\n2: wrong "
+                 "usage; 3: no row could be run, or the backend is not here.",
         .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend cpu:voxelizer=embree\n"
                    "  osteon bench --backend cpu:isa=avx2 --json",
     };
@@ -363,7 +362,7 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "suite %s is not part of this build", names[suite]);
     int64_t millionths = 1000000;
     if (scale.text && (!ost_decimal_scale(&scale.value, 1000000, &millionths, NULL) || millionths < 1 || millionths > 1000000))
-        return usage_error(app, err, "--scale %s: from 0.000001 to 1 is needed", scale.text);
+        return usage_error(app, err, "--scale %s: must be from 0.000001 to 1", scale.text);
     how.scale = (double)millionths / 1e6;
     how.backend = app->backend;
     how.threads = app->threads ? (int)app->threads : bench_cpus();

@@ -79,11 +79,12 @@ static void report(const app_state *app, const bridge_args *args, const bridge_r
     put_times(app, "wake_us", "late by", &r->loop.wake);
     put_times(app, "exec_us", "a tick takes", &r->loop.exec);
     put_times(app, "round_trip_us", "there and back", &r->round_trip);
-    print_line(app, "  %s packets sent, %s states came; %s of them not ours or broken, %llu late, %llu twice", format_count(a, (int64_t)r->sent),
-               format_count(b, (int64_t)(r->states + r->bad + r->late + r->replayed)), format_count(c, (int64_t)r->bad), (unsigned long long)r->late,
-               (unsigned long long)r->replayed);
-    print_line(app, "  force: %.2f N at most on the hand; let alone %llu time%s, %.3f s in all", r->peak_n, (unsigned long long)r->limps,
-               r->limps == 1 ? "" : "s", (double)r->limp_ticks * 1e-3);
+    print_line(app, "  %s packets sent, %s states received; %s of them invalid, %llu late, %llu duplicate",
+               format_count(a, (int64_t)r->sent), format_count(b,
+               (int64_t)(r->states + r->bad + r->late + r->replayed)), format_count(c, (int64_t)r->bad),
+               (unsigned long long)r->late, (unsigned long long)r->replayed);
+    print_line(app, "  force: %.2f N at most; switched off %llu time%s, %.3f s in all", r->peak_n,
+               (unsigned long long)r->limps, r->limps == 1 ? "" : "s", (double)r->limp_ticks * 1e-3);
 }
 
 static ost_status run(app_state *app, const bridge_args *args, uint64_t ticks, ost_error *err)
@@ -92,7 +93,7 @@ static ost_status run(app_state *app, const bridge_args *args, uint64_t ticks, o
     ost_haptic *device = NULL;
     bridge_report *r = malloc(sizeof *r);
     if (!r)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the times of a run");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of a run");
     const bool replay = strcmp(args->device, "replay") == 0;
     ost_status status = args->path && !replay ? path_of(args->path, &path, err) : OST_OK;
     const ost_haptic_setup setup = {.path = &path, .session = replay ? args->path : NULL, .start = ost_pose_identity()};

@@ -64,7 +64,7 @@ static ost_status list_devices(const app_state *app, ost_error *err)
     for (int i = 0; i < ost_backend_count() && status == OST_OK; i++)
         status = ost_backend_devices(i, one_device, &list, err);
     if (json_array_size(list.array) == 0)
-        print_line(app, "  none; the reason stands at backend cl");
+        print_line(app, "  none; see the reason at backend cl");
     put(app->result, "devices", list.array);
     return status;
 }
@@ -161,7 +161,7 @@ static void list_instruction_sets(const app_state *app)
     put(app->result, "instruction_sets", array);
     print_line(app, "%s", "");
     print_line(app, "instruction sets of this processor");
-    print_line(app, "  %s", count ? text : "none that osteon looks for");
+    print_line(app, "  %s", count ? text : "none that osteon uses");
 }
 
 /* Prints the device's buttons in the order of their bits, each with its default action (osteon sim

@@ -114,7 +114,8 @@ static ost_status draw_slices(const app_state *app, const export_args *args, con
     if (status == OST_OK && args->view.size)
         status = frame_size(app, args->view.size, &options.pixels, &height, err);
     if (status == OST_OK && height != options.pixels)
-        return usage_error(app, err, "--size %s: slices have one size: that of the longest side, in pixels", args->view.size);
+        return usage_error(app, err, "--size %s: expected one number for slices: the longest side in pixels",
+                           args->view.size);
     if (in->kind == LOAD_TOOL) {
         options.level = 1;
         options.width = 3;
@@ -165,11 +166,12 @@ static ost_status check_args(app_state *app, const export_args *args, ost_error 
 {
     bool png = ends_with(args->out, "png");
     if (!png && (args->slices || args->view.view_given || args->before || args->view.size || args->target.at_given))
-        return usage_error(app, err, "--slices, --view, --before, --at and --size are for .png, not for %s", args->out);
+        return usage_error(app, err, "--slices, --view, --before, --at and --size need a .png file, not %s",
+                           args->out);
     if (args->slices && args->view.view_given)
-        return usage_error(app, err, "--slices or --view, not both");
+        return usage_error(app, err, "--slices and --view cannot be combined");
     if (args->decimals && !ends_with(args->out, "txt"))
-        return usage_error(app, err, "--decimals is for .txt, not for %s", args->out);
+        return usage_error(app, err, "--decimals needs a .txt file, not %s", args->out);
     if (ends_with(args->out, "mcap") || ends_with(args->out, "h5") || ends_with(args->out, "hdf5"))
         return usage_error(app, err, "%s: osteon does not write this format: export the session to a table, --out FILE.csv", args->out);
     return out_check(app, args->out, "nrrd|nii|nii.gz|txt|stl|ply|png|csv", err);
@@ -179,7 +181,7 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
 {
     export_args args = {0};
     target_options *t = &args.target;
-    const operand operands[] = {{"BONE", &args.bone, "which bone?"}, {0}};
+    const operand operands[] = {{"BONE", &args.bone, "no bone given"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
          .help = "voxels: .nrrd, .nii, .nii.gz, .txt; surface: .stl, .ply;\npicture: .png; a session: .csv"},

@@ -109,7 +109,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     ct_options ct = CT_OPTIONS_DEFAULT;
     patient_options patient = {.landmarks = NULL};
     bool compress = false;
-    const operand operands[] = {{"CT", &name, "which CT?"}, {0}};
+    const operand operands[] = {{"CT", &name, "no CT given"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
          .help = "the bone: .nrrd, or .nii, .nii.gz, .txt"},

@@ -193,7 +193,9 @@ static ost_status set_facts(const app_state *app, const char *name, ost_file_kin
     ost_geometry geometry;
     ost_meta meta;
     if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI)
-        return ost_fail(err, OST_ERR_INPUT, "%s: --set is for bones and CTs in NRRD or NIfTI; give these facts to 'osteon import'", name);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: --set needs a bone or a CT in NRRD or NIfTI; pass these values to 'osteon import'",
+                        name);
     ost_status status = ost_volume_read_header(name, &geometry, &meta, NULL, err);
     if (status == OST_OK)
         status = patient_set(app, sets, name, &geometry, &meta, err);
@@ -205,7 +207,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     const char *name = NULL, *repaired = NULL;
     bool digest = false;
     option_list sets = {0};
-    const operand operands[] = {{"FILE", &name, "which file?"}, {0}};
+    const operand operands[] = {{"FILE", &name, "no file given"}, {0}};
     const option options[] = {
         {.name = "digest", .kind = OPTION_FLAG, .out = &digest, .help = "read everything: solid voxels, the SHA-256 of grid and file"},
         {.name = "set", .kind = OPTION_LIST, .out = &sets, .value = "KEY=VALUE",
@@ -230,7 +232,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     if ((status = ost_file_kind_find(name, &kind, err)) != OST_OK)
         return status;
     if (repaired && kind != OST_FILE_SESSION)
-        return usage_error(app, err, "--repair is for sessions, and %s is none", name);
+        return usage_error(app, err, "--repair needs a session; %s is not a session", name);
     if (sets.count && (status = set_facts(app, name, kind, &sets, err)) != OST_OK)
         return status;
     struct stat st;
@@ -245,7 +247,8 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     case OST_FILE_MESH: status = info_mesh(app, name, err); break;
     case OST_FILE_PATH_CSV: status = info_path(app, name, err); break;
     case OST_FILE_SESSION: status = info_session(app, name, repaired, err); break;
-    case OST_FILE_UNKNOWN: status = ost_fail(err, OST_ERR_INPUT, "%s: is no kind of file that osteon knows", name); break;
+    case OST_FILE_UNKNOWN: status = ost_fail(err, OST_ERR_INPUT, "%s: unknown kind of file; expected a CT, a bone, a "
+                                             "mesh, a tool grid, a path or a session", name); break;
     }
     if (status != OST_OK || !digest)
         return status;

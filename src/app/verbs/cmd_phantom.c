@@ -94,7 +94,7 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
         (status = out_check(app, out, "txt|nrrd|nii|nii.gz", err)) != OST_OK)
         return status;
     if (decimals && !ends_with(out, "txt"))
-        return usage_error(app, err, "--decimals is for .txt, not for %s", out);
+        return usage_error(app, err, "--decimals needs a .txt file, not %s", out);
     make.seed = (uint64_t)seed;
     make.left = side == 0;
 

@@ -76,7 +76,7 @@ static ost_status check_args(app_state *app, render_args *args, ost_error *err)
 {
     ost_status status = frame_size(app, args->view.size, &args->width, &args->height, err);
     if (status == OST_OK && args->pose_text && !args->tool)
-        return usage_error(app, err, "--pose %s: of which --tool?", args->pose_text);
+        return usage_error(app, err, "--pose %s: needs --tool TOOL", args->pose_text);
     if (status == OST_OK && args->pose_text)
         status = parse_pose(app, args, err);
     if (status == OST_OK)
@@ -84,7 +84,7 @@ static ost_status check_args(app_state *app, render_args *args, ost_error *err)
     if (args->before && !args->look.colour_given)
         args->look.colour = OST_COLOUR_DEPTH;
     if (status == OST_OK && args->look.colour == OST_COLOUR_DEPTH && !args->before)
-        return usage_error(app, err, "--colour depth: below which surface? give the bone as it was with --before");
+        return usage_error(app, err, "--colour depth needs the uncut bone: pass --before BONE");
     int64_t um = PLANNED_UM;
     if (args->depth.text && (!ost_decimal_scale(&args->depth.value, 1000, &um, NULL) || um < 0 || um > PLANNED_UM_MAX))
         return usage_error(app, err, "--planned %s: must be from 0 to %d", args->depth.text, PLANNED_UM_MAX / 1000);
@@ -126,7 +126,7 @@ static ost_status add_uncut(const app_state *app, const render_args *args, drawi
     if (status == OST_OK)
         status = ost_bone_info_get(args->before ? bone : d->bone, &info, err);
     if (status == OST_OK && !ost_geometry_equal(&info.geometry, &d->viewer.bone.geometry))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: is on another grid than %s", args->before, args->bone);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: has another grid than %s", args->before, args->bone);
     if (status == OST_OK)
         status = bone_to_volume(args->before ? bone : d->bone, NULL, &d->before, err);
     if (status == OST_OK)
@@ -243,7 +243,7 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
         TOOL_OPTIONS(args.how),
         CT_OPTIONS(args.ct),
         {.name = NULL}};
-    const operand operands[] = {{"BONE", &args.bone, "which bone?"}, {NULL, NULL, NULL}};
+    const operand operands[] = {{"BONE", &args.bone, "no bone given"}, {NULL, NULL, NULL}};
     const usage_text usage = {
         .synopsis = "BONE --out FILE.png [options]",
         .about = "A picture of a bone, and of a tool in its place, without a display: the simulator's\n"

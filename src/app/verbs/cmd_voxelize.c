@@ -35,7 +35,7 @@ ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *mesh = NULL, *out = NULL, *noncutting = NULL;
     tool_options how = TOOL_OPTIONS_DEFAULT;
-    const operand operands[] = {{"MESH", &mesh, "which mesh?"}, {0}};
+    const operand operands[] = {{"MESH", &mesh, "no mesh given"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true, .help = "the tool grid: .nrrd"},
         TOOL_OPTIONS(how),
@@ -91,7 +91,8 @@ ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err)
         if (report.dropped_triangles)
             print_line(app, "  %zu triangle%s without area dropped", report.dropped_triangles, report.dropped_triangles == 1 ? "" : "s");
         if (g->dims.x > OST_TOOL_DIM_REMOVE_MAX || g->dims.y > OST_TOOL_DIM_REMOVE_MAX || g->dims.z > OST_TOOL_DIM_REMOVE_MAX)
-            warn(app, "%s: more than %d voxels on a side: too fine to ream with", out, OST_TOOL_DIM_REMOVE_MAX);
+            warn(app, "%s: more than %d voxels per side, too many for osteon ream; use a larger --voxel", out,
+                 OST_TOOL_DIM_REMOVE_MAX);
     }
     ost_tool_volume_free(&volume);
     ost_tool_free(tool);

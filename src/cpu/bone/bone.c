@@ -41,7 +41,8 @@ ost_status ost_cpu_bone_create(ost_backend *backend, const ost_geometry *geometr
     if (!bone || !chunks) {
         free(chunks);
         free(bone);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a table of %lld chunks", (long long)ost_dims_count(dims));
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a table of %lld chunks",
+                        (long long)ost_dims_count(dims));
     }
     *bone = (cpu_bone){
         .base = {.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold},
@@ -264,8 +265,8 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
     }
     ost_team_end(backend->sharing, &storing);
     if (!enough)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the chunks of slices %d to %d (%zu bytes each)", z0, z0 + count - 1,
-                        ost_chunk_bytes(base->chunk_size));
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the chunks of slices %d to %d (%zu bytes each)", z0,
+                        z0 + count - 1, ost_chunk_bytes(base->chunk_size));
     return OST_OK;
 }
 

@@ -385,7 +385,8 @@ ost_status ost_cpu_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t
     f.linear = ost_cpu_view_linear(&f.view);
     if (!fill_bone(backend, &f)) {
         ost_cpu_bone_free(bone);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for chunks of %zu bytes each", ost_chunk_bytes(chunk_size));
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for chunks of %zu bytes each",
+                        ost_chunk_bytes(chunk_size));
     }
     *out = bone;
     return OST_OK;

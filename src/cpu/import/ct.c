@@ -236,10 +236,11 @@ ost_status ost_cpu_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
     if (status != OST_OK)
         return status;
     if (!grid->seen && !(grid->seen = calloc((size_t)(b.voxels + 7) / 8, 1)))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to remember which voxels are set (%lld bytes)", (long long)(b.voxels + 7) / 8);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the set of voxels that have a value (%lld bytes)",
+                        (long long)(b.voxels + 7) / 8);
     b.at = malloc(BLOCK * sizeof *b.at);
     if (!b.at)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to place %d samples", (int)BLOCK);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory to place %d samples", (int)BLOCK);
     const int64_t most = backend->sharing->least[OST_PATH_BLOCKS] - 1;
     const size_t block = (size_t)(most < BLOCK_MIN ? BLOCK_MIN : most > BLOCK ? BLOCK : most);
     if (count > block)

@@ -116,7 +116,7 @@ ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geome
     for (int a = 0; a < 3; a++)
         if (!make_axis(&l, a, from[a], to[a], geometry->spacing.x, spacing[a], rule)) {
             free_lists(&l);
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for %d indices", (int)to[a]);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d indices", (int)to[a]);
         }
     finish_weights(&l, to[0], from[0] - 1);
     const cpu_view view = ost_cpu_grid_view(rect);

@@ -48,8 +48,8 @@ static void store_drop(cpu_store *store)
 
 static ost_status no_memory(ost_dims dims, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %d x %d x %d voxels (%lld bytes)", dims.x, dims.y,
-                    dims.z, (long long)ost_dims_count(dims) * 2);
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %d x %d x %d voxels (%lld bytes)", dims.x,
+                    dims.y, dims.z, (long long)ost_dims_count(dims) * 2);
 }
 
 /* ----------------------------------------------------------------- views */

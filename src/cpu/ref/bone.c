@@ -16,7 +16,7 @@ ost_status ost_ref_bone_create(ost_backend *backend, const ost_geometry *geometr
 {
     ref_bone *bone = malloc(sizeof *bone);
     if (!bone)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a bone");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone");
     bone->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
     ost_status status = ost_chunk_grid_init(&bone->chunks, geometry->dims, chunk_size, threshold, err);
     if (status != OST_OK) {
@@ -111,7 +111,7 @@ ost_status ost_ref_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_err
     ost_dims dims = ost_leaf_dims(base->geometry.dims);
     int16_t *voxels = malloc(OST_LEAF * OST_LEAF * OST_LEAF * sizeof *voxels);
     if (!voxels)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a leaf");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a leaf");
     ost_status status = OST_OK;
     for (int32_t z = 0; z < dims.z && status == OST_OK; z++)
         for (int32_t y = 0; y < dims.y && status == OST_OK; y++)

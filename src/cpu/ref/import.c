@@ -27,8 +27,8 @@ ost_status ost_ref_grid_create(ost_backend *backend, const ost_geometry *geometr
     if (!grid || !voxels) {
         free(voxels);
         free(grid);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a grid of %d x %d x %d voxels (%lld bytes)", geometry->dims.x,
-                        geometry->dims.y, geometry->dims.z, (long long)count * 2);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %d x %d x %d voxels (%lld bytes)",
+                        geometry->dims.x, geometry->dims.y, geometry->dims.z, (long long)count * 2);
     }
     *grid = (ref_grid){.base = {.backend = backend, .geometry = *geometry}, .voxels = voxels};
     *out = &grid->base;
@@ -188,7 +188,8 @@ ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
         size_t bytes = (size_t)((ost_dims_count(rect->geometry.dims) + 7) / 8);
         grid->seen = calloc(bytes, 1);
         if (!grid->seen)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory to remember which voxels are set (%zu bytes)", bytes);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for the set of voxels that have a value (%zu bytes)",
+                            bytes);
     }
     for (size_t i = 0; i < count; i++) {
         assert(samples[i].density >= INT16_MIN && samples[i].density <= INT16_MAX);

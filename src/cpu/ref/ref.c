@@ -15,12 +15,13 @@ static bool available(char *reason, size_t size)
 static ost_status open_ref(const char *options, ost_backend **out, ost_error *err)
 {
     if (options[0])
-        return ost_fail(err, OST_ERR_USAGE, "backend ref takes no options; '%.*s' is unknown", (int)strcspn(options, "=,"), options);
+        return ost_fail(err, OST_ERR_USAGE, "backend ref: unknown option '%.*s'; it has no options",
+                        (int)strcspn(options, "=,"), options);
     ref_backend *backend = calloc(1, sizeof *backend);
     int16_t *zeros = calloc(OST_LEAF * OST_LEAF * OST_LEAF, sizeof *zeros);
     ost_status status = OST_OK;
     if (!backend || !zeros)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for backend ref");
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend ref");
     else
         status = ost_digest_leaf16(zeros, &backend->empty_leaf, err);
     free(zeros);

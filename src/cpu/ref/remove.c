@@ -200,7 +200,7 @@ static ost_status reserve(ost_report *report, const ost_chunk_grid *grid, const 
         return OST_OK;
     ost_chunk_report *grown = realloc(report->chunks, needed * sizeof *grown);
     if (!grown)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", needed);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a report of %zu chunks", needed);
     report->chunks = grown;
     report->capacity = needed;
     return OST_OK;

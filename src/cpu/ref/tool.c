@@ -15,8 +15,8 @@ ost_status ost_ref_tool_create(ost_backend *backend, const ost_tool_geometry *ge
     if (!tool || !voxels) {
         free(voxels);
         free(tool);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a tool of %d x %d x %d voxels (%lld bytes)", geometry->dims.x,
-                        geometry->dims.y, geometry->dims.z, (long long)count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool of %d x %d x %d voxels (%lld bytes)",
+                        geometry->dims.x, geometry->dims.y, geometry->dims.z, (long long)count);
     }
     *tool = (ref_tool){.base = {.backend = backend, .geometry = *geometry}, .voxels = voxels};
     *out = tool;

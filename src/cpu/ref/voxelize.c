@@ -161,7 +161,7 @@ ost_status ost_ref_voxelize(const ost_snapped_mesh *cutting, const ost_snapped_m
     const size_t plane_size = (size_t)s.dims.x * (size_t)s.dims.y;
     s.steps = malloc(steps * sizeof *s.steps);
     if (!s.steps)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a slice of %d x %d voxels", s.dims.x, s.dims.y);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a slice of %d x %d voxels", s.dims.x, s.dims.y);
 
     for (s.k = 0; s.k < s.dims.z; s.k++) {
         uint8_t *plane = voxels + (size_t)s.k * plane_size;

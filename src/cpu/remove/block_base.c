@@ -53,7 +53,7 @@ ost_status ost_block_bases_reserve(ost_block_bases *bases, const int32_t count[3
             continue;
         int64_t *part = realloc(bases->part[b], needed * sizeof *part);
         if (!part)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for the bases of %d blocks", (int)count[b]);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for the bases of %d blocks", (int)count[b]);
         bases->part[b] = part;
         bases->capacity[b] = needed;
     }

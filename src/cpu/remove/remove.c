@@ -326,7 +326,7 @@ static ost_status list_chunks(const cpu_bone *bone, const ost_event *event, ost_
                     const size_t capacity = scratch->capacity ? 2 * scratch->capacity : 64;
                     ost_event_chunk *grown = realloc(scratch->chunks, capacity * sizeof *grown);
                     if (!grown)
-                        return ost_fail(err, OST_ERR_MEMORY, "no memory for an event of %zu chunks", capacity);
+                        return ost_fail(err, OST_ERR_MEMORY, "out of memory for an event of %zu chunks", capacity);
                     scratch->chunks = grown;
                     scratch->capacity = capacity;
                 }
@@ -346,7 +346,7 @@ static ost_status reserve(ost_report *report, size_t needed, ost_error *err)
         return OST_OK;
     ost_chunk_report *grown = realloc(report->chunks, needed * sizeof *grown);
     if (!grown)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a report of %zu chunks", needed);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a report of %zu chunks", needed);
     report->chunks = grown;
     report->capacity = needed;
     return OST_OK;
@@ -365,7 +365,8 @@ static ost_status reserve_copies(const cpu_bone *bone, ost_event_scratch *scratc
         return OST_OK;
     uint64_t *copies = realloc(scratch->copies, needed * sizeof *copies);
     if (!copies)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to copy the occupancy of %zu chunks", scratch->count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a copy of the occupancy of %zu chunks",
+                        scratch->count);
     scratch->copies = copies;
     scratch->copy_capacity = needed;
     return OST_OK;

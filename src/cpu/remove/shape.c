@@ -192,7 +192,7 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
     free(b);
     free(a);
     if (status != OST_OK)
-        return ost_fail(err, status, "no memory for the distances of a tool (%zu cells)", cells);
+        return ost_fail(err, status, "out of memory for the distances of a tool (%zu cells)", cells);
     return OST_OK;
 }
 
@@ -322,8 +322,8 @@ static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
     shape->memory[1] = index;
     shape->memory[2] = store.line;
     if (!enough)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the windows of a tool of %d x %d x %d voxels", shape->dims[0], shape->dims[1],
-                        shape->dims[2]);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the windows of a tool of %d x %d x %d voxels",
+                        shape->dims[0], shape->dims[1], shape->dims[2]);
     shape->windows = (ost_windows){.index = index, .line = (const uint8_t(*)[64])store.line, .dims = {n[0], n[1], n[2]}, .step = step};
     return OST_OK;
 }

@@ -162,7 +162,7 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
 
 no_memory:
     ost_vox_bins_free(bins);
-    status = ost_fail(err, OST_ERR_MEMORY, "no memory to sort %zu triangles by tile", triangles);
+    status = ost_fail(err, OST_ERR_MEMORY, "out of memory to sort %zu triangles by tile", triangles);
 done:
     free(counts);
     free(keys);

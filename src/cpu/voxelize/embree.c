@@ -35,7 +35,8 @@
 
 ost_status ost_embree_available(ost_error *err)
 {
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend cpu: voxelizer=embree: osteon was built without Embree; Debian: libembree-dev");
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "backend cpu: voxelizer=embree: osteon was built without Embree; "
+                    "install libembree-dev and build again");
 }
 
 ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree **out, ost_error *err)
@@ -184,7 +185,7 @@ ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree 
     char config[60];
     ost_embree *e = calloc(1, sizeof *e);
     if (!e)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for Embree");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for Embree");
     const ost_floats state = ost_floats_enter();
     e->mesh = mesh;
     e->primitives = (mesh->triangle_count + GROUP - 1) / GROUP;
@@ -199,8 +200,9 @@ ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree 
     if (!e->device || error != RTC_ERROR_NONE) {
         ost_embree_free(e);
         return error == RTC_ERROR_OUT_OF_MEMORY
-                   ? ost_fail(err, OST_ERR_MEMORY, "Embree has no memory for %zu triangles", mesh->triangle_count)
-                   : ost_fail(err, OST_ERR_UNAVAILABLE, "Embree does not start here (its error %d)", (int)error);
+                   ? ost_fail(err, OST_ERR_MEMORY, "Embree: out of memory for %zu triangles",
+                              mesh->triangle_count) : ost_fail(err, OST_ERR_UNAVAILABLE,
+                              "Embree cannot start (error %d)", (int)error);
     }
     *out = e;
     return OST_OK;

@@ -293,7 +293,8 @@ static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error
     }
     ost_team_end(sharing, &team);
     if (failed)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for tiles of %d x %d rows", 1 << j->plan.shift_y, 1 << j->plan.shift_z);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for tiles of %d x %d rows", 1 << j->plan.shift_y,
+                        1 << j->plan.shift_z);
     *report = (ost_voxelize_report){.solid_voxels = solid, .cutting_voxels = cutting, .leaking_rows = leaking};
     return OST_OK;
 }
@@ -351,7 +352,8 @@ ost_status ost_cpu_voxelize_tool(ost_backend *base, const ost_snapped_mesh *cutt
     uint8_t *voxels = new_voxels((size_t)ost_dims_count(dims));
     ost_status status = OST_OK;
     if (!tool || !voxels)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a tool of %d x %d x %d voxels", dims.x, dims.y, dims.z);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool of %d x %d x %d voxels", dims.x, dims.y,
+                          dims.z);
     if (status == OST_OK)
         status = ost_cpu_voxelize(backend, cutting, noncutting, rule, report, &(ost_vox_result){.voxels = voxels}, err);
     if (status != OST_OK) {

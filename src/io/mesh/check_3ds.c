@@ -128,11 +128,12 @@ ost_status ost_mesh_check_3ds(mesh_input *in, ost_error *err)
     if (in->size < HEAD || get16(in, 0) != MAIN)
         return fail_at(in, 0, "a 3DS file begins with a chunk of kind 4D4D", err);
     if (get32(in, 2) < HEAD || get32(in, 2) > in->size)
-        return ost_fail(err, OST_ERR_INPUT, "%s: byte 2: says %u bytes; the file has %zu", in->path, (unsigned)get32(in, 2), in->size);
+        return ost_fail(err, OST_ERR_INPUT, "%s: byte 2: the header states %u bytes; the file has %zu", in->path,
+                        (unsigned)get32(in, 2), in->size);
     in->size = get32(in, 2);
     in->bodies = 0;
     ost_status status = chunks(in, HEAD, in->size, MAIN, NULL, err);
     if (status == OST_OK && in->faces == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the file holds no face", in->path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: the file has no face", in->path);
     return status;
 }

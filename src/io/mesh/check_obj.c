@@ -42,7 +42,7 @@ static ost_status vertex(obj *o, ost_error *err)
     int64_t millionths;
     if (count == 4 && !(ost_decimal_read(words[3].text, words[3].text + words[3].size, &weight) &&
                         ost_decimal_scale(&weight, 1000000, &millionths, NULL) && millionths == 1000000))
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex of weight %s; only 1 is supported", o->text.path, o->text.line,
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex of weight %s; expected 1", o->text.path, o->text.line,
                         ost_mesh_word_show(words[3]));
     putc('v', o->plain.out);
     for (int i = 0; i < 3; i++) /* assimp does not accept a number that begins with the decimal point */
@@ -114,7 +114,7 @@ static ost_status statements(obj *o, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: vertex %lld of a face; the file has %lld", o->text.path, o->greatest_line,
                         (long long)o->greatest, (long long)o->vertices);
     if (status == OST_OK && o->in->triangles == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the file holds no face", o->text.path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: the file has no face", o->text.path);
     return status;
 }
 

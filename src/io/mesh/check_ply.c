@@ -108,7 +108,7 @@ static ost_status read_element(ply *p, ost_error *err)
     e->role = ost_mesh_word_is(name, "vertex") ? VERTEX : ost_mesh_word_is(name, "face") ? FACE : OTHER;
     for (int i = 0; i < p->element_count; i++)
         if (e->role != OTHER && p->elements[i].role == e->role)
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a second element of this name", p->text.path, p->text.line);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: duplicate name of an element", p->text.path, p->text.line);
     if (e->role == VERTEX)
         p->vertices = e->count;
     p->element_count++;
@@ -160,11 +160,12 @@ static ost_status check_layout(const ply *p, ost_error *err)
         faces_before_vertices += e->role == FACE && !vertices;
     }
     if (axes[0] != 1 || axes[1] != 1 || axes[2] != 1)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the header needs an element vertex with one x, y and z each of type float or double",
-                        p->in->path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: missing in the header: an element vertex with one x, y and z each, "
+                        "of type float or double", p->in->path);
     if (lists != 1 || faces_before_vertices)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the header needs an element face, behind vertex, with one list vertex_indices%s", p->in->path,
-                        lists == 0 ? " (a cloud of points has no inside)" : "");
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: missing in the header: an element face, after vertex, with one list vertex_indices%s",
+                        p->in->path, lists == 0 ? " (a cloud of points has no inside)" : "");
     return OST_OK;
 }
 
@@ -230,7 +231,8 @@ static ost_status next_value(ply *p, value_type type, value *out, ost_error *err
     if (p->format != ASCII) {
         const size_t left = (size_t)(p->text.end - p->text.at);
         if (left < type_bytes[type])
-            return ost_fail(err, OST_ERR_INPUT, "%s: byte %zu: the file ends before the elements that its header announces", p->in->path,
+            return ost_fail(err, OST_ERR_INPUT,
+                            "%s: byte %zu: the file ends before the elements that its header declares", p->in->path,
                             p->in->size);
         *out = (value){p->text.at, type_bytes[type], from_bytes((uint8_t *)p->text.at, type, p->format == BIG)};
         p->text.at += type_bytes[type];
@@ -336,7 +338,7 @@ static ost_status read_body(ply *p, ost_error *err)
             status = read_body_element(p, e, n, err);
     }
     if (status == OST_OK && p->in->triangles == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the file holds no face", p->in->path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: the file has no face", p->in->path);
     return status;
 }
 
@@ -356,7 +358,7 @@ static void put_header(const ply *p, FILE *out)
 
 static ost_status no_memory(const mesh_input *in, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its elements", in->path);
+    return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for its elements", in->path);
 }
 
 ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err)

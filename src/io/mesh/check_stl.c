@@ -148,7 +148,7 @@ static ost_status solids(ascii *a, ost_error *err)
         a->in->bodies += a->in->faces > before;
     }
     if (a->in->faces == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the file holds no triangle", a->text.path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: the file has no triangle", a->text.path);
     fputs("endsolid\n", a->plain.out);
     return OST_OK;
 }

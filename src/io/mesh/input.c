@@ -55,7 +55,7 @@ static ost_status check_stl_header(const ost_file *file, const char *path, ost_e
     uint8_t sniffed[STL_SNIFF + 1] = {0};
     const ssize_t got = pread(file->fd, sniffed, STL_SNIFF, 0);
     if (got < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     const mesh_input in = {.path = path, .bytes = sniffed, .size = (size_t)got};
     if (in.size < STL_HEADER || memcmp(sniffed, "ply", 3) == 0 || stl_kind(&in, (uint64_t)file->size) != MESH_STL_BINARY)
         return OST_OK;
@@ -71,7 +71,7 @@ static ost_status read_all(const ost_file *file, const char *path, mesh_input *i
     in->size = (size_t)file->size;
     in->bytes = malloc(in->size + 1);
     if (!in->bytes)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its %zu bytes", path, in->size);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %zu bytes", path, in->size);
     in->bytes[in->size] = 0;
     return ost_file_fill(path, file, in->bytes, err);
 }
@@ -90,7 +90,8 @@ static ost_status find_kind(const char *path, mesh_input *in, ost_error *err)
     else if (strcasecmp(extension, "ply") == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: byte 0: a PLY file begins with a line 'ply'", path);
     else
-        return ost_fail(err, OST_ERR_INPUT, "%s: '%.20s' is no mesh format that is read here; expected .stl, .obj, .ply or .3ds", path,
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: '%.20s' is not a supported mesh format; expected .stl, .obj, .ply or .3ds", path,
                         extension[0] ? extension - 1 : "no extension");
     return OST_OK;
 }
@@ -133,13 +134,13 @@ ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err)
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err)
 {
     plain->out = ost_memory_stream_open(&plain->made);
-    return plain->out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
+    return plain->out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for the converted mesh", in->path);
 }
 
 ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err)
 {
     if (!ost_memory_stream_close(plain->out, &plain->made) && status == OST_OK)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for its plain form", in->path);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for the converted mesh", in->path);
     if (status == OST_OK) {
         free(in->bytes);
         in->bytes = (uint8_t *)plain->made.bytes;

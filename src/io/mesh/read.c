@@ -220,7 +220,8 @@ static ost_status import(mesh_input *in, int64_t unit, ost_mesh *out, ost_error 
     struct aiFileIO io = {memory_open, memory_close, (char *)(void *)in};
     const struct aiScene *scene = aiImportFileEx(kinds[in->kind].name, 0, &io);
     if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to read its %llu triangles by assimp", in->path, (unsigned long long)in->triangles);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory to read its %llu triangles by assimp", in->path,
+                        (unsigned long long)in->triangles);
     if (!scene)
         return ost_fail(err, OST_ERR_INPUT, "%s: assimp: %.200s", in->path, aiGetErrorString());
     ost_status status = convert(in, scene, unit, out, err);
@@ -241,8 +242,8 @@ static ost_status check_extent(const char *path, double mm, ost_unit unit, ost_e
         if (there >= 1.0 && there <= 1000.0)
             snprintf(fits + used, sizeof fits - used, "%s--unit %s makes it %.3g mm", used ? ", " : "", units[u].name, there);
     }
-    return ost_fail(err, OST_ERR_INPUT, "%s: taken as millimetres it is %.3g mm across, outside 1 to 1000 mm; give its unit (%s%smm if it is so meant)",
-                    path, mm, fits, fits[0] ? "; " : "");
+    return ost_fail(err, OST_ERR_INPUT, "%s: in millimetres the mesh is %.3g mm across, outside 1 to 1000 mm; pass "
+                    "its unit (%s%smm to confirm millimetres)", path, mm, fits, fits[0] ? "; " : "");
 }
 
 static ost_status finish(const char *path, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err)
@@ -302,7 +303,9 @@ ost_status ost_mesh_read(const char *path, ost_unit unit, ost_mesh *out, ost_mes
     memset(out, 0, sizeof *out);
     if (report)
         memset(report, 0, sizeof *report);
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: built without assimp, which reads meshes; install libassimp-dev and configure again", path);
+    return ost_fail(err, OST_ERR_UNAVAILABLE,
+                    "%s: cannot read meshes: osteon was built without assimp; install libassimp-dev and build again",
+                    path);
 }
 
 #endif

@@ -36,7 +36,7 @@ ost_status ost_mesh_weld(ost_mesh *mesh, ost_error *err)
     if (!table || !renumber) {
         free(table);
         free(renumber);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to join %zu vertices", mesh->vertex_count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory to join %zu vertices", mesh->vertex_count);
     }
     memset(table, 0xff, slots * sizeof *table);
     uint32_t kept = 0;

@@ -21,7 +21,7 @@ static ost_status take_lines(const char *path, char *text, ost_meta *meta, ost_e
             *colon = 0;
             ost_status status = ost_meta_set(meta, line + sizeof prefix - 1, colon + 2, err);
             if (status != OST_OK) {
-                ost_fail_context(err, "%s: comment in its header", path);
+                ost_fail_context(err, "%s: comment in the header", path);
                 return status;
             }
         }
@@ -60,7 +60,8 @@ ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, 
         } else {
             char *text = malloc(bytes + 1);
             if (!text)
-                return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a comment of %zu bytes", ost_input_path(input), bytes);
+                return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a comment of %zu bytes",
+                                ost_input_path(input), bytes);
             status = ost_input_read(input, text, bytes, &got, err);
             text[status == OST_OK ? got : 0] = 0;
             if (status == OST_OK)

@@ -44,26 +44,27 @@ static ost_status check_type(const char *path, int code, int bits, ost_element *
         if (types[t].code != code)
             continue;
         if (types[t].element == OST_ELEMENT_NONE)
-            return ost_fail(err, OST_ERR_INPUT, "%s: its voxels are %s; one density a voxel was expected", path, types[t].name);
+            return ost_fail(err, OST_ERR_INPUT, "%s: voxels are %s; expected one density per voxel", path,
+                            types[t].name);
         if (types[t].bits != bits)
             return ost_fail(err, OST_ERR_INPUT, "%s: bitpix %d does not fit datatype %d (%s)", path, bits, code,
                             ost_element_name(types[t].element));
         *out = types[t].element;
         return OST_OK;
     }
-    return ost_fail(err, OST_ERR_INPUT, "%s: datatype %d is none of NIfTI's", path, code);
+    return ost_fail(err, OST_ERR_INPUT, "%s: unknown datatype %d", path, code);
 }
 
 static ost_status check_dims(const char *path, const int64_t dim[8], int32_t sizes[3], ost_error *err)
 {
     if (dim[0] < 1 || dim[0] > 7)
-        return ost_fail(err, OST_ERR_INPUT, "%s: dim[0] is %lld; 3 axes were expected", path, (long long)dim[0]);
+        return ost_fail(err, OST_ERR_INPUT, "%s: dim[0] is %lld; expected 3 axes", path, (long long)dim[0]);
     if (dim[0] < 3)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %lld axes; a CT has three", path, (long long)dim[0]);
+        return ost_fail(err, OST_ERR_INPUT, "%s: %lld axes; expected three", path, (long long)dim[0]);
     for (int a = 4; a <= dim[0]; a++)
         if (dim[a] != 1)
-            return ost_fail(err, OST_ERR_INPUT, "%s: dim[%d] is %lld; a CT has three axes and one density a voxel", path, a,
-                            (long long)dim[a]);
+            return ost_fail(err, OST_ERR_INPUT, "%s: dim[%d] is %lld; expected three axes and one density per voxel",
+                            path, a, (long long)dim[a]);
     return ost_rows_sizes(path, dim + 1, sizes, err);
 }
 
@@ -72,7 +73,8 @@ static ost_status check_offset(const char *path, double offset, bool pair, int s
 {
     double least = pair ? 0 : struct_bytes;
     if (!(offset >= least && offset <= 9007199254740992.0) || offset != floor(offset))
-        return ost_fail(err, OST_ERR_INPUT, "%s: vox_offset is %.9g; a whole number of at least %.0f was expected", path, offset, least);
+        return ost_fail(err, OST_ERR_INPUT, "%s: vox_offset is %.9g; expected a whole number of at least %.0f", path,
+                        offset, least);
     *out = (uint64_t)offset;
     return OST_OK;
 }
@@ -109,7 +111,8 @@ static ost_status find_scale(const char *path, int version, int units, scale *ou
     case NIFTI_UNITS_MICRON: out->unit = (uint64_t)OST_PM_PER_MM / 1000; return OST_OK;
     default: break;
     }
-    return ost_fail(err, OST_ERR_INPUT, "%s: xyzt_units has %d for lengths; 1 (m), 2 (mm), 3 (um) or 0 was expected", path, units);
+    return ost_fail(err, OST_ERR_INPUT, "%s: xyzt_units has %d for lengths; expected 1 (m), 2 (mm), 3 (um) or 0",
+                    path, units);
 }
 
 /* -------------------------------------------------------------- orientation */
@@ -183,8 +186,9 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
             double value = w < 2 ? -ras[w][c] : ras[w][c];
             ost_pm *to = c < 3 ? &out->column[c][w] : &out->origin[w];
             if (!to_pm(s, value, to))
-                return ost_fail(err, OST_ERR_INPUT, "%s: its %s has %.9g for %s %d; a length within 8 m was expected", path, names[which],
-                                ras[w][c], c < 3 ? "axis" : "the origin, coordinate", (c < 3 ? c : w) + 1);
+                return ost_fail(err, OST_ERR_INPUT, "%s: its %s has %.9g for %s %d; expected a length within 8 m",
+                                path, names[which], ras[w][c], c < 3 ? "axis" : "the origin, coordinate",
+                                (c < 3 ? c : w) + 1);
         }
     }
     for (int a = 0; a < 3; a++)
@@ -236,8 +240,9 @@ static ost_status find_affine(const char *path, const nifti_image *nim, const do
     if (chosen != OST_FORM_AUTO) {
         which = chosen == OST_FORM_SFORM ? FORM_SFORM : FORM_QFORM;
         if ((which == FORM_SFORM ? nim->sform_code : nim->qform_code) <= 0)
-            return ost_fail(err, OST_ERR_USAGE, "%s: --form %s: its header has none (the code is %d)", path,
-                            which == FORM_SFORM ? "sform" : "qform", which == FORM_SFORM ? nim->sform_code : nim->qform_code);
+            return ost_fail(err, OST_ERR_USAGE, "%s: --form %s: not in the header (its code is %d)", path,
+                            which == FORM_SFORM ? "sform" : "qform",
+                            which == FORM_SFORM ? nim->sform_code : nim->qform_code);
     }
     ost_pm spacing[3] = {0, 0, 0};
     bool sized = true;
@@ -246,7 +251,8 @@ static ost_status find_affine(const char *path, const nifti_image *nim, const do
             continue;
         sized = false;
         if (which != FORM_SFORM)
-            return ost_fail(err, OST_ERR_INPUT, "%s: pixdim[%d] is %.9g; a length greater than 0, within 8 m, was expected", path, a + 1,
+            return ost_fail(err, OST_ERR_INPUT,
+                            "%s: pixdim[%d] is %.9g; expected a length greater than 0 and within 8 m", path, a + 1,
                             pixdim[a]);
     }
     out->oriented = which != FORM_NONE;
@@ -336,9 +342,10 @@ static ost_status read_raw(ost_input *input, raw_header *raw, ost_nifti_header *
         if (got + more < sizeof raw->bytes)
             return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %zu, within its header of %zu bytes", path, got + more, sizeof raw->bytes);
     } else if (out->version == 7) {
-        return ost_fail(err, OST_ERR_INPUT, "%s: an ANALYZE 7.5 header (no NIfTI magic at byte 344), which does not say where its axes point", path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: an ANALYZE 7.5 header (no NIfTI magic at byte 344), which does not "
+                        "state its orientation; convert it to NIfTI", path);
     } else if (out->version == 0) {
-        return ost_fail(err, OST_ERR_INPUT, "%s: no NIfTI header at its start (%zu bytes)", path, got);
+        return ost_fail(err, OST_ERR_INPUT, "%s: no NIfTI header at byte 0 (%zu bytes)", path, got);
     }
     out->swap = raw->bytes[0] == 0;
     if (out->swap && out->version == 1)
@@ -373,11 +380,12 @@ static ost_status check_reals(const char *path, const raw_header *raw, bool one,
     bool uses_qform = (one ? raw->one.qform_code : raw->two.qform_code) > 0;
     for (size_t i = 0; i < (uses_qform ? sizeof reals / sizeof reals[0] : 4); i++)
         if (!isfinite(reals[i].value))
-            return ost_fail(err, OST_ERR_INPUT, "%s: %s in its header is no number", path, reals[i].name);
+            return ost_fail(err, OST_ERR_INPUT, "%s: %s in the header is not a number", path, reals[i].name);
     double slope = one ? (double)raw->one.scl_slope : raw->two.scl_slope;
     double intercept = one ? (double)raw->one.scl_inter : raw->two.scl_inter;
     if (slope != 0 && isfinite(slope) && !isfinite(intercept))
-        return ost_fail(err, OST_ERR_INPUT, "%s: scl_inter in its header is no number, though scl_slope is %.9g", path, slope);
+        return ost_fail(err, OST_ERR_INPUT, "%s: scl_inter in the header is not a number, though scl_slope is %.9g",
+                        path, slope);
     return OST_OK;
 }
 
@@ -428,7 +436,7 @@ ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_ni
     nifti_set_debug_level(0);
     nifti_image *nim = out->version == 1 ? nifti_convert_n1hdr2nim(raw.one, NULL) : nifti_convert_n2hdr2nim(raw.two, NULL);
     if (!nim)
-        return ost_fail(err, OST_ERR_INPUT, "%s: libnifti refuses its header", path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: libnifti rejects the header", path);
     status = find_scale(path, out->version, nim->xyz_units, &lengths, err);
     find_scaling(nim, out);
     if (status == OST_OK)

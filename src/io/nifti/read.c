@@ -53,7 +53,8 @@ static ost_status find_image(const char *header, image *out, ost_error *err)
     else if (ends_in(header, ".hdr"))
         stem -= 4;
     else
-        return ost_fail(err, OST_ERR_INPUT, "%s: the header of a pair (magic ni1 or ni2), so its name should end in .hdr", header);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: the header of a pair (magic ni1 or ni2); expected a name that ends in .hdr", header);
     if (stem + sizeof ".img.gz" > sizeof out->path)
         return ost_fail(err, OST_ERR_INPUT, "%.60s...: the name is too long", header);
     snprintf(out->path, sizeof out->path, "%.*s.img", (int)stem, header);
@@ -63,8 +64,8 @@ static ost_status find_image(const char *header, image *out, ost_error *err)
     snprintf(out->path, sizeof out->path, "%.*s.img.gz", (int)stem, header);
     if (access(out->path, F_OK) == 0)
         return OST_OK;
-    return ost_fail(err, OST_ERR_INPUT, "%s: the voxels should be beside it in %.*s.img or .img.gz, but neither is there", header,
-                    (int)stem, header);
+    return ost_fail(err, OST_ERR_INPUT, "%s: no file with the voxels; expected %.*s.img or .img.gz in the same folder",
+                    header, (int)stem, header);
 }
 
 static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, const ost_volume_options *options,
@@ -140,8 +141,8 @@ ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, o
 {
     (void)options, (void)out, (void)geometry, (void)meta, (void)report, (void)element;
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "%s: is NIfTI, which this osteon was built without; install libnifti (Debian: libnifti-dev) and build again",
-                    ost_input_path(input));
+                    "%s: cannot read NIfTI: osteon was built without libnifti; install libnifti (Debian: "
+                    "libnifti-dev) and build again", ost_input_path(input));
 }
 
 #endif

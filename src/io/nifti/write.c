@@ -65,7 +65,7 @@ ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry 
 {
     unsigned char *extension = malloc(EXTENSION_CAPACITY);
     if (!extension)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a NIfTI header");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a NIfTI header");
     size_t size = ost_nifti_extension_format(meta, geometry, extension, EXTENSION_CAPACITY);
     nifti_1_header header;
     fill_header(geometry, size, &header);
@@ -85,7 +85,8 @@ ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry 
 {
     (void)writer, (void)geometry, (void)meta, (void)compress;
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "NIfTI cannot be written: this osteon was built without it; install libnifti (Debian: libnifti-dev) and build again");
+                    "cannot write NIfTI: osteon was built without libnifti; install libnifti (Debian: libnifti-dev) "
+                    "and build again");
 }
 
 #endif

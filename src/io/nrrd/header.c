@@ -33,12 +33,14 @@ static ost_nrrd_field find_field(const char *name)
 static ost_status append(ost_nrrd_text *text, size_t *capacity, int byte, const char *path, ost_error *err)
 {
     if (text->size == OST_NRRD_HEADER_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "%s: its header goes on after %d bytes; an empty line should end it", path, OST_NRRD_HEADER_MAX);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: the header is longer than %d bytes; expected an empty line at its end", path,
+                        OST_NRRD_HEADER_MAX);
     if (text->size == *capacity) {
         size_t more = *capacity ? 2 * *capacity : 4096;
         char *bytes = realloc(text->bytes, more);
         if (!bytes)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a header of %zu bytes", path, more);
+            return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a header of %zu bytes", path, more);
         text->bytes = bytes;
         *capacity = more;
     }
@@ -65,7 +67,7 @@ static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *cap
             return OST_OK;
         }
         if (byte == 0)
-            return ost_fail(err, OST_ERR_INPUT, "%s: a NUL in its header, before byte %llu; text was expected", path,
+            return ost_fail(err, OST_ERR_INPUT, "%s: a NUL in its header, before byte %llu; expected text", path,
                             (unsigned long long)ost_input_offset(input));
         if (byte < 0 || byte == '\n') {
             if (text->size > *start && text->bytes[text->size - 1] == '\r')
@@ -123,11 +125,12 @@ static ost_status take_line(const char *path, ost_nrrd_text *text, char *line, l
         value[n - 1] = 0;
     ost_nrrd_field field = find_field(line);
     if (field == OST_NRRD_FIELD_COUNT)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s' is no field of the NRRD format", path, number, line);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s' is not a field of the NRRD format", path, number, line);
     if (field == OST_NRRD_IGNORED)
         return OST_OK;
     if (text->field[field].value)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%s' was given before, in line %ld", path, number, line, text->field[field].line);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: duplicate '%s'; the first one is in line %ld", path, number,
+                        line, text->field[field].line);
     text->field[field].value = value;
     text->field[field].line = number;
     return OST_OK;
@@ -136,9 +139,10 @@ static ost_status take_line(const char *path, ost_nrrd_text *text, char *line, l
 static ost_status check_magic(const char *path, const char *line, ost_error *err)
 {
     if (strncmp(line, "NRRD000", 7) != 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s:1: '%.20s' where NRRD0001 to NRRD0005 was expected", path, line);
+        return ost_fail(err, OST_ERR_INPUT, "%s:1: '%.20s'; expected NRRD0001 to NRRD0005", path, line);
     if (line[7] < '1' || line[7] > '5' || line[8] != 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s:1: version '%.20s'; NRRD0001 to NRRD0005 are read here", path, line);
+        return ost_fail(err, OST_ERR_INPUT, "%s:1: unsupported version '%.20s'; expected NRRD0001 to NRRD0005", path,
+                        line);
     return OST_OK;
 }
 
@@ -171,7 +175,7 @@ ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *e
             size_t more = starts_capacity ? 2 * starts_capacity : 64;
             size_t *bigger = realloc(starts, more * sizeof *starts);
             if (!bigger) {
-                status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu header lines", path, more);
+                status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %zu header lines", path, more);
                 break;
             }
             starts = bigger;
@@ -188,7 +192,7 @@ ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *e
         }
     }
     if (status == OST_OK && lines == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: is empty; a NRRD header was expected", path);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected a NRRD header", path);
     for (size_t i = 1; status == OST_OK && i < lines; i++)
         status = take_line(path, out, out->bytes + starts[i], (long)i + 1, err);
     if (status == OST_OK && in_list) {
@@ -196,7 +200,8 @@ ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *e
         out->list_bytes = out->size - list_start;
     }
     if (status == OST_OK && ended && !out->field[OST_NRRD_DATA_FILE].value)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: ends within its header, at byte %llu; an empty line and the data were expected", path,
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s: file ends in the header, at byte %llu; expected an empty line and the data", path,
                           (unsigned long long)ost_input_offset(input));
     free(starts);
     return status;

@@ -105,14 +105,15 @@ static ost_status mean_elements(const meaning *m, ost_nrrd_header *out)
         return missing(m, "type");
     int type = LOOKUP(types, value_of(m, OST_NRRD_TYPE));
     if (type < 0)
-        return wrong(m, OST_NRRD_TYPE, "no type of a density; an integer type of 8 to 64 bits, float or double was expected");
+        return wrong(m, OST_NRRD_TYPE,
+                     "no type of a density; expected an integer type of 8 to 64 bits, float or double");
     out->element = (ost_element)type;
 
     if (!value_of(m, OST_NRRD_ENCODING))
         return missing(m, "encoding");
     int encoding = LOOKUP(encodings, value_of(m, OST_NRRD_ENCODING));
     if (encoding < 0)
-        return wrong(m, OST_NRRD_ENCODING, "no encoding of the NRRD format; raw, gzip or text was expected");
+        return wrong(m, OST_NRRD_ENCODING, "no encoding of the NRRD format; expected raw, gzip or text");
     if (encoding == ENCODING_REFUSED)
         return wrong(m, OST_NRRD_ENCODING, "this encoding is not read here; save the file again as raw, gzip or text");
     out->encoding = (ost_nrrd_encoding)encoding;
@@ -153,9 +154,10 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
         return wrong(m, OST_NRRD_DIMENSION, "a count of axes was expected");
     const char *kinds = value_of(m, OST_NRRD_KINDS);
     if (dimension != 3)
-        return ost_fail(m->err, OST_ERR_INPUT, "%s:%ld: %lld axes%s%.60s%s; a CT has three, with one density a voxel", m->path,
-                        m->text->field[OST_NRRD_DIMENSION].line, (long long)dimension, kinds ? " (" : "", kinds ? kinds : "",
-                        kinds ? ")" : "");
+        return ost_fail(m->err, OST_ERR_INPUT,
+                        "%s:%ld: %lld axes%s%.60s%s; expected three, with one density per voxel", m->path,
+                        m->text->field[OST_NRRD_DIMENSION].line, (long long)dimension, kinds ? " (" : "",
+                        kinds ? kinds : "", kinds ? ")" : "");
     p = value_of(m, OST_NRRD_SIZES);
     if (!p)
         return missing(m, "sizes");
@@ -168,13 +170,14 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
         if (sizes[a] < 1)
             return wrong(m, OST_NRRD_SIZES, "every size must be at least 1");
         if (sizes[a] > OST_DIM_MAX)
-            return ost_fail(m->err, OST_ERR_RANGE, "%s:%ld: %lld voxels along an axis; at most %d are supported", m->path,
+            return ost_fail(m->err, OST_ERR_RANGE, "%s:%ld: %lld voxels along an axis; expected at most %d", m->path,
                             m->text->field[OST_NRRD_SIZES].line, (long long)sizes[a], OST_DIM_MAX);
         out->sizes[a] = (int32_t)sizes[a];
     }
     if (sizes[0] * sizes[1] * sizes[2] > INT64_C(1) << 36)
-        return ost_fail(m->err, OST_ERR_RANGE, "%s:%ld: %lld x %lld x %lld voxels; at most 2^36 in all are supported", m->path,
-                        m->text->field[OST_NRRD_SIZES].line, (long long)sizes[0], (long long)sizes[1], (long long)sizes[2]);
+        return ost_fail(m->err, OST_ERR_RANGE, "%s:%ld: %lld x %lld x %lld voxels; expected at most 2^36 in all",
+                        m->path, m->text->field[OST_NRRD_SIZES].line, (long long)sizes[0], (long long)sizes[1],
+                        (long long)sizes[2]);
 
     static const name_value plain[] = {{"domain|space|none|?|???", 1}};
     p = kinds;
@@ -225,7 +228,7 @@ static ost_status mean_units(const meaning *m, ost_nrrd_field field, uint64_t ou
             return wrong(m, field, "three units in double quotes were expected, for example \"mm\" \"mm\" \"mm\"");
         out[a] = unit_of(p + 1, (size_t)(close - p - 1));
         if (out[a] == 0)
-            return wrong(m, field, "a unit that is not known here; mm, um, nm, cm or m was expected");
+            return wrong(m, field, "a unit that is not known here; expected mm, um, nm, cm or m");
         p = blanks(close + 1);
     }
     if (p && *p)
@@ -310,8 +313,9 @@ static ost_status mean_space(const meaning *m, ost_nrrd_header *out)
     const char *name = value_of(m, OST_NRRD_SPACE), *p = value_of(m, OST_NRRD_SPACE_DIMENSION);
     int64_t dimension;
     if (name && (space = LOOKUP(spaces, name)) < 0)
-        return wrong(m, OST_NRRD_SPACE, "a space that is not known here; left-posterior-superior (LPS), right-anterior-superior (RAS), "
-                                        "left-anterior-superior (LAS), scanner-xyz, 3D-right-handed or 3D-left-handed was expected");
+        return wrong(m, OST_NRRD_SPACE, "a space that is not known here; expected left-posterior-superior (LPS), "
+                     "right-anterior-superior (RAS), left-anterior-superior (LAS), scanner-xyz, 3D-right-handed or "
+                     "3D-left-handed");
     if (space == SPACE_TIME)
         return wrong(m, OST_NRRD_SPACE, "a space with time; a CT has three axes of space");
     if (name && p)
@@ -335,8 +339,8 @@ static ost_status mean_space(const meaning *m, ost_nrrd_header *out)
     if (directions && has_spacings(m))
         return wrong(m, OST_NRRD_SPACINGS, "given beside 'space directions', which have the spacing already");
     if (!directions && !has_spacings(m))
-        return ost_fail(m->err, OST_ERR_INPUT, "%s: its header does not say how large a voxel is; 'spacings:' or 'space directions:' was expected",
-                        m->path);
+        return ost_fail(m->err, OST_ERR_INPUT,
+                        "%s: no voxel size in the header; expected 'spacings:' or 'space directions:'", m->path);
     status = directions ? mean_directions(m, space_units, out) : mean_spacings(m, units, out);
     if (status != OST_OK)
         return status;

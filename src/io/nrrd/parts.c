@@ -28,7 +28,8 @@ static ost_status check_name(const ost_nrrd_parts *own, const char *name, ost_er
     }
     if (!reason)
         return OST_OK;
-    return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.100s': %s; data must lie in the header's folder or below it", own->path,
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%s:%ld: data file '%.100s': %s; expected a file in the header's folder or below it", own->path,
                     value_line(own), name, reason);
 }
 
@@ -128,8 +129,8 @@ static ost_status skip_lines(ost_input *input, uint64_t lines, ost_error *err)
         if (status != OST_OK)
             return status;
         if (byte < 0)
-            return ost_fail(err, OST_ERR_INPUT, "%s: ends after %llu of the %llu lines that 'line skip' says", ost_input_path(input),
-                            (unsigned long long)done, (unsigned long long)lines);
+            return ost_fail(err, OST_ERR_INPUT, "%s: ends after %llu of the %llu lines of 'line skip'",
+                            ost_input_path(input), (unsigned long long)done, (unsigned long long)lines);
         done += byte == '\n';
     }
     return OST_OK;
@@ -154,8 +155,8 @@ static ost_status open_part(void *user, uint64_t index, ost_input **out, ost_err
     if (status == OST_OK && header->byte_skip == -1) {
         uint64_t left = ost_input_file_left(input);
         if (left < own->part_bytes)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: holds %llu bytes for data, but the header's sizes need %llu", path,
-                              (unsigned long long)left, (unsigned long long)own->part_bytes);
+            status = ost_fail(err, OST_ERR_INPUT, "%s: has %llu bytes of data, but the header's sizes need %llu",
+                              path, (unsigned long long)left, (unsigned long long)own->part_bytes);
         else
             status = ost_input_skip(input, left - own->part_bytes, err);
     } else if (status == OST_OK) {
@@ -281,7 +282,7 @@ ost_status ost_nrrd_parts_init(ost_nrrd_parts *own, ost_parts *parts, const char
         if (subdimension < 1 || subdimension > 3)
             return wrong(own, "a file holds 1, 2 or 3 axes", err);
         if (own->count > OST_NRRD_PARTS_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "%s:%ld: %llu data files; at most %d are supported", path, value_line(own),
+            return ost_fail(err, OST_ERR_RANGE, "%s:%ld: %llu data files; expected at most %d", path, value_line(own),
                             (unsigned long long)own->count, OST_NRRD_PARTS_MAX);
         if (subdimension < 3 ? own->count != voxels / product : (uint64_t)header->sizes[2] % own->count != 0)
             return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %llu data files of %lld axes each do not fit sizes %d %d %d", path,

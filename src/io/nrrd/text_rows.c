@@ -25,7 +25,7 @@ static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *l
     while (status == OST_OK && byte >= 0 && !is_blank(byte)) {
         if (*length == WORD_MAX || byte == 0) {
             char location[OST_LOCATION_TEXT];
-            return ost_fail(err, OST_ERR_INPUT, "%s: at %s: no number; decimals separated by blanks were expected",
+            return ost_fail(err, OST_ERR_INPUT, "%s: at %s: not a number; expected decimals separated by blanks",
                             ost_input_path(input), ost_input_location(input, *length + 1, location));
         }
         word[(*length)++] = (char)byte;
@@ -71,7 +71,8 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     bool exact = true;
     bool fits = ost_decimal_scale(&d, 1, &value, &exact);
     if (!type_holds(c->element, &d))
-        return ost_fail(err, OST_ERR_INPUT, "%s: at %s: %.30s is no %s", ost_input_path(input), location, word, ost_element_name(c->element));
+        return ost_fail(err, OST_ERR_INPUT, "%s: at %s: %.30s is not a value of type %s", ost_input_path(input),
+                        location, word, ost_element_name(c->element));
     if (!fits || value < INT16_MIN || value > INT16_MAX) {
         bad.kind = OST_BAD_RANGE;
         if (!c->clamp)
@@ -94,8 +95,9 @@ ost_status ost_nrrd_text_rows_end(ost_nrrd_text_rows *own, ost_error *err)
     size_t length;
     ost_status status = read_word(input, word, &length, err);
     if (status == OST_OK && length > 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: values go on ('%.30s') where the header's sizes say they end", ost_input_path(input),
-                          word);
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s: unexpected value '%.30s' after the last one that the header's sizes need",
+                          ost_input_path(input), word);
     ost_parts_close(own->rows.parts);
     return status;
 }

@@ -22,7 +22,7 @@ struct ost_session_header {
 ost_status ost_session_header_create(ost_session_header **out, ost_error *err)
 {
     *out = calloc(1, sizeof **out);
-    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a session's header");
+    return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a session's header");
 }
 
 void ost_session_header_free(ost_session_header *header)
@@ -51,7 +51,9 @@ static bool key_is_allowed(const char *key)
 ost_status ost_session_header_set(ost_session_header *header, const char *key, const char *value, ost_error *err)
 {
     if (!key_is_allowed(key))
-        return ost_fail(err, OST_ERR_RANGE, "'%.50s' is no key for a session's header: up to %d of a-z, 0-9, _ and .", key, OST_SESSION_KEY - 1);
+        return ost_fail(err, OST_ERR_RANGE,
+                        "'%.50s' is not a key of a session's header; expected up to %d of a-z, 0-9, _ and .", key,
+                        OST_SESSION_KEY - 1);
     if (strlen(value) > OST_SESSION_VALUE)
         return ost_fail(err, OST_ERR_RANGE, "the value of '%s' has %zu bytes; a session's header holds up to %d", key, strlen(value),
                         OST_SESSION_VALUE);
@@ -60,7 +62,7 @@ ost_status ost_session_header_set(ost_session_header *header, const char *key, c
         return ost_fail(err, OST_ERR_RANGE, "a session's header holds up to %d keys; '%s' is one too many", OST_SESSION_KEYS_MAX, key);
     char *copy = strdup(value);
     if (!copy)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a session's header");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a session's header");
     if (entry) {
         free(entry->value);
     } else {
@@ -103,7 +105,7 @@ ost_status ost_session_header_encode(const ost_session_header *header, unsigned 
     capacity = (capacity + SESSION_ALIGN) / SESSION_ALIGN * SESSION_ALIGN;
     unsigned char *bytes = calloc(1, capacity + SESSION_ALIGN), *p = bytes;
     if (!bytes)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a session's header");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a session's header");
     for (int i = 0; i < header->count; i++) {
         p += sprintf((char *)p, "%s: ", header->entry[i].key);
         for (const char *v = header->entry[i].value; *v; v++) {
@@ -118,7 +120,8 @@ ost_status ost_session_header_encode(const ost_session_header *header, unsigned 
     used = used ? used : SESSION_ALIGN;
     if (used > SESSION_PAYLOAD_MAX) {
         free(bytes);
-        return ost_fail(err, OST_ERR_RANGE, "a session's header of %zu bytes; up to %d are supported", used, SESSION_PAYLOAD_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "a session's header of %zu bytes; expected up to %d", used,
+                        SESSION_PAYLOAD_MAX);
     }
     *out = bytes;
     *size = (uint32_t)used;
@@ -160,7 +163,8 @@ ost_status ost_session_header_decode(const unsigned char *in, size_t size, ost_s
         const unsigned char *line_end = memchr(p, '\n', (size_t)(end - p));
         const unsigned char *colon = line_end ? memchr(p, ':', (size_t)(line_end - p)) : NULL;
         if (!colon || colon - p >= OST_SESSION_KEY || colon[1] != ' ' || !unescape(colon + 2, line_end, value)) {
-            status = ost_fail(err, OST_ERR_INPUT, "byte %zu of the header's text begins no line \"key: value\"", (size_t)(p - in));
+            status = ost_fail(err, OST_ERR_INPUT, "byte %zu of the header's text does not begin a line \"key: value\"",
+                              (size_t)(p - in));
             break;
         }
         memcpy(key, p, (size_t)(colon - p));

@@ -42,8 +42,8 @@ static ost_status read_at(const ost_session *s, uint64_t offset, void *out, size
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
-            return ost_fail(err, OST_ERR_IO, "%s: cannot be read at byte %llu: %s", s->path, (unsigned long long)(offset + *got),
-                            strerror(errno));
+            return ost_fail(err, OST_ERR_IO, "%s: cannot read at byte %llu: %s", s->path,
+                            (unsigned long long)(offset + *got), strerror(errno));
         if (n == 0)
             break;
         *got += (size_t)n;
@@ -57,7 +57,7 @@ static ost_status store_block(ost_session *s, const session_block *block, uint64
         const size_t capacity = s->block_capacity ? 2 * s->block_capacity : 256;
         session_block_place *grown = realloc(s->blocks, capacity * sizeof *grown);
         if (!grown)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a list of %zu blocks", s->path, capacity);
+            return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a list of %zu blocks", s->path, capacity);
         s->blocks = grown;
         s->block_capacity = capacity;
     }
@@ -188,10 +188,11 @@ static ost_status scan_all(ost_session *s, uint64_t size, ost_error *err)
     s->summary.file_bytes = c.size;
     s->summary.header_damaged = s->header_copies < 2;
     if (!c.have_header && s->summary.blocks == 0 && s->summary.cut_bytes == c.size) {
-        return ost_fail(err, OST_ERR_INPUT, "%s: is no session, or both copies of its header are damaged", s->path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: not a session, or both copies of its header are damaged", s->path);
     }
     if (!c.have_header)
-        return ost_fail(err, OST_ERR_INPUT, "%s: both copies of the session's header are damaged; without it nobody knows the bone", s->path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: both copies of the session's header are damaged; the session cannot "
+                        "be used without one", s->path);
     return OST_OK;
 }
 
@@ -202,14 +203,15 @@ ost_status ost_session_open(const char *path, ost_session **out, ost_error *err)
     *out = NULL;
     ost_session *s = calloc(1, sizeof *s);
     if (!s)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a session");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a session");
     s->fd = -1;
     s->path = strdup(path);
     s->payload = malloc(SESSION_PAYLOAD_MAX);
     ost_file file;
     ost_status status = OST_OK;
     if (!s->path || !s->payload)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a block of %d bytes", path, SESSION_PAYLOAD_MAX);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a block of %d bytes", path,
+                          SESSION_PAYLOAD_MAX);
     else
         status = ost_file_open(path, &file, err);
     if (status == OST_OK) {
@@ -332,7 +334,7 @@ ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err)
     const uint64_t count = session->summary.complete_ticks;
     *out = (ost_path){0};
     if (count == 0 || count > OST_PATH_TICKS_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "%s: has %llu ticks that can be done again; 1 to %d are supported", session->path,
+        return ost_fail(err, OST_ERR_INPUT, "%s: %llu ticks can be replayed; expected 1 to %d", session->path,
                         (unsigned long long)count, OST_PATH_TICKS_MAX);
     ost_status status = ost_path_init(out, (size_t)count, err);
     ost_session_rewind(session);
@@ -341,7 +343,7 @@ ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err)
         bool more;
         status = ost_session_next(session, &record, &more, err);
         if (status == OST_OK && !more)
-            status = ost_fail(err, OST_ERR_IO, "%s: ended before it did when it was opened", session->path);
+            status = ost_fail(err, OST_ERR_IO, "%s: the file became shorter while it was read", session->path);
         if (status == OST_OK && record.kind == OST_RECORD_TICK)
             out->ticks[i++] = record.as.tick.tick;
     }

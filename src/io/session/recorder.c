@@ -213,12 +213,13 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     const uint32_t capacity = chosen.capacity ? chosen.capacity : CAPACITY;
     *out = NULL;
     if (capacity > CAPACITY_MAX || (capacity & (capacity - 1)) != 0)
-        return ost_fail(err, OST_ERR_USAGE, "a recorder's room of %u records; a power of two up to %d is needed", (unsigned)capacity, CAPACITY_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "a recorder's capacity of %u records; expected a power of two up to %d",
+                        (unsigned)capacity, CAPACITY_MAX);
     /* aligned_alloc, because the ring's numbers need cache lines of their own, which calloc does not align. */
     const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
     ost_recorder *r = aligned_alloc(RING_LINE, size);
     if (!r)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a recorder", name);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a recorder", name);
     memset(r, 0, size);
     r->fd = -1;
     r->sync = !chosen.no_sync;
@@ -226,7 +227,8 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     r->block = malloc(SESSION_BLOCK + SESSION_PAYLOAD_MAX);
     if (!r->name || !r->block || !ring_open(&r->ring, capacity)) {
         recorder_free(r);
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a recorder of %u records", name, (unsigned)capacity);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a recorder of %u records", name,
+                        (unsigned)capacity);
     }
     *out = r;
     return OST_OK;
@@ -246,10 +248,11 @@ static ost_status begin(ost_recorder *r, const ost_session_header *header, ost_e
         error = r->writer.sink.sync(r->writer.sink.user);
     atomic_store(&r->bytes, r->writer.bytes);
     if (error)
-        return ost_fail(err, OST_ERR_IO, "%s: recording cannot begin: %s", r->name, reason_of(error, text));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot start the recording: %s", r->name, reason_of(error, text));
     error = begin_thread(r);
     if (error)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: no thread for recording: %s", r->name, strerror(error));
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: cannot create a thread for recording: %s", r->name,
+                        strerror(error));
     return OST_OK;
 }
 
@@ -278,14 +281,14 @@ static ost_status create_file(ost_recorder *r, const char *path, ost_error *err)
 {
     r->fd = open(path, O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NOCTTY, 0666);
     if (r->fd < 0 && errno == ELOOP)
-        return ost_fail(err, OST_ERR_IO, "%s: is a symbolic link, which a recording does not follow; name the file itself", path);
+        return ost_fail(err, OST_ERR_IO, "%s: is a symbolic link; pass the name of the file itself", path);
     if (r->fd < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be recorded into: %s", path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot open for recording: %s", path, strerror(errno));
     if (flock(r->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        return ost_fail(err, OST_ERR_IO, "%s: another recording is being written there", path);
+        return ost_fail(err, OST_ERR_IO, "%s: in use by another recording", path);
     struct stat st;
     if (fstat(r->fd, &st) == 0 && S_ISREG(st.st_mode) && ftruncate(r->fd, 0) != 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be recorded into: %s", path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot open for recording: %s", path, strerror(errno));
     return OST_OK;
 }
 

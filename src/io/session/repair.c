@@ -44,14 +44,15 @@ ost_status ost_session_repair(ost_session *session, const char *out, ost_error *
     unsigned char *header = NULL, *bytes = malloc(SESSION_BLOCK + SESSION_PAYLOAD_MAX);
     uint32_t header_size;
     copy c = {.err = err};
-    ost_status status = bytes ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory for a block of %d bytes", SESSION_PAYLOAD_MAX);
+    ost_status status = bytes ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a block of %d bytes",
+                                                  SESSION_PAYLOAD_MAX);
     if (status == OST_OK)
         status = ost_session_header_encode(session->header, &header, &header_size, err);
     if (status == OST_OK)
         status = ost_outfile_open(out, &c.file, err);
     session_writer writer = {.sink = {.user = &c, .append = append, .cut = cannot_cut, .sync = nothing}};
     if (status == OST_OK && ost_session_write_header(&writer, header, header_size) != 0)
-        status = c.status != OST_OK ? c.status : ost_fail(err, OST_ERR_MEMORY, "no memory for a session's header");
+        status = c.status != OST_OK ? c.status : ost_fail(err, OST_ERR_MEMORY, "out of memory for a session's header");
     for (size_t b = 0; b < session->block_count && status == OST_OK; b++) {
         const session_block_place *block = &session->blocks[b];
         status = ost_session_load(session, b, err);

@@ -95,10 +95,10 @@ static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, siz
     while (j + 1 < axis->count && axis->value[j] - axis->value[j - 1] != gap)
         j++;
     return ost_fail(err, OST_ERR_INPUT,
-                    "%s:%lld: %c = %s is no whole number of steps from the lowest; the smallest step is %s mm, from %s (lines %lld and "
-                    "%lld); %s",
-                    path, (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i], value), ost_pm_format(gap, step),
-                    ost_pm_format(axis->value[j - 1], from), (long long)axis->line[j - 1], (long long)axis->line[j], advice);
+                    "%s:%lld: %c = %s is not a whole number of steps from the lowest; the smallest step is %s mm, "
+                    "from %s (lines %lld and %lld); %s", path, (long long)axis->line[i], axis->name,
+                    ost_pm_format(axis->value[i], value), ost_pm_format(gap, step), ost_pm_format(axis->value[j - 1],
+                    from), (long long)axis->line[j - 1], (long long)axis->line[j], advice);
 }
 
 static ost_status many_lattices(const char *path, const ost_lattice_axis *axis, size_t i, ost_error *err)
@@ -111,9 +111,9 @@ static ost_status many_lattices(const char *path, const ost_lattice_axis *axis, 
 static ost_status too_many_layers(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
 {
     char value[OST_PM_TEXT], step[OST_PM_TEXT];
-    return ost_fail(err, OST_ERR_RANGE, "%s:%lld: %c = %s is more than %d steps of %s mm from the lowest; supported are %d voxels, %s",
-                    path, (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i], value), STEPS_MAX,
-                    ost_pm_format(gap, step), OST_DIM_MAX, advice);
+    return ost_fail(err, OST_ERR_RANGE, "%s:%lld: %c = %s is more than %d steps of %s mm from the lowest; expected "
+                    "at most %d voxels; %s", path, (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i],
+                    value), STEPS_MAX, ost_pm_format(gap, step), OST_DIM_MAX, advice);
 }
 
 /* ------------------------------------------------------------------- steps */
@@ -346,7 +346,7 @@ ost_status ost_lattice_find(const char *path, const ost_lattice_axis axes[3], os
         fits[a].axis = &axes[a];
         fits[a].steps = malloc(axes[a].count * sizeof *fits[a].steps);
         if (!fits[a].steps)
-            status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu coordinates", path, axes[a].count);
+            status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %zu coordinates", path, axes[a].count);
         else
             status = find_axis(path, &fits[a], &spacing[a], err);
     }

@@ -27,7 +27,7 @@ ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error
     *out = NULL;
     ost_text_lines *lines = malloc(sizeof *lines);
     if (!lines)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a read buffer of %zu bytes", path, sizeof *lines);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a read buffer of %zu bytes", path, sizeof *lines);
     lines->path = strdup(path);
     lines->fd = -1;
     lines->packed = NULL;
@@ -40,7 +40,7 @@ ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error
     ost_status status = OST_OK;
     ost_file file;
     if (!lines->path)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a file name", path);
     else
         status = ost_file_open(path, &file, err);
     if (status != OST_OK) {
@@ -78,8 +78,8 @@ ost_status ost_text_lines_unpack(ost_text_lines *lines, bool *packed, ost_error 
         return OST_OK;
     if (fd >= 0)
         close(fd);
-    return fd < 0 ? ost_fail(err, OST_ERR_IO, "%s: cannot be opened: %s", lines->path, strerror(errno))
-                  : ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", lines->path);
+    return fd < 0 ? ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", lines->path, strerror(errno)) : ost_fail(err,
+                             OST_ERR_MEMORY, "%s: out of memory for decompression", lines->path);
 }
 
 /* Reads up to size bytes. Returns 0 at the end of the file, and -1 with *status set when it is damaged. */
@@ -90,11 +90,12 @@ static ssize_t unpack(ost_text_lines *lines, char *to, size_t size, ost_status *
     const char *why = gzerror(lines->packed, &number);
     if (n >= 0 && number != Z_BUF_ERROR)
         return n;
-    *status = number == Z_ERRNO ? ost_fail(err, OST_ERR_IO, "%s: reading failed after %lld bytes: %s", lines->path,
-                                           (long long)lines->read_bytes, strerror(errno))
-              : number == Z_MEM_ERROR ? ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", lines->path)
-                                      : ost_fail(err, OST_ERR_INPUT, "%s: the gzip data are damaged or cut off after %lld bytes of text: %.80s",
-                                                 lines->path, (long long)lines->read_bytes, why);
+    *status = number == Z_ERRNO ? ost_fail(err, OST_ERR_IO, "%s: read failed after %lld bytes: %s", lines->path,
+                                           (long long)lines->read_bytes,
+                                           strerror(errno)) : number == Z_MEM_ERROR ? ost_fail(err, OST_ERR_MEMORY,
+                                           "%s: out of memory for decompression", lines->path) : ost_fail(err, OST_ERR_INPUT,
+                                           "%s: the gzip data are damaged or cut off after %lld bytes of text: %.80s",
+                                           lines->path, (long long)lines->read_bytes, why);
     return -1;
 }
 
@@ -110,8 +111,8 @@ static ost_status fill(ost_text_lines *lines, ost_error *err)
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
-            return ost_fail(err, OST_ERR_IO, "%s: reading failed after %lld bytes: %s", lines->path, (long long)lines->read_bytes,
-                            strerror(errno));
+            return ost_fail(err, OST_ERR_IO, "%s: read failed after %lld bytes: %s", lines->path,
+                            (long long)lines->read_bytes, strerror(errno));
         lines->ended = n == 0;
         lines->used += (size_t)n;
         lines->read_bytes += n;
@@ -161,8 +162,8 @@ ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_t
     } else if (last) {
         lines->remaining = (size_t)(last - buffer) + 1;
     } else {
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the line is longer than %d bytes; is this a text file?", lines->path,
-                        (long long)line_number, OST_TEXT_LINE_MAX);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the line is longer than %d bytes; expected a text file",
+                        lines->path, (long long)line_number, OST_TEXT_LINE_MAX);
     }
     block->end = buffer + lines->remaining;
     return OST_OK;
@@ -171,7 +172,7 @@ ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_t
 ost_status ost_text_lines_rewind(ost_text_lines *lines, ost_error *err)
 {
     if (lines->packed ? gzrewind(lines->packed) != 0 : lseek(lines->fd, 0, SEEK_SET) != 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot be read a second time: %s", lines->path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot read a second time: %s", lines->path, strerror(errno));
     lines->read_bytes = 0;
     lines->at_start = true;
     lines->ended = false;

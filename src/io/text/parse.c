@@ -153,8 +153,8 @@ ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_te
         const char *end = newline > p && newline[-1] == '\r' ? newline - 1 : newline;
         parser->line++;
         if (newline - p > OST_TEXT_LINE_MAX) {
-            status = ost_fail(err, OST_ERR_INPUT, "%s:%lld: the line is longer than %d bytes; is this a text file?", parser->path,
-                              (long long)parser->line, OST_TEXT_LINE_MAX);
+            status = ost_fail(err, OST_ERR_INPUT, "%s:%lld: the line is longer than %d bytes; expected a text file",
+                              parser->path, (long long)parser->line, OST_TEXT_LINE_MAX);
             break;
         }
         p = ost_text_skip_blanks(p, end);

@@ -132,7 +132,8 @@ static ost_status upload_mapped(const char *path, const ost_text_raster *raster,
     }
     ost_status status = OST_OK;
     if (!enough)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a slice of %d x %d voxels", path, (int)dims.x, (int)dims.y);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a slice of %d x %d voxels", path, (int)dims.x,
+                          (int)dims.y);
     for (int32_t z = 0; z < dims.z && status == OST_OK; z++) {
         int16_t *to = slice;
         for (int32_t y = 0; y < dims.y; y++)
@@ -157,7 +158,7 @@ ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *rast
         return ost_fail(err, OST_ERR_CANCELLED, "%s: reading was cancelled", path);
     if (!map_all(raster, options->full, options->crop, maps)) {
         maps_free(maps);
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for the voxels along an axis", path);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for the coordinates along an axis", path);
     }
     report_of(raster, maps, report);
     if (!options->crop && is_plain(raster, maps, ost_grid_geometry(rect)->dims))

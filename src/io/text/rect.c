@@ -22,7 +22,8 @@ typedef struct pass {
 
 static ost_status changed(const char *path, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_INPUT, "%s: has changed between its two readings; try again when it is at rest", path);
+    return ost_fail(err, OST_ERR_INPUT, "%s: file changed while it was read; try again when no program writes to it",
+                    path);
 }
 
 /* ------------------------------------------------------------------ messages */
@@ -50,9 +51,10 @@ static ost_status fail_rejected(const pass *p, ost_error *err)
             continue;
         char value[OST_PM_TEXT], step[OST_PM_TEXT], from[OST_PM_TEXT];
         return ost_fail(err, OST_ERR_INPUT,
-                        "%s:%lld: %c = %s lies %.3f voxels off the lattice of %s mm from %s mm; expected at most 3/8; is the spacing right?",
-                        p->path, (long long)p->report->rejected_line, "xyz"[a], ost_pm_format(at[a], value),
-                        (double)off / (double)spacing[a], ost_pm_format(spacing[a], step), ost_pm_format(origin[a], from));
+                        "%s:%lld: %c = %s lies %.3f voxels off the lattice of %s mm from %s mm; expected at most "
+                        "3/8; check the spacing", p->path, (long long)p->report->rejected_line, "xyz"[a],
+                        ost_pm_format(at[a], value), (double)off / (double)spacing[a], ost_pm_format(spacing[a],
+                        step), ost_pm_format(origin[a], from));
     }
     return changed(p->path, err); /* on the lattice but outside the grid of the first pass */
 }
@@ -64,9 +66,10 @@ static ost_status fail_conflict(const pass *p, ost_error *err)
         return changed(p->path, err);
     char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
     return ost_fail(err, OST_ERR_INPUT,
-                    "%s:%lld: density %d at (%s, %s, %s), where an earlier line has %d; choose one by --duplicates first, last or max",
-                    p->path, (long long)p->report->conflict_line, (int)p->report->conflict_has, ost_pm_format(sample->x, x),
-                    ost_pm_format(sample->y, y), ost_pm_format(sample->z, z), (int)p->report->conflict_had);
+                    "%s:%lld: density %d at (%s, %s, %s), where an earlier line has %d; choose with --duplicates "
+                    "first, last or max", p->path, (long long)p->report->conflict_line, (int)p->report->conflict_has,
+                    ost_pm_format(sample->x, x), ost_pm_format(sample->y, y), ost_pm_format(sample->z, z),
+                    (int)p->report->conflict_had);
 }
 
 /* ---------------------------------------------------------------------- pass */
@@ -130,7 +133,7 @@ ost_status ost_text_to_rect(ost_text_source *source, const ost_text_rect_options
     ost_text_row *rows = malloc(ROWS * sizeof *rows);
     p.samples = malloc(BATCH * sizeof *p.samples);
     if (status == OST_OK && (!rows || !p.samples))
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory to read %d lines", p.path, BATCH);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory to read %d lines", p.path, BATCH);
     size_t count = 1;
     for (unsigned batch = 0; status == OST_OK && count > 0; batch++) {
         status = ost_text_source_next(source, rows, ROWS, &count, err);
@@ -148,9 +151,9 @@ ost_status ost_text_to_rect(ost_text_source *source, const ost_text_rect_options
         status = changed(p.path, err);
     if (status == OST_OK && options->dims_line && report->duplicates > 0)
         status = ost_fail(err, OST_ERR_INPUT,
-                          "%s:%lld: the text's own dims say one sample for each voxel, but %llu samples lie in a voxel that has one; "
-                          "remove that line or the repeated ones",
-                          p.path, (long long)options->dims_line, (unsigned long long)report->duplicates);
+                          "%s:%lld: this line declares one sample per voxel, but %llu samples repeat a voxel; remove "
+                          "this line or the repeated samples", p.path, (long long)options->dims_line,
+                          (unsigned long long)report->duplicates);
     free(rows);
     free(p.samples);
     return status;

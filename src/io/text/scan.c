@@ -27,9 +27,8 @@ static ost_status set_add(const char *path, ost_text_axis *axis, int a, ost_pm v
     }
     if (axis->distinct == OST_DIM_MAX)
         return ost_fail(err, OST_ERR_INPUT,
-                        "%s:%lld: the %d-th different %c; supported are %d voxels along an axis, if these lie on a grid at all; "
-                        "give the spacing (--spacing)",
-                        path, (long long)line, OST_DIM_MAX + 1, "xyz"[a], OST_DIM_MAX);
+                        "%s:%lld: %d different values of %c; expected at most %d on a grid; if the positions are "
+                        "noisy, pass --spacing", path, (long long)line, OST_DIM_MAX + 1, "xyz"[a], OST_DIM_MAX);
     axis->set[at] = (ost_text_coordinate){value, line};
     axis->distinct++;
     return OST_OK;
@@ -75,8 +74,8 @@ static bool read_three(const char *text, bool lengths, int64_t out[3])
 
 static ost_status bad_fact(const ost_text_parser *parser, const ost_text_fact *fact, const char *expected, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the text's own '%s' is '%.60s'; expected %s", parser->path, (long long)parser->line,
-                    fact->key, fact->value, expected);
+    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: fact '%s' is '%.60s'; expected %s", parser->path,
+                    (long long)parser->line, fact->key, fact->value, expected);
 }
 
 /* Stores three values. A second fact with the same key must have the same values. */
@@ -84,7 +83,8 @@ static ost_status take_own(const ost_text_parser *parser, const ost_text_fact *f
                            ost_error *err)
 {
     if (own->line != 0 && memcmp(own->value, value, sizeof own->value) != 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the text's own '%s' is '%.60s', but line %lld gives another; remove one of them",
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s:%lld: fact '%s' is '%.60s', but line %lld gives another; remove one of them",
                         parser->path, (long long)parser->line, fact->key, fact->value, (long long)own->line);
     own->line = own->line ? own->line : parser->line;
     memcpy(own->value, value, sizeof own->value);
@@ -181,7 +181,8 @@ static ost_status check_complete(const ost_text_source *source, const ost_text_s
     const char *path = source->parser.path;
     int64_t lines = source->parser.line;
     if (summary->fingerprint.rows == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: holds no sample in %lld lines; expected lines of x y z density", path, (long long)lines);
+        return ost_fail(err, OST_ERR_INPUT, "%s: no sample in %lld lines; expected lines of x y z density", path,
+                        (long long)lines);
     const ost_text_own *dims = &summary->own_dims;
     if (dims->line == 0)
         return OST_OK;
@@ -192,7 +193,8 @@ static ost_status check_complete(const ost_text_source *source, const ost_text_s
                         (long long)lines, (unsigned long long)summary->fingerprint.rows, (long long)dims->line,
                         (long long)dims->value[0], (long long)dims->value[1], (long long)dims->value[2], (long long)expected);
     if (!ost_text_lines_terminated(source->lines))
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the last line has no end: the file is cut short", path, (long long)lines);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the last line has no line end: the file is truncated", path,
+                        (long long)lines);
     return OST_OK;
 }
 
@@ -213,11 +215,12 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
     ost_pm last[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
     ost_text_summary_begin(summary, given);
     ost_text_row *rows = malloc(BATCH * sizeof *rows);
-    ost_status status = rows ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: no memory to read %d lines", path, BATCH);
+    ost_status status = rows ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory to read %d lines", path,
+                                                 BATCH);
     for (int a = 0; a < 3 && status == OST_OK; a++) {
         summary->axis[a].set = calloc(SET_SIZE, sizeof *summary->axis[a].set);
         if (!summary->axis[a].set)
-            status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %d coordinates", path, OST_DIM_MAX);
+            status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %d coordinates", path, OST_DIM_MAX);
     }
     source->parser.fact = ost_text_fact_take;
     source->parser.user = &facts;
@@ -263,7 +266,7 @@ static ost_status find_spacing(const char *path, const ost_text_summary *summary
     if (!values || !lines) {
         free(values);
         free(lines);
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for %zu coordinates", path, total);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %zu coordinates", path, total);
     }
     size_t used = 0;
     for (int a = 0; a < 3; a++) {
@@ -299,9 +302,9 @@ static ost_status check_origin(const char *path, const ost_text_summary *summary
     if (8 * (off < 0 ? -off : off) <= spacing)
         return OST_OK;
     char stated[OST_PM_TEXT], is[OST_PM_TEXT];
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the text's own origin is %c = %s mm, but its lowest is %s mm", path,
-                    (long long)summary->own_origin.line, "xyz"[a], ost_pm_format(summary->own_origin.value[a], stated),
-                    ost_pm_format(summary->axis[a].min, is));
+    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the declared origin is %c = %s mm, but its lowest is %s mm", path,
+                    (long long)summary->own_origin.line, "xyz"[a], ost_pm_format(summary->own_origin.value[a],
+                    stated), ost_pm_format(summary->axis[a].min, is));
 }
 
 ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3], ost_error *err)
@@ -312,7 +315,7 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
         spacing[a] = summary->axis[a].given;
         inferred[a] = spacing[a] == 0;
         if (!inferred[a] && (spacing[a] < OST_SPACING_MIN || spacing[a] > OST_SPACING_MAX))
-            return ost_fail(err, OST_ERR_RANGE, "%s: a spacing of %.9g mm along %c; supported are 0.001 to 100 mm", path,
+            return ost_fail(err, OST_ERR_RANGE, "%s: a spacing of %.9g mm along %c; expected 0.001 to 100 mm", path,
                             ost_pm_to_mm(spacing[a]), "xyz"[a]);
     }
     ost_status status = find_spacing(path, summary, spacing, err);
@@ -328,8 +331,10 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;
         if (status == OST_OK && summary->own_dims.line && dims[a] != summary->own_dims.value[a])
-            status = ost_fail(err, OST_ERR_INPUT, "%s:%lld: the text's own dims are %lld voxels along %c, but its positions make %d", path,
-                              (long long)summary->own_dims.line, (long long)summary->own_dims.value[a], "xyz"[a], (int)dims[a]);
+            status = ost_fail(err, OST_ERR_INPUT,
+                              "%s:%lld: the declared dims are %lld voxels along %c, but its positions make %d", path,
+                              (long long)summary->own_dims.line, (long long)summary->own_dims.value[a], "xyz"[a],
+                              (int)dims[a]);
     }
     if (status != OST_OK)
         return status;

@@ -138,7 +138,8 @@ ost_status ost_text_write_volume(const char *path, const ost_volume *volume, int
     if (status != OST_OK)
         return status;
     if (decimals < 0 || decimals > 9)
-        return ost_fail(err, OST_ERR_USAGE, "%s: %d decimals; supported are 1 to 9, or 0 for as many as needed", path, decimals);
+        return ost_fail(err, OST_ERR_USAGE, "%s: %d decimals; expected 1 to 9, or 0 for as many as needed", path,
+                        decimals);
     if (decimals == 0) {
         decimals = decimals_needed(g);
     } else {
@@ -154,8 +155,8 @@ ost_status ost_text_write_volume(const char *path, const ost_volume *volume, int
     char *row = malloc((size_t)g->dims.x * LINE);
     ost_outfile *out = NULL;
     if (!x || !y || !z || !row)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory to format %d x %d x %d positions", path, (int)g->dims.x, (int)g->dims.y,
-                          (int)g->dims.z);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory to format %d x %d x %d positions", path,
+                          (int)g->dims.x, (int)g->dims.y, (int)g->dims.z);
     if (status == OST_OK)
         status = ost_outfile_open(path, &out, err);
     if (status == OST_OK)

@@ -38,12 +38,13 @@ ost_status ost_input_open(const char *path, ost_input **out, ost_error *err)
     *out = NULL;
     ost_input *input = malloc(sizeof *input);
     if (!input)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for input buffers of %d bytes", path, 2 * BUFFER_BYTES);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for input buffers of %d bytes", path,
+                        2 * BUFFER_BYTES);
     memset(input, 0, offsetof(ost_input, raw));
     input->fd = -1;
     input->path = strdup(path);
     ost_file file;
-    ost_status status = input->path ? ost_file_open(path, &file, err) : ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a file name", path);
+    ost_status status = input->path ? ost_file_open(path, &file, err) : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a file name", path);
     if (status != OST_OK) {
         ost_input_close(input);
         return status;
@@ -125,7 +126,7 @@ ost_status ost_input_seek(ost_input *input, uint64_t offset, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %llu, before byte %llu where data were expected", input->path,
                         (unsigned long long)input->file_bytes, (unsigned long long)offset);
     if (lseek(input->fd, (off_t)offset, SEEK_SET) < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot go to byte %llu: %s", input->path, (unsigned long long)offset,
+        return ost_fail(err, OST_ERR_IO, "%s: cannot seek to byte %llu: %s", input->path, (unsigned long long)offset,
                         strerror(errno));
     input->raw_read = offset;
     input->raw_at = input->raw_end = 0;
@@ -137,7 +138,7 @@ ost_status ost_input_gunzip(ost_input *input, ost_error *err)
     assert(!input->packed);
     memset(&input->z, 0, sizeof input->z);
     if (inflateInit2(&input->z, 15 + 16) != Z_OK)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", input->path);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for decompression", input->path);
     input->packed = true;
     input->member_done = false;
     input->unpacked = 0;
@@ -154,8 +155,8 @@ static ost_status fill_raw(ost_input *input, ost_error *err)
         n = read(input->fd, input->raw, BUFFER_BYTES);
     while (n < 0 && errno == EINTR);
     if (n < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: reading failed at byte %llu: %s", input->path, (unsigned long long)input->raw_read,
-                        strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: read failed at byte %llu: %s", input->path,
+                        (unsigned long long)input->raw_read, strerror(errno));
     input->raw_at = 0;
     input->raw_end = (size_t)n;
     input->raw_read += (uint64_t)n;
@@ -164,7 +165,7 @@ static ost_status fill_raw(ost_input *input, ost_error *err)
 
 static ost_status damaged(const ost_input *input, const char *what, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_INPUT, "%s: its gzip data are damaged at byte %llu (%s), %llu bytes unpacked", input->path,
+    return ost_fail(err, OST_ERR_INPUT, "%s: gzip data damaged at byte %llu (%s), %llu bytes unpacked", input->path,
                     (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
 }
 
@@ -181,8 +182,10 @@ static ost_status fill_out(ost_input *input, ost_error *err)
             if (input->raw_end == 0) {
                 if (input->member_done)
                     return OST_OK;
-                return ost_fail(err, OST_ERR_INPUT, "%s: its gzip data break off at the file's end, byte %llu, %llu bytes unpacked",
-                                input->path, (unsigned long long)input->file_bytes, (unsigned long long)input->unpacked);
+                return ost_fail(err, OST_ERR_INPUT,
+                                "%s: gzip data truncated at the end of the file, byte %llu, %llu bytes unpacked",
+                                input->path, (unsigned long long)input->file_bytes,
+                                (unsigned long long)input->unpacked);
             }
         }
         if (input->member_done) {
@@ -204,7 +207,7 @@ static ost_status fill_out(ost_input *input, ost_error *err)
         if (result == Z_STREAM_END)
             input->member_done = true;
         else if (result == Z_MEM_ERROR)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to unpack it", input->path);
+            return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for decompression", input->path);
         else if (result != Z_OK)
             return damaged(input, input->z.msg ? input->z.msg : "bad stream", err);
     }
@@ -306,8 +309,10 @@ ost_status ost_input_expect_end(ost_input *input, ost_error *err)
         return status;
     char location[OST_LOCATION_TEXT];
     if (input->packed)
-        return ost_fail(err, OST_ERR_INPUT, "%s: data go on at %s, where the header's sizes say they end", input->path,
-                        ost_input_location(input, 0, location));
-    return ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes too many: data go on at %s, where the header's sizes say they end", input->path,
-                    (unsigned long long)ost_input_file_left(input), ost_input_location(input, 0, location));
+        return ost_fail(err, OST_ERR_INPUT, "%s: unexpected data at %s, after the end given by the header's sizes",
+                        input->path, ost_input_location(input, 0, location));
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%s: %llu bytes too many: unexpected data at %s, after the end given by the header's sizes",
+                    input->path, (unsigned long long)ost_input_file_left(input), ost_input_location(input, 0,
+                    location));
 }

@@ -39,7 +39,8 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
         }
         dims[w] = ost_ceil_div(extent, spacing[w]) + 1;
         if (dims[w] > OST_DIM_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "resampled, it would have %lld voxels along an axis; at most %d are supported",
+            return ost_fail(err, OST_ERR_RANGE,
+                            "resampled, it would have %lld voxels along an axis; expected at most %d",
                             (long long)dims[w], OST_DIM_MAX);
     }
     *out = (ost_geometry){
@@ -51,7 +52,8 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
     /* The box of a long thin diagonal grid is huge; the limit prevents hours of work for a small file. */
     int64_t had = (int64_t)sizes[0] * sizes[1] * sizes[2], has = ost_dims_count(out->dims);
     if (status == OST_OK && has > GROWTH_FREE && has / GROWTH_MAX > had)
-        return ost_fail(err, OST_ERR_RANGE, "resampled, it would grow from %lld to %lld voxels; at most %d times is supported",
+        return ost_fail(err, OST_ERR_RANGE,
+                        "resampled, it would grow from %lld to %lld voxels; expected at most %d times",
                         (long long)had, (long long)has, GROWTH_MAX);
     return status;
 }

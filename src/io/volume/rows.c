@@ -12,15 +12,17 @@ ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[
     int64_t count = 1;
     for (int a = 0; a < 3; a++) {
         if (sizes[a] < 1)
-            return ost_fail(err, OST_ERR_INPUT, "%s: size %lld along axis %d; at least 1 was expected", path, (long long)sizes[a], a + 1);
+            return ost_fail(err, OST_ERR_INPUT, "%s: size %lld along axis %d; expected at least 1", path,
+                            (long long)sizes[a], a + 1);
         if (sizes[a] > OST_DIM_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "%s: size %lld along axis %d; at most %d is supported", path, (long long)sizes[a], a + 1,
-                            OST_DIM_MAX);
+            return ost_fail(err, OST_ERR_RANGE, "%s: size %lld along axis %d; expected at most %d", path,
+                            (long long)sizes[a], a + 1, OST_DIM_MAX);
         out[a] = (int32_t)sizes[a];
         count *= sizes[a];
     }
     if (count > INT64_C(1) << 36)
-        return ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; at most 2^36 in all are supported", path, out[0], out[1], out[2]);
+        return ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; expected at most 2^36 in all", path, out[0],
+                        out[1], out[2]);
     return OST_OK;
 }
 
@@ -38,7 +40,7 @@ ost_status ost_volume_orientation(const char *path, const ost_volume_options *op
         if (report->assumed)
             return ost_fail(err, OST_ERR_USAGE, "%s: its orientation was assumed when the CT was imported; import the CT itself with "
                             "--orientation %s", path, code);
-        return ost_fail(err, OST_ERR_USAGE, "%s: its header states where its axes point; --orientation %s is for files that do not", path,
+        return ost_fail(err, OST_ERR_USAGE, "%s: its header states where its axes point; omit --orientation %s", path,
                         code);
     }
     if (code[0] && !ost_affine_restate(affine, code))
@@ -60,9 +62,8 @@ ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const 
     ost_status status = ost_orient(affine, sizes, placement, err);
     if (status == OST_OK && placement->oblique && !(options && options->resample_oblique))
         return ost_fail(err, OST_ERR_INPUT,
-                        "%s: its grid is oblique: an axis lies %.2f degrees off the patient's axes; "
-                        "--resample-oblique takes the nearest voxels instead",
-                        path, placement->degrees);
+                        "%s: the grid is oblique: an axis is %.2f degrees off the patient's axes; pass "
+                        "--resample-oblique to take the nearest voxels", path, placement->degrees);
     if (status == OST_OK) {
         *geometry = placement->geometry;
         if (placement->oblique)
@@ -119,7 +120,7 @@ static ost_status fill_rows(ost_rows *rows, const ost_placement *placement, int1
     rows->scratch = malloc((size_t)n * 8);
     ost_status status = OST_OK;
     if (!row || !rows->scratch)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: no memory for a row of %d voxels", rows->path, n);
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a row of %d voxels", rows->path, n);
     int64_t first = 0;
     for (int32_t k = 0; status == OST_OK && k < rows->sizes[2]; k++) {
         for (int32_t j = 0; status == OST_OK && j < rows->sizes[1]; j++, first += n) {

@@ -57,7 +57,7 @@ ost_status ost_volume_writer_pack(ost_volume_writer *w, ost_error *err)
     memset(&w->z, 0, sizeof w->z);
     /* 16 selects a gzip header made by zlib, which has no name and time 0. */
     if (deflateInit2(&w->z, LEVEL, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory to pack it", ost_outfile_path(w->file));
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for compression", ost_outfile_path(w->file));
     w->packing = true;
     return OST_OK;
 }
@@ -69,7 +69,7 @@ ost_status ost_volume_writer_start(const char *path, ost_element element, int64_
     *out = NULL;
     ost_volume_writer *w = malloc(sizeof *w);
     if (!w)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: no memory for an output buffer", path);
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for an output buffer", path);
     memset(w, 0, offsetof(ost_volume_writer, packed));
     w->element_bytes = ost_element_bytes(element);
     w->left = count;

@@ -13,7 +13,8 @@ ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *e
 {
     (void)options;
     *out = NULL;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "this osteon was built without OpenGL; Debian: install libepoxy-dev and build again");
+    return ost_fail(err, OST_ERR_UNAVAILABLE,
+                    "osteon was built without OpenGL; Debian: install libepoxy-dev and build again");
 }
 
 void ost_gl_close(ost_gl *gl)

@@ -21,7 +21,8 @@ ost_status ost_gl_reserve_blocks(ost_gl *gl, int32_t count, ost_error *err)
     gl->counts = malloc((size_t)count * sizeof *gl->counts);
     gl->wanted = malloc((size_t)count * sizeof *gl->wanted);
     gl->block_capacity = gl->blocks && gl->bases && gl->firsts && gl->counts && gl->wanted ? count : 0;
-    return gl->block_capacity ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "no memory to draw %d blocks", (int)count);
+    return gl->block_capacity ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for drawing %d blocks",
+                                                  (int)count);
 }
 
 ost_status ost_gl_reserve_list(ost_gl *gl, uint64_t count, ost_error *err)
@@ -32,13 +33,13 @@ ost_status ost_gl_reserve_list(ost_gl *gl, uint64_t count, ost_error *err)
         return OST_OK;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
     if (capacity > (uint64_t)limit)
-        return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) draws lists of up to %d voxels; here are more: --renderer points draws them",
+        return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) draws at most %d voxels; use --renderer points",
                         gl->context.info.driver, (int)limit);
     free(gl->numbers);
     gl->list_capacity = 0;
     gl->numbers = malloc(capacity * sizeof *gl->numbers);
     if (!gl->numbers)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu voxels", (unsigned long long)count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for drawing %llu voxels", (unsigned long long)count);
     glDeleteBuffers(1, &gl->list);
     glDeleteTextures(1, &gl->list_texture);
     gl->list = ost_gl_buffer_make(&gl->context, GL_COPY_WRITE_BUFFER, capacity * sizeof *gl->numbers, &gl->list_mapped);

@@ -84,7 +84,8 @@ static ost_status describe(ost_gl_context *c, const ost_gl_options *options, ost
     copy_string(c->info.driver, sizeof c->info.driver, GL_RENDERER);
     c->info.software = is_software(c->info.driver);
     if (there < NEEDED)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL 3.3 is needed; here is %s (%s)", c->info.version, c->info.driver);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL %s (%s); expected 3.3 or later", c->info.version,
+                        c->info.driver);
     c->version = options->version >= NEEDED && options->version < there ? options->version : there;
     const bool any = options->version == 0;
     c->persistent = c->version >= 44 || (any && epoxy_has_gl_extension("GL_ARB_buffer_storage"));
@@ -161,14 +162,14 @@ static ost_status too_old(ost_gl_context *c, EGLConfig config, ost_error *err)
     const char *why = egl_error();
     const EGLContext any = eglCreateContext(c->display, config, EGL_NO_CONTEXT, none);
     if (any == EGL_NO_CONTEXT)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL gives no context of OpenGL 3.3: %s", why);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL cannot create an OpenGL 3.3 context: %s", why);
     if (eglMakeCurrent(c->display, EGL_NO_SURFACE, EGL_NO_SURFACE, any)) {
         copy_string(c->info.version, sizeof c->info.version, GL_VERSION);
         copy_string(c->info.driver, sizeof c->info.driver, GL_RENDERER);
-        ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL 3.3 is needed; here is %s (%s)", c->info.version, c->info.driver);
+        ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL %s (%s); expected 3.3 or later", c->info.version, c->info.driver);
         eglMakeCurrent(c->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     } else {
-        ost_fail(err, OST_ERR_UNAVAILABLE, "EGL gives no context of OpenGL 3.3: %s", why);
+        ost_fail(err, OST_ERR_UNAVAILABLE, "EGL cannot create an OpenGL 3.3 context: %s", why);
     }
     eglDestroyContext(c->display, any);
     return OST_ERR_UNAVAILABLE;
@@ -188,7 +189,8 @@ static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_e
     if (!has(extensions, "EGL_KHR_surfaceless_context"))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here lacks EGL_KHR_surfaceless_context: it draws into surfaces only", (int)major, (int)minor);
     if (major == 1 && minor < 5 && !has(extensions, "EGL_KHR_create_context"))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here is too old to be asked for OpenGL 3.3: 1.5 is needed", (int)major, (int)minor);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here is too old for OpenGL 3.3; expected EGL 1.5",
+                        (int)major, (int)minor);
     if (!eglBindAPI(EGL_OPENGL_API) || !eglChooseConfig(c->display, wanted, &config, 1, &configs) || configs < 1)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here has no OpenGL, only OpenGL ES", (int)major, (int)minor);
     c->context = eglCreateContext(c->display, config, EGL_NO_CONTEXT, attribute);

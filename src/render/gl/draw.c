@@ -89,7 +89,7 @@ ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *e
     *out = NULL;
     ost_gl *gl = calloc(1, sizeof *gl);
     if (!gl)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a renderer");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a renderer");
     gl->context.context = EGL_NO_CONTEXT;
     ost_gl_store_init(&gl->store);
     ost_status status = ost_gl_worker_start(&gl->worker, err);
@@ -294,9 +294,9 @@ static ost_status draw_here(void *user, ost_error *err)
 ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count, ost_style style, ost_error *err)
 {
     if (count < 1 || count > OST_FRAME_LAYERS)
-        return ost_fail(err, OST_ERR_USAGE, "%d things to draw; 1 to %d are supported", count, OST_FRAME_LAYERS);
+        return ost_fail(err, OST_ERR_USAGE, "%d objects to draw; expected 1 to %d", count, OST_FRAME_LAYERS);
     if (count > 1 && (variant->target == OST_GL_FORWARD || (variant->target != OST_GL_COMPACT && !variant->true_depth)))
-        return ost_fail(err, OST_ERR_USAGE, "this way of drawing has no depth to tell %d things apart", count);
+        return ost_fail(err, OST_ERR_USAGE, "this renderer has no depth buffer for %d objects", count);
     return ost_gl_worker_do(gl->worker, draw_here, &(drawing){gl, variant, things, count, variant->every_voxel ? OST_STYLE_FACES : style}, err);
 }
 

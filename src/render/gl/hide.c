@@ -127,7 +127,7 @@ static ost_status test_depths(ost_gl *gl, const ost_gl_variant *v, ost_error *er
     if (!t->depths)
         t->depths = malloc((size_t)t->width * (size_t)t->height * sizeof *t->depths);
     if (!t->depths)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the depths of %d x %d pixels", t->width, t->height);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the depths of %d x %d pixels", t->width, t->height);
     ost_status status = ost_gl_read_depths(gl, t->depths, err);
     if (status == OST_OK)
         find_tiles(t);

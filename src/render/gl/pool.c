@@ -67,11 +67,11 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
     /* Vertex numbers are of type GLint. */
     if (granules << p->bits > INT32_MAX || (p->format && granules << p->bits > (uint64_t)limit))
-        return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) holds up to %d %s; here are more: --renderer points draws them", c->info.driver,
+        return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) holds at most %d %s; use --renderer points", c->info.driver,
                         p->format ? (int)limit : INT32_MAX, p->what);
     uint8_t *used = realloc(p->used, granules);
     if (!used)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a list of %u parts", (unsigned)granules);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of %u parts", (unsigned)granules);
     memset(used + p->granules, 0, granules - p->granules);
     p->used = used;
     ost_gl_pool new = *p;
@@ -89,7 +89,8 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
     new.page_texture = ost_gl_buffer_texture(new.page_buffer, GL_RGBA32I);
     ost_status status = ost_gl_context_check(c, "makes room for voxels", err);
     if (status == OST_OK && c->persistent && (!new.mapped || !new.page_mapped))
-        status = ost_fail(err, OST_ERR_MEMORY, "OpenGL (%s) maps no buffer of %zu bytes", c->info.driver, bytes_of(p, (uint32_t)granules));
+        status = ost_fail(err, OST_ERR_MEMORY, "OpenGL (%s) cannot map a buffer of %zu bytes", c->info.driver,
+                          bytes_of(p, (uint32_t)granules));
     if (status != OST_OK) {
         free_buffers(&new);
         return status;

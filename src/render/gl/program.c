@@ -31,7 +31,7 @@ static ost_status compile(ost_gl_context *c, GLenum kind, const ost_gl_source *s
         text[i + 2] = source->parts[i];
     *out = glCreateShader(kind);
     if (!*out)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) makes no shader", c->info.driver);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) cannot create a shader", c->info.driver);
     glShaderSource(*out, (GLsizei)source->count + 2, text, NULL);
     glCompileShader(*out);
     glGetShaderiv(*out, GL_COMPILE_STATUS, &compiled);
@@ -39,7 +39,7 @@ static ost_status compile(ost_gl_context *c, GLenum kind, const ost_gl_source *s
         return OST_OK;
     glGetShaderInfoLog(*out, sizeof log, NULL, log);
     one_line(log);
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) does not compile %s: %s", c->info.driver, source->name, log);
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) cannot compile %s: %s", c->info.driver, source->name, log);
 }
 
 static ost_status link(ost_gl_context *c, GLuint program, const char *name, ost_error *err)
@@ -52,7 +52,7 @@ static ost_status link(ost_gl_context *c, GLuint program, const char *name, ost_
         return OST_OK;
     glGetProgramInfoLog(program, sizeof log, NULL, log);
     one_line(log);
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) does not link %s: %s", c->info.driver, name, log);
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) cannot link %s: %s", c->info.driver, name, log);
 }
 
 ost_status ost_gl_program_make(ost_gl_context *c, const ost_gl_source *vertex, const ost_gl_source *fragment, const char *defines,
@@ -64,7 +64,7 @@ ost_status ost_gl_program_make(ost_gl_context *c, const ost_gl_source *vertex, c
     if (status == OST_OK)
         status = compile(c, GL_FRAGMENT_SHADER, fragment, defines, &f, err);
     if (status == OST_OK && !(*out = glCreateProgram()))
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) makes no program", c->info.driver);
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) cannot create a program", c->info.driver);
     if (status == OST_OK) {
         glAttachShader(*out, v);
         glAttachShader(*out, f);

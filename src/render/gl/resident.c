@@ -118,7 +118,7 @@ static ost_status bring_bricks(ost_gl_context *c, ost_gl_store *store, const ost
     brick list[BRICKS];
     uint32_t *sorted = malloc((b->count + 1) * sizeof *sorted);
     if (!sorted)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the bricks of %u voxels", (unsigned)b->count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the bricks of %u voxels", (unsigned)b->count);
     for (uint32_t i = 0; i < b->count; i++)
         mask[brick_of(b->points[i])] |= UINT64_C(1) << cell_of(b->points[i]);
     ost_status status = reserve(c, &store->shades, b->count, &run->shade_first, &run->shade_granules, err);
@@ -175,7 +175,7 @@ static ost_status reserve_slots(ost_gl_resident *r, ost_gl_form form, int32_t sl
         return OST_OK;
     ost_gl_run *run = realloc(r->run[form], (size_t)slots * sizeof *run);
     if (!run)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %d blocks of a surface", (int)slots);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d blocks of a surface", (int)slots);
     memset(run + r->runs[form], 0, (size_t)(slots - r->runs[form]) * sizeof *run);
     r->run[form] = run;
     r->runs[form] = slots;
@@ -242,7 +242,7 @@ ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store,
         return OST_OK;
     vertex *list = malloc((6 * faces + 1) * sizeof *list);
     if (!list)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for the %zu faces of a tool", faces);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the %zu faces of a tool", faces);
     size_t n = 0;
     for (int32_t i = 0; i < surface->used; i++) {
         const ost_surface_block *b = surface->slot[i];

@@ -88,9 +88,10 @@ ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int w
     ost_status status = ost_gl_context_check(context, "makes a frame's buffers", err);
     const GLenum wrong = gbuffer != GL_FRAMEBUFFER_COMPLETE ? gbuffer : tiles != GL_FRAMEBUFFER_COMPLETE ? tiles : picture;
     if (status == OST_OK && wrong != GL_FRAMEBUFFER_COMPLETE)
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) does not draw into such a buffer (0x%x)", context->info.driver, wrong);
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) cannot draw into a framebuffer of this kind (0x%x)",
+                          context->info.driver, wrong);
     if (status == OST_OK && kind == OST_GL_COMPACT && !t->farthest)
-        status = ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", width, height);
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a frame of %d x %d pixels", width, height);
     if (status != OST_OK)
         ost_gl_targets_free(t);
     return status;

@@ -41,7 +41,7 @@ ost_status ost_gl_worker_start(ost_gl_worker **out, ost_error *err)
     *out = NULL;
     ost_gl_worker *w = calloc(1, sizeof *w);
     if (!w)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for OpenGL's thread");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for OpenGL's thread");
     pthread_mutex_init(&w->mutex, NULL);
     pthread_cond_init(&w->changed, NULL);
     /* Block all signals: other threads handle them. A driver's threads inherit the mask. */
@@ -53,7 +53,7 @@ ost_status ost_gl_worker_start(ost_gl_worker **out, ost_error *err)
         pthread_mutex_destroy(&w->mutex);
         pthread_cond_destroy(&w->changed);
         free(w);
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "no thread for OpenGL: %s", strerror(error));
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for OpenGL: %s", strerror(error));
     }
     *out = w;
     return OST_OK;

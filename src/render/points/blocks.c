@@ -14,7 +14,8 @@ ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_
     const float size[3] = {(float)d.x, (float)d.y, (float)d.z};
     for (int a = 0; a < 3; a++)
         if (!(fabsf(eye->at[a]) < FARTHEST) || !(fabsf(eye->at[a] - size[a]) < FARTHEST))
-            return ost_fail(err, OST_ERR_RANGE, "the camera is more than %d voxels away from what it is to see", (int)FARTHEST);
+            return ost_fail(err, OST_ERR_RANGE, "the camera is more than %d voxels away from the bone; move it closer",
+                            (int)FARTHEST);
     return OST_OK;
 }
 

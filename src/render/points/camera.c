@@ -15,10 +15,11 @@ ost_status ost_camera_check(const ost_camera *camera, ost_error *err)
     if (status != OST_OK)
         return status;
     if (camera->width < 1 || camera->width > OST_FRAME_MAX || camera->height < 1 || camera->height > OST_FRAME_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a frame of %d x %d pixels; 1 to %d a side are supported", camera->width, camera->height,
-                        OST_FRAME_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "a frame of %d x %d pixels; expected 1 to %d a side", camera->width,
+                        camera->height, OST_FRAME_MAX);
     if (camera->focal_milli < 1000 || camera->focal_milli > INT32_C(100000000))
-        return ost_fail(err, OST_ERR_RANGE, "a focal length of %d thousandths of a pixel; 1000 to 100,000,000 are supported",
+        return ost_fail(err, OST_ERR_RANGE,
+                        "a focal length of %d thousandths of a pixel; expected 1000 to 100,000,000",
                         (int)camera->focal_milli);
     return OST_OK;
 }

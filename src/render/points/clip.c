@@ -15,7 +15,7 @@ ost_status ost_clip_make(const ost_geometry *g, const double at_mm[3], const dou
     const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z};
     double d = 0;
     if (!(length > 1e-9) || !isfinite(length))
-        return ost_fail(err, OST_ERR_RANGE, "a clip plane needs a direction");
+        return ost_fail(err, OST_ERR_RANGE, "the direction of a clip plane is zero");
     for (int a = 0; a < 3; a++) {
         out->n[a] = (int32_t)floor(normal[a] / length * OST_CLIP_UNIT + 0.5);
         d += out->n[a] * ((at_mm[a] * 1e9 - (double)origin[a]) / (double)g->spacing.x);

@@ -44,7 +44,7 @@ static void planes_free(ost_planes *p)
 
 static ost_status no_memory(const ost_frame *f, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory for a frame of %d x %d pixels", f->width, f->height);
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for a frame of %d x %d pixels", f->width, f->height);
 }
 
 static bool benches_init(ost_frame *f)
@@ -84,7 +84,8 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
 {
     memset(frame, 0, sizeof *frame);
     if (width < 1 || width > OST_FRAME_MAX || height < 1 || height > OST_FRAME_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a frame of %d x %d pixels; 1 to %d a side are supported", width, height, OST_FRAME_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "a frame of %d x %d pixels; expected 1 to %d a side", width, height,
+                        OST_FRAME_MAX);
     frame->width = width;
     frame->height = height;
     frame->style = style;
@@ -234,7 +235,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
 {
     ost_status status = OST_OK;
     if (count < 1 || count > OST_FRAME_LAYERS)
-        return ost_fail(err, OST_ERR_USAGE, "%d things to draw; 1 to %d are supported", count, OST_FRAME_LAYERS);
+        return ost_fail(err, OST_ERR_USAGE, "%d objects to draw; expected 1 to %d", count, OST_FRAME_LAYERS);
     for (int i = 0; i < count && status == OST_OK; i++)
         status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
     if (status != OST_OK) {

@@ -25,7 +25,8 @@ void ost_layer_free(ost_frame_layer *layer)
 
 static ost_status out_of_memory(const ost_frame_layer *layer, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_MEMORY, "no memory to draw %llu surface voxels", (unsigned long long)layer->surface->points);
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for drawing %llu surface voxels",
+                    (unsigned long long)layer->surface->points);
 }
 
 static ost_status make_slots(ost_frame_layer *layer, ost_error *err)

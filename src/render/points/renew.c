@@ -28,7 +28,7 @@ ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err)
     if (!surface->scratch)
         surface->scratch = aligned_alloc(LINE, SIZE);
     if (!surface->scratch)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to light a surface");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the shading of a surface");
     memset(surface->scratch, 0, SIZE);
     surface->scratch->rows = ost_row_kernels_of(isa);
     surface->scratch->smooth = ost_smooth_kernels_of(isa);
@@ -133,7 +133,7 @@ static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, con
     if (b->version && count == b->count && (count == 0 || (memcmp(points, b->points, size) == 0 && memcmp(k->shades, b->shades, size) == 0)))
         return OST_OK;
     if (!reserve_points(b, count))
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %u surface voxels", (unsigned)count);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %u surface voxels", (unsigned)count);
     if (points != b->points && count > 0)
         memcpy(b->points, points, size);
     if (count > 0)

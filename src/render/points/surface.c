@@ -28,7 +28,7 @@ ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, 
     const size_t all = (size_t)surface->blocks[0] * (size_t)surface->blocks[1] * (size_t)surface->blocks[2];
     surface->slot_of = malloc(all * sizeof *surface->slot_of);
     if (!surface->slot_of)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a surface of %zu blocks", all);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a surface of %zu blocks", all);
     memset(surface->slot_of, 0xff, all * sizeof *surface->slot_of);
     return OST_OK;
 }
@@ -106,7 +106,7 @@ static ost_status remember(const ost_surface *s, ost_surface_block *b, ost_error
         return OST_OK;
     b->before = malloc(ROWS * sizeof *b->before);
     if (!b->before)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a block of what was before");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a block of the uncut bone");
     ost_uncut_words(s->reference, b->at, b->before);
     return OST_OK;
 }
@@ -119,13 +119,13 @@ static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_blo
         const int32_t capacity = s->capacity ? 2 * s->capacity : 64;
         ost_surface_block **slot = realloc(s->slot, (size_t)capacity * sizeof(ost_surface_block *));
         if (!slot)
-            return ost_fail(err, OST_ERR_MEMORY, "no memory for %d blocks of a surface", (int)capacity);
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d blocks of a surface", (int)capacity);
         s->slot = slot;
         s->capacity = capacity;
     }
     ost_surface_block *b = calloc(1, sizeof *b);
     if (!b)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for a block of a surface");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a block of a surface");
     memcpy(b->at, at, sizeof b->at);
     b->unlisted = true;
     *slot_at(s, at[0], at[1], at[2]) = s->used;
@@ -181,7 +181,7 @@ static ost_status note_changed(ost_surface_block *b, const uint32_t occupancy[RO
     if (!b->changed)
         b->changed = calloc(ROWS, sizeof *b->changed);
     if (!b->changed)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for what changed");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of changes");
     for (int row = 0; row < ROWS; row++)
         b->changed[row] |= b->occupied[row] ^ occupancy[row];
     return OST_OK;
@@ -197,7 +197,7 @@ static ost_status note_fresh(ost_surface *s, ost_surface_block *b, const uint32_
     if (!b->fresh)
         b->fresh = calloc(ROWS, sizeof *b->fresh);
     if (!b->fresh)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for what was cut just now");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of removed voxels");
     for (int row = 0; row < ROWS; row++)
         b->fresh[row] |= b->occupied[row] & ~occupancy[row];
     s->any_fresh = true;
@@ -260,7 +260,7 @@ ost_status ost_surface_set_uncut(ost_surface *surface, ost_uncut *reference, ost
 {
     ost_status status = OST_OK;
     if (reference && !ost_geometry_equal(&surface->geometry, &reference->volume.geometry))
-        return ost_fail(err, OST_ERR_USAGE, "the bone before has another grid");
+        return ost_fail(err, OST_ERR_USAGE, "the uncut bone has another grid");
     surface->reference = reference;
     for (int32_t i = 0; i < surface->used && status == OST_OK; i++)
         status = remember(surface, surface->slot[i], err);
@@ -338,7 +338,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
     const size_t capacity = (size_t)surface->used + 1;
     int32_t *renewed = realloc(surface->renewed, capacity * sizeof *renewed);
     if (!renewed)
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for %zu blocks of a surface", capacity);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu blocks of a surface", capacity);
     surface->renewed = renewed;
     surface->renewals = 0;
     surface->points = 0;

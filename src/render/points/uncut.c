@@ -32,7 +32,7 @@ ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t thre
     *reference = (ost_uncut){.threshold = threshold};
     const ost_geometry *g = &volume->geometry;
     if (g->spacing.x != g->spacing.y || g->spacing.x != g->spacing.z)
-        return ost_fail(err, OST_ERR_RANGE, "the bone before needs cubic voxels");
+        return ost_fail(err, OST_ERR_RANGE, "the uncut bone needs cubic voxels");
     reference->volume = *volume;
     *volume = (ost_volume){.voxels = NULL};
     g = &reference->volume.geometry;
@@ -256,7 +256,7 @@ static ost_status find_outside(ost_uncut *g, ost_error *err)
     uint8_t *mark = calloc((size_t)c.x * (size_t)c.y * (size_t)c.z, 1);
     if (!mark || !flood(g, mark)) {
         free(mark);
-        return ost_fail(err, OST_ERR_MEMORY, "no memory to find what is outside the bone");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory to find the outside of the bone");
     }
     for (int64_t i = 0; i < (int64_t)c.y * c.z; i++)
         widen(mark, i * c.x, 1, c.x);
@@ -340,7 +340,7 @@ ost_status ost_uncut_depth(ost_surface *surface, ost_surface_block *block, ost_e
         free(d);
         free(block->depth);
         block->depth = NULL;
-        return ost_fail(err, OST_ERR_MEMORY, "no memory for depths");
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for depths");
     }
     for (int i = 0; i < 27; i++) {
         const int32_t at[3] = {block->at[0] + i % 3 - 1, block->at[1] + i / 3 % 3 - 1, block->at[2] + i / 9 - 1};
