@@ -26,24 +26,24 @@
 #include "validation/worker.h"
 
 static const app_verb verbs[] = {
-    {"phantom", "make a generated CT: a scapula, its glenoid, trabecular bone, foam", cmd_phantom},
-    {"tool", "make a cutting tool: a reamer, a peg drill, a burr", cmd_tool},
-    {"import", "turn a CT into a bone of cubic voxels", cmd_import},
-    {"voxelize", "turn a mesh into a tool grid", cmd_voxelize},
-    {"ream", "move tools along a path and remove bone: the main job", cmd_ream},
-    {"replay", "do a recorded session again, on any backend, and compare", cmd_replay},
-    {"sim", "the simulator: a device moves the tool, a thousand times a second", cmd_sim},
-    {"bridge", "a device of this machine, for a simulation on another", cmd_bridge},
-    {"diff", "say what differs between two grids, and show it", cmd_diff},
-    {"render", "draw a bone and a tool, without a display", cmd_render},
+    {"phantom", "generate a CT: a scapula, a glenoid, trabecular bone or foam", cmd_phantom},
+    {"tool", "generate a cutting tool: a reamer, a peg drill or a burr", cmd_tool},
+    {"import", "convert a CT into a bone of cubic voxels", cmd_import},
+    {"voxelize", "convert a mesh into a tool grid", cmd_voxelize},
+    {"ream", "move tools along paths and remove bone", cmd_ream},
+    {"replay", "repeat a recorded session on any backend and compare", cmd_replay},
+    {"sim", "run the simulator: a device moves the tool at 1 kHz", cmd_sim},
+    {"bridge", "connect a device of this machine to a simulation on another", cmd_bridge},
+    {"diff", "compare two grids and show the differences", cmd_diff},
+    {"render", "draw a bone and a tool without a display", cmd_render},
     {"export", "write a bone as a volume, a surface or a picture", cmd_export},
-    {"info", "say what a file is", cmd_info},
-    {"validate", "compare backends stage by stage, and leave evidence", cmd_validate},
-    {"compare", "lay another program's grids beside the reference's, with margins", cmd_compare},
-    {"verify", "check a bundle of evidence, offline", cmd_verify},
+    {"info", "describe a file", cmd_info},
+    {"validate", "compare backends stage by stage and write evidence", cmd_validate},
+    {"compare", "compare another program's grids with the reference's", cmd_compare},
+    {"verify", "check a bundle of evidence offline", cmd_verify},
     {"sign", "sign a bundle of evidence", cmd_sign},
-    {"bench", "measure against baselines, side by side in one run", cmd_bench},
-    {"devices", "say what works on this machine, and why the rest does not", cmd_devices},
+    {"bench", "measure against baselines in the same run", cmd_bench},
+    {"devices", "list what works on this machine, and why the rest does not", cmd_devices},
 };
 
 enum { VERB_COUNT = sizeof verbs / sizeof verbs[0] };
@@ -51,7 +51,8 @@ enum { VERB_COUNT = sizeof verbs / sizeof verbs[0] };
 static void print_help(void)
 {
     puts("usage: osteon VERB [arguments]\n\n"
-         "Removes bone from a CT with a surgeon's tools, voxel by voxel, to the bit.\n\n"
+         "Simulates the removal of bone from a CT with surgical tools. Results are bit-identical on all\n"
+         "backends.\n\n"
          "verbs");
     for (int i = 0; i < VERB_COUNT; i++)
         print_line_to(stdout, "  %-10s %s", verbs[i].name, verbs[i].summary);

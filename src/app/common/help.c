@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/common/help.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { COLUMN = 26, WIDTH = 80 };
 
-/* Prints text from COLUMN on, wrapped at blanks; a newline counts as a blank. */
+/* Prints text from COLUMN on, wrapped at blanks. */
 static void wrapped(const char *text)
 {
     int at = COLUMN;
     while (*text) {
-        size_t word = strcspn(text, " \n");
+        size_t word = strcspn(text, " ");
         if (at > COLUMN && at + 1 + (int)word > WIDTH - 1) {
             printf("\n%*s", COLUMN, "");
             at = COLUMN;
@@ -27,24 +28,36 @@ static void wrapped(const char *text)
     putchar('\n');
 }
 
+/* A list of choices that does not fit the first line follows the text of help instead. */
 static void print_option(const option *o)
 {
-    char head[80];
-    int used = snprintf(head, sizeof head, "  --%s%s%s", o->name, o->kind == OPTION_FLAG ? "" : " ", o->kind == OPTION_FLAG ? "" : o->value);
+    if (o->kind == OPTION_HEADING) {
+        printf("\n%s\n", o->name);
+        return;
+    }
+    const bool flag = o->kind == OPTION_FLAG, listed = o->kind == OPTION_CHOICE && strlen(o->value) > WIDTH / 2;
+    char head[WIDTH + COLUMN], choices[OPTION_SPOKEN], text[1024];
+    int used = snprintf(head, sizeof head, "  --%s%s%s", o->name, flag ? "" : " ", flag ? "" : listed ? "NAME" : o->value);
     if (used >= COLUMN) {
         printf("%s\n", head);
         used = 0;
         head[0] = '\0';
     }
     printf("%s%*s", head, COLUMN - used, "");
-    wrapped(o->help);
+    snprintf(text, sizeof text, "%s%s%s", o->help, listed ? ": " : "", listed ? spoken_list(choices, o->value, "") : "");
+    wrapped(text);
 }
 
 void help_print(const app_state *app, const usage_text *usage, const option *common)
 {
     printf("usage: osteon %s %s\n\n%s\n\noptions\n", app->verb, usage->synopsis, usage->about);
-    for (const option *o = usage->options; o->name; o++)
+    bool grouped = false;
+    for (const option *o = usage->options; o->name; o++) {
+        grouped = grouped || o->kind == OPTION_HEADING;
         print_option(o);
+    }
+    if (grouped)
+        puts("\nevery verb");
     for (const option *o = common; o->name; o++)
         print_option(o);
     if (usage->notes)

@@ -9,19 +9,19 @@
 
 #include "app/common/help.h"
 
-enum { COMMON_MAX = 6, NAMES_MAX = 64 };
+enum { COMMON_MAX = 6, NAMES_MAX = 128 };
 
 /* Fills the options that all verbs share; they follow the verb's own. */
 static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
 {
     const option common[COMMON_MAX] = {
         {.name = "backend", .kind = OPTION_TEXT, .out = &app->backend, .value = "NAME",
-         .help = "who computes: cpu (default), cpu:isa=avx2, ref, plugin:FILE.so; see osteon devices"},
+         .help = "backend: cpu (default), cpu:isa=avx2, cl, ref or plugin:FILE.so; osteon devices lists them"},
         {.name = "threads", .kind = OPTION_INTEGER, .out = &app->threads, .value = "N", .min = 1, .max = 1024,
-         .help = "at most N threads (default: one a core); no result depends on it"},
+         .help = "maximum of threads (default: one per core); no result depends on it"},
         {.name = "json", .kind = OPTION_FLAG, .out = &app->json, .help = "print one JSON object on standard output"},
-        {.name = "quiet", .kind = OPTION_FLAG, .out = &app->quiet, .help = "no summary, no warnings, no progress"},
-        {.name = "help", .kind = OPTION_FLAG, .out = help, .help = "show this"},
+        {.name = "quiet", .kind = OPTION_FLAG, .out = &app->quiet, .help = "print no summary, warnings or progress"},
+        {.name = "help", .kind = OPTION_FLAG, .out = help, .help = "show this help"},
         {.name = NULL}};
     memcpy(out, common, sizeof common);
 }
@@ -29,7 +29,7 @@ static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
 static const option *find(const option *table, const char *name, size_t length)
 {
     for (; table->name; table++)
-        if (strlen(table->name) == length && memcmp(table->name, name, length) == 0)
+        if (table->kind != OPTION_HEADING && strlen(table->name) == length && memcmp(table->name, name, length) == 0)
             return table;
     return NULL;
 }
@@ -89,7 +89,8 @@ static ost_status unknown_option(const app_state *app, const char *name, size_t 
     const char *names[NAMES_MAX];
     int count = 0;
     for (const option *o = own; o->name && count < NAMES_MAX; o++)
-        names[count++] = o->name;
+        if (o->kind != OPTION_HEADING)
+            names[count++] = o->name;
     for (const option *o = common; o->name && count < NAMES_MAX; o++)
         names[count++] = o->name;
     char text[64];
@@ -255,6 +256,8 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
     }
     case OPTION_CHOICE:
         return take_choice(app, o, text, err);
+    case OPTION_HEADING:
+        break; /* find() does not return a heading */
     }
     return ost_fail(err, OST_ERR_INTERNAL, "option kind %d", (int)o->kind);
 }
@@ -263,6 +266,9 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
 {
     const operand *next = usage->operands;
     bool seen[NAMES_MAX] = {false};
+    for (int i = 0; usage->options[i].name; i++)
+        if (i == NAMES_MAX)
+            return ost_fail(err, OST_ERR_INTERNAL, "%s has more than %d options", app->verb, NAMES_MAX);
     bool only_operands = false;
     ost_status status = OST_OK;
     for (int i = 1; i < argc; i++) {

@@ -23,7 +23,8 @@ typedef enum option_kind {
     OPTION_LENGTHS,  /* ost_pm3: one for all axes, or x,y,z; more than zero */
     OPTION_POINT,    /* ost_pm3: x,y,z of any sign */
     OPTION_VECTOR,   /* double[3] */
-    OPTION_CHOICE    /* int: index of the value in choices "a|b|c" */
+    OPTION_CHOICE,   /* int: index of the value in choices "a|b|c" */
+    OPTION_HEADING   /* no option: the name is a heading in --help */
 } option_kind;
 
 enum { OPTION_LIST_MAX = 16 };
@@ -44,9 +45,12 @@ typedef struct option {
     bool *given;       /* may be NULL */
     const char *value; /* placeholder in --help; also the choices of OPTION_CHOICE */
     int64_t min, max;  /* for OPTION_INTEGER */
-    const char *help;  /* a newline starts a new line of help */
+    const char *help;
     bool required;
 } option;
+
+/* A row that starts a group of options in --help. */
+#define HEADING(text) {.name = (text), .kind = OPTION_HEADING}
 
 typedef struct operand {
     const char *name;

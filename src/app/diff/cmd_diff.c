@@ -135,23 +135,25 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
     int chunk = 1;
     const operand operands[] = {{"A", &name_a, "no grids given; expected two"}, {"B", &name_b, "no second grid given"}, {0}};
     const option options[] = {
-        {.name = "html", .kind = OPTION_TEXT, .out = &html, .value = "FILE", .help = "write a page with slices, a view of the surface where most differs, a\nchunk map and the voxels"},
+        {.name = "html", .kind = OPTION_TEXT, .out = &html, .value = "FILE",
+         .help = "write a page with slices, a view of the surface with the most differences, a map of the chunks "
+                 "and the voxels"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &limit, .value = "N", .min = 0, .max = 100000,
-         .help = "how many voxels to name (default: 10)"},
-        {.name = "chunk", .kind = OPTION_CHOICE, .out = &chunk, .value = "16|32|64", .help = "chunks to count in (default: 32)"},
+         .help = "number of voxels to print (default: 10)"},
+        {.name = "chunk", .kind = OPTION_CHOICE, .out = &chunk, .value = "16|32|64",
+         .help = "edge length of the chunks for the counts, in voxels (default: 32)"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "A B [--html FILE] [options]",
-        .about = "Says what differs between two grids, from the verdict down to voxels. A and B are\n"
-                 "two bones, two CTs or two tools; or two bundles of osteon validate, compared by\n"
-                 "their digests, down to stage, tick and chunk.",
+        .about = "Prints the differences between two grids, from the verdict down to voxels. A and B are two\n"
+                 "bones, two CTs or two tools; or two bundles of osteon validate, which are compared by their\n"
+                 "digests down to stage, tick and chunk.",
         .operands = operands,
         .options = options,
-        .notes = "Exit status 0 when they are equal: the same dims, spacing and origin, and every\n"
-                 "voxel the same; 1 when they differ. Lengths are the same within 2^-23 of their\n"
-                 "size, the precision of a NIfTI's float32. Notes in the files decide nothing. A text is\n"
-                 "taken as the bone that osteon import makes of it. Bundles are equal when every\n"
-                 "case of both could be compared and is.",
+        .notes = "Exit status 0 if they are equal (same dimensions, spacing, origin and voxels), 1 if they differ.\n"
+                 "Two lengths are equal if they differ by at most 2^-23 of their size, the precision of a NIfTI's\n"
+                 "float32. Other facts in the headers are not compared. A text is read as the bone that osteon\n"
+                 "import makes of it. Bundles are equal if every case of both could be compared and is equal.",
         .example = "  osteon diff scapula.nrrd reamed.nrrd --html difference.html\n"
                    "  osteon diff our-bundle their-bundle",
     };

@@ -37,12 +37,14 @@ typedef struct film_report {
 typedef struct film film;
 
 /* Rows for a verb's table of options. */
-#define VIDEO_OPTIONS(v)                                                                                                                  \
-    {.name = "video", .kind = OPTION_TEXT, .out = &(v).target, .value = "TARGET",                                                  \
-     .help = "a video: .mp4, .mkv, .mov or .webm by ffmpeg, .y4m without it,\nor a folder of numbered PNGs"},                     \
-    {.name = "video-pipe", .kind = OPTION_TEXT, .out = &(v).pipe, .value = "COMMAND",                                              \
-     .help = "the same to a shell's command, which gets YUV4MPEG2 on its standard\ninput, as ffmpeg, x264 and mpv read it"},      \
-    {.name = "video-fps", .kind = OPTION_INTEGER, .out = &(v).fps, .min = 1, .max = 240, .value = "N", .help = "frames a second of it (default: 30)"}
+#define VIDEO_OPTIONS(v)                                                                                          \
+    {.name = "video", .kind = OPTION_TEXT, .out = &(v).target, .value = "TARGET",                                 \
+     .help = "write a video: .mp4, .mkv, .mov or .webm (these need ffmpeg), .y4m, or a folder of numbered PNGs"}, \
+    {.name = "video-pipe", .kind = OPTION_TEXT, .out = &(v).pipe, .value = "COMMAND",                             \
+     .help = "write the video as YUV4MPEG2 to the standard input of this shell command, such as ffmpeg, x264 "    \
+             "or mpv"},                                                                                           \
+    {.name = "video-fps", .kind = OPTION_INTEGER, .out = &(v).fps, .min = 1, .max = 240, .value = "N",            \
+     .help = "frames per second of the video (default: 30)"}
 
 /* Checks the options before anything is done. Returns a usage error if they are invalid. */
 ost_status film_check(const app_state *app, const film_options *options, ost_error *err);

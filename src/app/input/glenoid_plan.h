@@ -23,13 +23,14 @@ typedef struct glenoid_plan_options {
 } glenoid_plan_options;
 
 /* Rows for a verb's table of options; the verb itself defines --at, --axis and --side. */
-#define GLENOID_PLAN_OPTIONS(p)                                                                                                      \
-    {.name = "planned", .kind = OPTION_DECIMAL, .out = &(p).depth, .value = "MM",                                            \
-     .help = "planned depth at the glenoid's centre (default: 3)"},                                                          \
-    {.name = "trigonum", .kind = OPTION_POINT, .out = &(p).trigonum, .given = &(p).trigonum_given, .value = "X,Y,Z",         \
-     .help = "where the scapula's spine meets its medial border, for version and\ninclination in its own frame (default: the file's)"}, \
-    {.name = "inferior-angle", .kind = OPTION_POINT, .out = &(p).inferior, .given = &(p).inferior_given, .value = "X,Y,Z",   \
-     .help = "the scapula's lowest point, for the same"}
+#define GLENOID_PLAN_OPTIONS(p)                                                                                            \
+    {.name = "planned", .kind = OPTION_DECIMAL, .out = &(p).depth, .value = "MM",                                          \
+     .help = "planned reaming depth at the glenoid's centre (default: 3)"},                                                \
+    {.name = "trigonum", .kind = OPTION_POINT, .out = &(p).trigonum, .given = &(p).trigonum_given, .value = "X,Y,Z",       \
+     .help = "trigonum spinae, where the scapula's spine meets its medial border: for version and inclination "            \
+             "in the scapula's own frame (default: as in the file)"},                                                      \
+    {.name = "inferior-angle", .kind = OPTION_POINT, .out = &(p).inferior, .given = &(p).inferior_given, .value = "X,Y,Z", \
+     .help = "inferior angle, the scapula's lowest point: for the same (default: as in the file)"}
 
 /*
  * Finds the plan. header: the header of the session named session, or NULL. *known becomes false if

@@ -29,29 +29,31 @@ typedef struct ct_options {
 #define CT_OPTIONS_DEFAULT {.chunk = 1, .resample = -1}
 
 /* Rows for a verb's table of options. */
-#define CT_OPTIONS(c)                                                                                                        \
-    {.name = "spacing", .kind = OPTION_LENGTHS, .out = &(c).spacing, .value = "MM[,MM,MM]",                                  \
-     .help = "voxel spacing of the CT (text: found from the positions; else: the file's)"},                                  \
-    {.name = "threshold", .kind = OPTION_INTEGER, .out = &(c).threshold, .value = "HU",       \
-     .min = 1, .max = 32767, .help = "a voxel is bone at this density or more (default: the bone's own, else 120)"},         \
-    {.name = "cubic", .kind = OPTION_LENGTH, .out = &(c).cubic, .value = "MM",                                               \
-     .help = "size of the cubic voxels (default: the CT's x spacing)"},                                                      \
-    {.name = "crop", .kind = OPTION_TEXT, .out = &(c).crop, .value = "I:I,J:J,K:K",                                          \
-     .help = "keep CT voxels from:to on each axis, counted from 0, to not included"},                                        \
-    {.name = "resample", .kind = OPTION_CHOICE, .out = &(c).resample, .value = "linear|nearest|thesis",                      \
-     .help = "what a cubic voxel takes from the CT's voxels (default: linear, of a label map nearest)"},                     \
-    {.name = "duplicates", .kind = OPTION_CHOICE, .out = &(c).duplicates, .value = "error|first|last|max",                   \
-     .help = "a text that gives one voxel two densities (default: error)"},                                                  \
-    {.name = "clamp", .kind = OPTION_FLAG, .out = &(c).clamp,                                                                \
-     .help = "cut densities beyond int16 to its ends instead of refusing"},                                                  \
-    {.name = "resample-oblique", .kind = OPTION_FLAG, .out = &(c).resample_oblique,                                          \
-     .help = "resample a tilted CT onto straight axes instead of refusing"},                                                 \
-    {.name = "orientation", .kind = OPTION_TEXT, .out = &(c).orientation, .value = "XYZ",                                    \
-     .help = "where the axes of a CT without orientation point, such as LPS or RAS\n(default: LPS, with a warning)"},        \
-    {.name = "form", .kind = OPTION_CHOICE, .out = &(c).form, .value = "auto|qform|sform",                                   \
-     .help = "which transform of a NIfTI places the CT (default: auto; needed where\nthe two disagree)"},                    \
-    {.name = "chunk", .kind = OPTION_CHOICE, .out = &(c).chunk, .value = "16|32|64",                                         \
-     .help = "voxels on a side of a chunk (default: 32); changes no voxel"}
+#define CT_OPTIONS(c)                                                                                            \
+    {.name = "spacing", .kind = OPTION_LENGTHS, .out = &(c).spacing, .value = "MM[,MM,MM]",                      \
+     .help = "voxel spacing of the CT (default: as in the file; of a text, derived from its positions)"},        \
+    {.name = "threshold", .kind = OPTION_INTEGER, .out = &(c).threshold, .value = "HU", .min = 1, .max = 32767,  \
+     .help = "lowest density of bone (default: as in the bone's file, else 120)"},                               \
+    {.name = "cubic", .kind = OPTION_LENGTH, .out = &(c).cubic, .value = "MM",                                   \
+     .help = "edge length of the bone's cubic voxels (default: the CT's spacing along x)"},                      \
+    {.name = "crop", .kind = OPTION_TEXT, .out = &(c).crop, .value = "I:I,J:J,K:K",                              \
+     .help = "voxels of the CT to read along each axis, first:end, counted from 0; end is excluded"},            \
+    {.name = "resample", .kind = OPTION_CHOICE, .out = &(c).resample, .value = "linear|nearest|thesis",          \
+     .help = "value of a cubic voxel: interpolated linearly, from the nearest voxel of the CT, or by the rule "  \
+             "of the thesis (default: linear; nearest for a label map)"},                                        \
+    {.name = "duplicates", .kind = OPTION_CHOICE, .out = &(c).duplicates, .value = "error|first|last|max",       \
+     .help = "density to use if a text contains a voxel twice with different densities (default: error)"},       \
+    {.name = "clamp", .kind = OPTION_FLAG, .out = &(c).clamp,                                                    \
+     .help = "clamp densities outside the range of int16 (default: refuse the CT)"},                             \
+    {.name = "resample-oblique", .kind = OPTION_FLAG, .out = &(c).resample_oblique,                              \
+     .help = "resample a rotated CT onto the patient's axes (default: refuse the CT)"},                          \
+    {.name = "orientation", .kind = OPTION_TEXT, .out = &(c).orientation, .value = "XYZ",                        \
+     .help = "directions of the axes of a CT whose file does not state them, such as LPS or RAS (default: LPS, " \
+             "with a warning)"},                                                                                 \
+    {.name = "form", .kind = OPTION_CHOICE, .out = &(c).form, .value = "auto|qform|sform",                       \
+     .help = "transform of a NIfTI that places the CT (default: auto; required if the two disagree)"},           \
+    {.name = "chunk", .kind = OPTION_CHOICE, .out = &(c).chunk, .value = "16|32|64",                             \
+     .help = "edge length of a chunk in voxels (default: 32); no voxel depends on it"}
 
 typedef struct tool_options {
     ost_pm voxel;
@@ -61,12 +63,13 @@ typedef struct tool_options {
 
 #define TOOL_OPTIONS_DEFAULT {.voxel = OST_PM_PER_MM / 2}
 
-#define TOOL_OPTIONS(t)                                                                                                      \
-    {.name = "voxel", .kind = OPTION_LENGTH, .out = &(t).voxel, .value = "MM", .help = "size of the tool's voxels (default: 0.5)"}, \
-    {.name = "unit", .kind = OPTION_CHOICE, .out = &(t).unit, .value = "auto|mm|cm|m|inch|um",                               \
-     .help = "unit of the mesh's numbers (default: auto, millimetres if that is plausible)"},                                \
-    {.name = "rule", .kind = OPTION_CHOICE, .out = &(t).rule, .value = "winding|parity",                                     \
-     .help = "what is inside (default: winding, not zero)"}
+#define TOOL_OPTIONS(t)                                                                                        \
+    {.name = "voxel", .kind = OPTION_LENGTH, .out = &(t).voxel, .value = "MM",                                 \
+     .help = "edge length of the tool's voxels (default: 0.5)"},                                               \
+    {.name = "unit", .kind = OPTION_CHOICE, .out = &(t).unit, .value = "auto|mm|cm|m|inch|um",                 \
+     .help = "unit of the mesh's coordinates (default: auto, which is millimetres if the size is plausible)"}, \
+    {.name = "rule", .kind = OPTION_CHOICE, .out = &(t).rule, .value = "winding|parity",                       \
+     .help = "rule for the inside of a mesh: winding number not zero (default), or odd number of crossings"}
 
 /* Figures about the mesh of a loaded tool; zero for a tool grid. */
 typedef struct tool_report {

@@ -39,10 +39,11 @@ typedef struct ream_gaps {
     size_t gaps, lost_rows;
 } ream_gaps;
 
-#define MAX_GAP_OPTION(text)                                                                            \
-    {.name = "max-gap", .kind = OPTION_TEXT, .out = &(text), .value = "MS[,MM]",                        \
-     .help = "rows of a path farther apart than this are a gap, across which nothing is\ncut; off: none " \
-             "(default: 50 ms and 5 mm, or 10 times what is usual in the path)"}
+#define MAX_GAP_OPTION(text)                                                                                   \
+    {.name = "max-gap", .kind = OPTION_TEXT, .out = &(text), .value = "MS[,MM]",                               \
+     .help = "greatest time, and distance, between two rows of a path; farther rows form a gap, across which " \
+             "nothing is removed; off: no limit (default: 50 ms and 5 mm, or 10 times the path's medians if "  \
+             "these are greater)"}
 
 /* Parses --max-gap; text may be NULL. */
 ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options *out, ost_error *err);

@@ -31,10 +31,10 @@ typedef struct start_setup {
     bool strict;
 } start_setup;
 
-#define STRICT_OPTION(strict)                                                                                       \
-    {.name = "strict", .kind = OPTION_FLAG, .out = &(strict),                                                       \
-     .help = "refuse to begin where bone lies in front of the glenoid, the axis does\nnot point into bone or a tool overlaps bone " \
-             "at its first pose (default:\nwarn)"}
+#define STRICT_OPTION(strict)                                                                                 \
+    {.name = "strict", .kind = OPTION_FLAG, .out = &(strict),                                                 \
+     .help = "refuse to start if bone lies in front of the glenoid, the axis does not point into bone, or a " \
+             "tool overlaps bone at its first pose (default: warn)"}
 
 /* Finds the first pose of each tool of a path. */
 void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX]);

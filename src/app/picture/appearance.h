@@ -34,19 +34,25 @@ typedef struct appearance_options {
     unsigned overlay_bits;
 } appearance_options;
 
-#define APPEARANCE_OPTIONS(a)                                                                                                             \
-    {.name = "colour", .kind = OPTION_CHOICE, .out = &(a).colour, .given = &(a).colour_given, .value = "bone|class|depth|density",                                    \
-     .help = "what was cut, by its density class, by how deep it lay, by\nits density (default: as bone; render --before: by depth)"},                               \
-    {.name = "clip", .kind = OPTION_TEXT, .out = &(a).clip_text, .value = "plan|across|axial|coronal|sagittal|X,Y,Z,NX,NY,NZ",            \
-     .help = "a plane with the CT's densities, what lies before it taken away:\nalong the glenoid's axis upright or across, through its face's\n" \
-             "centre, or through a point (the side that N points to goes)"},                                                              \
-    {.name = "clip-shift", .kind = OPTION_DECIMAL, .out = &(a).shift, .value = "MM", .help = "the plane so much farther away from who looks"}, \
-    {.name = "clip-turn", .kind = OPTION_DECIMAL, .out = &(a).turn, .value = "DEG", .help = "plan and across: turned about the axis"},     \
-    {.name = "ghost", .kind = OPTION_CHOICE, .out = &(a).ghost, .value = "none|implant|tool",                                             \
-     .help = "to be seen through: an implant, or the tool, at the planned depth"},                                                        \
-    {.name = "overlay", .kind = OPTION_LIST, .out = &(a).overlays, .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis",             \
-     .help = "lines for understanding; may repeat"},                                                                                      \
-    {.name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend, .help = "no legend, scale or directions over the picture"}
+#define APPEARANCE_OPTIONS(a)                                                                                                      \
+    {.name = "colour", .kind = OPTION_CHOICE, .out = &(a).colour, .given = &(a).colour_given, .value = "bone|class|depth|density", \
+     .help = "colour of the cut surface: as bone, by density class, by depth below the uncut surface, or by "                      \
+             "density (default: bone; of render --before: depth)"},                                                                \
+    {.name = "clip", .kind = OPTION_TEXT, .out = &(a).clip_text, .value = "plan|across|axial|coronal|sagittal|X,Y,Z,NX,NY,NZ",     \
+     .help = "cut the bone open along a plane and show the CT's densities on it: through the glenoid's centre "                    \
+             "along its axis, upright (plan) or across; axial, coronal or sagittal; or through a point, where "                    \
+             "N points to the side that is hidden"},                                                                               \
+    {.name = "clip-shift", .kind = OPTION_DECIMAL, .out = &(a).shift, .value = "MM",                                               \
+     .help = "distance by which the plane is moved away from the camera"},                                                         \
+    {.name = "clip-turn", .kind = OPTION_DECIMAL, .out = &(a).turn, .value = "DEG",                                                \
+     .help = "angle by which plan or across is rotated about the glenoid's axis"},                                                 \
+    {.name = "ghost", .kind = OPTION_CHOICE, .out = &(a).ghost, .value = "none|implant|tool",                                      \
+     .help = "draw an implant, or the tool, translucent at the planned depth"},                                                    \
+    {.name = "overlay", .kind = OPTION_LIST, .out = &(a).overlays, .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis",      \
+     .help = "draw lines: chunks, bounding boxes, the chunks hit, solid voxels of the tool, surface voxels of "                    \
+             "the bone, or the glenoid's axis; may repeat"},                                                                       \
+    {.name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend,                                                              \
+     .help = "draw no legend, scale bar or directions"}
 
 ost_status appearance_check(const app_state *app, appearance_options *options, ost_error *err);
 

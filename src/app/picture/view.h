@@ -16,9 +16,9 @@ typedef struct view_options {
 
 #define VIEW_OPTION(v, text)                                                                                                               \
     {.name = "view", .kind = OPTION_CHOICE, .out = &(v).view, .given = &(v).view_given, .value = OST_VIEW_NAMES, .help = text}
-#define VIEW_EXTENT_OPTION(v)                                                                                                              \
-    {.name = "extent", .kind = OPTION_LENGTH, .out = &(v).extent, .value = "MM",                                                           \
-     .help = "height of the view at the point that it shows (default: 83 at the\nglenoid, else the entire bone)"}
+#define VIEW_EXTENT_OPTION(v)                                                                       \
+    {.name = "extent", .kind = OPTION_LENGTH, .out = &(v).extent, .value = "MM",                    \
+     .help = "height of the view at its centre (default: 83 at the glenoid, else the entire bone)"}
 
 /*
  * Finds the glenoid and the subject of the view.  If the glenoid is not known, has_face is false and a

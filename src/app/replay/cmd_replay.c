@@ -354,32 +354,38 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {{"SESSION", &args.session, "no session given"}, {0}};
     const option options[] = {
         {.name = "verify", .kind = OPTION_FLAG, .out = &args.verify,
-         .help = "compare to the end of the recording, or say up to which tick of how\nmany; where something differs, find tick, chunk and voxel with a\nsecond backend"},
-        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .help = "the bone then: .nrrd, or .nii, .nii.gz, .txt"},
+         .help = "compare up to the end of the recording; if something differs, find the tick, chunk and voxel "
+                 "with a second backend"},
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE",
+         .help = "the bone after the last tick: .nrrd, .nii, .nii.gz or .txt"},
         {.name = "ticks", .kind = OPTION_INTEGER, .out = &args.ticks, .given = &args.ticks_given, .value = "N", .min = 1, .max = INT64_MAX,
-         .help = "only the first N: the bone in the middle of the operation"},
-        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE", .help = "where the bone is now (default: where it was)"},
-        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL", .help = "where the tools are now, in order (default: where they were)"},
+         .help = "repeat only the first N ticks"},
+        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE",
+         .help = "where the bone is now (default: where it was recorded)"},
+        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL",
+         .help = "where the tools are now, in order; may repeat (default: where they were recorded)"},
         {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
-         .help = "what it has come to, against the plan: angles, depths, hole, seat,\nforce; a page with pictures"},
+         .help = "page that compares the result with the plan: angles, depths, hole, seat, force, pictures"},
+        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "compress a .nrrd with gzip"},
+        HEADING("glenoid and plan, for --debrief"),
         {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
-         .help = "for --debrief: centre of the glenoid's face (default: the session's,\nelse the bone's file)"},
+         .help = "centre of the glenoid's face (default: as in the session, else as in the bone's file)"},
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
-         .help = "direction into the bone there (default: likewise)"},
+         .help = "direction into the bone at this centre (default: likewise)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
-         .help = "of the body (default: likewise, else the axis determines it)"},
+         .help = "side of the body (default: likewise, else derived from the axis)"},
         GLENOID_PLAN_OPTIONS(args.plan),
+        HEADING("video and its appearance"),
         REPLAY_FILM_OPTIONS(args.film),
-        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "SESSION [--verify] [--out FILE] [options]",
-        .about = "Does a recorded session again, tick by tick, on any backend, and compares what comes\n"
-                 "of each with what was recorded. Status 1 when something differs; with --verify status 2\n"
-                 "when all that is in the file is equal, but ticks or the end are missing in it.",
+        .about = "Repeats a recorded session tick by tick on any backend and compares the result of each tick\n"
+                 "with the recording. Exit status 1 if something differs; with --verify, exit status 2 if\n"
+                 "everything in the file is equal but ticks or the end are missing.",
         .operands = operands,
         .options = options,
-        .notes = "A session that was cut off or damaged is done again as far as no tick is missing.",
+        .notes = "A session that was cut off or damaged is repeated up to the first missing tick.",
         .example = "  osteon ream --bone builtin:glenoid --tool builtin:reamer --path builtin:glenoid-ream \\\n"
                    "    --out reamed.nrrd --record today.session\n"
                    "  osteon replay today.session --verify --backend ref\n"

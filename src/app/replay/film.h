@@ -19,15 +19,16 @@ typedef struct replay_film_options {
 } replay_film_options;
 
 /* Rows for a verb's table of options. */
-#define REPLAY_FILM_OPTIONS(f)                                                                                                            \
-    VIDEO_OPTIONS((f).video),                                                                                                             \
-    {.name = "view", .kind = OPTION_CHOICE, .out = &(f).view, .value = OST_VIEW_NAMES, \
-     .help = "of the video: where it looks from (default: operator)"},                                                                   \
-    {.name = "size", .kind = OPTION_TEXT, .out = &(f).size, .value = "WxH", .help = "of the video, in pixels (default: 1280x720)"},        \
-    {.name = "style", .kind = OPTION_CHOICE, .out = &(f).style, .value = "smooth|faces",                                                  \
-     .help = "of the video: lit by the surface's normals (default), or the thesis'\nflat faces"},                                        \
-    APPEARANCE_OPTIONS((f).look),                                                                                                         \
-    {.name = "contact", .kind = OPTION_FLAG, .out = &(f).contact, .help = "of the video: show where bone went just then"}
+#define REPLAY_FILM_OPTIONS(f)                                                                                    \
+    VIDEO_OPTIONS((f).video),                                                                                     \
+    {.name = "view", .kind = OPTION_CHOICE, .out = &(f).view, .value = OST_VIEW_NAMES,                            \
+     .help = "direction of view (default: operator)"},                                                            \
+    {.name = "size", .kind = OPTION_TEXT, .out = &(f).size, .value = "WxH",                                       \
+     .help = "size of the frames in pixels (default: 1280x720)"},                                                 \
+    {.name = "style", .kind = OPTION_CHOICE, .out = &(f).style, .value = "smooth|faces",                          \
+     .help = "shade by the surface's normals (default), or with flat faces as in the thesis"},                    \
+    APPEARANCE_OPTIONS((f).look),                                                                                 \
+    {.name = "contact", .kind = OPTION_FLAG, .out = &(f).contact, .help = "highlight bone that was just removed"}
 
 typedef struct replay_film replay_film;
 

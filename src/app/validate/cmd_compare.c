@@ -173,26 +173,33 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     compare_args args = {.seed = 1, .limit_s = 3600, .own = USER_FILES_DEFAULT};
     const operand names[] = {{"DUMPS", &args.subject_spec, "no dumps or backend given"}, {NULL, NULL, NULL}};
     const option options[] = {
-        {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE", .help = "cases whose name begins so: import, static/2, operation"},
-        {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart, .help = "give every stage and tick the reference's input, so that\nno difference is handed down; not for dumps"},
-        {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .given = &args.tier_given, .value = "smoke|standard|full", .help = "of the cases (default: smoke; a dump says its own)"},
-        {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .given = &args.seed_given, .value = "N", .min = 1, .max = INT64_MAX, .help = "of the cases (default: 1; a dump says its own)"},
-        {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000, .help = "seconds after which a backend is stopped (default: 3600)"},
-        USER_FILES(args.own, "a CT of your own: case user/1, as for validate; may repeat", "a mesh of your own, or builtin:reamer; may repeat",
-                   "a CSV, builtin:peg-hole or builtin:glenoid-ream, as for ream; may repeat"),
+        {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE",
+         .help = "compare the cases whose name starts with CASE, such as import, static/2 or operation"},
+        {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart,
+         .help = "give every stage and tick the reference's input, so that a difference does not affect later "
+                 "stages; not for dumps"},
+        {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .given = &args.tier_given, .value = "smoke|standard|full",
+         .help = "tier of the cases (default: smoke; a dump states its own)"},
+        {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .given = &args.seed_given, .value = "N", .min = 1, .max = INT64_MAX,
+         .help = "seed of the cases (default: 1; a dump states its own)"},
+        {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
+         .help = "seconds after which a backend is stopped (default: 3600)"},
+        HEADING("your own files"),
+        USER_FILES(args.own, "a CT of your own, for case user/1 as in osteon validate; may repeat", "a mesh of your own, or builtin:reamer; may repeat", "a CSV, builtin:peg-hole or builtin:glenoid-ream; may repeat"),
+        HEADING("reading your own files"),
         USER_FILES_HOW(args.own),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "DUMPS | BACKEND [options]",
-        .about = "Lays the grids that another program made beside the scalar reference's, stage by\n"
-                 "stage, and says for every voxel that differs how near its decision was.\n"
-                 "DUMPS is a folder with a dump.json (docs/dumps.md); BACKEND a backend's name,\n"
+        .about = "Compares the grids of another program with those of the scalar reference, stage by stage, and\n"
+                 "prints for every voxel that differs how near its decision was to the other result.\n"
+                 "DUMPS is a folder with a dump.json (docs/dumps.md); BACKEND is the name of a backend, such\n"
                  "as plugin:./mine.so.",
         .operands = names,
         .options = options,
-        .notes = "A margin is how far, on its worst axis, the reference has the point from the\n"
-                 "nearest border behind which the other's answer would be right.  Rounding shows\n"
-                 "as margins near 0; what no border explains is no rounding.",
+        .notes = "The margin of a voxel is the distance, on its worst axis, between the reference's point and the\n"
+                 "nearest border behind which the other result would be correct. Rounding gives margins near 0;\n"
+                 "a difference that no border explains is not rounding.",
         .example = "  osteon validate --export-cases cases --only import/0   # inputs, for your program\n"
                    "  osteon compare my-dumps\n"
                    "  osteon compare plugin:./thesis_f32.so --only static --apart\n"

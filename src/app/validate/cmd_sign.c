@@ -37,20 +37,22 @@ ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err)
     const char *folder = NULL, *key_file = NULL, *passphrase = NULL, *by = "", *meaning = NULL;
     const operand operands[] = {{"BUNDLE", &folder, "no bundle given"}, {NULL, NULL, NULL}};
     const option options[] = {
-        {.name = "key", .kind = OPTION_TEXT, .out = &key_file, .value = "FILE", .help = "private key in PEM: Ed25519, or ECDSA P-256", .required = true},
-        {.name = "meaning", .kind = OPTION_TEXT, .out = &meaning, .value = "TEXT", .help = "what the signature means: \"reviewed and accepted\"", .required = true},
-        {.name = "by", .kind = OPTION_TEXT, .out = &by, .value = "NAME", .help = "printed name of the signer (default: none)"},
+        {.name = "key", .kind = OPTION_TEXT, .out = &key_file, .value = "FILE", .required = true,
+         .help = "private key in PEM: Ed25519 or ECDSA P-256"},
+        {.name = "meaning", .kind = OPTION_TEXT, .out = &meaning, .value = "TEXT", .required = true,
+         .help = "meaning of the signature, such as \"reviewed and accepted\""},
+        {.name = "by", .kind = OPTION_TEXT, .out = &by, .value = "NAME",
+         .help = "printed name of the signer (default: none)"},
         {.name = "passphrase-file", .kind = OPTION_TEXT, .out = &passphrase, .value = "FILE",
-         .help = "its first line opens an encrypted key\n(default: OpenSSL asks on the terminal)"},
+         .help = "file whose first line is the passphrase of the key (default: OpenSSL asks on the terminal)"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BUNDLE --key FILE --meaning TEXT [--by NAME] [--passphrase-file FILE]",
-        .about = "Signs a bundle that osteon validate wrote, after the checks of osteon verify.\n"
-                 "The signature is a file in the bundle's folder signatures/: a DSSE envelope around\n"
-                 "an in-toto statement (test-result v0.1) that names manifest.json, and by it every\n"
-                 "other file, by SHA-256. A bundle may have several: tester, reviewer.\n"
-                 "Name, meaning and time are claims of the signer, which the signature binds to the\n"
-                 "bundle. The time is this machine's clock.",
+        .about = "Signs a bundle that osteon validate wrote, after the checks of osteon verify. The signature is a\n"
+                 "file in the bundle's folder signatures/: a DSSE envelope around an in-toto statement (test-result\n"
+                 "v0.1) that names manifest.json, and through it every other file, by SHA-256. A bundle may have\n"
+                 "several signatures, such as the tester's and the reviewer's. Name, meaning and time are the\n"
+                 "signer's claims; the signature binds them to the bundle. The time is from this machine's clock.",
         .operands = operands,
         .options = options,
         .example = "  openssl genpkey -algorithm ed25519 -out reviewer.key\n"

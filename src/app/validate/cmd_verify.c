@@ -179,31 +179,32 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     signature_args signatures = {.authority = NULL};
     const option options[] = {
         {.name = "trust", .kind = OPTION_LIST, .out = &signatures.trust, .value = "KEYS",
-         .help = "verify the signatures by these public keys: a PEM\nfile, or a folder of *.pem; may repeat"},
+         .help = "verify the signatures with these public keys: a PEM file, or a folder of *.pem; may repeat"},
         {.name = "timestamp-ca", .kind = OPTION_TEXT, .out = &signatures.authority, .value = "FILE",
-         .help = "with --trust: certificates (PEM) of the time-stamping\nauthority; each signature must have a time stamp"},
-        {.name = "rerun", .kind = OPTION_FLAG, .out = &rerun, .help = "make the cases again on the reference here, and compare"},
-        USER_FILES(own, "for --rerun: a CT that the bundle's cases user/1 and on were made of; may repeat", "a mesh of them; may repeat", "a path of them; may repeat"),
+         .help = "with --trust: certificates (PEM) of the time-stamping authority; every signature must then have "
+                 "a time stamp"},
+        {.name = "rerun", .kind = OPTION_FLAG, .out = &rerun,
+         .help = "run the cases again on the reference here and compare"},
+        USER_FILES(own, "for --rerun: a CT of the bundle's cases user/1, user/2, ...; may repeat", "a mesh of these cases; may repeat", "a path of these cases; may repeat"),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BUNDLE [--trust KEYS] [--rerun [--backend BACKEND]] [options]",
-        .about = "Checks a bundle that osteon validate wrote, without network, device or the\n"
-                 "machine that wrote it:\n"
-                 "  files      each is the one in the manifest, none is more or less, none is a\n"
-                 "             link, a pipe or too large; the log's chain and lines\n"
-                 "  plan       protocol and cases are what tier, seed and options give\n"
-                 "  verdicts   each follows from the digests of what the reference and the\n"
-                 "             backend made\n"
-                 "  derived    results, tables, requirements, bill of materials and report\n"
-                 "             follow from the other files\n"
-                 "  digests    with --rerun: the cases are made again here, on the reference and\n"
-                 "             on the backend of --backend, when it is given\n"
-                 "  signatures with --trust: each (osteon sign) is by one of these keys, and there\n"
-                 "             is one; without, signatures are not verified\n"
-                 "Cases of somebody's own files are made again from those files, known by their\n"
-                 "SHA-256 in whatever order given.\n"
-                 "Exit status 1: the bundle is not what was written.  2: a file is missing or\n"
-                 "cannot be read, so that there is no verdict.",
+        .about = "Checks a bundle that osteon validate wrote, without a network, a device or the machine that\n"
+                 "wrote it:\n"
+                 "  files      every file is the one in the manifest; none is missing, added, a link, a pipe or\n"
+                 "             too large; the log's chain and lines are intact\n"
+                 "  plan       protocol and cases follow from tier, seed and options\n"
+                 "  verdicts   each follows from the digests of the reference's and the backend's results\n"
+                 "  derived    results, tables, requirements, bill of materials and report follow from the\n"
+                 "             other files\n"
+                 "  digests    with --rerun: the cases are run again here, on the reference and on the backend\n"
+                 "             of --backend if it is given\n"
+                 "  signatures with --trust: there is at least one, and each (osteon sign) is by one of these\n"
+                 "             keys; otherwise signatures are not verified\n"
+                 "Cases of a user's own files are run again from these files, which are recognized by their\n"
+                 "SHA-256; their order does not matter.\n"
+                 "Exit status 1: the bundle was changed after it was written. 2: a file is missing or cannot be\n"
+                 "read, so there is no verdict.",
         .operands = operands,
         .options = options,
         .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun\n  osteon verify bundle --trust reviewers.pem",

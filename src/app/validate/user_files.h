@@ -35,16 +35,19 @@ typedef struct user_files {
     {.name = "path", .kind = OPTION_LIST, .out = &(u).paths, .value = "FILE", .help = about_path}
 
 /* Rows for the options by which they are read, as in import, voxelize and ream. */
-#define USER_FILES_HOW(u)                                                                                                             \
-    CT_OPTIONS((u).ct), TOOL_OPTIONS((u).how),                                                                                        \
-    {.name = "at", .kind = OPTION_POINT, .out = &(u).target.at, .given = &(u).target.at_given, .value = "X,Y,Z",                      \
-     .help = "centre of the glenoid's face, for built-in paths"},                                                                     \
-    {.name = "axis", .kind = OPTION_VECTOR, .out = (u).target.axis, .given = &(u).target.axis_given, .value = "X,Y,Z",                \
-     .help = "direction into the bone there"},                                                                                        \
-    {.name = "side", .kind = OPTION_CHOICE, .out = &(u).target.side, .given = &(u).target.side_given, .value = "left|right",          \
-     .help = "of the body (default: the file's, else the axis determines it)"},                                                                        \
-    {.name = "rate", .kind = OPTION_DECIMAL, .out = &(u).rate, .value = "HZ", .help = "remove so many times a second (default: every tick)"}, \
-    {.name = "sweep", .kind = OPTION_CHOICE, .out = &(u).sweep, .value = "off|on", .help = "fill in between two ticks (default: on)"}
+#define USER_FILES_HOW(u)                                                                                                    \
+    CT_OPTIONS((u).ct),                                                                                                      \
+    TOOL_OPTIONS((u).how),                                                                                                   \
+    {.name = "at", .kind = OPTION_POINT, .out = &(u).target.at, .given = &(u).target.at_given, .value = "X,Y,Z",             \
+     .help = "centre of the glenoid's face, for the built-in paths"},                                                        \
+    {.name = "axis", .kind = OPTION_VECTOR, .out = (u).target.axis, .given = &(u).target.axis_given, .value = "X,Y,Z",       \
+     .help = "direction into the bone at this centre"},                                                                      \
+    {.name = "side", .kind = OPTION_CHOICE, .out = &(u).target.side, .given = &(u).target.side_given, .value = "left|right", \
+     .help = "side of the body (default: as in the file, else derived from the axis)"},                                      \
+    {.name = "rate", .kind = OPTION_DECIMAL, .out = &(u).rate, .value = "HZ",                                                \
+     .help = "removals per second (default: at every tick)"},                                                                \
+    {.name = "sweep", .kind = OPTION_CHOICE, .out = &(u).sweep, .value = "off|on",                                           \
+     .help = "remove along the way between two ticks too (default: on)"}
 
 bool user_files_given(const user_files *u);
 

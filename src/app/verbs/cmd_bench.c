@@ -329,29 +329,32 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
     option_decimal scale = {.text = NULL};
     bench_options how = {0};
     const option options[] = {
-        {.name = "suite", .kind = OPTION_CHOICE, .out = &suite, .value = suites, .help = "which rows (default: all)"},
-        {.name = "filter", .kind = OPTION_TEXT, .out = &how.filter, .value = "TEXT", .help = "only rows whose name holds this"},
+        {.name = "suite", .kind = OPTION_CHOICE, .out = &suite, .value = suites,
+         .help = "suite of rows to measure (default: all)"},
+        {.name = "filter", .kind = OPTION_TEXT, .out = &how.filter, .value = "TEXT",
+         .help = "measure the rows whose name contains TEXT"},
         {.name = "repeat", .kind = OPTION_INTEGER, .out = &repeat, .value = "N", .min = 1, .max = 100000,
          .help = "repetitions of every row (default: each row's own number)"},
-        {.name = "quick", .kind = OPTION_FLAG, .out = &how.quick, .help = "three repetitions and small inputs: to see that it works"},
+        {.name = "quick", .kind = OPTION_FLAG, .out = &how.quick,
+         .help = "use three repetitions and small inputs, to check that everything runs"},
         {.name = "scale", .kind = OPTION_DECIMAL, .out = &scale, .value = "SHARE",
-         .help = "share of the 12,040,704 lines that parse/text reads (default: 1, 424 MB in TMPDIR)"},
+         .help = "fraction of the 12,040,704 lines that parse/text reads (default: 1, 424 MB in TMPDIR)"},
         {.name = "markdown", .kind = OPTION_FLAG, .out = &markdown, .help = "print the table of docs/performance.md"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--suite NAME] [options]",
-        .about = "Measures osteon against baselines in one run: removal against the thesis' kernel\n"
-                 "in C, transfer against a copy, parsing against fscanf, voxelization against\n"
-                 "Embree, OpenCL against the thesis' kernel there. Every grid is first compared\n"
-                 "with the reference's, byte by byte.",
+        .about = "Measures osteon against baselines in the same run: removal against the thesis' kernel in C,\n"
+                 "transfer against a copy, parsing against fscanf, voxelization against Embree, OpenCL against the\n"
+                 "thesis' kernel in OpenCL. Every grid is first compared with the reference's byte by byte.",
         .options = options,
-        .notes = "Figures are medians; min and max stand beside them. ratio is baseline over ours.\nRows that end in "
-                 "/1 and those of tick use one thread, all others --threads\n(default: all). A machine that does "
-                 "other work gives other figures: look at\nthe minima. What each row is, what limits it and which "
-                 "goals are met:\ndocs/performance.md.\nA row that cannot run here (a device without room for it, no "
-                 "memory, no program\nto compare with) is shown as not run, with its reason, and the others go "
-                 "on.\nExit status 0: rows were measured; 1: a row's grid differs from the reference;\n2: wrong "
-                 "usage; 3: no row could be run, or the backend is not here.",
+        .notes = "Figures are medians, with minimum and maximum; ratio is the baseline's time divided by ours. Rows\n"
+                 "that end in /1 and those of the suite tick use one thread, all others --threads (default: all).\n"
+                 "Other work on the machine changes the figures; the minima change least. docs/performance.md\n"
+                 "explains the rows, their limits and their goals.\n"
+                 "A row that cannot run here (not enough memory on the device or the host, no baseline program) is\n"
+                 "printed as not run with the reason, and the other rows follow.\n"
+                 "Exit status 0: rows were measured; 1: the grid of a row differs from the reference's; 2: wrong\n"
+                 "usage; 3: no row could run, or the backend is not available.",
         .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend cpu:voxelizer=embree\n"
                    "  osteon bench --backend cpu:isa=avx2 --json",
     };

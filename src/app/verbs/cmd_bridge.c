@@ -122,22 +122,28 @@ ost_status cmd_bridge(app_state *app, int argc, char **argv, ost_error *err)
 {
     bridge_args args = {.device = "sim"};
     const option options[] = {
-        {.name = "to", .kind = OPTION_TEXT, .out = &args.to, .value = "HOST:PORT", .required = true, .help = "where osteon sim --device udp waits"},
-        {.name = "key", .kind = OPTION_TEXT, .out = &args.key, .value = "FILE", .required = true, .help = "the key that the simulation has too"},
-        {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME", .help = "of this machine, as for osteon sim (default: sim)"},
+        {.name = "to", .kind = OPTION_TEXT, .out = &args.to, .value = "HOST:PORT", .required = true,
+         .help = "address at which osteon sim --device udp receives"},
+        {.name = "key", .kind = OPTION_TEXT, .out = &args.key, .value = "FILE", .required = true,
+         .help = "file with the key that the simulation uses"},
+        {.name = "device", .kind = OPTION_TEXT, .out = &args.device, .value = "NAME",
+         .help = "device of this machine, as for osteon sim (default: sim)"},
         {.name = "path", .kind = OPTION_TEXT, .out = &args.path, .value = "PATH",
-         .help = "of the devices sim and script: where the hand goes, .csv or a\nsession; only its way counts, the tool is where the simulation\nhas it"},
-        {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N", .help = "how long (default: until an end)"},
-        {.name = "no-realtime", .kind = OPTION_FLAG, .out = &args.no_realtime, .help = "ask the system for no priority and no locked memory"},
+         .help = "path of the hand for the devices sim and script, a .csv or a session; only its motion is used: "
+                 "the tool is where the simulation has it"},
+        {.name = "seconds", .kind = OPTION_DECIMAL, .out = &args.seconds, .value = "N",
+         .help = "duration (default: until the program is interrupted or the device ends)"},
+        {.name = "no-realtime", .kind = OPTION_FLAG, .out = &args.no_realtime,
+         .help = "request neither real-time priority nor locked memory"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "--to HOST:PORT --key FILE --device NAME [options]",
-        .about = "Lets a device of this machine drive a simulation on another. The force is made here,\n"
-                 "from the newest plane that the simulation sent, so that a slow link makes it late\n"
-                 "and never unstable; when the link falls silent the hand is let alone.",
+        .about = "Connects a device of this machine to a simulation on another. The force is computed here from\n"
+                 "the latest plane that the simulation sent: a slow link makes it late but never unstable. If the\n"
+                 "link fails, the force becomes zero.",
         .options = options,
-        .notes = "The key is a file of 16 bytes or more that only its owner may read, the same on both\n"
-                 "sides. Packets are signed by it, not hidden.",
+        .notes = "The key is a file of at least 16 bytes that only its owner may read, the same on both sides.\n"
+                 "Packets are authenticated with it, not encrypted.",
         .example = "  (umask 077; head -c 32 /dev/urandom >osteon.key)\n"
                    "  osteon sim --headless --device udp:bind=0.0.0.0,key=osteon.key --seconds 600\n"
                    "  osteon bridge --to simulator:4707 --key osteon.key --device openhaptics",

@@ -260,9 +260,9 @@ ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err)
     const option options[] = {{.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--json]",
-        .about = "Says which backends, instruction sets, haptic devices and optional parts work here,\n"
-                 "and for what does not the reason and what to install. OSTEON_ISA, OMP_NUM_THREADS,\n"
-                 "--backend and --threads count as they would for any other verb.",
+        .about = "Lists which backends, instruction sets, haptic devices and optional parts work here, and for the\n"
+                 "others the reason and what to install. OSTEON_ISA, OMP_NUM_THREADS, --backend and --threads have\n"
+                 "the same effect as for any other verb.",
         .options = options,
         .example = "  osteon devices\n  osteon devices --backend cpu:isa=avx2 --threads 1",
     };

@@ -184,33 +184,36 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {{"BONE", &args.bone, "no bone given"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
-         .help = "voxels: .nrrd, .nii, .nii.gz, .txt; surface: .stl, .ply;\npicture: .png; a session: .csv"},
+         .help = "volume: .nrrd, .nii, .nii.gz or .txt; surface: .stl or .ply; picture: .png; session: .csv"},
         {.name = "threshold", .kind = OPTION_INTEGER, .out = &args.threshold, .given = &args.threshold_given, .value = "HU", .min = 1, .max = 32767,
-         .help = "bone at this density or more (default: the bone's own, else 120)"},
-        {.name = "slices", .kind = OPTION_FLAG, .out = &args.slices, .help = ".png: axial, coronal and sagittal slice (default)"},
+         .help = "lowest density of bone (default: as in the bone's file, else 120)"},
+        {.name = "slices", .kind = OPTION_FLAG, .out = &args.slices,
+         .help = ".png: an axial, a coronal and a sagittal slice (default)"},
         VIEW_OPTION(args.view, ".png: the surface as osteon render draws it, in this direction"),
         VIEW_EXTENT_OPTION(args.view),
-        {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE", .help = ".png: the bone before removal: colour what was removed since then"},
-        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z", .help = ".png: slices through, or view of, this point"},
+        {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE",
+         .help = ".png: the bone before removal; the bone removed since is coloured"},
+        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
+         .help = ".png: point through which the slices pass, or at which the view is directed"},
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
-         .help = "direction into the bone there (default: the file's)"},
+         .help = "direction into the bone at the glenoid (default: as in the file)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
-         .help = "of the body (default: the file's, else the axis determines it)"},
+         .help = "side of the body (default: as in the file, else derived from the axis)"},
         {.name = "size", .kind = OPTION_TEXT, .out = &args.view.size, .value = "WxH",
-         .help = ".png: of a view in pixels (default: 800x800), or one number, the longest\nside of a slice (default: 480)"},
+         .help = ".png: size of a view in pixels (default: 800x800), or one number, the longest side of a slice "
+                 "(default: 480)"},
         {.name = "decimals", .kind = OPTION_INTEGER, .out = &args.decimals, .value = "N", .min = 1, .max = 9,
-         .help = "digits after the point in a .txt (default: as many as it takes)"},
-        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "gzip a .nrrd"},
+         .help = "digits after the decimal point in a .txt (default: as many as needed)"},
+        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "compress a .nrrd with gzip"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BONE --out FILE [options]",
-        .about = "Writes a bone for other programs or for the eye: its voxels, its surface or a\n"
-                 "picture, by the name of FILE. BONE may be a CT or a tool grid as well; a session\n"
-                 "is written as a table with a line for each tick.",
+        .about = "Writes a bone in the format of FILE: its voxels, its surface or a picture. BONE may also be a CT\n"
+                 "or a tool grid. A session is written as a table with a row for each tick.",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A text is\n"
-                 "taken as the bone that osteon import makes of it.",
+        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A text is read as the\n"
+                 "bone that osteon import makes of it.",
         .example = "  osteon export reamed.nrrd --out reamed.stl\n"
                    "  osteon export reamed.nrrd --before scapula.nrrd --view en-face --out reamed.png\n"
                    "  osteon export today.session --out today.csv",

@@ -112,20 +112,22 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {{"CT", &name, "no CT given"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
-         .help = "the bone: .nrrd, or .nii, .nii.gz, .txt"},
-        PATIENT_OPTIONS(patient),
+         .help = "the bone: .nrrd, .nii, .nii.gz or .txt"},
+        HEADING("reading the CT"),
         CT_OPTIONS(ct),
-        {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "gzip a .nrrd"},
+        HEADING("landmarks, stored in the bone's header"),
+        PATIENT_OPTIONS(patient),
+        HEADING("writing"),
+        {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "compress a .nrrd with gzip"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "CT --out BONE.nrrd [options]",
-        .about = "Turns a CT into a bone: cubic voxels, and only what is dense enough to be bone.\n"
+        .about = "Converts a CT into a bone: cubic voxels, of which those below the threshold are empty.\n"
                  "CT is a text of lines \"x y z density\", an NRRD or a NIfTI.",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"
-                 "patient's left, back and head (LPS); a text is taken as it stands. A text's\n"
-                 "positions are voxel centres and may stand in any order.",
+        .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the patient's left,\n"
+                 "back and head (LPS); a text is not turned. The positions of a text are voxel centres in any order.",
         .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",

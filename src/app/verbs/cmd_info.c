@@ -209,17 +209,18 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     option_list sets = {0};
     const operand operands[] = {{"FILE", &name, "no file given"}, {0}};
     const option options[] = {
-        {.name = "digest", .kind = OPTION_FLAG, .out = &digest, .help = "read everything: solid voxels, the SHA-256 of grid and file"},
+        {.name = "digest", .kind = OPTION_FLAG, .out = &digest,
+         .help = "read the entire file: number of solid voxels, SHA-256 of the grid and of the file"},
         {.name = "set", .kind = OPTION_LIST, .out = &sets, .value = "KEY=VALUE",
-         .help = "set a fact in the header of a bone or CT, whose voxels stay: at=X,Y,Z,\naxis=X,Y,Z, side=left or right, trigonum=X,Y,Z, "
-                 "inferior-angle=X,Y,Z;\nwithout a VALUE the fact is removed; may repeat"},
+         .help = "set a fact in the header of a bone or CT and leave its voxels: at=X,Y,Z, axis=X,Y,Z, side=left "
+                 "or right, trigonum=X,Y,Z, inferior-angle=X,Y,Z; an empty VALUE removes the fact; may repeat"},
         {.name = "repair", .kind = OPTION_TEXT, .out = &repaired, .value = "FILE",
-         .help = "of a session that was cut off or damaged: what is whole, as a new one"},
+         .help = "write the complete ticks of a session that was cut off or damaged as a new session"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "FILE [--digest] [--set KEY=VALUE] [--repair FILE]",
-        .about = "Says what a file is: a CT, a bone, a tool grid, a mesh, a path or a session. Of a\n"
-                 "volume only the header is read; of a session all, and what is missing is said.",
+        .about = "Describes a file: a CT, a bone, a tool grid, a mesh, a path or a session. Only the header of a\n"
+                 "volume is read; a session is read completely, and what is missing in it is printed.",
         .operands = operands,
         .options = options,
         .example = "  osteon info scapula.nrrd\n  osteon info scapula.nrrd --set side=left\n  osteon info reamer.stl --json\n"

@@ -61,15 +61,19 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {
         {"KIND", &kind_name, "which phantom? One of scapula, glenoid, trabecular, trabecular2, foam"}, {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true, .help = "where to: .txt, .nrrd, .nii or .nii.gz"},
-        {.name = "seed", .kind = OPTION_INTEGER, .out = &seed, .value = "N", .min = 1, .max = INT64_MAX, .help = "another bone of the kind (default: 1)"},
+        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+         .help = "the CT: .txt, .nrrd, .nii or .nii.gz"},
+        {.name = "seed", .kind = OPTION_INTEGER, .out = &seed, .value = "N", .min = 1, .max = INT64_MAX,
+         .help = "seed of the generated bone (default: 1)"},
         {.name = "spacing", .kind = OPTION_LENGTHS, .out = &make.spacing, .value = "MM[,MM,MM]",
          .help = "voxel spacing (default: the thesis'); the bone keeps its size"},
-        {.name = "scale", .kind = OPTION_DECIMAL, .out = &scale, .value = "FACTOR", .help = "a larger or smaller bone, 0.1 to 10 (default: 1)"},
-        {.name = "side", .kind = OPTION_CHOICE, .out = &side, .value = "left|right", .help = "of the body (default: right)"},
+        {.name = "scale", .kind = OPTION_DECIMAL, .out = &scale, .value = "FACTOR",
+         .help = "factor of the bone's size, from 0.1 to 10 (default: 1)"},
+        {.name = "side", .kind = OPTION_CHOICE, .out = &side, .value = "left|right",
+         .help = "side of the body (default: right)"},
         {.name = "decimals", .kind = OPTION_INTEGER, .out = &decimals, .value = "N", .min = 1, .max = 9,
-         .help = "digits after the point in a .txt (default: as many as it takes)"},
-        {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "gzip a .nrrd"},
+         .help = "digits after the decimal point in a .txt (default: as many as needed)"},
+        {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "compress a .nrrd with gzip"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "KIND --out FILE [options]",
@@ -82,8 +86,8 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
                  "  foam         314 x 320 x 604 at 0.032 mm",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, densities in HU. The same seed gives the same grid\n"
-                 "on every machine. The file says where the glenoid is, for osteon ream.",
+        .notes = "Lengths are in millimetres, densities in HU. A seed gives the same grid on every machine. The\n"
+                 "file states where the glenoid is, for osteon ream.",
         .example = "  osteon phantom scapula --out scapula.nrrd",
     };
     ost_status status;

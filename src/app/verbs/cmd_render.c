@@ -219,39 +219,49 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
     render_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
     target_options *t = &args.target;
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE.png", .help = "the picture", .required = true},
+        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE.png", .required = true,
+         .help = "the picture"},
         VIEW_OPTION(args.view, "direction of view (default: operator)"),
         VIEW_EXTENT_OPTION(args.view),
-        {.name = "size", .kind = OPTION_TEXT, .out = &args.view.size, .value = "WxH", .help = "in pixels (default: 1280x720)"},
-        {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
-         .help = "lit by the surface's normals (default), or the thesis' flat\nfaces"},
-        {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|gl|thesis",
-         .help = "the processor (default), OpenGL, or the thesis' way of using it,\nevery voxel a point: docs/rendering.md"},
+        {.name = "size", .kind = OPTION_TEXT, .out = &args.view.size, .value = "WxH",
+         .help = "size of the picture in pixels (default: 1280x720)"},
         {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE",
-         .help = "the bone before removal: the surface bared since then is coloured by\ndepth, or as --colour says (default: not known, and --colour is for\nthe entire surface)"},
-        APPEARANCE_OPTIONS(args.look),
-        {.name = "planned", .kind = OPTION_DECIMAL, .out = &args.depth, .value = "MM", .help = "planned depth at the glenoid's centre (default: 3)"},
-        {.name = "tool", .kind = OPTION_TEXT, .out = &args.tool, .value = "TOOL", .help = "a tool to be seen with it: a mesh, a tool grid, builtin:reamer"},
+         .help = "the bone before removal: the surface that was exposed since is coloured by depth or as --colour "
+                 "states (default: none, and --colour applies to the entire surface)"},
+        {.name = "tool", .kind = OPTION_TEXT, .out = &args.tool, .value = "TOOL",
+         .help = "a tool to draw: a mesh, a tool grid or builtin:reamer"},
         {.name = "pose", .kind = OPTION_TEXT, .out = &args.pose_text, .value = "X,Y,Z,QW,QX,QY,QZ",
-         .help = "where it is, as in a path (default: where the built-in reaming\nbegins)"},
+         .help = "pose of the tool, as in a path (default: start of the built-in reaming)"},
+        {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|gl|thesis",
+         .help = "the processor (default), OpenGL, or OpenGL with every voxel a point as in the thesis "
+                 "(docs/rendering.md)"},
+        HEADING("appearance"),
+        {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
+         .help = "shade by the surface's normals (default), or with flat faces as in the thesis"},
+        APPEARANCE_OPTIONS(args.look),
+        HEADING("glenoid and plan"),
         {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
-         .help = "centre of the glenoid's face (default: what the bone's file says)"},
+         .help = "centre of the glenoid's face (default: as in the bone's file)"},
         {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
-         .help = "direction into the bone there (default: the file's)"},
+         .help = "direction into the bone at this centre (default: as in the file)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
-         .help = "of the body (default: the file's, else the axis determines it)"},
-        TOOL_OPTIONS(args.how),
+         .help = "side of the body (default: as in the file, else derived from the axis)"},
+        {.name = "planned", .kind = OPTION_DECIMAL, .out = &args.depth, .value = "MM",
+         .help = "planned reaming depth at the glenoid's centre (default: 3)"},
+        HEADING("reading a CT"),
         CT_OPTIONS(args.ct),
+        HEADING("reading a mesh"),
+        TOOL_OPTIONS(args.how),
         {.name = NULL}};
     const operand operands[] = {{"BONE", &args.bone, "no bone given"}, {NULL, NULL, NULL}};
     const usage_text usage = {
         .synopsis = "BONE --out FILE.png [options]",
-        .about = "A picture of a bone, and of a tool in its place, without a display: the simulator's\n"
-                 "renderer, and the same picture to the bit on every machine. OpenGL's, where it is\n"
-                 "asked for, is the same but for a few pixels.",
+        .about = "Draws a bone, and a tool at its pose, without a display by the simulator's renderer. The picture\n"
+                 "of the default renderer is bit-identical on every machine; that of OpenGL differs in a few\n"
+                 "pixels.",
         .operands = operands,
         .options = options,
-        .notes = "Bone and tool as for osteon ream.",
+        .notes = "Bones and tools are read as by osteon ream.",
         .example = "  osteon render builtin:scapula --view en-face --out face.png\n"
                    "  osteon render cut.nrrd --before bone.nrrd --colour class --clip plan --out cut.png\n"
                    "  osteon render reamed.nrrd --tool builtin:reamer --size 1920x1080 --out reamer.png",

@@ -33,24 +33,27 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
     int64_t segments = 0;
     const operand operands[] = {{"KIND", &kind_name, "which tool? One of reamer, peg, burr"}, {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true, .help = "where to: .stl or .ply"},
-        {.name = "diameter", .kind = OPTION_LENGTH, .out = &make.diameter, .value = "MM", .help = "default: reamer 36, peg 6, burr 6"},
+        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+         .help = "the mesh: .stl or .ply"},
+        {.name = "diameter", .kind = OPTION_LENGTH, .out = &make.diameter, .value = "MM",
+         .help = "diameter (default: reamer 36, peg 6, burr 6)"},
         {.name = "length", .kind = OPTION_LENGTH, .out = &make.length, .value = "MM",
-         .help = "of the reamer's head, the peg, the burr's shaft (default: 20.3, 30, 20)"},
+         .help = "length of the reamer's head, the peg or the burr's shaft (default: 20.3, 30, 20)"},
         {.name = "segments", .kind = OPTION_INTEGER, .out = &segments, .value = "N", .min = 8, .max = 4096,
-         .help = "facets around the axis (default: 96)"},
+         .help = "number of facets around the axis (default: 96)"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "KIND --out FILE.stl [options]",
-        .about = "Makes a cutting tool as a closed mesh.\n\n"
+        .about = "Generates a cutting tool as a closed mesh.\n"
+                 "\n"
                  "kinds\n"
-                 "  reamer  a half sphere with teeth; by default the thesis' head\n"
+                 "  reamer  a hemisphere with teeth; by default the head of the thesis\n"
                  "  peg     a cylinder, for a peg hole\n"
                  "  burr    a sphere on a shaft",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres. The tool cuts towards -z of its own frame, with its\n"
-                 "face at z = 0 and its shaft along +z.",
+        .notes = "Lengths are in millimetres. The tool cuts towards -z of its own frame: its face is at z = 0,\n"
+                 "its shaft along +z.",
         .example = "  osteon tool reamer --out reamer.stl\n  osteon tool peg --diameter 5 --out peg.stl",
     };
     ost_status status;

@@ -37,19 +37,20 @@ ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err)
     tool_options how = TOOL_OPTIONS_DEFAULT;
     const operand operands[] = {{"MESH", &mesh, "no mesh given"}, {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true, .help = "the tool grid: .nrrd"},
+        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+         .help = "the tool grid: .nrrd"},
         TOOL_OPTIONS(how),
         {.name = "noncutting", .kind = OPTION_TEXT, .out = &noncutting, .value = "MESH",
-         .help = "a part that touches bone but does not cut, such as a shaft"},
+         .help = "part that touches bone but does not cut, such as a shaft"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "MESH --voxel MM --out TOOL.nrrd [options]",
-        .about = "Turns a mesh (STL, OBJ, PLY, 3DS, or builtin:reamer, builtin:peg, builtin:burr)\n"
-                 "into a tool grid: a voxel is solid where its centre is inside.",
+        .about = "Converts a mesh (STL, OBJ, PLY, 3DS, or builtin:reamer, builtin:peg, builtin:burr) into a tool\n"
+                 "grid: a voxel is solid if its centre lies inside the mesh.",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres. The grid keeps the mesh's own frame. A row of voxels\n"
-                 "that the mesh does not close is left empty and counted as leaking.",
+        .notes = "Lengths are in millimetres. The grid has the mesh's own frame. A row of voxels that the mesh\n"
+                 "does not close is left empty and counted as leaking.",
         .example = "  osteon tool reamer --out reamer.stl\n  osteon voxelize reamer.stl --voxel 0.5 --out reamer.nrrd",
     };
     ost_status status;
