@@ -7,7 +7,7 @@
 
 verbs="phantom tool import voxelize ream replay sim render diff export info validate verify devices"
 
-# Every verb has a help text with usage and example, within 80 columns, and a man page with the
+# Every verb has a help text with usage and example, within 90 columns, and a man page with the
 # same options.
 run 0 --help
 cp out help_all
@@ -18,7 +18,7 @@ for verb in $verbs; do
     run 0 "$verb" --help
     check "$verb --help: usage" "$(grep -c "^usage: osteon $verb " out)" 1
     check "$verb --help: example" "$(grep -c '^example$' out)" 1
-    check "$verb --help: lines over 80 columns" "$(awk 'length > 90' out | wc -l | tr -d ' ')" 0
+    check "$verb --help: lines over 90 columns" "$(awk 'length > 90' out | wc -l | tr -d ' ')" 0
     check "$verb --help: words on standard error" "$(wc -c <err | tr -d ' ')" 0
     page=$source_folder/man/osteon-$verb.1
     [ -f "$page" ] || fail "no man page $page"

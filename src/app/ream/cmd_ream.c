@@ -190,9 +190,9 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         .options = options,
         .notes = "Lengths are in millimetres, densities in HU. A path file has lines\n"
                  "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm] (or x_m,y_m,z_m; plain or gzip):\n"
-                 "a row is a tick, and its pose takes the tool's frame into the bone's; a row of nan\n"
-                 "lifts the tool. The bone's frame is the CT's: x to the patient's\n"
-                 "left, y to the back, z to the head (LPS).",
+                 "a row is a tick, and its pose takes the tool's frame into the bone's; a row of\n"
+                 "nan lifts the tool. The bone's frame is the CT's: x to the patient's left, y to\n"
+                 "the back, z to the head (LPS).",
         .example = "  osteon ream --bone builtin:scapula --out reamed.nrrd \\\n"
                    "    --tool builtin:peg --path builtin:peg-hole \\\n"
                    "    --tool builtin:reamer --path builtin:glenoid-ream\n"

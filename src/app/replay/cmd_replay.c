@@ -380,9 +380,10 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "SESSION [--verify] [--out FILE] [options]",
-        .about = "Repeats a recorded session tick by tick on any backend and compares the result of each tick\n"
-                 "with the recording. Exit status 1 if something differs; with --verify, exit status 2 if\n"
-                 "everything in the file is equal but ticks or the end are missing.",
+        .about = "Repeats a recorded session tick by tick on any backend and compares the result\n"
+                 "of each tick with the recording. Exit status 1 if something differs; with\n"
+                 "--verify, exit status 2 if everything in the file is equal but ticks or the end\n"
+                 "are missing.",
         .operands = operands,
         .options = options,
         .notes = "A session that was cut off or damaged is repeated up to the first missing tick.",

@@ -121,12 +121,14 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--headless] [--device NAME] [--seconds N] [options]",
-        .about = "Simulates an operation: a device moves the tool, and each tick of 1 ms removes bone. Prints the\n"
-                 "missed deadlines and the bone removed; --stats adds all times.",
+        .about = "Simulates an operation: a device moves the tool, and each tick of 1 ms removes\n"
+                 "bone. Prints the missed deadlines and the bone removed; --stats adds all times.",
         .options = options,
-        .notes = "Bones and tools are read as by osteon ream. The servo loop requests SCHED_FIFO and locked\n"
-                 "memory and prints what it obtained. The backend uses one thread unless --threads is given.\n"
-                 "Exit status 3 if the device is lost: outputs and session are complete up to that tick.",
+        .notes = "Bones and tools are read as by osteon ream. The servo loop requests SCHED_FIFO\n"
+                 "and locked memory and prints what it obtained. The backend uses one thread\n"
+                 "unless --threads is given.\n"
+                 "Exit status 3 if the device is lost: outputs and session are complete up to that\n"
+                 "tick.",
         .example = "  osteon sim\n"
                    "  osteon sim --headless --device sim --seconds 60 --record today.session \\\n"
                    "    --debrief today.html\n"

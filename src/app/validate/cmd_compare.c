@@ -191,15 +191,17 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "DUMPS | BACKEND [options]",
-        .about = "Compares the grids of another program with those of the scalar reference, stage by stage, and\n"
-                 "prints for every voxel that differs how near its decision was to the other result.\n"
-                 "DUMPS is a folder with a dump.json (docs/dumps.md); BACKEND is the name of a backend, such\n"
-                 "as plugin:./mine.so.",
+        .about = "Compares the grids of another program with those of the scalar reference, stage\n"
+                 "by stage, and prints for every voxel that differs how near its decision was to\n"
+                 "the other result.\n"
+                 "DUMPS is a folder with a dump.json (docs/dumps.md); BACKEND is the name of a\n"
+                 "backend, such as plugin:./mine.so.",
         .operands = names,
         .options = options,
-        .notes = "The margin of a voxel is the distance, on its worst axis, between the reference's point and the\n"
-                 "nearest border behind which the other result would be correct. Rounding gives margins near 0;\n"
-                 "a difference that no border explains is not rounding.",
+        .notes = "The margin of a voxel is the distance, on its worst axis, between the\n"
+                 "reference's point and the nearest border behind which the other result would be\n"
+                 "correct. Rounding gives margins near 0; a difference that no border explains is\n"
+                 "not rounding.",
         .example = "  osteon validate --export-cases cases --only import/0   # inputs, for your program\n"
                    "  osteon compare my-dumps\n"
                    "  osteon compare plugin:./thesis_f32.so --only static --apart\n"

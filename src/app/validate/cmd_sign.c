@@ -48,11 +48,13 @@ ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BUNDLE --key FILE --meaning TEXT [--by NAME] [--passphrase-file FILE]",
-        .about = "Signs a bundle that osteon validate wrote, after the checks of osteon verify. The signature is a\n"
-                 "file in the bundle's folder signatures/: a DSSE envelope around an in-toto statement (test-result\n"
-                 "v0.1) that names manifest.json, and through it every other file, by SHA-256. A bundle may have\n"
-                 "several signatures, such as the tester's and the reviewer's. Name, meaning and time are the\n"
-                 "signer's claims; the signature binds them to the bundle. The time is from this machine's clock.",
+        .about = "Signs a bundle that osteon validate wrote, after the checks of osteon verify.\n"
+                 "The signature is a file in the bundle's folder signatures/: a DSSE envelope\n"
+                 "around an in-toto statement (test-result v0.1) that names manifest.json, and\n"
+                 "through it every other file, by SHA-256. A bundle may have several signatures,\n"
+                 "such as the tester's and the reviewer's. Name, meaning and time are the signer's\n"
+                 "claims; the signature binds them to the bundle. The time is from this machine's\n"
+                 "clock.",
         .operands = operands,
         .options = options,
         .example = "  openssl genpkey -algorithm ed25519 -out reviewer.key\n"

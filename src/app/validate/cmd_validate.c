@@ -124,7 +124,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
          .help = "write the inputs of the cases as files, for another program; runs nothing"},
         {.name = "case", .kind = OPTION_TEXT, .out = &args.case_file, .value = "FILE",
          .help = "run the cases of this file only, in the format of a bundle's cases/"},
-        HEADING("one backend alone (osteon validate starts itself so)"),
+        HEADING("single backend (osteon validate starts such processes)"),
         {.name = "worker", .kind = OPTION_TEXT, .out = &args.worker, .value = "BACKEND",
          .help = "run the cases on this backend only, write --trace and compare nothing"},
         {.name = "trace", .kind = OPTION_TEXT, .out = &args.trace, .value = "FILE",
@@ -142,15 +142,17 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--tier TIER] [--ct FILE] [--tool FILE] [--path FILE] [options]",
-        .about = "Runs generated cases, and cases of your own files, on every backend, each in a process of\n"
-                 "its own, and compares every stage with the scalar reference byte by byte.",
+        .about = "Runs generated cases, and cases of your own files, on every backend, each in a\n"
+                 "process of its own, and compares every stage with the scalar reference byte by\n"
+                 "byte.",
 
         .options = options,
-        .notes = "The cases of your own files are user/1, user/2, ... after the tier's; --only user runs them\n"
-                 "alone. The bundle contains the sizes and SHA-256 of these files, but neither names nor content.\n"
+        .notes = "The cases of your own files are user/1, user/2, ... after the tier's; --only\n"
+                 "user runs them alone. The bundle contains the sizes and SHA-256 of these files,\n"
+                 "but neither names nor content.\n"
                  "\n"
-                 "This is verification of the equivalence of backends (code verification): it shows that all\n"
-                 "backends compute the same. It is not a clinical validation.",
+                 "This is verification of the equivalence of backends (code verification): it\n"
+                 "shows that all backends compute the same. It is not a clinical validation.",
         .example = "  osteon validate --out bundle\n  osteon validate --tier standard --cpu-only --json\n"
                    "  osteon validate --backends 'cpu:isa=avx2,threads=7;cl' --only session\n"
                    "  osteon validate --ct shoulder.nii.gz --tool reamer.stl --path motion.csv --out bundle\n"

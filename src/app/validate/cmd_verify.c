@@ -189,22 +189,23 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BUNDLE [--trust KEYS] [--rerun [--backend BACKEND]] [options]",
-        .about = "Checks a bundle that osteon validate wrote, without a network, a device or the machine that\n"
-                 "wrote it:\n"
-                 "  files      every file is the one in the manifest; none is missing, added, a link, a pipe or\n"
-                 "             too large; the log's chain and lines are intact\n"
+        .about = "Checks a bundle that osteon validate wrote, without a network, a device or the\n"
+                 "machine that wrote it:\n"
+                 "  files      every file is the one in the manifest; none is missing, added, a\n"
+                 "             link, a pipe or too large; the log's chain and lines are intact\n"
                  "  plan       protocol and cases follow from tier, seed and options\n"
-                 "  verdicts   each follows from the digests of the reference's and the backend's results\n"
-                 "  derived    results, tables, requirements, bill of materials and report follow from the\n"
-                 "             other files\n"
-                 "  digests    with --rerun: the cases are run again here, on the reference and on the backend\n"
-                 "             of --backend if it is given\n"
-                 "  signatures with --trust: there is at least one, and each (osteon sign) is by one of these\n"
-                 "             keys; otherwise signatures are not verified\n"
-                 "Cases of a user's own files are run again from these files, which are recognized by their\n"
-                 "SHA-256; their order does not matter.\n"
-                 "Exit status 1: the bundle was changed after it was written. 2: a file is missing or cannot be\n"
-                 "read, so there is no verdict.",
+                 "  verdicts   each follows from the digests of the reference's and the backend's\n"
+                 "             results\n"
+                 "  derived    results, tables, requirements, bill of materials and report follow\n"
+                 "             from the other files\n"
+                 "  digests    with --rerun: the cases are run again here, on the reference and,\n"
+                 "             if it is given, on the backend of --backend\n"
+                 "  signatures with --trust: there is at least one, and each (osteon sign) is by\n"
+                 "             one of these keys; otherwise signatures are not verified\n"
+                 "Cases of a user's own files are run again from these files, which are recognized\n"
+                 "by their SHA-256; their order does not matter.\n"
+                 "Exit status 1: the bundle was changed after it was written. 2: a file is missing\n"
+                 "or cannot be read, so there is no verdict.",
         .operands = operands,
         .options = options,
         .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun\n  osteon verify bundle --trust reviewers.pem",

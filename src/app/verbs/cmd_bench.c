@@ -343,18 +343,22 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--suite NAME] [options]",
-        .about = "Measures osteon against baselines in the same run: removal against the thesis' kernel in C,\n"
-                 "transfer against a copy, parsing against fscanf, voxelization against Embree, OpenCL against the\n"
-                 "thesis' kernel in OpenCL. Every grid is first compared with the reference's byte by byte.",
+        .about = "Measures osteon against baselines in the same run: removal against the thesis'\n"
+                 "kernel in C, transfer against a copy, parsing against fscanf, voxelization\n"
+                 "against Embree, OpenCL against the thesis' kernel in OpenCL. Every grid is first\n"
+                 "compared with the reference's byte by byte.",
         .options = options,
-        .notes = "Figures are medians, with minimum and maximum; ratio is the baseline's time divided by ours. Rows\n"
-                 "that end in /1 and those of the suite tick use one thread, all others --threads (default: all).\n"
-                 "Other work on the machine changes the figures; the minima change least. docs/performance.md\n"
-                 "explains the rows, their limits and their goals.\n"
-                 "A row that cannot run here (not enough memory on the device or the host, no baseline program) is\n"
-                 "printed as not run with the reason, and the other rows follow.\n"
-                 "Exit status 0: rows were measured; 1: the grid of a row differs from the reference's; 2: wrong\n"
-                 "usage; 3: no row could run, or the backend is not available.",
+        .notes = "Figures are medians, with minimum and maximum; ratio is the baseline's time\n"
+                 "divided by ours. Rows that end in /1 and those of the suite tick use one thread,\n"
+                 "all others --threads (default: all). Other work on the machine changes the\n"
+                 "figures; the minima change least. docs/performance.md explains the rows, their\n"
+                 "limits and their goals.\n"
+                 "A row that cannot run here (not enough memory on the device or the host, no\n"
+                 "baseline program) is printed as not run with the reason, and the other rows\n"
+                 "follow.\n"
+                 "Exit status 0: rows were measured; 1: the grid of a row differs from the\n"
+                 "reference's; 2: wrong usage; 3: no row could run, or the backend is not\n"
+                 "available.",
         .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend cpu:voxelizer=embree\n"
                    "  osteon bench --backend cpu:isa=avx2 --json",
     };

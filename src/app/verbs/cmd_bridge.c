@@ -138,12 +138,12 @@ ost_status cmd_bridge(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "--to HOST:PORT --key FILE --device NAME [options]",
-        .about = "Connects a device of this machine to a simulation on another. The force is computed here from\n"
-                 "the latest plane that the simulation sent: a slow link makes it late but never unstable. If the\n"
-                 "link fails, the force becomes zero.",
+        .about = "Connects a device of this machine to a simulation on another. The force is\n"
+                 "computed here from the latest plane that the simulation sent: a slow link makes\n"
+                 "it late but never unstable. If the link fails, the force becomes zero.",
         .options = options,
-        .notes = "The key is a file of at least 16 bytes that only its owner may read, the same on both sides.\n"
-                 "Packets are authenticated with it, not encrypted.",
+        .notes = "The key is a file of at least 16 bytes that only its owner may read, the same on\n"
+                 "both sides. Packets are authenticated with it, not encrypted.",
         .example = "  (umask 077; head -c 32 /dev/urandom >osteon.key)\n"
                    "  osteon sim --headless --device udp:bind=0.0.0.0,key=osteon.key --seconds 600\n"
                    "  osteon bridge --to simulator:4707 --key osteon.key --device openhaptics",

@@ -208,12 +208,13 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BONE --out FILE [options]",
-        .about = "Writes a bone in the format of FILE: its voxels, its surface or a picture. BONE may also be a CT\n"
-                 "or a tool grid. A session is written as a table with a row for each tick.",
+        .about = "Writes a bone in the format of FILE: its voxels, its surface or a picture. BONE\n"
+                 "may also be a CT or a tool grid. A session is written as a table with a row for\n"
+                 "each tick.",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A text is read as the\n"
-                 "bone that osteon import makes of it.",
+        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A\n"
+                 "text is read as the bone that osteon import makes of it.",
         .example = "  osteon export reamed.nrrd --out reamed.stl\n"
                    "  osteon export reamed.nrrd --before scapula.nrrd --view en-face --out reamed.png\n"
                    "  osteon export today.session --out today.csv",

@@ -122,12 +122,13 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "CT --out BONE.nrrd [options]",
-        .about = "Converts a CT into a bone: cubic voxels, of which those below the threshold are empty.\n"
-                 "CT is a text of lines \"x y z density\", an NRRD or a NIfTI.",
+        .about = "Converts a CT into a bone: cubic voxels, of which those below the threshold are\n"
+                 "empty. CT is a text of lines \"x y z density\", an NRRD or a NIfTI.",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the patient's left,\n"
-                 "back and head (LPS); a text is not turned. The positions of a text are voxel centres in any order.",
+        .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"
+                 "patient's left, back and head (LPS); a text is not turned. The positions of a\n"
+                 "text are voxel centres in any order.",
         .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",

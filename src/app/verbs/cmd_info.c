@@ -219,8 +219,9 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "FILE [--digest] [--set KEY=VALUE] [--repair FILE]",
-        .about = "Describes a file: a CT, a bone, a tool grid, a mesh, a path or a session. Only the header of a\n"
-                 "volume is read; a session is read completely, and what is missing in it is printed.",
+        .about = "Describes a file: a CT, a bone, a tool grid, a mesh, a path or a session. Only\n"
+                 "the header of a volume is read; a session is read completely, and what is\n"
+                 "missing in it is printed.",
         .operands = operands,
         .options = options,
         .example = "  osteon info scapula.nrrd\n  osteon info scapula.nrrd --set side=left\n  osteon info reamer.stl --json\n"

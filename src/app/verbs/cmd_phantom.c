@@ -86,8 +86,8 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
                  "  foam         314 x 320 x 604 at 0.032 mm",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, densities in HU. A seed gives the same grid on every machine. The\n"
-                 "file states where the glenoid is, for osteon ream.",
+        .notes = "Lengths are in millimetres, densities in HU. A seed gives the same grid on every\n"
+                 "machine. The file states where the glenoid is, for osteon ream.",
         .example = "  osteon phantom scapula --out scapula.nrrd",
     };
     ost_status status;

@@ -256,9 +256,9 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {{"BONE", &args.bone, "no bone given"}, {NULL, NULL, NULL}};
     const usage_text usage = {
         .synopsis = "BONE --out FILE.png [options]",
-        .about = "Draws a bone, and a tool at its pose, without a display by the simulator's renderer. The picture\n"
-                 "of the default renderer is bit-identical on every machine; that of OpenGL differs in a few\n"
-                 "pixels.",
+        .about = "Draws a bone, and a tool at its pose, without a display by the simulator's\n"
+                 "renderer. The picture of the default renderer is bit-identical on every machine;\n"
+                 "that of OpenGL differs in a few pixels.",
         .operands = operands,
         .options = options,
         .notes = "Bones and tools are read as by osteon ream.",

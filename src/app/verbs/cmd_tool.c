@@ -52,8 +52,8 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
                  "  burr    a sphere on a shaft",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres. The tool cuts towards -z of its own frame: its face is at z = 0,\n"
-                 "its shaft along +z.",
+        .notes = "Lengths are in millimetres. The tool cuts towards -z of its own frame: its face\n"
+                 "is at z = 0, its shaft along +z.",
         .example = "  osteon tool reamer --out reamer.stl\n  osteon tool peg --diameter 5 --out peg.stl",
     };
     ost_status status;
