@@ -56,7 +56,7 @@ static ost_status unknown_backend(const char *spec, ost_error *err)
     char names[256] = "";
     for (int i = 0; i < BACKEND_COUNT; i++) {
         size_t used = strlen(names);
-        snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", backends[i]->name);
+        snprintf(names + used, sizeof names - used, "%s%s", !i ? "" : i == BACKEND_COUNT - 1 ? " or " : ", ", backends[i]->name);
     }
     return ost_fail(err, OST_ERR_USAGE, "unknown backend '%.80s'; expected %s", spec, names);
 }

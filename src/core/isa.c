@@ -120,6 +120,6 @@ ost_status ost_isa_choose(const char *name, ost_isa *out, ost_error *err)
             return OST_OK;
         }
     return ost_fail(err, OST_ERR_USAGE,
-                    "%sunknown instruction set '%.40s'; expected auto, scalar, avx2, avx512, avx512vbmi and neon",
+                    "%sunknown instruction set '%.40s'; expected auto, scalar, avx2, avx512, avx512vbmi or neon",
                     from, name);
 }

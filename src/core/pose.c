@@ -48,7 +48,7 @@ static ost_status assemble(const int64_t t[3], const int64_t q[4], ost_pose *out
 {
     for (int a = 0; a < 4; a++)
         if (!component_fits(q[a]))
-            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is %.6g; a unit quaternion has none beyond 1", a,
+            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is %.6g; expected a unit quaternion, whose components are from -1 to 1", a,
                             (double)q[a] / OST_Q30_ONE);
     ost_pose pose = {{t[0], t[1], t[2]}, (int32_t)q[0], (int32_t)q[1], (int32_t)q[2], (int32_t)q[3]};
     ost_status status = ost_pose_check(&pose, err);
@@ -66,7 +66,7 @@ ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_decimal q
             return ost_fail(err, OST_ERR_RANGE, "position %c is beyond 8000 mm", "xyz"[a]);
     for (int a = 0; a < 4; a++)
         if (!ost_decimal_scale(&q[a], (uint64_t)OST_Q30_ONE, &c[a], NULL))
-            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is out of range; a unit quaternion has none beyond 1", a);
+            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is out of range; expected a unit quaternion, whose components are from -1 to 1", a);
     return assemble(t, c, out, err);
 }
 
@@ -81,7 +81,7 @@ ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_po
         ost_decimal decimal; /* AR-LEN-4: a float represents its shortest decimal */
         if (!(q[a] >= -1.5 && q[a] <= 1.5) || !ost_decimal_shortest(q[a], false, &decimal) ||
             !ost_decimal_scale(&decimal, (uint64_t)OST_Q30_ONE, &c[a], NULL))
-            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is %g; a unit quaternion has none beyond 1", a, q[a]);
+            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is %g; expected a unit quaternion, whose components are from -1 to 1", a, q[a]);
     }
     return assemble(t, c, out, err);
 }

@@ -33,7 +33,7 @@ static ost_status axis(char name, ost_pm min, ost_pm max, ost_pm voxel, ost_pm *
     ost_pm far = ost_rhe_div(2 * max + voxel, 2 * voxel) * voxel + voxel;
     int64_t n = (far - *corner) / voxel;
     if (n > OST_TOOL_DIM_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "the tool is %lld voxels long in %c (%s to %s mm at %s mm); at most %d: take a larger voxel",
+        return ost_fail(err, OST_ERR_RANGE, "the tool is %lld voxels long in %c (%s to %s mm at %s mm); expected at most %d; use larger voxels",
                         (long long)n, name, ost_pm_format(min, a), ost_pm_format(max, b), ost_pm_format(voxel, s), OST_TOOL_DIM_MAX);
     *dim = (int32_t)n;
     return OST_OK;

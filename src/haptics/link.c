@@ -128,7 +128,7 @@ ost_status link_key_make(const void *bytes, size_t size, link_key **out, ost_err
 {
     *out = NULL;
     if (size < LINK_KEY_MIN || size > LINK_KEY_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "a key has %d to %d bytes, not %zu", LINK_KEY_MIN, LINK_KEY_MAX, size);
+        return ost_fail(err, OST_ERR_INPUT, "the key has %zu bytes; expected %d to %d", size, LINK_KEY_MIN, LINK_KEY_MAX);
     link_key *key = calloc(1, sizeof *key);
     if (!key)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a key");

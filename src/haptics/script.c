@@ -41,7 +41,7 @@ static void script_close(haptic_instance *instance)
 static ost_status script_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     if (!setup->path || setup->path->count == 0)
-        return ost_fail(err, OST_ERR_USAGE, "device script: no path given");
+        return ost_fail(err, OST_ERR_USAGE, "device script: no path given; pass --path");
     ost_status status = make("script", options, out, err);
     if (status != OST_OK)
         return status;

@@ -104,7 +104,7 @@ static ost_status sim_open(const char *options, const ost_haptic_setup *setup, h
     if (status != OST_OK)
         return status;
     if (!setup->path || setup->path->count == 0)
-        return ost_fail(err, OST_ERR_USAGE, "device sim: no path given");
+        return ost_fail(err, OST_ERR_USAGE, "device sim: no path given; pass --path");
     haptic_instance *s = calloc(1, sizeof *s);
     if (!s)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for device sim");

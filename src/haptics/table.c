@@ -66,7 +66,7 @@ ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_
             return ost_haptic_open_driver(drivers[i], spec[length] ? spec + length + 1 : "", setup, out, err);
     char names[160] = "";
     for (int i = 0, used = 0; i < DRIVERS; i++)
-        used += snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", drivers[i]->name);
+        used += snprintf(names + used, sizeof names - (size_t)used, "%s%s", !i ? "" : i == DRIVERS - 1 ? " or " : ", ", drivers[i]->name);
     return ost_fail(err, OST_ERR_USAGE, "unknown device '%.60s'; expected %s", spec, names);
 }
 

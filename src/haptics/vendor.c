@@ -23,7 +23,7 @@ static void *load(const vendor_library *library, const char **name, char reason[
         if (handle)
             return handle;
     }
-    snprintf(reason, 256, "no %s here: install %s, or let %s name its file", library->names[0], library->product, library->variable);
+    snprintf(reason, 256, "%s not found: install %s, or set %s to the library's path", library->names[0], library->product, library->variable);
     return NULL;
 }
 

@@ -471,7 +471,7 @@ ost_status ost_import(ost_backend *backend, const char *path, const ost_import_o
         status = rect_from_file(&j, err);
     const char *kind = status == OST_OK ? ost_meta_get(&result->meta, OST_META_KIND) : NULL;
     if (kind && strcmp(kind, "tool") == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: is a tool, not a CT", path);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: is a tool grid; expected a bone or a CT", path);
     if (status == OST_OK)
         status = bone_from_rect(&j, err);
     ost_grid_free(j.rect);

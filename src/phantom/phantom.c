@@ -74,7 +74,7 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
         }
         int64_t n = ost_ceil_div(scaled((int64_t)b->dims[a] * b->spacing_um[a], scale), spacing[a]);
         if (n > OST_DIM_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "a %s would have %lld voxels along %c: at most %d", b->name, (long long)n, "xyz"[a],
+            return ost_fail(err, OST_ERR_RANGE, "a %s would have %lld voxels along %c; expected at most %d: increase the spacing", b->name, (long long)n, "xyz"[a],
                             OST_DIM_MAX);
         dims[a] = (int32_t)n;
         corner2[a] = 2 * scaled(b->corner_um[a], scale);

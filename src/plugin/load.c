@@ -52,7 +52,7 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
     if (n < 0 || (size_t)n >= sizeof path)
         return ost_fail(err, OST_ERR_USAGE, "plugin '%.60s...': the name is too long", file);
     if (stat(path, &info) != 0)
-        return ost_fail(err, OST_ERR_IO, "plugin %s: %s", file, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "plugin %s: cannot open: %s", file, strerror(errno));
     if (!S_ISREG(info.st_mode))
         return ost_fail(err, OST_ERR_USAGE, "plugin %s: not a file", file);
     void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);

@@ -21,10 +21,10 @@ static ost_status three_decimals(const char *key, const char *text, ost_decimal 
         p += strspn(p, " ,");
         p = ost_decimal_read(p, end, &out[a]);
         if (!p)
-            return ost_fail(err, OST_ERR_INPUT, "%s: '%s' is not three decimals", key, text);
+            return ost_fail(err, OST_ERR_INPUT, "%s: '%s'; expected three decimals x,y,z", key, text);
     }
     if (p[strspn(p, " ")])
-        return ost_fail(err, OST_ERR_INPUT, "%s: '%s' has more than three decimals", key, text);
+        return ost_fail(err, OST_ERR_INPUT, "%s: '%s' has more than three decimals; expected x,y,z", key, text);
     return OST_OK;
 }
 

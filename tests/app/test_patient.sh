@@ -143,7 +143,7 @@ refuse 2 'one of the two is wrong' info set.nrrd --set side=left
 refuse 2 "expected left or right" info set.nrrd --set side=up
 refuse 2 'expected KEY=VALUE' info set.nrrd --set threshold=3
 refuse 2 'expected KEY=VALUE' info set.nrrd --set side
-refuse 2 "not three decimals" info set.nrrd --set at=1,2
+refuse 2 "expected three decimals" info set.nrrd --set at=1,2
 refuse 2 'lies outside the grid' info set.nrrd --set at=1,2,3000
 cmp -s set.nrrd kept.nrrd || fail "a refused --set changed the file"
 run 0 info set.nrrd --set trigonum= --set side= --set axis=0,1,0 --json

@@ -100,6 +100,8 @@ check "files of its video" "$(ls -A | grep -E 'killed|part$|part\.')" ""
 wait_for encoder-ended
 check "files of its video when the encoder has ended" "$(ls -A | grep -E 'killed|part$|part\.')" ""
 refuse 2 "unknown overlay" replay other.session --video other2.y4m --overlay chunk
+refuse 2 "v.avi: unknown format" replay other.session --video v.avi
+[ ! -e v.avi ] || fail "a video of an unknown format left a folder"
 run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out half.nrrd --json
 check "half of it" "$(value ticks) $(value end_compared)" "61 false"
 

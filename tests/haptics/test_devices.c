@@ -52,7 +52,7 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
     static const struct {
         const char *spec, *says;
     } cases[] = {
-        {"omni", "unknown device 'omni'; expected null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, inverse3, udp"},
+        {"omni", "unknown device 'omni'; expected null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, inverse3 or udp"},
         {"", "unknown device ''"},
         {"si", "unknown device"},
         {"null:x=1", "unknown option 'x'"},

@@ -145,7 +145,7 @@ static void keys(void **state)
     file = scratch_write(folder, "short.key", bytes, 15);
     assert_int_equal(chmod(file, 0600), 0);
     assert_int_equal(link_key_read(file, &key, &err), OST_ERR_INPUT);
-    assert_non_null(strstr(err.text, "short.key: a key has 16 to 4096 bytes, not 15"));
+    assert_non_null(strstr(err.text, "short.key: the key has 15 bytes; expected 16 to 4096"));
     file = scratch_write(folder, "long.key", bytes, 5000);
     assert_int_equal(chmod(file, 0600), 0);
     assert_int_equal(link_key_read(file, &key, &err), OST_ERR_INPUT);

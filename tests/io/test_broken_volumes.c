@@ -38,9 +38,9 @@ static void nrrd_fields(void **state)
         ost_status status;
     } cases[] = {
         {"type", "", "no 'type:'", OST_ERR_INPUT},
-        {"type", "type: block\n", "no type of a density", OST_ERR_INPUT},
+        {"type", "type: block\n", "not a type of densities", OST_ERR_INPUT},
         {"type", "type: int17\n", "b.nrrd:7: 'int17'", OST_ERR_INPUT},
-        {"type", "type:\n", "no type of a density", OST_ERR_INPUT},
+        {"type", "type:\n", "not a type of densities", OST_ERR_INPUT},
         {"dimension", "", "no 'dimension:'", OST_ERR_INPUT},
         {"dimension", "dimension: 4\n", "4 axes", OST_ERR_INPUT},
         {"dimension", "dimension: 2\n", "2 axes", OST_ERR_INPUT},
@@ -83,7 +83,7 @@ static void nrrd_fields(void **state)
         {"spacings", "space: LPS\nspace directions: (1,0,nan) (0,1,0) (0,0,1)\n", "three vectors", OST_ERR_INPUT},
         {"spacings", "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,0)\n", "do not span", OST_ERR_INPUT},
         {"spacings", "space: LPS\nspace directions: (1,0,0) (2,0,0) (0,0,1)\n", "do not span", OST_ERR_INPUT},
-        {"spacings", "space directions: (1,0,0) (0,1,0) (0,0,1)\n", "without 'space'", OST_ERR_INPUT},
+        {"spacings", "space directions: (1,0,0) (0,1,0) (0,0,1)\n", "a vector without a space", OST_ERR_INPUT},
         {"spacings", "spacings: 1 1 1\nspace: XYZ\n", "not known here", OST_ERR_INPUT},
         {"spacings", "spacings: 1 1 1\nspace: LPST\n", "time", OST_ERR_INPUT},
         {"spacings", "spacings: 1 1 1\nspace dimension: 2\n", "3 was expected", OST_ERR_INPUT},

@@ -573,7 +573,7 @@ static void other_files_are_refused(void **state)
         {"path.csv", "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n", "is a tool's path, not a CT", OST_ERR_INPUT},
         {"what.bin", "\x01\x02\x03", "not a CT", OST_ERR_INPUT},
         {"page.html", "<html>\n", "not a CT", OST_ERR_INPUT},
-        {"tool.txt", "# osteon kind: tool\n0 0 0 1\n1 1 1 1\n", "is a tool, not a CT", OST_ERR_INPUT},
+        {"tool.txt", "# osteon kind: tool\n0 0 0 1\n1 1 1 1\n", "is a tool grid; expected a bone or a CT", OST_ERR_INPUT},
         {"bone.txt", "# osteon kind: bone\n# osteon threshold: 0\n0 0 0 1\n1 1 1 1\n", "threshold '0'", OST_ERR_INPUT},
         {"layer.txt", "0 0 5 1\n1 1 5 2\n", "all samples lie in one layer, z = 5", OST_ERR_INPUT},
         {"twice.txt", "# osteon dims: 2 1 1\n# osteon spacing_mm: 1 1 1\n0 0 0 7\n0 0 0 7\n# osteon dims: 2 1 1\n",

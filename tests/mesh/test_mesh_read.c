@@ -329,7 +329,7 @@ static void broken_text_is_told_where(void **state)
         {"x.obj", "v 0 0\n", ":1: a vertex needs three numbers, found 2"},
         {"x.obj", "v 0 0 inf\n", ":1: expected a number, found 'inf'"},
         {"x.obj", "v 0 0 0 2\n", ":1: a vertex of weight '2'"},
-        {"x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", ":4: vertex 4 of a face; the file has 3"},
+        {"x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", ":4: a face refers to vertex 4; the file has 3"},
         {"x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", ":4: vertex '0' of a face"},
         {"x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", ":4: vertex '-4' of a face"},
         {"x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n", ":4: vertex '99999999999999999999'"},

@@ -17,7 +17,7 @@ run 0 verify b --rerun --json
 check "valid" "$(value valid)" true
 check "made again" "$(value rerun)" true
 refuse 2 "exists" validate --only import/ --backends "$one" --out b
-refuse 2 "no case of tier smoke begins with" validate --only nothing --out c
+refuse 2 "no case of tier smoke has a name that starts with" validate --only nothing --out c
 refuse 2 "must be I/N" validate --shard 3/2 --out c
 refuse 2 "plonk" validate --backends plonk --out c
 refuse 2 "--worker needs --trace or --dump" validate --worker ref
@@ -92,7 +92,7 @@ fi
 run 0 validate --only import/ --backends "$one" --out again --quiet
 mkdir shards
 for i in 1 2; do run 0 validate --only import/ --backends "$one" --shard $i/2 --out shards/$i --quiet; done
-refuse 2 "1 bundles of 2 shards" validate --merge "$(mkdir half && cp -r shards/1 half/ && echo half)" --out whole
+refuse 2 "contains bundles of 1 of 2 shards" validate --merge "$(mkdir half && cp -r shards/1 half/ && echo half)" --out whole
 run 0 validate --merge shards --out whole --quiet
 run 0 verify whole
 for other in again whole; do

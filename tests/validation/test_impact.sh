@@ -69,5 +69,6 @@ check "another seed" "$(impact results.compared) $(impact causes.0.what) $(impac
 
 refuse 2 "no bundle: protocol.json is absent" validate --against . --out y
 refuse 2 "--against needs --out" validate --against old
+refuse 2 "--faults needs --faults-only" validate --faults 3
 [ ! -e y ] || fail "a bundle was begun"
 finish

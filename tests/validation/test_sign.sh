@@ -40,7 +40,7 @@ check "who reviewed" "$(value signatures.1.by)" "A. Reviewer"
 check "three signatures" "$(value signatures.2.meaning)" archived
 refuse 2 "passphrase" sign b --key locked.key --passphrase-file wrong --meaning x
 refuse 2 "another kind than Ed25519 and ECDSA P-256" sign b --key p384.key --meaning x
-refuse 2 "no private key" sign b --key trusted/tester.pem --meaning x
+refuse 2 "no readable private key" sign b --key trusted/tester.pem --meaning x
 refuse 2 "no public key" verify b --trust tester.key
 refuse 2 "another kind" verify b --trust p384.pem
 openssl genpkey -algorithm RSA -pkeyopt rsa_keygen_bits:1024 2>/dev/null | openssl pkey -pubout -out rsa.pem

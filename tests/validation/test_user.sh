@@ -110,7 +110,7 @@ bad "needs --tool and --ct" --tool $mesh --path $path
 bad "the glenoid's position and axis are not set" --ct $ct --tool $mesh --path builtin:peg-hole
 bad "needs --ct, --tool or --path" --cubic 0.5
 bad "expected at most 4" --tool $mesh --tool $mesh --tool $mesh --tool $mesh --tool $mesh
-bad "no case of tier smoke begins with 'user'"
+bad "no case of tier smoke has a name that starts with 'user'"
 bad "at most 1024" --ct $ct --tool $mesh --path $path --voxel 0.02
 TMPDIR=$scratch/no-such-folder
 export TMPDIR

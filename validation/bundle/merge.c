@@ -137,8 +137,10 @@ ost_status merge_read(const char *folder, merged *out, ost_error *err)
     }
     if (dir)
         closedir(dir);
-    if (status == OST_OK && (!out->protocol || count != out->shards))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: %d bundles of %d shards", folder, count, out->shards);
+    if (status == OST_OK && !out->protocol)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: contains no bundle; expected one folder per shard", folder);
+    if (status == OST_OK && count != out->shards)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: contains bundles of %d of %d shards", folder, count, out->shards);
     if (status == OST_OK)
         status = put_in_order(folder, out, by_id, err);
     if (status == OST_OK && out->suite_limit)

@@ -79,7 +79,7 @@ ost_status sign_key_open(const char *path, const char *passphrase, sign_key **ou
         ERR_clear_error();
         sign_key *key = pkey ? calloc(1, sizeof *key) : NULL;
         if (!pkey)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: no private key in PEM that can be read%s", path,
+            status = ost_fail(err, OST_ERR_INPUT, "%s: no readable private key; expected PEM with Ed25519 or ECDSA P-256%s", path,
                               size >= 9 && strstr(bytes, "ENCRYPTED")
                                   ? "; it is encrypted, and the passphrase was not given or is not its own"
                                   : "");

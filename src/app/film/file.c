@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/film/file.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -200,10 +201,23 @@ static ost_status finish(film_file *f, ost_error *err)
 
 /* ------------------------------------------------------------------- open */
 
+/* Returns true if a name ends in an extension of 2 to 4 letters and digits, as a video's file does. */
+static bool has_extension(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    const size_t length = dot ? strlen(dot + 1) : 0;
+    return dot && isalpha((unsigned char)dot[1]) && length >= 2 && length <= 4 &&
+           strspn(dot + 1, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789") == length;
+}
+
 static ost_status open_folder(film_file *f, ost_error *err)
 {
     char first[NAME];
     struct stat st;
+    if (has_extension(f->target) && access(f->target, F_OK) != 0)
+        return ost_fail(err, OST_ERR_USAGE,
+                        "--video %s: unknown format; expected .mp4, .mkv, .mov, .webm, .y4m, or a folder, whose name may end in /",
+                        f->target);
     if (mkdir(f->target, 0777) != 0 && errno != EEXIST)
         return ost_fail(err, OST_ERR_IO, "%s: cannot create: %s", f->target, strerror(errno));
     if (stat(f->target, &st) != 0 || !S_ISDIR(st.st_mode))

@@ -93,8 +93,8 @@ static ost_status check_axis(const app_state *app, const start_setup *setup, con
     if (*good)
         return OST_OK;
     const double *a = glenoid->axis;
-    return problem(app, setup->strict, err, "%s: the axis (%.4g, %.4g, %.4g) does not point into bone: from 1 to 11 mm below the face %.0f %% is bone, "
-                   "and as far in front of it %.0f %%; %s", setup->bone_name, a[0], a[1], a[2], inward, outward,
+    return problem(app, setup->strict, err, "%s: the axis (%.4g, %.4g, %.4g) does not point into bone: %.0f %% of the way from 1 to 11 mm "
+                   "below the face is bone, and %.0f %% of the same way in front of it; %s", setup->bone_name, a[0], a[1], a[2], inward, outward,
                    outward >= BONE_LEAST_PERCENT ? "the axis is probably reversed" : "check --at and --axis");
 }
 

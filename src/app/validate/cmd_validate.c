@@ -189,6 +189,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     if ((args.sign && (!args.out || args.faults_only)) || (args.passphrase && !args.sign))
         return usage_error(app, err, args.sign ? "--sign needs --out" : "--passphrase-file needs --sign");
+    if (args.faults && !args.faults_only)
+        return usage_error(app, err, "--faults needs --faults-only");
     if (args.faults_only)
         return validate_faults(app, &args, err);
     if (args.case_file && !args.worker && (args.only || args.shard))

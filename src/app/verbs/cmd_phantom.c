@@ -22,7 +22,7 @@ static ost_status find_kind(const app_state *app, const char *name, ost_phantom_
     const char *near = nearest_name(name, names, OST_PHANTOM_COUNT);
     if (near)
         return usage_error(app, err, "'%s' is not a phantom; did you mean %s?", name, near);
-    return usage_error(app, err, "'%s' is not a phantom", name);
+    return usage_error(app, err, "'%s' is not a phantom; expected scapula, glenoid, trabecular, trabecular2 or foam", name);
 }
 
 /* Reads --scale. The factor may have up to nine decimal places; it is a parameter of the shape. */

@@ -111,7 +111,7 @@ static ost_status statements(obj *o, ost_error *err)
             o->body_has_faces = false;
     } while (status == OST_OK && ost_mesh_text_next_line(&o->text));
     if (status == OST_OK && o->greatest > o->vertices)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: vertex %lld of a face; the file has %lld", o->text.path, o->greatest_line,
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a face refers to vertex %lld; the file has %lld", o->text.path, o->greatest_line,
                         (long long)o->greatest, (long long)o->vertices);
     if (status == OST_OK && o->in->triangles == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: the file has no face", o->text.path);

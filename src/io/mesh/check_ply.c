@@ -160,11 +160,11 @@ static ost_status check_layout(const ply *p, ost_error *err)
         faces_before_vertices += e->role == FACE && !vertices;
     }
     if (axes[0] != 1 || axes[1] != 1 || axes[2] != 1)
-        return ost_fail(err, OST_ERR_INPUT, "%s: missing in the header: an element vertex with one x, y and z each, "
-                        "of type float or double", p->in->path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: the header has no element vertex with one x, y and z each of type float or "
+                        "double", p->in->path);
     if (lists != 1 || faces_before_vertices)
         return ost_fail(err, OST_ERR_INPUT,
-                        "%s: missing in the header: an element face, after vertex, with one list vertex_indices%s",
+                        "%s: the header has no element face, after vertex, with one list vertex_indices%s",
                         p->in->path, lists == 0 ? " (a cloud of points has no inside)" : "");
     return OST_OK;
 }

@@ -106,7 +106,7 @@ static ost_status mean_elements(const meaning *m, ost_nrrd_header *out)
     int type = LOOKUP(types, value_of(m, OST_NRRD_TYPE));
     if (type < 0)
         return wrong(m, OST_NRRD_TYPE,
-                     "no type of a density; expected an integer type of 8 to 64 bits, float or double");
+                     "not a type of densities; expected an integer type of 8 to 64 bits, float or double");
     out->element = (ost_element)type;
 
     if (!value_of(m, OST_NRRD_ENCODING))
@@ -326,7 +326,7 @@ static ost_status mean_space(const meaning *m, ost_nrrd_header *out)
     static const ost_nrrd_field needs[] = {OST_NRRD_SPACE_DIRECTIONS, OST_NRRD_SPACE_ORIGIN, OST_NRRD_SPACE_UNITS};
     for (size_t i = 0; i < 3; i++)
         if (value_of(m, needs[i]) && !has_space)
-            return wrong(m, needs[i], "given without 'space' or 'space dimension', which would say what it means");
+            return wrong(m, needs[i], "a vector without a space; expected the field 'space' or 'space dimension' before the data");
 
     uint64_t units[3], space_units[3];
     ost_status status = mean_units(m, OST_NRRD_SPACE_UNITS, space_units);

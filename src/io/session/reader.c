@@ -315,7 +315,7 @@ const char *ost_session_missing(const ost_session *session, char text[OST_SESSIO
     else if (!s->ended)
         add(text, "it has no end: the recording was cut off before the first tick");
     if (s->cut_bytes)
-        add(text, "%llu bytes at the end are no whole block", (unsigned long long)s->cut_bytes);
+        add(text, "%llu bytes at the end are an incomplete block", (unsigned long long)s->cut_bytes);
     if (s->damaged_bytes)
         add(text, "%llu bytes are damaged", (unsigned long long)s->damaged_bytes);
     if (s->missing_records)
