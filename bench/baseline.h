@@ -19,12 +19,13 @@
 bool bench_baseline_runs(char *reason, size_t size);
 extern const uint32_t bench_native_needs; /* bits in the order of BENCH_NATIVE_LIST */
 
-#define BENCH_NATIVE_LIST(X)                                                                                                 \
-    X(SSE3, "sse3") X(SSSE3, "ssse3") X(SSE4_1, "sse4.1") X(SSE4_2, "sse4.2") X(POPCNT, "popcnt") X(AVX, "avx") X(FMA, "fma") \
-    X(BMI, "bmi") X(BMI2, "bmi2") X(AVX2, "avx2") X(AVX512F, "avx512f") X(AVX512CD, "avx512cd") X(AVX512BW, "avx512bw")       \
-    X(AVX512DQ, "avx512dq") X(AVX512VL, "avx512vl") X(AVX512IFMA, "avx512ifma") X(AVX512VBMI, "avx512vbmi")                   \
-    X(AVX512VBMI2, "avx512vbmi2") X(AVX512VNNI, "avx512vnni") X(AVX512BITALG, "avx512bitalg")                                 \
-    X(AVX512VPOPCNTDQ, "avx512vpopcntdq") X(GFNI, "gfni")
+#define BENCH_NATIVE_LIST(X)                                                                                           \
+    X(SSE3, "sse3")                                                                                                    \
+    X(SSSE3, "ssse3") X(SSE4_1, "sse4.1") X(SSE4_2, "sse4.2") X(POPCNT, "popcnt") X(AVX, "avx") X(FMA, "fma")          \
+        X(BMI, "bmi") X(BMI2, "bmi2") X(AVX2, "avx2") X(AVX512F, "avx512f") X(AVX512CD, "avx512cd")                    \
+            X(AVX512BW, "avx512bw") X(AVX512DQ, "avx512dq") X(AVX512VL, "avx512vl") X(AVX512IFMA, "avx512ifma")        \
+                X(AVX512VBMI, "avx512vbmi") X(AVX512VBMI2, "avx512vbmi2") X(AVX512VNNI, "avx512vnni")                  \
+                    X(AVX512BITALG, "avx512bitalg") X(AVX512VPOPCNTDQ, "avx512vpopcntdq") X(GFNI, "gfni")
 
 /* ------------------------------------------------------------------ removal */
 

@@ -58,7 +58,8 @@ static void copy_share(bench_copy how, uint8_t *out, size_t begin, size_t end, c
 {
     const size_t aligned_bytes = in_bytes / 64 * 64;
     for (size_t at = begin; at < end;) {
-        size_t from = at % aligned_bytes, run = aligned_bytes - from < end - at ? aligned_bytes - from : end - at, lines = run / 64 * 64;
+        size_t from = at % aligned_bytes, run = aligned_bytes - from < end - at ? aligned_bytes - from : end - at,
+               lines = run / 64 * 64;
         if (how == BENCH_COPY_STREAM && lines)
             copy_stream(out + at, in + from, lines);
         else

@@ -12,10 +12,11 @@ bool bench_baseline_runs(char *reason, size_t size)
     uint32_t needs = bench_native_needs;
     int bit = 0;
     __builtin_cpu_init();
-#define CHECK(id, name)                                                                                                      \
-    if (needs >> bit++ & 1 && !__builtin_cpu_supports(name)) {                                                               \
-        snprintf(reason, size, "the baselines were built with -march=native on a processor with " name ", which this one lacks"); \
-        return false;                                                                                                        \
+#define CHECK(id, name)                                                                                                \
+    if (needs >> bit++ & 1 && !__builtin_cpu_supports(name)) {                                                         \
+        snprintf(reason, size,                                                                                         \
+                 "the baselines were built with -march=native on a processor with " name ", which this one lacks");    \
+        return false;                                                                                                  \
     }
     BENCH_NATIVE_LIST(CHECK)
 #undef CHECK

@@ -14,8 +14,8 @@ size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities
     int density;
     if (!file)
         return 0;
-    while (count < capacity &&
-           fscanf(file, "%f %f %f %d", &positions[3 * count], &positions[3 * count + 1], &positions[3 * count + 2], &density) == 4)
+    while (count < capacity && fscanf(file, "%f %f %f %d", &positions[3 * count], &positions[3 * count + 1],
+                                      &positions[3 * count + 2], &density) == 4)
         densities[count++] = (int16_t)density;
     fclose(file);
     return count;

@@ -84,8 +84,8 @@ bench_row *bench_row_add(bench_table *table, const char *name, const char *unit,
  * osteon) are returned unchanged. No row is added for a name that is NULL, that the filter
  * excludes, or whose row exists already.
  */
-ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count, const char *unit, int threads,
-                             ost_status status, ost_error *err);
+ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
+                             const char *unit, int threads, ost_status status, ost_error *err);
 /* Stores the figures of a series in the row, in the row's unit. what: the baseline's description. */
 void bench_row_ours(bench_row *row, bench_series *series);
 void bench_row_baseline(bench_row *row, bench_series *series, const char *what);

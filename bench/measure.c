@@ -114,8 +114,8 @@ static bool has_row(const bench_table *table, const char *name)
     return false;
 }
 
-ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count, const char *unit, int threads,
-                             ost_status status, ost_error *err)
+ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
+                             const char *unit, int threads, ost_status status, ost_error *err)
 {
     if (status == OST_OK || status == OST_ERR_CANCELLED || status == OST_ERR_INTERNAL)
         return status;
@@ -125,7 +125,8 @@ ost_status bench_row_not_run(const bench_options *options, bench_table *table, c
         bench_row *row = bench_row_add(table, names[i], unit, threads);
         if (!row)
             return ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
-        snprintf(row->reason, sizeof row->reason, "%.*s", BENCH_TEXT - 1, err->text[0] ? err->text : ost_status_text(status));
+        snprintf(row->reason, sizeof row->reason, "%.*s", BENCH_TEXT - 1,
+                 err->text[0] ? err->text : ost_status_text(status));
     }
     *err = (ost_error){.status = OST_OK};
     return OST_OK;
@@ -172,7 +173,8 @@ double bench_row_ratio_of_minima(const bench_row *row)
 
 bool bench_row_disturbed(const bench_row *row)
 {
-    return (row->baseline.count && row->ours.median > 1.5 * row->ours.min) || row->baseline.median > 1.5 * row->baseline.min;
+    return (row->baseline.count && row->ours.median > 1.5 * row->ours.min) ||
+           row->baseline.median > 1.5 * row->baseline.min;
 }
 
 int bench_repeat(const bench_options *options, int normal)
@@ -219,7 +221,8 @@ static bool proc_line(const char *path, const char *key, char *text, size_t size
 
 const char *bench_cpu_model(char text[BENCH_TEXT])
 {
-    if (!proc_line("/proc/cpuinfo", "model name", text, BENCH_TEXT) && !proc_line("/proc/cpuinfo", "CPU part", text, BENCH_TEXT))
+    if (!proc_line("/proc/cpuinfo", "model name", text, BENCH_TEXT) &&
+        !proc_line("/proc/cpuinfo", "CPU part", text, BENCH_TEXT))
         snprintf(text, BENCH_TEXT, "unknown");
     return text;
 }

@@ -93,7 +93,8 @@ ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err)
         const vec side_ways = unit(cross(tangent, outward)), up = cross(side_ways, tangent);
         for (int v = 0; v < V; v++) {
             const double c = radius * cos(TURN * v / V), s = radius * sin(TURN * v / V);
-            const vec q = {p.x + c * up.x + s * side_ways.x, p.y + c * up.y + s * side_ways.y, p.z + c * up.z + s * side_ways.z};
+            const vec q = {p.x + c * up.x + s * side_ways.x, p.y + c * up.y + s * side_ways.y,
+                           p.z + c * up.z + s * side_ways.z};
             out->vertices[(size_t)u * V + (size_t)v] = placed((vec){q.x / reach, q.y / reach, q.z / reach}, side);
         }
     }

@@ -14,7 +14,7 @@ bool bench_gl_wanted(const char *filter);
 ost_status bench_gl_open(bench_gl **out, ost_error *err);
 void bench_gl_close(bench_gl *gl); /* gl may be NULL */
 /* Adds the rows of a view: render/gl/VIEW/... */
-ost_status bench_gl_view(bench_gl *gl, const bench_options *options, bench_table *table, const char *view, const ost_surface *surface,
-                         const ost_camera *camera, ost_isa isa, ost_error *err);
+ost_status bench_gl_view(bench_gl *gl, const bench_options *options, bench_table *table, const char *view,
+                         const ost_surface *surface, const ost_camera *camera, ost_isa isa, ost_error *err);
 
 #endif

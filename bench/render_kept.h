@@ -14,7 +14,7 @@
 
 /* Returns true if the filter may select one of its rows. */
 bool bench_kept_wanted(const char *filter);
-ost_status bench_kept(const bench_options *options, bench_table *table, const ost_volume *bone, const ost_glenoid *glenoid, int32_t threshold,
-                      ost_isa isa, ost_error *err);
+ost_status bench_kept(const bench_options *options, bench_table *table, const ost_volume *bone,
+                      const ost_glenoid *glenoid, int32_t threshold, ost_isa isa, ost_error *err);
 
 #endif

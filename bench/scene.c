@@ -100,14 +100,16 @@ int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count)
     return voxels;
 }
 
-ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out, ost_error *err)
+ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out,
+                            ost_error *err)
 {
     enum { SLAB = 64 };
     ost_status status = ost_bone_create(backend, &scene->bone, chunk_size, SCENE_THRESHOLD, out, err);
     for (int32_t z = 0; z < scene->bone.dims.z && status == OST_OK; z += SLAB) {
         int32_t count = scene->bone.dims.z - z < SLAB ? scene->bone.dims.z - z : SLAB;
         int16_t *voxels = bench_scene_slices(scene, z, count);
-        status = voxels ? ost_bone_upload(*out, z, count, voxels, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone's slices");
+        status = voxels ? ost_bone_upload(*out, z, count, voxels, err)
+                        : ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone's slices");
         free(voxels);
     }
     return status;
@@ -132,7 +134,9 @@ static bool enters(const bench_scene *scene, const int32_t base[3], int32_t i, i
 static bool block_enters(const bench_scene *scene, const int32_t first[3])
 {
     int32_t base[3];
-    if (!ost_map_block_base(&scene->map, (ost_dims){first[0] / OST_MAP_BLOCK, first[1] / OST_MAP_BLOCK, first[2] / OST_MAP_BLOCK}, base))
+    if (!ost_map_block_base(&scene->map,
+                            (ost_dims){first[0] / OST_MAP_BLOCK, first[1] / OST_MAP_BLOCK, first[2] / OST_MAP_BLOCK},
+                            base))
         return false;
     for (int32_t k = 0; k < OST_MAP_BLOCK; k++)
         for (int32_t j = 0; j < OST_MAP_BLOCK; j++)
@@ -186,7 +190,8 @@ static void float_map(const ost_map *map, float out[3][4])
 
 ost_status bench_thesis_init(bench_thesis *thesis, const bench_scene *scene, int chunk_size, ost_error *err)
 {
-    const size_t n = (size_t)chunk_size, voxels = n * n * n, tool_voxels = (size_t)ost_dims_count(scene->tool.geometry.dims);
+    const size_t n = (size_t)chunk_size, voxels = n * n * n,
+                 tool_voxels = (size_t)ost_dims_count(scene->tool.geometry.dims);
     const ost_dims d = scene->tool.geometry.dims;
     const int count = pick_chunks(scene, chunk_size, NULL);
     *thesis = (bench_thesis){.bytes = (size_t)count * voxels * sizeof(int16_t)};

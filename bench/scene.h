@@ -50,7 +50,8 @@ void bench_scene_free(bench_scene *scene);
 int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count);
 
 /* Makes the full bone on a backend. */
-ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out, ost_error *err);
+ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out,
+                            ost_error *err);
 
 /* The thesis' event, on separate chunks. */
 typedef struct bench_thesis {

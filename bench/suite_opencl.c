@@ -140,7 +140,8 @@ static ost_status voxelize(opencl *o, const char *name, const ost_mesh *mesh, co
     ost_status status = ost_mesh_snap(mesh, grid, &snapped, o->err);
     for (int s = 0; s < SIDES && status == OST_OK; s++)
         status = make_tool(o, s, &snapped, false, &volumes[s]);
-    o->equal = status == OST_OK && memcmp(volumes[CL].voxels, volumes[REF].voxels, (size_t)ost_dims_count(grid->dims)) == 0;
+    o->equal = status == OST_OK &&
+               memcmp(volumes[CL].voxels, volumes[REF].voxels, (size_t)ost_dims_count(grid->dims)) == 0;
     for (int i = 0; i < bench_repeat(o->options, REPEAT) && status == OST_OK; i++)
         for (int s = CL; s <= CPU && status == OST_OK; s++)
             status = make_tool(o, s, &snapped, true, NULL);
@@ -206,8 +207,10 @@ static ost_status launches(opencl *o, bench_cl *cl)
     if (done)
         bench_row_ours(row, &series);
     else
-        snprintf(row->reason, sizeof row->reason, "OpenCL device '%.100s' cannot run an empty kernel", bench_cl_name(cl));
-    snprintf(row->baseline_reason, sizeof row->baseline_reason, "an empty kernel on %.150s, enqueued and waited for", bench_cl_name(cl));
+        snprintf(row->reason, sizeof row->reason, "OpenCL device '%.100s' cannot run an empty kernel",
+                 bench_cl_name(cl));
+    snprintf(row->baseline_reason, sizeof row->baseline_reason, "an empty kernel on %.150s, enqueued and waited for",
+             bench_cl_name(cl));
     bench_series_free(&series);
     return OST_OK;
 }

@@ -194,7 +194,8 @@ static ost_status repeat(parse *p, ost_backend *backend, bool baseline)
     return status;
 }
 
-static ost_status add_row(parse *p, bench_table *table, const char *name, bench_series *baseline, const char *what, const char *reason)
+static ost_status add_row(parse *p, bench_table *table, const char *name, bench_series *baseline, const char *what,
+                          const char *reason)
 {
     if (p->options->filter && !strstr(name, p->options->filter))
         return OST_OK;

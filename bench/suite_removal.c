@@ -21,7 +21,8 @@
 
 enum { REPEAT = 61, REPEAT_LARGE = 15 };
 static const char THESIS[] = "the thesis' kernel in C, float affine map a voxel, over the event's chunks";
-static const char THESIS_CL[] = "the thesis' kernel in OpenCL on the same device, a launch for each of the event's chunks";
+static const char THESIS_CL[] =
+    "the thesis' kernel in OpenCL on the same device, a launch for each of the event's chunks";
 
 typedef struct removal {
     const bench_options *options;
@@ -77,7 +78,8 @@ static ost_status open_case(removal *r)
         status = bench_thesis_init(&r->thesis, r->scene, r->chunk_size, r->err);
     if (status == OST_OK && r->cl && !bench_cl_take(r->cl, &r->thesis)) {
         r->baseline = false;
-        snprintf(r->baseline_reason, sizeof r->baseline_reason, "OpenCL device '%.100s' cannot hold the event", bench_cl_name(r->cl));
+        snprintf(r->baseline_reason, sizeof r->baseline_reason, "OpenCL device '%.100s' cannot hold the event",
+                 bench_cl_name(r->cl));
     }
     return status;
 }
@@ -101,7 +103,8 @@ static ost_status restore(removal *r)
 static bool same_report(const ost_report *a, const ost_report *b)
 {
     return a->count == b->count && a->total_voxels == b->total_voxels && a->touched_voxels == b->touched_voxels &&
-           memcmp(a->voxels, b->voxels, sizeof a->voxels) == 0 && memcmp(a->density, b->density, sizeof a->density) == 0;
+           memcmp(a->voxels, b->voxels, sizeof a->voxels) == 0 &&
+           memcmp(a->density, b->density, sizeof a->density) == 0;
 }
 
 /* Compares slab by slab, so that the host needs no second copy of a large bone. */
@@ -253,7 +256,8 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
 }
 
 /* stores: times of the event's stores alone (bench_store_rows), a lower bound that is added to the row; NULL: none. */
-static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline, bench_series *stores)
+static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline,
+                          bench_series *stores)
 {
     bench_row *row = bench_row_add(r->table, name, "us", r->threads);
     if (!row)
@@ -311,8 +315,8 @@ static ost_status run_case(removal *r, const char *fresh, const char *cold, cons
     return not_run(r, fresh, cold, steady, status);
 }
 
-static ost_status static_event(const bench_options *options, bench_table *table, bench_scene *scene, int chunk_size, bool one,
-                               ost_error *err)
+static ost_status static_event(const bench_options *options, bench_table *table, bench_scene *scene, int chunk_size,
+                               bool one, ost_error *err)
 {
     char fresh[BENCH_NAME], cold[BENCH_NAME], steady[BENCH_NAME];
     snprintf(cold, sizeof cold, "removal/%s/%d/cold%s", scene->tool_name, chunk_size, one ? "/1" : "");
@@ -342,7 +346,8 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
     static const struct {
         const char *name;
         ost_pm voxel;
-    } voxels[] = {{"1", OST_PM_PER_MM}, {"0.75", 3 * OST_PM_PER_MM / 4}, {"0.5", OST_PM_PER_MM / 2}, {"0.25", OST_PM_PER_MM / 4}};
+    } voxels[] = {
+        {"1", OST_PM_PER_MM}, {"0.75", 3 * OST_PM_PER_MM / 4}, {"0.5", OST_PM_PER_MM / 2}, {"0.25", OST_PM_PER_MM / 4}};
     ost_status status = OST_OK;
     for (size_t v = 0; v < sizeof voxels / sizeof voxels[0] && status == OST_OK; v++) {
         char fresh[BENCH_NAME], steady[BENCH_NAME];
@@ -361,7 +366,8 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
 }
 
 /* Adds a row that cannot be measured, with the reason. */
-static ost_status add_not_run(bench_table *table, const bench_options *options, const char *name, const char *reason, ost_error *err)
+static ost_status add_not_run(bench_table *table, const bench_options *options, const char *name, const char *reason,
+                              ost_error *err)
 {
     bench_row *row;
     if (!bench_wanted(options, name))
@@ -388,7 +394,8 @@ static ost_status bone_sizes(const bench_options *options, bench_table *table, o
             char reason[BENCH_TEXT];
             if (options->quick)
                 continue;
-            snprintf(reason, sizeof reason, "two bones of %d^3 voxels take %.1f GB; less is free here", sides[i], bytes * 1e-9);
+            snprintf(reason, sizeof reason, "two bones of %d^3 voxels take %.1f GB; less is free here", sides[i],
+                     bytes * 1e-9);
             status = add_not_run(table, options, fresh, reason, err);
             if (status == OST_OK)
                 status = add_not_run(table, options, steady, reason, err);

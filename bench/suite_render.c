@@ -30,7 +30,8 @@ typedef struct view {
     double side;        /* sideways component of the view direction, relative to that along the glenoid's axis */
 } view;
 
-static const view views[] = {{"whole", 420, false, 0}, {"oblique", 300, false, 2}, {"glenoid", 90, true, 0}, {"close", 38, true, 0}};
+static const view views[] = {
+    {"whole", 420, false, 0}, {"oblique", 300, false, 2}, {"glenoid", 90, true, 0}, {"close", 38, true, 0}};
 
 typedef struct show {
     const bench_options *options;
@@ -114,7 +115,8 @@ static ost_status camera_of(const show *s, const view *v, ost_camera *camera)
                               1e-9 * ((double)g->origin.y + 0.5 * (double)(g->dims.y * g->spacing.y)),
                               1e-9 * ((double)g->origin.z + 0.5 * (double)(g->dims.z * g->spacing.z))};
     const double face[3] = {1e-9 * (double)at->x, 1e-9 * (double)at->y, 1e-9 * (double)at->z};
-    const double *inward = s->glenoid.axis, axis[3] = {inward[0] - v->side * inward[1], inward[1] + v->side * inward[0], inward[2]};
+    const double *inward = s->glenoid.axis,
+                 axis[3] = {inward[0] - v->side * inward[1], inward[1] + v->side * inward[0], inward[2]};
     const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
     double from[3];
     for (int a = 0; a < 3; a++)
@@ -171,7 +173,8 @@ static ost_status open_frames(show *s, frames *f, int threads)
     return status;
 }
 
-static ost_status draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, bench_series *series, ost_error *err)
+static ost_status draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, bench_series *series,
+                       ost_error *err)
 {
     const int64_t begin = bench_now();
     ost_status status = ost_frame_draw(frame, surface, eye, err);
@@ -237,7 +240,8 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
         row->equal = equal;
         if (equal) {
             bench_row_ours(row, &f.drawn);
-            bench_row_baseline(row, &f.baseline, "every active voxel as a point, as in the thesis, by the same inner loops");
+            bench_row_baseline(row, &f.baseline,
+                               "every active voxel as a point, as in the thesis, by the same inner loops");
             bench_row_extra(row, "p50_ms", bench_series_at(&f.drawn, 0.5) / 1e6);
             bench_row_extra(row, "p99_ms", bench_series_at(&f.drawn, 0.99) / 1e6);
             bench_row_extra(row, "fps", 1e9 / bench_series_at(&f.drawn, 0.5));
@@ -306,7 +310,8 @@ static bool ream_block(const ost_surface_block *b, const double at[3], double ra
 {
     bool any = false;
     for (int row = 0; row < OST_BLOCK_ROWS; row++) {
-        const double y = OST_BLOCK * b->at[1] + row % OST_BLOCK - at[1], z = OST_BLOCK * b->at[2] + row / OST_BLOCK - at[2];
+        const double y = OST_BLOCK * b->at[1] + row % OST_BLOCK - at[1],
+                     z = OST_BLOCK * b->at[2] + row / OST_BLOCK - at[2];
         const double left = radius * radius - y * y - z * z, first = OST_BLOCK * b->at[0] - at[0];
         uint32_t gone = 0;
         for (int x = 0; x < OST_BLOCK && left >= 0 && b->occupied[row]; x++)
@@ -335,7 +340,8 @@ static ost_status add_reaming(show *s, bench_table *table)
     const ost_density_classes classes = ost_density_classes_default();
     ost_status status = ost_volume_init(&before, g, s->err);
     if (status == OST_OK) {
-        memcpy(before.voxels, s->bone.voxels, (size_t)g->dims.x * (size_t)g->dims.y * (size_t)g->dims.z * sizeof *before.voxels);
+        memcpy(before.voxels, s->bone.voxels,
+               (size_t)g->dims.x * (size_t)g->dims.y * (size_t)g->dims.z * sizeof *before.voxels);
         status = ost_uncut_init(&reference, &before, THRESHOLD, &classes, NULL, NULL, s->err);
     }
     if (status == OST_OK)
@@ -353,7 +359,8 @@ static ost_status add_reaming(show *s, bench_table *table)
     for (int i = -1; i < pictures && status == OST_OK; i++) {
         double middle[3];
         for (int a = 0; a < 3; a++)
-            middle[a] = (double)at[a] / (double)g->spacing.x + (STEP_MM * (BEGIN + i) - RADIUS_MM * scale) / mm * s->glenoid.axis[a];
+            middle[a] = (double)at[a] / (double)g->spacing.x +
+                        (STEP_MM * (BEGIN + i) - RADIUS_MM * scale) / mm * s->glenoid.axis[a];
         if (i >= 0 && i % 9 == 0)
             ost_surface_age(&surface);
         for (int32_t b = 0; b < surface.used && status == OST_OK; b++) {
@@ -362,7 +369,8 @@ static ost_status add_reaming(show *s, bench_table *table)
             double away = 0;
             for (int a = 0; a < 3; a++)
                 away += pow(fmax(fabs(OST_BLOCK * block->at[a] + 15.5 - middle[a]) - 16, 0), 2);
-            if (away * mm * mm > RADIUS_MM * RADIUS_MM * scale * scale || !ream_block(block, middle, RADIUS_MM * scale / mm, words))
+            if (away * mm * mm > RADIUS_MM * RADIUS_MM * scale * scale ||
+                !ream_block(block, middle, RADIUS_MM * scale / mm, words))
                 continue;
             status = ost_surface_set(&surface, block->at, words, s->err);
             changed += i >= 0;
@@ -394,7 +402,10 @@ ost_status bench_render(const bench_options *options, bench_table *table, ost_er
     show s = {.options = options, .err = err};
     const bool gl_wanted = bench_gl_wanted(options->filter), kept_wanted = bench_kept_wanted(options->filter);
     bench_gl *gl = NULL;
-    if (!gl_wanted && !kept_wanted && options->filter && !strstr("render/scapula/list render/scapula/looks render/scapula/extract render/scapula/ream render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1", options->filter))
+    if (!gl_wanted && !kept_wanted && options->filter &&
+        !strstr("render/scapula/list render/scapula/looks render/scapula/extract render/scapula/ream "
+                "render/scapula/whole/1 render/scapula/oblique/1 render/scapula/glenoid/1 render/scapula/close/1",
+                options->filter))
         return OST_OK;
     ost_status status = ost_isa_choose(bench_isa(options), &s.isa, err);
     if (status == OST_OK)

@@ -31,7 +31,10 @@ typedef struct step {
 #define TIGHT TURNED, .order = true, .tight = true
 
 static const step steps[] = {
-    {"thesis", "every voxel of the blocks in use, G-buffer of 2 x 128 bits and depth", {.every_voxel = true, SURFACE}, STILL},
+    {"thesis",
+     "every voxel of the blocks in use, G-buffer of 2 x 128 bits and depth",
+     {.every_voxel = true, SURFACE},
+     STILL},
     {"surface", "surface voxels alone", {SURFACE}, STILL},
     {"frustum", "and only blocks in sight", {.frustum = true, SURFACE}, STILL},
     {"facing", "and only points turned to the eye", {TURNED, SURFACE}, STILL},
@@ -42,15 +45,33 @@ static const step steps[] = {
     {"distance", "depth by the distance of the voxel's centre", {TIGHT}, STILL},
     {"lines", "coverage by lines, not slabs", {TIGHT, .lines = true}, STILL},
     {"occlusion", "and only cells of 8^3 voxels that no others hide", {TIGHT, .lines = true, .occlusion = true}, STILL},
-    {"tiles", "the same, and a shader finds what hides, as on a graphics card", {TIGHT, .lines = true, .occlusion = true, .tiles = true}, STILL},
+    {"tiles",
+     "the same, and a shader finds what hides, as on a graphics card",
+     {TIGHT, .lines = true, .occlusion = true, .tiles = true},
+     STILL},
     {"moving", "lines, from an eye that moves", {TIGHT, .lines = true}, MOVING},
-    {"moving-occlusion", "the same, and only cells that no others hide", {TIGHT, .lines = true, .occlusion = true}, MOVING},
+    {"moving-occlusion",
+     "the same, and only cells that no others hide",
+     {TIGHT, .lines = true, .occlusion = true},
+     MOVING},
     {"forward", "lines without a G-buffer", {TIGHT, .lines = true, .target = OST_GL_FORWARD}, STILL},
     {"bricks", "a point for 4^3 voxels", {.frustum = true, .order = true, .tight = true, .bricks = true}, STILL},
-    {"bricks-occlusion", "the same of cells that no others hide", {.frustum = true, .order = true, .tight = true, .bricks = true, .occlusion = true}, STILL},
-    {"bricks-forward", "bricks without a G-buffer", {.frustum = true, .order = true, .tight = true, .bricks = true, .target = OST_GL_FORWARD}, STILL},
-    {"ours", "points or bricks, whichever suits: --renderer gl", {TIGHT, .lines = true, .occlusion = true, .choose = true}, STILL},
-    {"ours-read", "the same, and the picture read back", {TIGHT, .lines = true, .occlusion = true, .choose = true}, READ},
+    {"bricks-occlusion",
+     "the same of cells that no others hide",
+     {.frustum = true, .order = true, .tight = true, .bricks = true, .occlusion = true},
+     STILL},
+    {"bricks-forward",
+     "bricks without a G-buffer",
+     {.frustum = true, .order = true, .tight = true, .bricks = true, .target = OST_GL_FORWARD},
+     STILL},
+    {"ours",
+     "points or bricks, whichever suits: --renderer gl",
+     {TIGHT, .lines = true, .occlusion = true, .choose = true},
+     STILL},
+    {"ours-read",
+     "the same, and the picture read back",
+     {TIGHT, .lines = true, .occlusion = true, .choose = true},
+     READ},
 };
 enum { STEPS = sizeof steps / sizeof *steps };
 
@@ -109,7 +130,8 @@ static int differing(const ost_frame *a, const ost_frame *b)
 }
 
 /* number: of the frame; in frame 0 the camera is at the view's position. */
-static ost_status draw(ost_gl *gl, const step *s, const ost_frame_thing *still, int number, ost_frame *frame, bench_series *series, ost_error *err)
+static ost_status draw(ost_gl *gl, const step *s, const ost_frame_thing *still, int number, ost_frame *frame,
+                       bench_series *series, ost_error *err)
 {
     enum { PERIOD = 32 };
     const int along = number % PERIOD < PERIOD / 2 ? number % PERIOD : PERIOD - number % PERIOD;
@@ -126,8 +148,8 @@ static ost_status draw(ost_gl *gl, const step *s, const ost_frame_thing *still, 
     return status;
 }
 
-static ost_status add(bench_gl *b, const bench_options *options, bench_table *table, const char *name, const step *s, const ost_frame_thing *thing,
-                      const ost_frame *reference, ost_frame *frame, ost_error *err)
+static ost_status add(bench_gl *b, const bench_options *options, bench_table *table, const char *name, const step *s,
+                      const ost_frame_thing *thing, const ost_frame *reference, ost_frame *frame, ost_error *err)
 {
     bench_series series = {0}, thesis = {0};
     const bool is_ours = strcmp(s->name, "ours") == 0, slow = s->variant.target == OST_GL_WIDE;
@@ -159,7 +181,8 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
         if (equal)
             bench_row_ours(row, &series);
         if (equal && is_ours)
-            bench_row_baseline(row, &thesis, "the thesis' frame by the same OpenGL: every voxel of every block in use a point");
+            bench_row_baseline(row, &thesis,
+                               "the thesis' frame by the same OpenGL: every voxel of every block in use a point");
         else
             snprintf(row->baseline_reason, sizeof row->baseline_reason, "a step on the way: %s", s->is);
         bench_row_extra(row, "p99_ms", bench_series_at(&series, 0.99) / 1e6);
@@ -176,12 +199,14 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     return status;
 }
 
-ost_status bench_gl_view(bench_gl *gl, const bench_options *options, bench_table *table, const char *view, const ost_surface *surface,
-                         const ost_camera *camera, ost_isa isa, ost_error *err)
+ost_status bench_gl_view(bench_gl *gl, const bench_options *options, bench_table *table, const char *view,
+                         const ost_surface *surface, const ost_camera *camera, ost_isa isa, ost_error *err)
 {
-    const ost_frame_thing thing = {.surface = surface, .eye = ost_eye_make(camera, &surface->geometry), .paint = OST_PAINT_BONE};
+    const ost_frame_thing thing = {
+        .surface = surface, .eye = ost_eye_make(camera, &surface->geometry), .paint = OST_PAINT_BONE};
     ost_frame reference = {0}, frame = {0};
-    ost_status status = ost_frame_init(&reference, camera->width, camera->height, OST_STYLE_FACES, isa, options->threads, err);
+    ost_status status = ost_frame_init(&reference, camera->width, camera->height, OST_STYLE_FACES, isa,
+                                       options->threads, err);
     if (status == OST_OK)
         status = ost_frame_init(&frame, camera->width, camera->height, OST_STYLE_FACES, isa, 1, err);
     if (status == OST_OK)

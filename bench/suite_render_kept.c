@@ -27,7 +27,10 @@ typedef struct view {
 } view;
 
 /* close: the reamer fills the frame. */
-static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0}, {"en-face", OST_VIEW_EN_FACE, 0}, {"operator", OST_VIEW_OPERATOR, 0}, {"close", OST_VIEW_EN_FACE, 38}};
+static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0},
+                             {"en-face", OST_VIEW_EN_FACE, 0},
+                             {"operator", OST_VIEW_OPERATOR, 0},
+                             {"close", OST_VIEW_EN_FACE, 38}};
 
 /* ------------------------------------------------------------------- stages */
 
@@ -40,7 +43,8 @@ static struct {
     int64_t ns[STAGES];
 } clocked;
 
-static uint32_t facing(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out)
+static uint32_t facing(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
+                       ost_chosen *out)
 {
     const int64_t begin = bench_now();
     const uint32_t count = clocked.kernels.facing(block, slot, turned, out);
@@ -55,15 +59,16 @@ static void tint(const ost_light *light, const uint32_t *shade, uint32_t count, 
     clocked.ns[TINTS] += bench_now() - begin;
 }
 
-static void splat(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
-                  const ost_extent *part)
+static void splat(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
+                  const ost_planes *planes, const ost_extent *part)
 {
     const int64_t begin = bench_now();
     clocked.kernels.splat(eye, visible, slot, count, planes, part);
     clocked.ns[SPLAT] += bench_now() - begin;
 }
 
-static void resolve(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1)
+static void resolve(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
+                    int x1)
 {
     const int64_t begin = bench_now();
     clocked.kernels.resolve(eye, visible, planes, y, x0, x1);
@@ -281,12 +286,15 @@ static void add_row(bench_row *row, figures *f)
 {
     static const char *const names[2][STAGES] = {
         {"kept_points_ms", "kept_tints_ms", "kept_splat_ms", "kept_hidden_ms", "kept_resolve_ms", "kept_merge_ms"},
-        {"whole_points_ms", "whole_tints_ms", "whole_splat_ms", "whole_hidden_ms", "whole_resolve_ms", "whole_merge_ms"}};
+        {"whole_points_ms", "whole_tints_ms", "whole_splat_ms", "whole_hidden_ms", "whole_resolve_ms",
+         "whole_merge_ms"}};
     bench_row_ours(row, &f->kept);
     bench_row_baseline(row, &f->redrawn, "the same frame drawn whole");
     bench_row_extra(row, "p99_ms", bench_series_at(&f->kept, 0.99) / 1e6);
-    bench_row_extra(row, "drawn_share", (double)f->cells / f->frames / (WIDTH / OST_CELL_WIDTH * HEIGHT / OST_CELL_HEIGHT));
-    bench_row_extra(row, "put_back_share", (double)f->stale / f->frames / (WIDTH / OST_CELL_WIDTH * HEIGHT / OST_CELL_HEIGHT));
+    bench_row_extra(row, "drawn_share",
+                    (double)f->cells / f->frames / (WIDTH / OST_CELL_WIDTH * HEIGHT / OST_CELL_HEIGHT));
+    bench_row_extra(row, "put_back_share",
+                    (double)f->stale / f->frames / (WIDTH / OST_CELL_WIDTH * HEIGHT / OST_CELL_HEIGHT));
     bench_row_extra(row, "changed_chunks", (double)f->chunks / f->frames);
     for (int i = 0; i < 2; i++)
         for (int j = 0; j < STAGES && f->staged; j++)
@@ -308,8 +316,8 @@ bool bench_kept_wanted(const char *filter)
     return wanted;
 }
 
-ost_status bench_kept(const bench_options *options, bench_table *table, const ost_volume *bone, const ost_glenoid *glenoid, int32_t threshold,
-                      ost_isa isa, ost_error *err)
+ost_status bench_kept(const bench_options *options, bench_table *table, const ost_volume *bone,
+                      const ost_glenoid *glenoid, int32_t threshold, ost_isa isa, ost_error *err)
 {
     char name[BENCH_NAME];
     ost_status status = OST_OK;

@@ -79,7 +79,8 @@ typedef struct machine {
 
 static ost_status open_machine(sequence_run *s, const char *backend, machine *m)
 {
-    ost_status status = backend ? ost_backend_open(backend, &m->backend, s->err) : bench_backend(s->options, 1, &m->backend, s->err);
+    ost_status status = backend ? ost_backend_open(backend, &m->backend, s->err)
+                                : bench_backend(s->options, 1, &m->backend, s->err);
     if (status == OST_OK)
         status = ost_tool_upload(m->backend, &s->scene.tool, &m->tool, s->err);
     if (status == OST_OK)
@@ -98,7 +99,8 @@ static ost_status run_events(sequence_run *s, machine *m, ost_report *report)
 {
     ost_status status = OST_OK;
     for (int i = 0; i < s->count && status == OST_OK; i++) {
-        const ost_event event = {.pose_count = 1, .maps = &s->maps[i], .boxes = &s->boxes[i], .classes = &s->scene.classes};
+        const ost_event event = {
+            .pose_count = 1, .maps = &s->maps[i], .boxes = &s->boxes[i], .classes = &s->scene.classes};
         int64_t begin = bench_now();
         status = ost_bone_remove(m->bone, m->tool, &event, report, s->err);
         s->ns[i] = (double)(bench_now() - begin);
@@ -193,7 +195,8 @@ static ost_status run_thesis(sequence_run *s, bench_series *means, double *chunk
     return status;
 }
 
-static ost_status sequence(const bench_options *options, bench_table *table, const char *name, sequence_kind kind, ost_error *err)
+static ost_status sequence(const bench_options *options, bench_table *table, const char *name, sequence_kind kind,
+                           ost_error *err)
 {
     sequence_run s = {.options = options, .err = err};
     machine ours = {0};

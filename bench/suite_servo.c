@@ -38,11 +38,13 @@ static ost_status run(const bench_options *options, int64_t spin_us, bench_row *
     loop l = {.spin_ns = spin_us * 1000};
     ost_haptic *device = NULL;
     ost_servo_report *report = malloc(sizeof *report);
-    ost_status status = report ? ost_haptic_open("null", NULL, &device, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of a servo loop");
+    ost_status status = report ? ost_haptic_open("null", NULL, &device, err)
+                               : ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of a servo loop");
     if (status == OST_OK) {
         const int core = ost_servo_core();
-        const ost_servo_options how = {
-            .ticks = options->quick ? QUICK_TICKS : (uint64_t)bench_repeat(options, TICKS), .pinned = core >= 0, .core = core};
+        const ost_servo_options how = {.ticks = options->quick ? QUICK_TICKS : (uint64_t)bench_repeat(options, TICKS),
+                                       .pinned = core >= 0,
+                                       .core = core};
         status = ost_servo_run(device, &how, tick, NULL, &l, report, err);
     }
     if (status == OST_OK) {
@@ -73,7 +75,8 @@ ost_status bench_servo(const bench_options *options, bench_table *table, ost_err
         if (!bench_wanted(options, rows[i].name))
             continue;
         bench_row *row = bench_row_add(table, rows[i].name, "us", 1);
-        status = row ? run(options, rows[i].spin_us, row, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
+        status = row ? run(options, rows[i].spin_us, row, err)
+                     : ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
     }
     return status;
 }

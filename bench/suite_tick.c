@@ -57,7 +57,8 @@ static ost_status verify(const bench_scene *scene, ticker *ours, bool *equal, os
     ost_backend *backend = NULL;
     const size_t bytes = (size_t)ost_dims_count(scene->bone.dims) * sizeof(int16_t);
     int16_t *a = malloc(bytes), *b = malloc(bytes);
-    ost_status status = a && b ? ost_backend_open("ref", &backend, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for the comparison of bones");
+    ost_status status = a && b ? ost_backend_open("ref", &backend, err)
+                               : ost_fail(err, OST_ERR_MEMORY, "out of memory for the comparison of bones");
     if (status == OST_OK)
         status = open_ticker(scene, backend, &ref, err);
     if (status == OST_OK)
@@ -76,8 +77,8 @@ static ost_status verify(const bench_scene *scene, ticker *ours, bool *equal, os
     return status;
 }
 
-static ost_status add_row(const bench_options *options, bench_table *table, const char *name, bool equal, bench_series *ours,
-                          bench_series *thesis, const char *reason, int chunks, ost_error *err)
+static ost_status add_row(const bench_options *options, bench_table *table, const char *name, bool equal,
+                          bench_series *ours, bench_series *thesis, const char *reason, int chunks, ost_error *err)
 {
     if (options->filter && !strstr(name, options->filter))
         return OST_OK;
@@ -139,9 +140,11 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
         }
     }
     if (status == OST_OK)
-        status = add_row(options, table, "tick/reamer/32", equal, &fresh, &thesis_fresh, reason, thesis.event.chunk_count, err);
+        status = add_row(options, table, "tick/reamer/32", equal, &fresh, &thesis_fresh, reason,
+                         thesis.event.chunk_count, err);
     if (status == OST_OK)
-        status = add_row(options, table, "tick/reamer/32/steady", equal, &steady, &thesis_steady, reason, thesis.event.chunk_count, err);
+        status = add_row(options, table, "tick/reamer/32/steady", equal, &steady, &thesis_steady, reason,
+                         thesis.event.chunk_count, err);
     bench_series_free(&fresh);
     bench_series_free(&steady);
     bench_series_free(&thesis_fresh);

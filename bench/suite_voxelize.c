@@ -136,7 +136,8 @@ static ost_status repeat(voxelize *v, int count)
 {
     const ost_dims d = v->mesh.grid.dims;
     v->bits = calloc((size_t)(d.x + 63) / 64 * (size_t)d.y * (size_t)d.z, sizeof *v->bits);
-    ost_status status = v->bits ? time_ours(v, NULL) : ost_fail(v->err, OST_ERR_MEMORY, "out of memory for the baseline's bits");
+    ost_status status = v->bits ? time_ours(v, NULL)
+                                : ost_fail(v->err, OST_ERR_MEMORY, "out of memory for the baseline's bits");
     if (status == OST_OK)
         time_embree(v, false, NULL);
     for (int i = 0; i < count && status == OST_OK; i++) {
@@ -166,7 +167,8 @@ static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
     const bool low = bench_series_at(&v->embree[1], 0) < bench_series_at(&v->embree[0], 0);
     bench_row_ours(row, ours);
     bench_row_baseline(row, &v->embree[low],
-                       low ? "Embree ray packets with an all-hits filter, bits out, fast build" : "Embree ray packets with an all-hits filter, bits out");
+                       low ? "Embree ray packets with an all-hits filter, bits out, fast build"
+                           : "Embree ray packets with an all-hits filter, bits out");
     if (!v->has_embree)
         snprintf(row->baseline_reason, sizeof row->baseline_reason,
                  "Embree is not built in; install libembree-dev and build again");
@@ -238,7 +240,8 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     if (bytes > (double)bench_memory()) {
         bench_row *row = bench_row_add(table, full, "ms", options->threads);
         if (row)
-            snprintf(row->reason, sizeof row->reason, "comparing two grids of %d^3 voxels takes %.1f GB; less is free here", side, bytes * 1e-9);
+            snprintf(row->reason, sizeof row->reason,
+                     "comparing two grids of %d^3 voxels takes %.1f GB; less is free here", side, bytes * 1e-9);
         return row ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a row");
     }
     ost_status status = make(side * CUBE_VOXEL, &mesh, err);

@@ -16,7 +16,8 @@
 #include <CL/cl.h>
 
 static const char source[] =
-    "__kernel void thesis_remove(__global short *chunk, __global const short *tool, float4 to_x, float4 to_y, float4 to_z, int4 dims,\n"
+    "__kernel void thesis_remove(__global short *chunk, __global const short *tool, float4 to_x, float4 to_y, float4 "
+    "to_z, int4 dims,\n"
     "                            int4 corner, int n)\n"
     "{\n"
     "    const int x = (int)get_global_id(0), y = (int)get_global_id(1), z = (int)get_global_id(2);\n"
@@ -74,8 +75,10 @@ static bool find_device(bench_cl *cl, const char *backend, char reason[BENCH_TEX
         snprintf(reason, BENCH_TEXT, "OpenCL has no platform %d here; osteon devices shows what there is", platform);
         return false;
     }
-    if (clGetDeviceIDs(platforms[platform], CL_DEVICE_TYPE_ALL, 64, devices, &count) != CL_SUCCESS || (cl_uint)device >= count) {
-        snprintf(reason, BENCH_TEXT, "OpenCL platform %d has no device %d; osteon devices shows what there is", platform, device);
+    if (clGetDeviceIDs(platforms[platform], CL_DEVICE_TYPE_ALL, 64, devices, &count) != CL_SUCCESS ||
+        (cl_uint)device >= count) {
+        snprintf(reason, BENCH_TEXT, "OpenCL platform %d has no device %d; osteon devices shows what there is",
+                 platform, device);
         return false;
     }
     cl->device = devices[device];
@@ -170,11 +173,12 @@ bool bench_cl_take(bench_cl *cl, const bench_thesis *thesis)
     drop_event(cl);
     cl->chunks = calloc((size_t)thesis->event.chunk_count, sizeof *cl->chunks);
     cl->count = cl->chunks ? thesis->event.chunk_count : 0;
-    cl->tool = clCreateBuffer(cl->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, (size_t)d[0] * (size_t)d[1] * (size_t)d[2] * sizeof *thesis->tool,
-                              thesis->tool, &code);
+    cl->tool = clCreateBuffer(cl->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+                              (size_t)d[0] * (size_t)d[1] * (size_t)d[2] * sizeof *thesis->tool, thesis->tool, &code);
     bool made = cl->tool && cl->chunks;
     for (int c = 0; c < cl->count && made; c++)
-        made = (cl->chunks[c] = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, chunk_bytes(thesis), NULL, &code)) != NULL;
+        made = (cl->chunks[c] = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, chunk_bytes(thesis), NULL, &code)) !=
+               NULL;
     return made && bench_cl_restore(cl, thesis);
 }
 
@@ -183,8 +187,9 @@ bool bench_cl_restore(bench_cl *cl, const bench_thesis *thesis)
     const size_t bytes = chunk_bytes(thesis);
     bool done = true;
     for (int c = 0; c < cl->count && done; c++)
-        done = clEnqueueWriteBuffer(cl->queue, cl->chunks[c], CL_TRUE, 0, bytes, thesis->full + (size_t)c * bytes / sizeof *thesis->full, 0,
-                                    NULL, NULL) == CL_SUCCESS;
+        done = clEnqueueWriteBuffer(cl->queue, cl->chunks[c], CL_TRUE, 0, bytes,
+                                    thesis->full + (size_t)c * bytes / sizeof *thesis->full, 0, NULL,
+                                    NULL) == CL_SUCCESS;
     return done;
 }
 
@@ -192,7 +197,8 @@ bool bench_cl_fetch(bench_cl *cl, bench_thesis *thesis)
 {
     bool done = true;
     for (int c = 0; c < cl->count && done; c++)
-        done = clEnqueueReadBuffer(cl->queue, cl->chunks[c], CL_TRUE, 0, chunk_bytes(thesis), thesis->chunks[c], 0, NULL, NULL) == CL_SUCCESS;
+        done = clEnqueueReadBuffer(cl->queue, cl->chunks[c], CL_TRUE, 0, chunk_bytes(thesis), thesis->chunks[c], 0,
+                                   NULL, NULL) == CL_SUCCESS;
     return done;
 }
 

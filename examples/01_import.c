@@ -36,8 +36,8 @@ int main(int argc, char **argv)
     if (status) /* one line: the file, the position in it, the value, what was expected */
         fprintf(stderr, "01_import: %s\n", err.text);
     else
-        printf("%lld active voxels in %lld of %lld chunks\n", (long long)info.active_voxels, (long long)info.active_chunks,
-               (long long)info.chunks);
+        printf("%lld active voxels in %lld of %lld chunks\n", (long long)info.active_voxels,
+               (long long)info.active_chunks, (long long)info.chunks);
 
     /* Free the objects first, then their backend. NULL is allowed everywhere. */
     ost_bone_free(bone);

@@ -33,7 +33,8 @@ bool holds(uint bit)
 
 vec3 voxel(uint bit)
 {
-    uvec3 at = uvec3((what.x & 7u) << 2 | (bit & 3u), (what.x >> 3 & 7u) << 2 | (bit >> 2 & 3u), (what.x >> 6 & 7u) << 2 | bit >> 4);
+    uvec3 at = uvec3((what.x & 7u) << 2 | (bit & 3u), (what.x >> 3 & 7u) << 2 | (bit >> 2 & 3u),
+                     (what.x >> 6 & 7u) << 2 | bit >> 4);
     PRECISE vec3 c = base + vec3(at);
     return c;
 }
@@ -88,7 +89,8 @@ void main()
          */
         float slow = max(max(least.x ? width.x : 0.0, least.y ? width.y : 0.0), least.z ? width.z : 0.0);
         vec3 apart = (next - first) / max(width, vec3(slow));
-        edge = any(lessThan(mix(apart, vec3(1.0), least), vec3(CLOSE))) || (int(least.x) + int(least.y) + int(least.z) > 1);
+        edge = any(lessThan(mix(apart, vec3(1.0), least), vec3(CLOSE))) ||
+               (int(least.x) + int(least.y) + int(least.z) > 1);
         cell += direction * ivec3(least);
         if (any(lessThan(cell, ivec3(0))) || any(greaterThan(cell, ivec3(3))))
             break;
@@ -98,7 +100,8 @@ void main()
         found = nearest_of_all(ray_d, bit);
     if (!found)
         discard;
-    uint below = bit < 32u ? ones(what.y & ((1u << bit) - 1u)) : ones(what.y) + ones(what.z & ((1u << (bit - 32u)) - 1u));
+    uint below = bit < 32u ? ones(what.y & ((1u << bit) - 1u))
+                           : ones(what.y) + ones(what.z & ((1u << (bit - 32u)) - 1u));
     uint tint = tint_of(texelFetch(shades, int(what.w + below)).r);
     float depth;
     uint face = enter(voxel(bit), ray_d, depth);

@@ -32,7 +32,8 @@ bool rectangle_of(vec3 o, float side, out vec4 r)
     float focal = eye_at.w, inverse = 1.0 / z, tx = x * inverse, ty = y * inverse, k = side * focal / nearest;
     float hx = spread(eye_right.xyz, tx) * k + 0.01, hy = spread(eye_up.xyz, ty) * k + 0.01;
     float px = tx * focal + (axis_0.w - 0.5), py = (axis_1.w - 0.5) - ty * focal;
-    r = vec4(clamp(ceil(px - hx), 0.0, frame.x), clamp(floor(px + hx), -1.0, frame.x - 1.0), clamp(ceil(py - hy), 0.0, frame.y),
+    r = vec4(clamp(ceil(px - hx), 0.0, frame.x), clamp(floor(px + hx), -1.0, frame.x - 1.0),
+             clamp(ceil(py - hy), 0.0, frame.y),
              clamp(floor(py + hy), -1.0, frame.y - 1.0));
     return r.x <= r.y && r.z <= r.w;
 }

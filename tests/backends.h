@@ -85,7 +85,8 @@ static inline int test_rounds(int n)
     const char *lengthy = getenv("OST_TEST_LONG");
     const char *first = test_backends() + strspn(test_backends(), " ");
     const size_t length = strlen(test_backend);
-    const bool all = (lengthy && strcmp(lengthy, "1") == 0) || (strncmp(first, test_backend, length) == 0 && strchr(" ", first[length]));
+    const bool all = (lengthy && strcmp(lengthy, "1") == 0) ||
+                     (strncmp(first, test_backend, length) == 0 && strchr(" ", first[length]));
     return all ? n : (n + 2) / 3;
 }
 

@@ -90,11 +90,13 @@ int campaign_cores(void)
     return 1;
 }
 
-ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *o, campaign *out, ost_error *err)
+ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *o, campaign *out,
+                        ost_error *err)
 {
     const size_t count = (size_t)subjects->count, cells = (size_t)p->count * count;
     runner r = {.c = out, .o = o};
-    *out = (campaign){.plan = p, .subjects = subjects, .begun = time(NULL), .jobs = o->jobs ? o->jobs : campaign_cores()};
+    *out = (campaign){
+        .plan = p, .subjects = subjects, .begun = time(NULL), .jobs = o->jobs ? o->jobs : campaign_cores()};
     out->jobs = out->jobs < WORKERS_MAX ? out->jobs : WORKERS_MAX;
     out->results = calloc(cells ? cells : 1, sizeof *out->results);
     out->ranges = calloc((size_t)p->count + 1, sizeof *out->ranges);
@@ -105,7 +107,8 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
     r.gone = calloc(count, sizeof *r.gone);
     r.last_words = calloc(count, sizeof *r.last_words);
     ost_status status = OST_OK;
-    if (!out->results || !out->ranges || !out->lines || !out->seconds || !out->paths || !r.ends || !r.gone || !r.last_words)
+    if (!out->results || !out->ranges || !out->lines || !out->seconds || !out->paths || !r.ends || !r.gone ||
+        !r.last_words)
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu results", cells);
     if (status == OST_OK)
         status = dumps_check(out, err);

@@ -65,7 +65,8 @@ typedef struct campaign_options {
     void *user;
     /* Called for each difference while both traces exist, in the order of the backends and cases of a batch; c->results
        has the difference. May be NULL. */
-    void (*differs)(void *keeper, const struct campaign *c, int case_index, int subject_index, const trace *got, compare_range in_got);
+    void (*differs)(void *keeper, const struct campaign *c, int case_index, int subject_index, const trace *got,
+                    compare_range in_got);
     void *keeper;
     /* Called when cases [first, first + count) are judged; the reference's trace of them is freed afterwards.
        May be NULL. */
@@ -92,7 +93,8 @@ typedef struct campaign {
     int shown;                 /* equal results of other backends in cases that the reference did not refuse */
 } campaign;
 
-ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *options, campaign *out, ost_error *err);
+ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *options, campaign *out,
+                        ost_error *err);
 void campaign_free(campaign *c);
 
 /* Returns the number of cores that this process may use. */

@@ -69,11 +69,13 @@ static void show_differences(runner *r, const batch *b)
     for (int s = 1; s < c->subjects->count; s++)
         for (int i = b->first; i < b->end; i++)
             for (const stored_trace *k = b->stored_traces; k; k = k->next) {
-                if (k->subject_index != s || i < k->from || i >= k->from + k->judged || verdict_of(c, i, s)->verdict != CASE_DIFFERS)
+                if (k->subject_index != s || i < k->from || i >= k->from + k->judged ||
+                    verdict_of(c, i, s)->verdict != CASE_DIFFERS)
                     continue;
                 const compare_range range = compare_find(&k->got, (uint32_t)i);
                 case_result *one = verdict_of(c, i, s);
-                one->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], &k->got, range, &one->difference);
+                one->found = finding_of_case(&c->plan->cases[i], &c->reference, c->ranges[i], &k->got, range,
+                                             &one->difference);
                 one->margins = verdict_margins(c, i, &k->got, range, r->o->apart);
                 if (r->o->differs)
                     r->o->differs(r->o->keeper, c, i, s, &k->got, range);

@@ -51,7 +51,8 @@ ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *er
         return status;
     }
     scratch_name(fd, name);
-    status = dump_trace(dump_of(c, subject_index), c->plan, b->first, b->end, &b->reference, c->ranges, name, compared, err);
+    status = dump_trace(dump_of(c, subject_index), c->plan, b->first, b->end, &b->reference, c->ranges, name, compared,
+                        err);
     if (status == OST_OK)
         status = trace_open(name, &got, err);
     close(fd);

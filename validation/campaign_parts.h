@@ -83,10 +83,11 @@ ost_status runner_ended(runner *r, int which, const worker_result *end, ost_erro
 /* Enters the results of the reference. Fails if the reference did not finish, since nothing can be compared then. */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
 /* Enters the verdicts of a backend's trace and, if its worker ended prematurely, of the case in which it ended. */
-ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end, ost_error *err);
+ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end,
+                              ost_error *err);
 /* Judges cases [from, until) of a backend's trace; *judged receives the number of them that the trace has complete. */
-ost_status results_judge(runner *r, const batch *b, int subject_index, const trace *got, int from, int until, int *judged, bool *differs,
-                         ost_error *err);
+ost_status results_judge(runner *r, const batch *b, int subject_index, const trace *got, int from, int until,
+                         int *judged, bool *differs, ost_error *err);
 
 /* ---- campaign_dump.c */
 

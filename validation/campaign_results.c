@@ -35,8 +35,8 @@ static void store_seconds(const runner *r, int subject_index, const trace *got, 
         verdict_of(r->c, from + (int)k, subject_index)->seconds = 1e-6 * (double)trace_word_at(words, k);
 }
 
-ost_status results_judge(runner *r, const batch *b, int subject_index, const trace *got, int from, int until, int *judged, bool *differs,
-                         ost_error *err)
+ost_status results_judge(runner *r, const batch *b, int subject_index, const trace *got, int from, int until,
+                         int *judged, bool *differs, ost_error *err)
 {
     ost_status status = OST_OK;
     *judged = verdict_judge(r->c, &b->reference, subject_index, got, from, until, differs);
@@ -90,7 +90,8 @@ ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_re
     return status;
 }
 
-ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end, ost_error *err)
+ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end,
+                              ost_error *err)
 {
     task *t = &b->tasks[subject_index];
     bool differs;

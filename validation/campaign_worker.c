@@ -20,10 +20,11 @@ ost_status runner_start(runner *r, int number, int subject_index, ost_error *err
     batch *b = batch_of(r, number);
     slot *s = &r->slots[r->running];
     char seed[32], shard[32], first[16], end[16], tier[16], trace_path[32], given[64];
-    const char *words[CAMPAIGN_WORDS] = {r->o->program, "validate", "--worker", r->c->subjects->subjects[subject_index].spec,
-                                         "--trace",     trace_path, "--tier",   tier,
-                                         "--seed",      seed,       "--shard",  shard,
-                                         "--from",      first,      "--to",     end};
+    const char *words[CAMPAIGN_WORDS] = {
+        r->o->program, "validate", "--worker", r->c->subjects->subjects[subject_index].spec,
+        "--trace",     trace_path, "--tier",   tier,
+        "--seed",      seed,       "--shard",  shard,
+        "--from",      first,      "--to",     end};
     size_t n = 16;
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)p->seed);
     snprintf(shard, sizeof shard, "%d/%d", p->shard, p->shards);
@@ -79,16 +80,20 @@ static void count_bytes(runner *r)
 }
 
 /*
- * Fails if the worker could not get memory, a descriptor or a file: it computed nothing, so its end allows no verdict on the
- * backend. The same holds for SIGKILL. This program sends it only to a worker that exceeded its time (WORKER_LATE), so any
- * other SIGKILL came from outside, usually from the kernel when memory was exhausted.
+ * Fails if the worker could not get memory, a descriptor or a file: it computed nothing, so its end
+ * allows no verdict on the backend. The same holds for SIGKILL. This program sends it only to a
+ * worker that exceeded its time (WORKER_LATE), so any other SIGKILL came from outside, usually from
+ * the kernel when memory was exhausted.
  */
 static ost_status resources_left(const char *spec, const worker_result *end, ost_error *err)
 {
     enum { LOADER_FAILED = 127 }; /* exit status of a program whose libraries could not be opened */
     if (end->end == WORKER_CRASHED && end->code == SIGKILL)
-        return ost_fail(err, OST_ERR_IO, "the worker of %s was ended from outside by SIGKILL, as the kernel does when memory runs out, so that nothing is said about %s; "
-                        "fewer --jobs need less memory", spec, spec);
+        return ost_fail(err, OST_ERR_IO,
+                        "the worker of %s was ended from outside by SIGKILL, as the kernel does when memory runs out, "
+                        "so that nothing is said about %s; "
+                        "fewer --jobs need less memory",
+                        spec, spec);
     if (end->end != WORKER_FAILED || (end->code != WORKER_EXIT_RESOURCES && end->code != LOADER_FAILED))
         return OST_OK;
     return ost_fail(err, OST_ERR_IO,
@@ -135,7 +140,8 @@ ost_status runner_ended(runner *r, int which, const worker_result *end, ost_erro
     if (status == OST_OK && got.complete)
         status = paths_add(&r->c->paths[s.subject_index], &got.records[got.count - 1], err);
     if (status == OST_OK)
-        status = s.subject_index == 0 ? results_of_reference(r, b, &got, end, err) : results_of_subject(r, b, s.subject_index, &got, end, err);
+        status = s.subject_index == 0 ? results_of_reference(r, b, &got, end, err)
+                                      : results_of_subject(r, b, s.subject_index, &got, end, err);
     trace_free(&got);
     return status;
 }

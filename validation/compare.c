@@ -36,7 +36,8 @@ static int32_t voxel_at(const trace_block_view *b, size_t i)
 
 static bool same_location(const trace_block_view *a, const trace_block_view *b)
 {
-    return memcmp(a->lo, b->lo, sizeof a->lo) == 0 && memcmp(&a->dims, &b->dims, sizeof a->dims) == 0 && a->voxel_bytes == b->voxel_bytes;
+    return memcmp(a->lo, b->lo, sizeof a->lo) == 0 && memcmp(&a->dims, &b->dims, sizeof a->dims) == 0 &&
+           a->voxel_bytes == b->voxel_bytes;
 }
 
 static bool before(const int32_t a[3], const int32_t b[3])
@@ -56,7 +57,8 @@ static void compare_block(const trace_block_view *a, const trace_block_view *b, 
         const int32_t ref = voxel_at(a, i), got = voxel_at(b, i);
         if (ref == got)
             continue;
-        const int32_t at[3] = {a->lo[0] + (int32_t)(i % wide), a->lo[1] + (int32_t)(i / wide % high), a->lo[2] + (int32_t)(i / wide / high)};
+        const int32_t at[3] = {a->lo[0] + (int32_t)(i % wide), a->lo[1] + (int32_t)(i / wide % high),
+                               a->lo[2] + (int32_t)(i / wide / high)};
         if (first && (out->voxels == 0 || before(at, out->voxel))) {
             memcpy(out->voxel, at, sizeof at);
             out->voxel_ref = ref;
@@ -79,24 +81,32 @@ static int order(const trace_block_view *a, const trace_block_view *b)
 enum { LEAF_BYTES = 2 * OST_LEAF * OST_LEAF * OST_LEAF };
 
 /* Copies the part of a complete grid's block that a leaf covers. Returns false if the leaf is not inside the grid. */
-static bool cut_leaf(const trace_block_view *block, const trace_block_view *location, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
+static bool cut_leaf(const trace_block_view *block, const trace_block_view *location, uint8_t leaf[LEAF_BYTES],
+                     trace_block_view *out)
 {
     *out = *location;
     out->voxels = leaf;
-    if (block->voxel_bytes != 2 || block->lo[0] || block->lo[1] || block->lo[2] || location->dims.x > OST_LEAF || location->dims.y > OST_LEAF ||
-        location->dims.z > OST_LEAF || location->lo[0] < 0 || location->lo[1] < 0 || location->lo[2] < 0 || location->lo[0] + location->dims.x > block->dims.x ||
+    if (block->voxel_bytes != 2 || block->lo[0] || block->lo[1] || block->lo[2] || location->dims.x > OST_LEAF ||
+        location->dims.y > OST_LEAF || location->dims.z > OST_LEAF || location->lo[0] < 0 || location->lo[1] < 0 ||
+        location->lo[2] < 0 || location->lo[0] + location->dims.x > block->dims.x ||
         location->lo[1] + location->dims.y > block->dims.y || location->lo[2] + location->dims.z > block->dims.z)
         return false;
     uint8_t *to = leaf;
     const size_t row = 2 * (size_t)location->dims.x;
     for (int32_t k = 0; k < location->dims.z; k++)
         for (int32_t j = 0; j < location->dims.y; j++, to += row)
-            memcpy(to, block->voxels + 2 * ((size_t)location->lo[0] + (size_t)block->dims.x * ((size_t)(location->lo[1] + j) + (size_t)block->dims.y * (size_t)(location->lo[2] + k))), row);
+            memcpy(to,
+                   block->voxels +
+                       2 * ((size_t)location->lo[0] +
+                            (size_t)block->dims.x * ((size_t)(location->lo[1] + j) +
+                                                     (size_t)block->dims.y * (size_t)(location->lo[2] + k))),
+                   row);
     return true;
 }
 
 /* Finds the contents of a leaf before record `at` of a case: those in the latest earlier record that contains it. */
-static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *location, uint8_t leaf[LEAF_BYTES], trace_block_view *out)
+static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *location,
+                        uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
     while (at-- > 0) {
         const trace_record *r = &t->records[range.first + at];
@@ -115,7 +125,8 @@ static bool leaf_before(const trace *t, compare_range range, size_t at, const tr
 }
 
 /* Compares the blocks of two records. Returns false if a block has no counterpart, not even in an earlier record. */
-static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out)
+static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
+                           compare_difference *out)
 {
     const trace_record *r = &ref->records[in_ref.first + at], *g = &got->records[in_got.first + at];
     static _Thread_local uint8_t leaf[LEAF_BYTES];
@@ -144,14 +155,17 @@ static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *
    report has no lines. */
 static uint64_t words_of_line(const trace_record *r, const uint8_t *words, uint64_t count)
 {
-    const uint64_t head = trace_report_head(r->stage), lines = head && count > head ? trace_word_at(words, head - 1) : 0;
+    const uint64_t head = trace_report_head(r->stage),
+                   lines = head && count > head ? trace_word_at(words, head - 1) : 0;
     return lines && (count - head) % lines == 0 ? (count - head) / lines : 0;
 }
 
 static int64_t chunk_of_word(const trace_record *r, const uint8_t *words, uint64_t count, uint64_t word)
 {
     const uint64_t head = trace_report_head(r->stage), stride = words_of_line(r, words, count);
-    return stride && word >= head && word < count ? (int64_t)trace_word_at(words, head + (word - head) / stride * stride) : -1;
+    return stride && word >= head && word < count
+               ? (int64_t)trace_word_at(words, head + (word - head) / stride * stride)
+               : -1;
 }
 
 static bool compare_words(const trace_record *ref, const trace_record *got, compare_difference *out)
@@ -187,7 +201,8 @@ static bool compare_words(const trace_record *ref, const trace_record *got, comp
     return true;
 }
 
-static void compare_record(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out)
+static void compare_record(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
+                           compare_difference *out)
 {
     const trace_record *a = &ref->records[in_ref.first + at], *b = &got->records[in_got.first + at];
     if (a->stage != b->stage || a->item != b->item) {
@@ -207,7 +222,8 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;
 }
 
-void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, compare_difference *out)
+void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
+                       compare_difference *out)
 {
     *out = (compare_difference){.kind = COMPARE_EQUAL, .chunk = -1, .records = at + 1};
     if (at >= in_ref.count || at >= in_got.count)
@@ -217,13 +233,15 @@ void compare_record_at(const trace *ref, compare_range in_ref, const trace *got,
     out->item = ref->records[in_ref.first + at].item;
 }
 
-void compare_case(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, compare_difference *out)
+void compare_case(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
+                  compare_difference *out)
 {
     *out = (compare_difference){.kind = COMPARE_EQUAL, .chunk = -1};
     for (size_t i = 0; i < in_ref.count || i < in_got.count; i++) {
         out->records = i + 1;
         if (i >= in_got.count || i >= in_ref.count) {
-            const trace_record *there = i < in_ref.count ? &ref->records[in_ref.first + i] : &got->records[in_got.first + i];
+            const trace_record *there = i < in_ref.count ? &ref->records[in_ref.first + i]
+                                                         : &got->records[in_got.first + i];
             out->kind = i < in_ref.count ? COMPARE_MISSING : COMPARE_SHAPE;
             out->stage = there->stage;
             out->item = there->item;

@@ -41,7 +41,8 @@ static void stage_name(const trace_record *r, char name[40])
    that changed. */
 static bool is_grid(trace_stage stage)
 {
-    return stage == TRACE_RECT || stage == TRACE_CUBIC || stage == TRACE_CHUNKS || stage == TRACE_TOOL || stage == TRACE_FINAL;
+    return stage == TRACE_RECT || stage == TRACE_CUBIC || stage == TRACE_CHUNKS || stage == TRACE_TOOL ||
+           stage == TRACE_FINAL;
 }
 
 /* ------------------------------------------------------------------- head */
@@ -79,8 +80,9 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err)
     free(bytes);
     if (!o)
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s", path, where.line, where.text);
-    const json_t *format = json_object_get(o, "osteon_dump"), *tier = json_object_get(o, "tier"), *seed = json_object_get(o, "seed"),
-                 *only = json_object_get(o, "only"), *program = json_object_get(o, "program"), *arithmetic = json_object_get(o, "arithmetic");
+    const json_t *format = json_object_get(o, "osteon_dump"), *tier = json_object_get(o, "tier"),
+                 *seed = json_object_get(o, "seed"), *only = json_object_get(o, "only"),
+                 *program = json_object_get(o, "program"), *arithmetic = json_object_get(o, "arithmetic");
     const char *tier_text = json_string_value(tier);
     bool known = !tier;
     for (int i = 0; tier_text && i < PLAN_TIERS; i++)
@@ -91,7 +93,8 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err)
     if (!json_is_integer(format) || json_integer_value(format) != FORMAT)
         status = bad_head(path, "osteon_dump must be 1, the format's version", err);
     else if (arithmetic && json_integer_value(arithmetic) != OST_ARITHMETIC_VERSION)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: arithmetic is %lld; this osteon compares with version %d of docs/arithmetic.md", path,
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s: arithmetic is %lld; this osteon compares with version %d of docs/arithmetic.md", path,
                           (long long)json_integer_value(arithmetic), OST_ARITHMETIC_VERSION);
     else if (!known)
         status = bad_head(path, "tier must be \"smoke\", \"standard\" or \"full\"", err);
@@ -119,7 +122,8 @@ static ost_status read_raw(const char *path, uint64_t bytes, void *to, ost_error
     if (status != OST_OK)
         return status;
     if ((uint64_t)file.size != bytes)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: %lld bytes; the grid of this case and stage has %llu", path, (long long)file.size, (unsigned long long)bytes);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: %lld bytes; the grid of this case and stage has %llu", path,
+                          (long long)file.size, (unsigned long long)bytes);
     else
         status = ost_file_fill(path, &file, to, err);
     close(file.fd);
@@ -128,7 +132,8 @@ static ost_status read_raw(const char *path, uint64_t bytes, void *to, ost_error
 
 static ost_status wrong_dims(const char *path, ost_dims has, ost_dims wants, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_INPUT, "%s: %d x %d x %d voxels; this case and stage has %d x %d x %d", path, has.x, has.y, has.z, wants.x, wants.y, wants.z);
+    return ost_fail(err, OST_ERR_INPUT, "%s: %d x %d x %d voxels; this case and stage has %d x %d x %d", path, has.x,
+                    has.y, has.z, wants.x, wants.y, wants.z);
 }
 
 static bool same_dims(ost_dims a, ost_dims b)
@@ -157,7 +162,8 @@ static ost_status read_nrrd(const char *path, ost_dims dims, uint32_t voxel_byte
         memcpy(to, volume.voxels, 2 * count);
     for (size_t i = 0; i < count && status == OST_OK && voxel_bytes == 1; i++) {
         if (volume.voxels[i] < 0 || volume.voxels[i] > 255)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: voxel %zu is %d; a tool's are 0, 1 or 2", path, i, volume.voxels[i]);
+            status = ost_fail(err, OST_ERR_INPUT, "%s: voxel %zu is %d; a tool's are 0, 1 or 2", path, i,
+                              volume.voxels[i]);
         ((uint8_t *)to)[i] = (uint8_t)volume.voxels[i];
     }
     ost_volume_free(&volume);
@@ -165,7 +171,8 @@ static ost_status read_nrrd(const char *path, ost_dims dims, uint32_t voxel_byte
 }
 
 /* Reads the grid of one stage if the dump has it. */
-static ost_status read_grid(const char *folder, const char *name, ost_dims dims, uint32_t voxel_bytes, void *to, bool *there, ost_error *err)
+static ost_status read_grid(const char *folder, const char *name, ost_dims dims, uint32_t voxel_bytes, void *to,
+                            bool *there, ost_error *err)
 {
     static const char *const ends[] = {".raw", ".nrrd"};
     char path[PATH], file[64];
@@ -180,7 +187,8 @@ static ost_status read_grid(const char *folder, const char *name, ost_dims dims,
         if (*there)
             return ost_fail(err, OST_ERR_INPUT, "%s: there is also a .raw of this stage", path);
         *there = true;
-        status = i == 0 ? read_raw(path, (uint64_t)ost_dims_count(dims) * voxel_bytes, to, err) : read_nrrd(path, dims, voxel_bytes, to, err);
+        status = i == 0 ? read_raw(path, (uint64_t)ost_dims_count(dims) * voxel_bytes, to, err)
+                        : read_nrrd(path, dims, voxel_bytes, to, err);
         if (status != OST_OK)
             return status;
     }
@@ -224,12 +232,13 @@ static void copy_blocks(trace_writer *w, const trace_record *r)
 /* Copies a block into a bone. */
 static void lay(const trace_block_view *b, ost_dims d, int16_t *bone)
 {
-    if (b->voxel_bytes != 2 || b->lo[0] < 0 || b->lo[1] < 0 || b->lo[2] < 0 || b->lo[0] + b->dims.x > d.x || b->lo[1] + b->dims.y > d.y ||
-        b->lo[2] + b->dims.z > d.z)
+    if (b->voxel_bytes != 2 || b->lo[0] < 0 || b->lo[1] < 0 || b->lo[2] < 0 || b->lo[0] + b->dims.x > d.x ||
+        b->lo[1] + b->dims.y > d.y || b->lo[2] + b->dims.z > d.z)
         return;
     for (int32_t k = 0; k < b->dims.z; k++)
         for (int32_t j = 0; j < b->dims.y; j++)
-            memcpy(bone + at_voxel(d, b->lo[0], b->lo[1] + j, b->lo[2] + k), b->voxels + 2 * at_voxel(b->dims, 0, j, k), 2 * (size_t)b->dims.x);
+            memcpy(bone + at_voxel(d, b->lo[0], b->lo[1] + j, b->lo[2] + k), b->voxels + 2 * at_voxel(b->dims, 0, j, k),
+                   2 * (size_t)b->dims.x);
 }
 
 /* Writes the leaves in which `next` differs from `state` as blocks; `state` becomes `next`. */
@@ -240,11 +249,13 @@ static void changed_leaves(maker *m)
         for (int32_t y = 0; y < d.y; y += OST_LEAF)
             for (int32_t x = 0; x < d.x; x += OST_LEAF) {
                 const int32_t lo[3] = {x, y, z};
-                const ost_dims n = {d.x - x < OST_LEAF ? d.x - x : OST_LEAF, d.y - y < OST_LEAF ? d.y - y : OST_LEAF, d.z - z < OST_LEAF ? d.z - z : OST_LEAF};
+                const ost_dims n = {d.x - x < OST_LEAF ? d.x - x : OST_LEAF, d.y - y < OST_LEAF ? d.y - y : OST_LEAF,
+                                    d.z - z < OST_LEAF ? d.z - z : OST_LEAF};
                 bool changed = false;
                 for (int32_t k = 0; k < n.z && !changed; k++)
                     for (int32_t j = 0; j < n.y && !changed; j++)
-                        changed = memcmp(m->state + at_voxel(d, x, y + j, z + k), m->next + at_voxel(d, x, y + j, z + k), 2 * (size_t)n.x) != 0;
+                        changed = memcmp(m->state + at_voxel(d, x, y + j, z + k),
+                                         m->next + at_voxel(d, x, y + j, z + k), 2 * (size_t)n.x) != 0;
                 uint8_t *to = changed ? trace_block(m->w, lo, n, 2) : NULL;
                 for (int32_t k = 0; k < n.z && to; k++)
                     for (int32_t j = 0; j < n.y; j++, to += 2 * (size_t)n.x)
@@ -346,8 +357,8 @@ static ost_status make_case(maker *m, const trace *ref, compare_range range, uin
     return status;
 }
 
-ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref, const compare_range *ranges, const char *path, uint64_t *compared,
-                      ost_error *err)
+ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref,
+                      const compare_range *ranges, const char *path, uint64_t *compared, ost_error *err)
 {
     trace_writer *w = NULL;
     ost_status status = trace_create(path, &w, err);
@@ -447,10 +458,12 @@ ost_status dump_write(const char *folder, const char *program, const plan *p, co
         return status;
     char seed[32];
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)p->seed);
-    json_t *o = json_pack("{s:i,s:s,s:i,s:s,s:s,s:s}", "osteon_dump", FORMAT, "program", program, "arithmetic", OST_ARITHMETIC_VERSION, "tier",
-                          plan_tier_name(p->tier), "seed", seed, "only", p->only ? p->only : "");
+    json_t *o = json_pack("{s:i,s:s,s:i,s:s,s:s,s:s}", "osteon_dump", FORMAT, "program", program, "arithmetic",
+                          OST_ARITHMETIC_VERSION, "tier", plan_tier_name(p->tier), "seed", seed, "only",
+                          p->only ? p->only : "");
     char *text = o ? json_dumps(o, JSON_INDENT(1) | JSON_SORT_KEYS) : NULL;
-    status = text ? write_file(path, text, strlen(text), err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", path);
+    status = text ? write_file(path, text, strlen(text), err)
+                  : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", path);
     free(text);
     json_decref(o);
     return status;

@@ -36,8 +36,8 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err);
  * without any file in the dump gets no record.  compared[i], of p->count
  * elements, receives the number of records of case i that the dump provides.
  */
-ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref, const compare_range *ranges, const char *path, uint64_t *compared,
-                      ost_error *err);
+ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref,
+                      const compare_range *ranges, const char *path, uint64_t *compared, ost_error *err);
 
 /* Writes the grids of a trace as a dump. The folder must not exist. */
 ost_status dump_write(const char *folder, const char *program, const plan *p, const trace *t, ost_error *err);

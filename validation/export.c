@@ -38,7 +38,8 @@ static ost_status put_json(const char *folder, const char *name, json_t *value, 
 {
     char path[PATH];
     FILE *f = NULL;
-    ost_status status = value ? open_file(folder, name, path, &f, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
+    ost_status status = value ? open_file(folder, name, path, &f, err)
+                              : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     if (status == OST_OK) {
         const bool dumped = json_dumpf(value, f, JSON_INDENT(1) | JSON_SORT_KEYS) == 0 && fputc('\n', f) != EOF;
         status = close_file(f, path, err);
@@ -60,7 +61,8 @@ static ost_status put_samples(const char *folder, const scene *s, ost_error *err
     fputs("# x_mm y_mm z_mm density, in the order in which they are scattered\n", f);
     for (size_t i = 0; i < s->sample_count; i++) {
         const ost_sample *one = &s->samples[i];
-        fprintf(f, "%s %s %s %d\n", ost_pm_format(one->x, x), ost_pm_format(one->y, y), ost_pm_format(one->z, z), (int)one->density);
+        fprintf(f, "%s %s %s %d\n", ost_pm_format(one->x, x), ost_pm_format(one->y, y), ost_pm_format(one->z, z),
+                (int)one->density);
     }
     return close_file(f, path, err);
 }
@@ -93,7 +95,8 @@ static ost_status put_stl(const char *folder, const char *name, const ost_snappe
         return status;
     const double unit = (double)m->grid.voxel / (double)(1 << m->fraction_bits);
     for (size_t v = 0; v < m->vertex_count; v++)
-        mesh.vertices[v] = (ost_pm3){m->grid.corner.x + (ost_pm)(m->vertices[v][0] * unit), m->grid.corner.y + (ost_pm)(m->vertices[v][1] * unit),
+        mesh.vertices[v] = (ost_pm3){m->grid.corner.x + (ost_pm)(m->vertices[v][0] * unit),
+                                     m->grid.corner.y + (ost_pm)(m->vertices[v][1] * unit),
                                      m->grid.corner.z + (ost_pm)(m->vertices[v][2] * unit)};
     memcpy(mesh.triangles, m->triangles, m->triangle_count * sizeof *mesh.triangles);
     status = ost_mesh_write_stl(path, &mesh, err);
@@ -110,9 +113,10 @@ static ost_status put_tool(const char *folder, const scene_tool *t, int number, 
 {
     const ost_tool_geometry *g = &t->cutting.grid;
     ost_status status = OST_OK;
-    json_t *o = json_pack("{s:i,s:s,s:o,s:I,s:o,s:i}", "number", number, "rule", t->rule == OST_FILL_PARITY ? "parity" : "winding", "dims",
-                          three(g->dims.x, g->dims.y, g->dims.z), "voxel_pm", (json_int_t)g->voxel, "corner_pm", three(g->corner.x, g->corner.y, g->corner.z),
-                          "fraction_bits", t->cutting.fraction_bits);
+    json_t *o = json_pack("{s:i,s:s,s:o,s:I,s:o,s:i}", "number", number, "rule",
+                          t->rule == OST_FILL_PARITY ? "parity" : "winding", "dims",
+                          three(g->dims.x, g->dims.y, g->dims.z), "voxel_pm", (json_int_t)g->voxel, "corner_pm",
+                          three(g->corner.x, g->corner.y, g->corner.z), "fraction_bits", t->cutting.fraction_bits);
     for (int part = 0; part < 2 && status == OST_OK; part++) {
         const ost_snapped_mesh *m = part ? &t->noncutting : &t->cutting;
         char name[64];
@@ -156,15 +160,21 @@ static ost_status put_case(const char *folder, const plan_case *c, json_t *list,
     }
     if (status == OST_OK) {
         ost_digest_hex(&digest, hex);
-        json_t *o = json_pack("{s:s,s:s,s:o,s:I}", "id", c->id, "input_sha256", hex, "tools", json_incref(tools), "ticks", (json_int_t)s.path.count);
+        json_t *o = json_pack("{s:s,s:s,s:o,s:I}", "id", c->id, "input_sha256", hex, "tools", json_incref(tools),
+                              "ticks", (json_int_t)s.path.count);
         if (s.sample_count)
-            json_object_set_new(o, "ct", json_pack("{s:o,s:o,s:o,s:s,s:I,s:s,s:i,s:i,s:I}", "dims", three(s.rect.dims.x, s.rect.dims.y, s.rect.dims.z),
-                                                  "spacing_pm", three(s.rect.spacing.x, s.rect.spacing.y, s.rect.spacing.z), "origin_pm",
-                                                  three(s.rect.origin.x, s.rect.origin.y, s.rect.origin.z), "duplicates", duplicates[s.duplicates], "cubic_pm",
-                                                  (json_int_t)s.cubic, "resample", ost_resample_name(s.resample), "chunk_size",
-                                                  s.chunk_size, "threshold", (int)s.threshold, "samples", (json_int_t)s.sample_count));
+            json_object_set_new(o, "ct",
+                                json_pack("{s:o,s:o,s:o,s:s,s:I,s:s,s:i,s:i,s:I}", "dims",
+                                          three(s.rect.dims.x, s.rect.dims.y, s.rect.dims.z), "spacing_pm",
+                                          three(s.rect.spacing.x, s.rect.spacing.y, s.rect.spacing.z), "origin_pm",
+                                          three(s.rect.origin.x, s.rect.origin.y, s.rect.origin.z), "duplicates",
+                                          duplicates[s.duplicates], "cubic_pm", (json_int_t)s.cubic, "resample",
+                                          ost_resample_name(s.resample), "chunk_size", s.chunk_size, "threshold",
+                                          (int)s.threshold, "samples", (json_int_t)s.sample_count));
         if (s.path.count)
-            json_object_set_new(o, "world", json_pack("{s:b,s:I}", "sweep", !s.world.sweep_off, "removal_period_ns", (json_int_t)s.world.removal_period_ns));
+            json_object_set_new(o, "world",
+                                json_pack("{s:b,s:I}", "sweep", !s.world.sweep_off, "removal_period_ns",
+                                          (json_int_t)s.world.removal_period_ns));
         status = put_json(path, "case.json", o, err);
         json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "id", c->id, "folder", name, "input_sha256", hex));
     }
@@ -186,8 +196,9 @@ ost_status export_cases(const char *folder, const plan *p, ost_error *err)
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)p->seed);
     if (status == OST_OK)
         status = put_json(folder, "cases.json",
-                          json_pack("{s:i,s:i,s:s,s:s,s:s,s:O}", "osteon_cases", 1, "arithmetic", OST_ARITHMETIC_VERSION, "tier", plan_tier_name(p->tier), "seed",
-                                    seed, "only", p->only ? p->only : "", "cases", list),
+                          json_pack("{s:i,s:i,s:s,s:s,s:s,s:O}", "osteon_cases", 1, "arithmetic",
+                                    OST_ARITHMETIC_VERSION, "tier", plan_tier_name(p->tier), "seed", seed, "only",
+                                    p->only ? p->only : "", "cases", list),
                           err);
     json_decref(list);
     if (status == OST_OK)

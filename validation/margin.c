@@ -46,7 +46,8 @@ static ost_status one_record(margin_walk *w, const trace_record *a, const trace_
 {
     trace_block_view x, y;
     margin_stage *m = &w->out->of[a->stage];
-    const bool tool = a->stage == TRACE_TOOL, grid = tool || a->stage == TRACE_RECT || a->stage == TRACE_CUBIC || a->stage == TRACE_CHUNKS;
+    const bool tool = a->stage == TRACE_TOOL,
+               grid = tool || a->stage == TRACE_RECT || a->stage == TRACE_CUBIC || a->stage == TRACE_CHUNKS;
     if (!(b->flags & TRACE_STAND_IN)) {
         m->records++;
         m->reports += !(b->flags & (TRACE_NO_WORDS | TRACE_BOUNDS)) && words_differ(a, b);
@@ -55,7 +56,8 @@ static ost_status one_record(margin_walk *w, const trace_record *a, const trace_
         return margin_tick(w, a, b, err);
     if (!grid)
         return OST_OK;
-    if (!one_block(a, tool ? 1 : 2, &x) || !one_block(b, tool ? 1 : 2, &y) || !same_dims(x.dims, y.dims) || (tool && a->item >= (uint32_t)w->s->tool_count))
+    if (!one_block(a, tool ? 1 : 2, &x) || !one_block(b, tool ? 1 : 2, &y) || !same_dims(x.dims, y.dims) ||
+        (tool && a->item >= (uint32_t)w->s->tool_count))
         return ost_fail(err, OST_ERR_INPUT, "stage %s: the grids have not the same size", trace_stage_name(a->stage));
     if (a->stage == TRACE_RECT) {
         w->rect[0] = x;
@@ -78,7 +80,8 @@ static ost_status one_record(margin_walk *w, const trace_record *a, const trace_
     return OST_OK;
 }
 
-ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, bool apart, margins *out, ost_error *err)
+ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
+                      bool apart, margins *out, ost_error *err)
 {
     margin_walk w = {.s = s, .apart = apart, .out = out, .event_tick = -1};
     ost_status status = OST_OK;
@@ -128,14 +131,17 @@ json_t *margins_json(const margins *m)
         json_t *bins = json_array();
         for (int k = 0; k < MARGIN_BINS; k++)
             json_array_append_new(bins, json_integer((json_int_t)x->bins[k]));
-        json_t *o = json_pack("{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:o,s:s}", "stage", trace_stage_name((trace_stage)i), "records", (json_int_t)x->records,
-                              "reports", (json_int_t)x->reports, "voxels", (json_int_t)x->voxels, "decided", (json_int_t)x->decided, "inherited",
-                              (json_int_t)x->inherited, "below_threshold", (json_int_t)x->below_threshold, "unexplained", (json_int_t)x->unexplained,
-                              "unmeasured", (json_int_t)x->unmeasured, "bins", bins, "unit", margin_unit((trace_stage)i));
+        json_t *o = json_pack("{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:o,s:s}", "stage",
+                              trace_stage_name((trace_stage)i), "records", (json_int_t)x->records, "reports",
+                              (json_int_t)x->reports, "voxels", (json_int_t)x->voxels, "decided",
+                              (json_int_t)x->decided, "inherited", (json_int_t)x->inherited, "below_threshold",
+                              (json_int_t)x->below_threshold, "unexplained", (json_int_t)x->unexplained, "unmeasured",
+                              (json_int_t)x->unmeasured, "bins", bins, "unit", margin_unit((trace_stage)i));
         if (x->decided) {
             json_object_set_new(o, "max_2_20", json_integer((json_int_t)x->max));
             json_object_set_new(o, "max_item", json_integer(x->max_item));
-            json_object_set_new(o, "max_voxel", json_pack("[i,i,i]", x->max_voxel[0], x->max_voxel[1], x->max_voxel[2]));
+            json_object_set_new(o, "max_voxel",
+                                json_pack("[i,i,i]", x->max_voxel[0], x->max_voxel[1], x->max_voxel[2]));
         }
         json_array_append_new(list, o);
     }

@@ -54,8 +54,8 @@ typedef struct margins {
 
 /* Computes the margins of one case from both traces of it. apart: the other backend got the reference's input at
    every stage (perform_apart), so no difference is inherited. */
-ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, bool apart, margins *out,
-                      ost_error *err);
+ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
+                      bool apart, margins *out, ost_error *err);
 
 /* Adds the counts of b to those of a; the maximum of a becomes that of both. */
 void margins_add(margins *a, const margins *b);

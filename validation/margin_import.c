@@ -58,7 +58,8 @@ static void meet_sample(const ost_geometry *g, const ost_sample *sample, moved *
         }
         if (!inside)
             continue;
-        const moved key = {.voxel = margin_at(g->dims, (int32_t)(index[0] + d[0]), (int32_t)(index[1] + d[1]), (int32_t)(index[2] + d[2]))};
+        const moved key = {.voxel = margin_at(g->dims, (int32_t)(index[0] + d[0]), (int32_t)(index[1] + d[1]),
+                                              (int32_t)(index[2] + d[2]))};
         moved *m = bsearch(&key, list, count, sizeof *list, compare_moved);
         if (!m)
             continue;
@@ -180,7 +181,9 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
                 const int64_t away = d[x] < 0 ? s[x].down : d[x] > 0 ? s[x].up : 0;
                 gap = away > gap ? away : gap;
             }
-            if (inside && margin_value16(given, margin_at(g->dims, (int32_t)v[0], (int32_t)v[1], (int32_t)v[2])) == got && (best < 0 || gap < best))
+            if (inside &&
+                margin_value16(given, margin_at(g->dims, (int32_t)v[0], (int32_t)v[1], (int32_t)v[2])) == got &&
+                (best < 0 || gap < best))
                 best = gap;
         }
         if (best >= 0)
@@ -202,7 +205,8 @@ void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_
         const int32_t got = margin_value16(b, i);
         if (margin_value16(a, i) == got)
             continue;
-        const int32_t density = given->voxels ? margin_value16(given, i) : 0, right = density >= w->s->threshold ? density : 0;
+        const int32_t density = given->voxels ? margin_value16(given, i) : 0,
+                      right = density >= w->s->threshold ? density : 0;
         if (got == right)
             margin_other(m, &m->inherited);
         else if (right == 0 && got == density)

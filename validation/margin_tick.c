@@ -41,7 +41,8 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
     cell_of(u, cell);
     for (int a = 0; a < 3; a++) { /* rings before `first` and after `last` contain no voxel of the grid */
         const int64_t before = -cell[a], after = cell[a] - (dims[a] - 1);
-        const int64_t near = before > after ? before : after, far = cell[a] > dims[a] - 1 - cell[a] ? cell[a] : dims[a] - 1 - cell[a];
+        const int64_t near = before > after ? before : after,
+                      far = cell[a] > dims[a] - 1 - cell[a] ? cell[a] : dims[a] - 1 - cell[a];
         first = near > first ? near : first;
         last = far > last ? far : last;
     }
@@ -76,13 +77,17 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
 static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
 {
     int32_t base[3];
-    const bool near = ost_map_block_base(map, (ost_dims){at[0] / OST_MAP_BLOCK, at[1] / OST_MAP_BLOCK, at[2] / OST_MAP_BLOCK}, base);
+    const bool near = ost_map_block_base(
+        map, (ost_dims){at[0] / OST_MAP_BLOCK, at[1] / OST_MAP_BLOCK, at[2] / OST_MAP_BLOCK}, base);
     for (int a = 0; a < 3; a++) {
         if (near)
-            u[a] = base[a] + (int64_t)(at[0] % OST_MAP_BLOCK) * map->step[0][a] + (int64_t)(at[1] % OST_MAP_BLOCK) * map->step[1][a] +
+            u[a] = base[a] + (int64_t)(at[0] % OST_MAP_BLOCK) * map->step[0][a] +
+                   (int64_t)(at[1] % OST_MAP_BLOCK) * map->step[1][a] +
                    (int64_t)(at[2] % OST_MAP_BLOCK) * map->step[2][a];
         else
-            u[a] = (int64_t)ost_rhe_div128(map->origin[a] + at[0] * map->column[0][a] + at[1] * map->column[1][a] + at[2] * map->column[2][a], map->divisor);
+            u[a] = (int64_t)ost_rhe_div128(map->origin[a] + at[0] * map->column[0][a] + at[1] * map->column[1][a] +
+                                               at[2] * map->column[2][a],
+                                           map->divisor);
     }
 }
 
@@ -90,12 +95,15 @@ static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
 static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
 {
     const ost_tick *now = &w->s->path.ticks[tick];
-    const ost_geometry bone = {w->dims, {w->s->cubic, w->s->cubic, w->s->cubic}, resample_origin(&w->s->rect, w->s->cubic)};
+    const ost_geometry bone = {
+        w->dims, {w->s->cubic, w->s->cubic, w->s->cubic}, resample_origin(&w->s->rect, w->s->cubic)};
     if (poses < 1 || poses > OST_SWEEP_MAX)
         return NULL;
     ost_map *maps = malloc((size_t)poses * sizeof *maps);
     for (uint64_t k = 1; k <= poses && maps; k++) {
-        const ost_pose pose = poses == 1 || w->event_tick < 0 ? now->pose : ost_sweep_pose(&w->s->path.ticks[w->event_tick].pose, &now->pose, (int)k, (int)poses);
+        const ost_pose pose = poses == 1 || w->event_tick < 0 ? now->pose
+                                                              : ost_sweep_pose(&w->s->path.ticks[w->event_tick].pose,
+                                                                               &now->pose, (int)k, (int)poses);
         if (ost_map_make(&pose, &bone, &w->s->tools[now->tool].cutting.grid, &maps[k - 1], NULL) != OST_OK) {
             free(maps);
             maps = NULL;
@@ -105,7 +113,8 @@ static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
 }
 
 /* Counts one voxel that is equal before this tick and differs after it. */
-static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint64_t poses, const int32_t at[3], bool ref_removed, bool got_removed)
+static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint64_t poses, const int32_t at[3],
+                        bool ref_removed, bool got_removed)
 {
     margin_stage *m = &w->out->of[TRACE_TICK];
     const int tool_index = w->s->path.ticks[tick].tool;
@@ -148,8 +157,8 @@ static uint64_t word_of(const trace_record *r, uint64_t index)
 
 static bool fits(const trace_block_view *b, ost_dims d)
 {
-    return b->voxel_bytes == 2 && b->lo[0] >= 0 && b->lo[1] >= 0 && b->lo[2] >= 0 && b->lo[0] + b->dims.x <= d.x && b->lo[1] + b->dims.y <= d.y &&
-           b->lo[2] + b->dims.z <= d.z;
+    return b->voxel_bytes == 2 && b->lo[0] >= 0 && b->lo[1] >= 0 && b->lo[2] >= 0 && b->lo[0] + b->dims.x <= d.x &&
+           b->lo[1] + b->dims.y <= d.y && b->lo[2] + b->dims.z <= d.z;
 }
 
 /* Counts the voxels of a record that begin to differ at this tick. There are two passes, since both sides' state
@@ -211,7 +220,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
             maps = maps_of(w, tick, poses);
             made = true;
         }
-        judge_voxel(w, tick, maps, poses, position_at, w->bone[0][at] == 0 && was[0] != 0, w->bone[1][at] == 0 && was[1] != 0);
+        judge_voxel(w, tick, maps, poses, position_at, w->bone[0][at] == 0 && was[0] != 0,
+                    w->bone[1][at] == 0 && was[1] != 0);
     }
     for (size_t i = 0; i < count && w->apart; i++) /* the next tick starts from the reference's bone */
         w->bone[1][changes[i].at] = w->bone[0][changes[i].at];

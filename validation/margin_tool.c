@@ -74,7 +74,8 @@ static fraction to_triangle(vector p, vector a, vector b, vector c)
 {
     const vector n = cross(minus(b, a), minus(c, a));
     const ost_i128 length = dot(n, n), height = dot(n, minus(p, a));
-    const bool over = dot(cross(minus(b, a), minus(p, a)), n) >= 0 && dot(cross(minus(c, b), minus(p, b)), n) >= 0 && dot(cross(minus(a, c), minus(p, c)), n) >= 0;
+    const bool over = dot(cross(minus(b, a), minus(p, a)), n) >= 0 && dot(cross(minus(c, b), minus(p, b)), n) >= 0 &&
+                      dot(cross(minus(a, c), minus(p, c)), n) >= 0;
     if (length > 0 && over && height > -((ost_i128)1 << 63) && height < ((ost_i128)1 << 63))
         return (fraction){(unsigned __int128)(height * height), (unsigned __int128)length};
     fraction best = to_edge(p, a, b);
@@ -112,7 +113,8 @@ static uint64_t in_voxels(fraction f, int bits)
 
 static vector vertex_of(const ost_snapped_mesh *mesh, uint32_t v)
 {
-    return (vector){2 * (int64_t)mesh->vertices[v][0], 2 * (int64_t)mesh->vertices[v][1], 2 * (int64_t)mesh->vertices[v][2]};
+    return (vector){2 * (int64_t)mesh->vertices[v][0], 2 * (int64_t)mesh->vertices[v][1],
+                    2 * (int64_t)mesh->vertices[v][2]};
 }
 
 /* Returns a lower bound of the distance along one axis from p to a triangle with the coordinates a, b, c. */
@@ -125,7 +127,8 @@ static int64_t beyond(int64_t p, int64_t a, int64_t b, int64_t c)
 static bool nearest_surface(const ost_snapped_mesh *mesh, vector p, int64_t *tests, bool had, fraction *best)
 {
     for (size_t t = 0; t < mesh->triangle_count; t++, --*tests) {
-        const vector a = vertex_of(mesh, mesh->triangles[t][0]), b = vertex_of(mesh, mesh->triangles[t][1]), c = vertex_of(mesh, mesh->triangles[t][2]);
+        const vector a = vertex_of(mesh, mesh->triangles[t][0]), b = vertex_of(mesh, mesh->triangles[t][1]),
+                     c = vertex_of(mesh, mesh->triangles[t][2]);
         const int64_t x = beyond(p.x, a.x, b.x, c.x), y = beyond(p.y, a.y, b.y, c.y), z = beyond(p.z, a.z, b.z, c.z);
         const ost_i128 least = (ost_i128)x * x + (ost_i128)y * y + (ost_i128)z * z;
         if (had && (unsigned __int128)least > best->top / best->bottom)
@@ -156,7 +159,8 @@ void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const
         }
         margin_position(a->dims, i, at);
         const int64_t one = INT64_C(1) << bits;
-        const vector p = {(2 * (int64_t)at[0] + 1) * one, (2 * (int64_t)at[1] + 1) * one, (2 * (int64_t)at[2] + 1) * one};
+        const vector p = {(2 * (int64_t)at[0] + 1) * one, (2 * (int64_t)at[1] + 1) * one,
+                          (2 * (int64_t)at[2] + 1) * one};
         bool had = nearest_surface(&tool->cutting, p, &tests, false, &best);
         had = nearest_surface(&tool->noncutting, p, &tests, had, &best);
         if (had)

@@ -84,20 +84,26 @@ static ost_status perform_case(performer p, ost_error *why, ost_error *err)
     return written;
 }
 
-ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
-                   ost_error *err)
+ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch,
+                   void *user, ost_error *why, ost_error *err)
 {
-    return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .watch = watch, .user = user}, why, err);
+    return perform_case(
+        (performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .watch = watch, .user = user}, why,
+        err);
 }
 
 ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why,
                           ost_error *err)
 {
-    return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .second = true}, why, err);
+    return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .second = true}, why,
+                        err);
 }
 
-ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given, ost_error *why, ost_error *err)
+ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given,
+                         ost_error *why, ost_error *err)
 {
     const compare_range range = compare_find(given, case_index);
-    return perform_case((performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .given = given, .in_given = range}, why, err);
+    return perform_case(
+        (performer){.backend = backend, .s = s, .w = w, .case_index = case_index, .given = given, .in_given = range},
+        why, err);
 }

@@ -29,8 +29,8 @@ typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 
 /* Fails only if the trace cannot be written or memory is exhausted; *why receives the error line of a failed stage and
    must not be NULL. */
-ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch, void *user, ost_error *why,
-                   ost_error *err);
+ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch,
+                   void *user, ost_error *why, ost_error *err);
 
 /*
  * Does the same with the second implementation's steps in place of those of
@@ -42,6 +42,7 @@ ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_in
                           ost_error *err);
 
 /* given: the reference's trace; it must have this case complete. */
-ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given, ost_error *why, ost_error *err);
+ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given,
+                         ost_error *why, ost_error *err);
 
 #endif

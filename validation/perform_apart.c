@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ost_status given_record(const performer *p, trace_stage stage, uint32_t item, const trace_record **out, ost_error *err)
+static ost_status given_record(const performer *p, trace_stage stage, uint32_t item, const trace_record **out,
+                               ost_error *err)
 {
     for (size_t i = 0; i < p->in_given.count; i++) {
         *out = &p->given->records[p->in_given.first + i];
@@ -25,7 +26,8 @@ static ost_status given_grid(const performer *p, trace_stage stage, uint32_t ite
     ost_status status = given_record(p, stage, item, &r, err);
     if (status == OST_OK && (!trace_next_block(r, &at, out) || out->voxel_bytes != voxel_bytes ||
                              out->dims.x != dims.x || out->dims.y != dims.y || out->dims.z != dims.z))
-        status = ost_fail(err, OST_ERR_INPUT, "the reference's %s has not the size of this backend's", trace_stage_name(stage));
+        status = ost_fail(err, OST_ERR_INPUT, "the reference's %s has not the size of this backend's",
+                          trace_stage_name(stage));
     return status;
 }
 
@@ -99,7 +101,8 @@ ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, o
         const ost_dims n = block.dims;
         if (block.voxel_bytes != sizeof(int16_t) || block.lo[0] < 0 || block.lo[1] < 0 || block.lo[2] < 0 ||
             block.lo[0] + n.x > d.x || block.lo[1] + n.y > d.y || block.lo[2] + n.z > d.z)
-            return ost_fail(err, OST_ERR_INPUT, "a leaf of the reference's tick %u lies outside of the bone", (unsigned)i);
+            return ost_fail(err, OST_ERR_INPUT, "a leaf of the reference's tick %u lies outside of the bone",
+                            (unsigned)i);
         for (int32_t k = 0; k < n.z; k++)
             for (int32_t j = 0; j < n.y; j++)
                 memcpy(p->right + perform_at(d, block.lo[0], block.lo[1] + j, block.lo[2] + k),

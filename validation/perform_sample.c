@@ -29,7 +29,8 @@ static ost_status sample_words(performer *p, draw *d, ost_error *err)
         for (size_t i = 0; i < n; i++)
             for (int a = 0; a < 3; a++) {
                 const int64_t border = draw_one_in(d, 2) ? dims[a] : 0;
-                at[a][i] = (int32_t)(draw_one_in(d, 4) ? border + draw_between(d, -2, 1) : draw_between(d, 0, dims[a] - 1));
+                at[a][i] = (int32_t)(draw_one_in(d, 4) ? border + draw_between(d, -2, 1)
+                                                       : draw_between(d, 0, dims[a] - 1));
             }
         const ost_status status = ost_bone_sample(p->bone, n, axes, densities, err);
         if (status != OST_OK)

@@ -23,7 +23,8 @@ static ost_density_classes classes_of(const performer *p)
 {
     if (p->world)
         return *ost_world_classes(p->world);
-    return p->s->world.classes.count ? p->s->world.classes : (ost_density_classes){.count = 3, .border = {120, 150, 650}};
+    return p->s->world.classes.count ? p->s->world.classes
+                                     : (ost_density_classes){.count = 3, .border = {120, 150, 650}};
 }
 
 ost_status perform_begin_ticks(performer *p, ost_error *err)
@@ -95,7 +96,8 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
                     for (int32_t j = 0; j < n.y; j++) {
                         const size_t at = perform_at(d, x, y + j, z + k);
                         if (to)
-                            memcpy(to + (size_t)n.x * ((size_t)j + (size_t)n.y * (size_t)k), p->is + at, (size_t)n.x * 2);
+                            memcpy(to + (size_t)n.x * ((size_t)j + (size_t)n.y * (size_t)k), p->is + at,
+                                   (size_t)n.x * 2);
                         memcpy(p->was + at, p->is + at, (size_t)n.x * 2);
                     }
             }
@@ -150,7 +152,8 @@ static ost_status record_steps(performer *p, size_t i, bool refused, bool remova
     trace_flags(p->w, (p->second ? TRACE_BOUNDS : 0) | (made_by_backend ? TRACE_MADE : 0));
     steps_put_tick(p->w, refused, removal, count, tick);
     for (int k = 1; k <= count && status == OST_OK; k++) {
-        const ost_pose pose = made_by_backend ? p->made_poses[k - 1] : steps_between(p->second, from, &tick->pose, k, count);
+        const ost_pose pose = made_by_backend ? p->made_poses[k - 1]
+                                              : steps_between(p->second, from, &tick->pose, k, count);
         steps_pose made;
         status = steps_pose_of(p->second, &pose, &p->geometry, &p->grids[tick->tool], &made, err);
         if (status != OST_OK)

@@ -18,9 +18,18 @@ static const struct {
     [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}, 0},
     [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}, 0},
     [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}, 0},
-    [PLAN_STEPS] = {"steps", "sweep, map, motor and snapping alone, at ties and the ends of the range", {6, 24, 120}, 0},
-    [PLAN_REACH] = {"reach", "large sparse bones, wide tools, rods, slices, far origins, refused samples, gaps, lone voxels", {6, 12, 24}, 0},
-    [PLAN_STATIC] = {"static", "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name", {0, 0, 0}, 8},
+    [PLAN_STEPS] = {"steps",
+                    "sweep, map, motor and snapping alone, at ties and the ends of the range",
+                    {6, 24, 120},
+                    0},
+    [PLAN_REACH] = {"reach",
+                    "large sparse bones, wide tools, rods, slices, far origins, refused samples, gaps, lone voxels",
+                    {6, 12, 24},
+                    0},
+    [PLAN_STATIC] = {"static",
+                     "the static events of the thesis' Tables 3.3 to 3.5, when asked for by name",
+                     {0, 0, 0},
+                     8},
     [PLAN_SMALL] = {"small", "all stages in a few milliseconds, for the sensitivity proof", {0, 0, 0}, 0},
     [PLAN_USER] = {"user", "the user's own files", {0, 0, 0}, 0},
 };
@@ -47,12 +56,14 @@ static int count_of(int f, plan_tier tier, const char *only)
     return named ? named : families[f].count[tier];
 }
 
-ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user, plan *out, ost_error *err)
+ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user,
+                     plan *out, ost_error *err)
 {
     int capacity = user ? user->count : 0;
     for (int f = 0; f < PLAN_FAMILIES; f++)
         capacity += count_of(f, tier, only);
-    *out = (plan){.tier = tier, .seed = seed, .shard = shard, .shards = shards, .only = only, .user = user ? user->store : NULL};
+    *out = (plan){
+        .tier = tier, .seed = seed, .shard = shard, .shards = shards, .only = only, .user = user ? user->store : NULL};
     out->cases = malloc((size_t)capacity * sizeof *out->cases);
     if (!out->cases)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a plan of %d cases", capacity);
@@ -73,7 +84,8 @@ ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const
     }
     if (!out->total) {
         plan_free(out);
-        return ost_fail(err, OST_ERR_USAGE, "no case of tier %s has a name that starts with '%s'", plan_tier_name(tier), only);
+        return ost_fail(err, OST_ERR_USAGE, "no case of tier %s has a name that starts with '%s'", plan_tier_name(tier),
+                        only);
     }
     return OST_OK;
 }
@@ -106,10 +118,9 @@ void plan_free(plan *p)
 uint64_t plan_trace_bytes(const plan_case *c)
 {
     static const uint64_t megabytes[PLAN_FAMILIES][PLAN_TIERS] = {
-        [PLAN_IMPORT] = {2, 5, 5},       [PLAN_MESH] = {3, 3, 3},       [PLAN_POSES] = {4, 30, 30},       [PLAN_SWEEP] = {5, 20, 20},
-        [PLAN_SESSION] = {50, 250, 1200}, [PLAN_OPERATION] = {100, 350, 1000}, [PLAN_SMALL] = {1, 1, 1},
-        [PLAN_STEPS] = {2, 2, 2},
-        [PLAN_REACH] = {90, 90, 90},
+        [PLAN_IMPORT] = {2, 5, 5},  [PLAN_MESH] = {3, 3, 3},          [PLAN_POSES] = {4, 30, 30},
+        [PLAN_SWEEP] = {5, 20, 20}, [PLAN_SESSION] = {50, 250, 1200}, [PLAN_OPERATION] = {100, 350, 1000},
+        [PLAN_SMALL] = {1, 1, 1},   [PLAN_STEPS] = {2, 2, 2},         [PLAN_REACH] = {90, 90, 90},
     };
     return c->family == PLAN_USER ? user_trace_bytes(c->store, c->number) : megabytes[c->family][c->tier] << 20;
 }

@@ -85,7 +85,8 @@ const char *plan_family_about(plan_family family);
 
 /* Makes the plan of one shard. only: NULL, or a prefix: cases whose id does not begin with it are omitted. user:
    NULL for none. */
-ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user, plan *out, ost_error *err);
+ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user,
+                     plan *out, ost_error *err);
 void plan_free(plan *p);
 
 /* Makes the case with this id. Returns false if the tier has no such case. */

@@ -45,7 +45,8 @@ static inline resample_tap resample_at(int64_t i, ost_pm cubic, ost_pm rect, int
 /* Returns the origin of the cubic grid (AR-CUB-1). */
 static inline ost_pm3 resample_origin(const ost_geometry *rect, ost_pm cubic)
 {
-    return (ost_pm3){rect->origin.x + ost_rhe_div(cubic - rect->spacing.x, 2), rect->origin.y + ost_rhe_div(cubic - rect->spacing.y, 2),
+    return (ost_pm3){rect->origin.x + ost_rhe_div(cubic - rect->spacing.x, 2),
+                     rect->origin.y + ost_rhe_div(cubic - rect->spacing.y, 2),
                      rect->origin.z + ost_rhe_div(cubic - rect->spacing.z, 2)};
 }
 

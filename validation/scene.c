@@ -32,7 +32,9 @@ static void draw_lattice(scene *s, draw *d)
 static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
 {
     draw_lattice(s, d);
-    s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x = draw_one_in(d, 2) ? 470 * UM : draw_between(d, 300 * UM, 700 * UM);
+    s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x = draw_one_in(d, 2)
+                                                                               ? 470 * UM
+                                                                               : draw_between(d, 300 * UM, 700 * UM);
     s->resample = OST_RESAMPLE_LINEAR;
     s->threshold = 120;
     return scene_ct(s, d, draw_dims(d, side, side + 15), err);
@@ -82,7 +84,8 @@ static ost_status make_mesh(const plan_case *c, scene *s, draw *d, ost_error *er
         const ost_fill_rule rule = draw_one_in(d, 3) ? OST_FILL_PARITY : OST_FILL_WINDING;
         const bool noncutting = draw_one_in(d, 2);
         const ost_pm voxel = drawn_voxel(d), size = draw_between(d, 6000 * UM, 36000 * UM);
-        status = scene_add_tool(s, d, (scene_shape)((2 * c->number + i) % SHAPE_COUNT), size, voxel, noncutting, rule, err);
+        status = scene_add_tool(s, d, (scene_shape)((2 * c->number + i) % SHAPE_COUNT), size, voxel, noncutting, rule,
+                                err);
     }
     return status;
 }
@@ -137,7 +140,8 @@ static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error 
 static int64_t cubic_voxels(const scene *s)
 {
     const ost_geometry *g = &s->rect;
-    return ost_ceil_div(g->dims.x * g->spacing.x, s->cubic) * ost_ceil_div(g->dims.y * g->spacing.y, s->cubic) * ost_ceil_div(g->dims.z * g->spacing.z, s->cubic);
+    return ost_ceil_div(g->dims.x * g->spacing.x, s->cubic) * ost_ceil_div(g->dims.y * g->spacing.y, s->cubic) *
+           ost_ceil_div(g->dims.z * g->spacing.z, s->cubic);
 }
 
 /* Makes an anisotropic CT, so that resampling computes means, and two tools, one of which has a part that does not
@@ -164,10 +168,12 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
             s->samples[i].density = 32000 + (s->samples[i].density & 511);
     for (int i = 0; i < 2 && status == OST_OK; i++) {
         const ost_pm size = draw_between(d, 6 * unit, 14 * unit);
-        status = scene_add_tool(s, d, shapes[(c->number + i) % 6], size, draw_between(d, size / 22, size / 9), i == 0, c->number % 5 == 0 ? OST_FILL_PARITY : OST_FILL_WINDING, err);
+        status = scene_add_tool(s, d, shapes[(c->number + i) % 6], size, draw_between(d, size / 22, size / 9), i == 0,
+                                c->number % 5 == 0 ? OST_FILL_PARITY : OST_FILL_WINDING, err);
     }
     if (status == OST_OK)
-        status = c->number % 2 ? scene_unrelated_poses(s, d, 6, err) : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
+        status = c->number % 2 ? scene_unrelated_poses(s, d, 6, err)
+                               : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
     if (status == OST_OK)
         status = scene_add_full_tool(s, d, draw_between(d, s->cubic / 11, s->cubic / 9), err);
     /* Not if poses are swept: the tool is fine and a sweep would have hundreds of them. */
@@ -245,7 +251,8 @@ static ost_status make_operation(const plan_case *c, scene *s, draw *d, ost_erro
         if (status == OST_OK)
             status = ost_mesh_snap(&mesh, &grid, &tool->cutting, err);
         if (status == OST_OK)
-            status = ost_builtin_path(i == 0 ? OST_BUILTIN_PEG_HOLE : OST_BUILTIN_GLENOID_REAM, &glenoid, &grid, i, &path, err);
+            status = ost_builtin_path(i == 0 ? OST_BUILTIN_PEG_HOLE : OST_BUILTIN_GLENOID_REAM, &glenoid, &grid, i,
+                                      &path, err);
         if (status == OST_OK) {
             thin_path(&path, step[c->tier]);
             status = append_path(s, &path, err);
@@ -323,9 +330,10 @@ static ost_status add_ints(ost_hasher *h, const int64_t *values, size_t count, o
 static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
 {
     const ost_geometry *g = &s->rect;
-    const int64_t head[] = {g->dims.x,   g->dims.y,   g->dims.z,   g->spacing.x,    g->spacing.y,  g->spacing.z,  g->origin.x, g->origin.y,
-                            g->origin.z, s->duplicates, s->cubic, s->resample, s->chunk_size, s->threshold, (int64_t)s->batch,
-                            (int64_t)s->sample_count};
+    const int64_t head[] = {g->dims.x,     g->dims.y,     g->dims.z,         g->spacing.x,
+                            g->spacing.y,  g->spacing.z,  g->origin.x,       g->origin.y,
+                            g->origin.z,   s->duplicates, s->cubic,          s->resample,
+                            s->chunk_size, s->threshold,  (int64_t)s->batch, (int64_t)s->sample_count};
     ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
     enum { AT_ONCE = 24 }; /* samples per call; there are millions */
     for (size_t i = 0; i < s->sample_count && status == OST_OK;) {
@@ -352,7 +360,8 @@ static ost_status add_path(ost_hasher *h, const scene *s, ost_error *err)
         status = add_ints(h, (const int64_t[]){s->world.classes.border[c]}, 1, err);
     for (size_t i = 0; i < s->path.count && status == OST_OK; i++) {
         const ost_tick *t = &s->path.ticks[i];
-        const int64_t row[] = {t->t_ns, t->tool, t->pose.t.x, t->pose.t.y, t->pose.t.z, t->pose.qw, t->pose.qx, t->pose.qy, t->pose.qz, t->rpm};
+        const int64_t row[] = {t->t_ns,    t->tool,    t->pose.t.x, t->pose.t.y, t->pose.t.z,
+                               t->pose.qw, t->pose.qx, t->pose.qy,  t->pose.qz,  t->rpm};
         /* The speed is left out if it is unknown (OST_RPM_ON), so that the digests of older cases remain unchanged. */
         status = add_ints(h, row, sizeof row / sizeof row[0] - (t->rpm == OST_RPM_ON), err);
     }

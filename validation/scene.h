@@ -36,7 +36,8 @@ typedef struct scene {
     ost_duplicates duplicates;
     ost_pm cubic;
     ost_resample resample;
-    int32_t slices; /* slices per call if a CT with one sample per lattice point is uploaded; 0: it is sent as samples */
+    /* slices per call if a CT with one sample per lattice point is uploaded; 0: it is sent as samples */
+    int32_t slices;
     int chunk_size;
     int32_t threshold;
 
@@ -47,7 +48,8 @@ typedef struct scene {
        and only the steps (steps_record.h) are computed. */
     ost_world_options world;
     ost_path path;
-    ost_path handle_path; /* poses of the hand from which path was computed with a motor of handle_rpm; empty without a motor */
+    /* poses of the hand from which path was computed with a motor of handle_rpm; empty without a motor */
+    ost_path handle_path;
     int32_t handle_rpm;
     int collide_every; /* n: the backend also collides before every n-th tick; 0: never */
 
@@ -57,8 +59,8 @@ typedef struct scene {
 ost_status scene_make(const plan_case *c, scene *out, ost_error *err);
 void scene_free(scene *s);
 void scene_tool_free(scene_tool *tool);
-/* Applies a motor to s->path, whose rows are poses of the handle: moves these rows to s->handle_path and sets s->path to the
-   tool's poses. */
+/* Applies a motor to s->path, whose rows are poses of the handle: moves these rows to
+   s->handle_path and sets s->path to the tool's poses. */
 ost_status scene_turn(scene *s, int32_t rpm, ost_error *err);
 
 /* Computes the SHA-256 of all members, field by field in a fixed form; the evidence names it as the case's input. */

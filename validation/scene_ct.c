@@ -102,7 +102,8 @@ ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err
         for (int32_t j = 0; j < g->dims.y; j++)
             for (int32_t i = 0; i < g->dims.x; i++, n++)
                 s->samples[n] = (ost_sample){g->origin.x + g->spacing.x * i, g->origin.y + g->spacing.y * j,
-                                             g->origin.z + g->spacing.z * k, volume->voxels[n], (uint32_t)(n % s->batch)};
+                                             g->origin.z + g->spacing.z * k, volume->voxels[n],
+                                             (uint32_t)(n % s->batch)};
     s->sample_count = n;
     return OST_OK;
 }

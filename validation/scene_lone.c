@@ -21,7 +21,8 @@ static ost_status add_ticks(scene *s, const ost_pm3 *at, const int32_t *tool, si
 {
     const ost_status status = ost_path_init(&s->path, count, err);
     for (size_t i = 0; i < count && status == OST_OK; i++) {
-        s->path.ticks[i] = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = tool[i], .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
+        s->path.ticks[i] = (ost_tick){
+            .t_ns = (int64_t)(i + 1) * TICK_NS, .tool = tool[i], .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
         s->path.ticks[i].pose.t = at[i];
     }
     s->world.sweep_off = true;
@@ -69,7 +70,8 @@ ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err)
             }
     if (status == OST_OK)
         status = scene_add_fine_tool(s, d, cube * 3 / 4, err);
-    const ost_pm3 at[] = {centre_of(&s->rect, 5 * CHUNK + 5, 0, 1), centre_of(&s->rect, CHUNK * CHUNK + LAST - 1, 1, 1)};
+    const ost_pm3 at[] = {centre_of(&s->rect, 5 * CHUNK + 5, 0, 1),
+                          centre_of(&s->rect, CHUNK * CHUNK + LAST - 1, 1, 1)};
     return status == OST_OK ? add_ticks(s, at, (const int32_t[]){0, 0}, 2, err) : status;
 }
 

@@ -53,8 +53,8 @@ typedef enum scene_shape {
 } scene_shape;
 
 /* Adds a tool about `size` wide with voxels of size `voxel`, with a part that does not cut if noncutting is true. */
-ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting, ost_fill_rule rule,
-                          ost_error *err);
+ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting,
+                          ost_fill_rule rule, ost_error *err);
 
 /*
  * Adds a tool of 58^3 voxels that is solid up to its grid's border, which no

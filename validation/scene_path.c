@@ -21,7 +21,8 @@ static ost_pm3 drawn_target(const scene *s, draw *d)
 {
     const ost_geometry *g = &s->rect;
     const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
-    const ost_pm spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z}, origin[3] = {g->origin.x, g->origin.y, g->origin.z};
+    const ost_pm spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z},
+                 origin[3] = {g->origin.x, g->origin.y, g->origin.z};
     ost_pm p[3];
     for (int a = 0; a < 3; a++) {
         p[a] = origin[a] + spacing[a] * draw_between(d, 0, dims[a] - 1);
@@ -72,7 +73,9 @@ ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err
         double q[4];
         ost_tick *tick = &s->path.ticks[i];
         drawn_turn(d, q);
-        *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = (int32_t)draw_between(d, 0, s->tool_count - 1), .rpm = OST_RPM_ON};
+        *tick = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS,
+                           .tool = (int32_t)draw_between(d, 0, s->tool_count - 1),
+                           .rpm = OST_RPM_ON};
         status = ost_pose_from_doubles(none, q, &tick->pose, err);
         tick->pose.t = at;
     }
@@ -90,7 +93,8 @@ static ost_tick *another(scene *s, ost_error *err)
     }
     s->path.ticks = ticks;
     s->path.count = i + 1;
-    ticks[i] = (ost_tick){.t_ns = (int64_t)(i + 1) * TICK_NS, .tool = s->tool_count - 1, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
+    ticks[i] = (ost_tick){
+        .t_ns = (int64_t)(i + 1) * TICK_NS, .tool = s->tool_count - 1, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
     return &ticks[i];
 }
 
@@ -147,12 +151,14 @@ ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err)
         for (int b = 0; b < 3; b++)
             put(tick, b, along_axis(s, b).middle);
         const along x = along_axis(s, a);
-        const int32_t block = OST_MAP_BLOCK * (int32_t)draw_between(d, 0, (x.n - 1) / OST_MAP_BLOCK), last = block + OST_MAP_BLOCK - 1;
+        const int32_t block = OST_MAP_BLOCK * (int32_t)draw_between(d, 0, (x.n - 1) / OST_MAP_BLOCK),
+                      last = block + OST_MAP_BLOCK - 1;
         /* A unit is voxel / 2^20. At the first voxel of a block the position is up to half a unit before the border
            and is rounded onto it; at the last voxel it is up to 15 units behind it, where a step that is too short by
            one shows. */
         const bool at_last = draw_one_in(d, 2) && last < x.n;
-        const ost_pm off = at_last ? draw_between(d, 0, voxel * 15 >> OST_MAP_FRACTION) : draw_between(d, -(voxel >> (OST_MAP_FRACTION + 1)), -1);
+        const ost_pm off = at_last ? draw_between(d, 0, voxel * 15 >> OST_MAP_FRACTION)
+                                   : draw_between(d, -(voxel >> (OST_MAP_FRACTION + 1)), -1);
         put(tick, a, x.first + s->cubic * (at_last ? last : block) - corner[a] - off);
     }
     return OST_OK;
@@ -216,8 +222,10 @@ ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double tur
         }
         /* q <- (1, turn/2 axis) q, normalised: a rotation by about `turn` */
         const double h = turn / 2, r[4] = {1, h * axis[1], h * axis[2], h * axis[3]};
-        double n[4] = {r[0] * q[0] - r[1] * q[1] - r[2] * q[2] - r[3] * q[3], r[0] * q[1] + r[1] * q[0] + r[2] * q[3] - r[3] * q[2],
-                       r[0] * q[2] - r[1] * q[3] + r[2] * q[0] + r[3] * q[1], r[0] * q[3] + r[1] * q[2] - r[2] * q[1] + r[3] * q[0]};
+        double n[4] = {r[0] * q[0] - r[1] * q[1] - r[2] * q[2] - r[3] * q[3],
+                       r[0] * q[1] + r[1] * q[0] + r[2] * q[3] - r[3] * q[2],
+                       r[0] * q[2] - r[1] * q[3] + r[2] * q[0] + r[3] * q[1],
+                       r[0] * q[3] + r[1] * q[2] - r[2] * q[1] + r[3] * q[0]};
         const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3]);
         for (int c = 0; c < 4; c++)
             q[c] = n[c] / length;

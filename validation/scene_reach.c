@@ -31,7 +31,8 @@ enum { TICK_NS = 1000000, KINDS = 6 };
 static ost_tick *next_tick(scene *s, int32_t tool)
 {
     ost_tick *tick = &s->path.ticks[s->path.count++];
-    *tick = (ost_tick){.t_ns = (int64_t)s->path.count * TICK_NS, .tool = tool, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
+    *tick = (ost_tick){
+        .t_ns = (int64_t)s->path.count * TICK_NS, .tool = tool, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
     return tick;
 }
 
@@ -66,7 +67,8 @@ static ost_sample sample_at(const scene *s, draw *d, int32_t x, int32_t y, int32
     one.x = jittered(d, g->origin.x, g->spacing.x, x);
     one.y = jittered(d, g->origin.y, g->spacing.y, y);
     one.z = jittered(d, g->origin.z, g->spacing.z, z);
-    one.density = (int32_t)(draw_one_in(d, 3) ? draw_between(d, s->threshold - 1, s->threshold + 1) : draw_between(d, 0, 32767));
+    one.density = (int32_t)(draw_one_in(d, 3) ? draw_between(d, s->threshold - 1, s->threshold + 1)
+                                              : draw_between(d, 0, 32767));
     return one;
 }
 
@@ -108,7 +110,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
 {
     static const ost_duplicates rules[] = {OST_DUPLICATES_LAST, OST_DUPLICATES_FIRST, OST_DUPLICATES_MAX};
     /* 32 slices of 1.42 mm give 65 cubes of 0.7 mm: 71 / 35 has no finite binary fraction. */
-    s->rect = (ost_geometry){{LARGE_X, LARGE_Y, LARGE_Z}, {700 * UM, 700 * UM, 1420 * UM}, {-360000 * UM, 8000 * UM, -1000 * UM}};
+    s->rect = (ost_geometry){
+        {LARGE_X, LARGE_Y, LARGE_Z}, {700 * UM, 700 * UM, 1420 * UM}, {-360000 * UM, 8000 * UM, -1000 * UM}};
     s->cubic = 700 * UM;
     s->resample = c->number / KINDS % 2 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
     s->duplicates = rules[c->number / KINDS % 3];
@@ -131,7 +134,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     for (int i = 0; i < 4 && status == OST_OK; i++) {
         ost_pose *pose = &next_tick(s, i == 3)->pose;
         /* From one end to the other, over the last rows and slices. */
-        pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM, s->rect.origin.y + (slim ? 38000 : 30000) * UM,
+        pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM,
+                            s->rect.origin.y + (slim ? 38000 : 30000) * UM,
                             s->rect.origin.z + (slim ? 38000 : 29000) * UM};
         /* The base of a block far from the box's first lies half a unit of the map before the bar's end: a tie, which
            rounding half to even moves outside. */
@@ -212,7 +216,8 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
                 const int32_t density = (int32_t)draw_between(d, dense ? 31000 : 8000, dense ? 32767 : 16383);
                 const ost_pm3 at = {s->rect.origin.x + spacing * x, s->rect.origin.y + spacing * y,
                                     s->rect.origin.z + 350 * UM * z};
-                s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, density, (uint32_t)(s->sample_count % s->batch)};
+                s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, density,
+                                                           (uint32_t)(s->sample_count % s->batch)};
             }
     s->world.classes = classes_of(kind);
     const ost_dims rods[3] = {{61, 1, 2}, {3, 59, 1}, {2, 3, 63}};
@@ -281,7 +286,8 @@ static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z,
 static ost_status make_hollow(scene *s, draw *d, ost_error *err)
 {
     const ost_pm cube = 500 * UM;
-    s->rect = (ost_geometry){{HOLLOW_X, HOLLOW_Y, HOLLOW_Z}, {730 * UM, 510 * UM, 520 * UM}, draw_point(d, -90000 * UM, 90000 * UM)};
+    s->rect = (ost_geometry){
+        {HOLLOW_X, HOLLOW_Y, HOLLOW_Z}, {730 * UM, 510 * UM, 520 * UM}, draw_point(d, -90000 * UM, 90000 * UM)};
     s->cubic = cube;
     s->resample = OST_RESAMPLE_LINEAR;
     s->chunk_size = 16;

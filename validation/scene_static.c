@@ -20,8 +20,9 @@ static const struct {
     ost_tool_kind kind;
     ost_pm voxel;
     int chunk_size;
-} events[] = {{OST_TOOL_REAMER, 1000 * UM, 32}, {OST_TOOL_REAMER, 750 * UM, 32}, {OST_TOOL_REAMER, 500 * UM, 32}, {OST_TOOL_PEG, 500 * UM, 32},
-              {OST_TOOL_REAMER, 500 * UM, 16},  {OST_TOOL_REAMER, 500 * UM, 64}, {OST_TOOL_PEG, 500 * UM, 16},    {OST_TOOL_PEG, 500 * UM, 64}};
+} events[] = {{OST_TOOL_REAMER, 1000 * UM, 32}, {OST_TOOL_REAMER, 750 * UM, 32}, {OST_TOOL_REAMER, 500 * UM, 32},
+              {OST_TOOL_PEG, 500 * UM, 32},     {OST_TOOL_REAMER, 500 * UM, 16}, {OST_TOOL_REAMER, 500 * UM, 64},
+              {OST_TOOL_PEG, 500 * UM, 16},     {OST_TOOL_PEG, 500 * UM, 64}};
 
 static ost_pose pose_of(ost_tool_kind kind)
 {

@@ -40,7 +40,9 @@ static void make_grid(scene *s, draw *d, int number, ost_pm unit)
     for (int a = 0; a < 3; a++) {
         const ost_pm way = (dims[a] - 1) * voxel;
         const int where = number % 2 ? (int)draw_between(d, 0, 2) : 3;
-        origin[a] = where == 0 ? -FARTHEST : where == 1 ? FARTHEST - way : drawn(d, -(INT64_C(1) << 40), INT64_C(1) << 40, unit);
+        origin[a] = where == 0   ? -FARTHEST
+                    : where == 1 ? FARTHEST - way
+                                 : drawn(d, -(INT64_C(1) << 40), INT64_C(1) << 40, unit);
     }
     g->origin = (ost_pm3){origin[0], origin[1], origin[2]};
     s->cubic = voxel;
@@ -111,7 +113,8 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         ost_tick *tick = &s->path.ticks[i];
         const ost_pm off = draw_between(d, 0, 3) ? 0 : draw_between(d, -1, 1);
         t_ns += draw_between(d, 1, handle_path ? 90000000 : 3000000);
-        *tick = (ost_tick){.t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = handle_path ? OST_RPM_OF_DEVICE : OST_RPM_ON};
+        *tick = (ost_tick){
+            .t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = handle_path ? OST_RPM_OF_DEVICE : OST_RPM_ON};
         const bool wide = tick->tool == 1; /* rotated little: a rotation moves this tool's corners far */
         const bool straight = i % 4 == 1 || i % 4 == 2;
         if (straight) { /* not rotated since the last tick: the distance alone decides the number of poses */
@@ -121,7 +124,10 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
             const double last[4] = {q[0], q[1], q[2], q[3]};
             turn_on(d, wide ? 0.01 : i % 8 == 7 && !handle_path ? 1.2 : 0.1, last, q);
             for (int a = 0; a < 3; a++)
-                at[a] = (a == 0 ? middle.x : a == 1 ? middle.y : middle.z) + drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
+                at[a] = (a == 0   ? middle.x
+                         : a == 1 ? middle.y
+                                  : middle.z) +
+                        drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
         }
         if (!handle_path && !wide && (i % 8 == 4 || i % 8 == 5)) /* 0, then 90 degrees, the limit of AR-SWEEP-3 */
             memcpy(q, i % 8 == 4 ? upright : quarter, sizeof q);

@@ -61,11 +61,14 @@ static ost_status loose_triangles(draw *d, ost_pm size, int count, bool thin, os
     if (status != OST_OK)
         return status;
     for (int t = 0; t < count; t++) {
-        const ost_pm half = size / 2, half_along = (thin ? size / 2 : size) / 2, half_aside = (thin ? size / 20000 : size) / 2;
-        const ost_pm3 at = draw_point(d, -half, half), along = draw_point(d, -half_along, half_along), aside = draw_point(d, -half_aside, half_aside);
+        const ost_pm half = size / 2, half_along = (thin ? size / 2 : size) / 2,
+                     half_aside = (thin ? size / 20000 : size) / 2;
+        const ost_pm3 at = draw_point(d, -half, half), along = draw_point(d, -half_along, half_along),
+                      aside = draw_point(d, -half_aside, half_aside);
         out->vertices[3 * t] = at;
         out->vertices[3 * t + 1] = (ost_pm3){at.x + along.x, at.y + along.y, at.z + along.z};
-        out->vertices[3 * t + 2] = (ost_pm3){at.x + along.x / 2 + aside.x, at.y + along.y / 2 + aside.y, at.z + along.z / 2 + aside.z};
+        out->vertices[3 * t + 2] = (ost_pm3){at.x + along.x / 2 + aside.x, at.y + along.y / 2 + aside.y,
+                                             at.z + along.z / 2 + aside.z};
         for (uint32_t c = 0; c < 3; c++)
             out->triangles[t][c] = (uint32_t)(3 * t) + c;
     }
@@ -87,7 +90,8 @@ static ost_status mesh_of(draw *d, scene_shape shape, ost_pm size, ost_mesh *out
     ost_tool_options how = {.diameter = size, .segments = 4 * (int)draw_between(d, 3, 24)};
     ost_status status;
     switch (shape) {
-    case SHAPE_REAMER: return ost_tool_make(OST_TOOL_REAMER, &(ost_tool_options){.diameter = size, .length = size / 2}, out, err);
+    case SHAPE_REAMER:
+        return ost_tool_make(OST_TOOL_REAMER, &(ost_tool_options){.diameter = size, .length = size / 2}, out, err);
     case SHAPE_PEG: how.length = 2 * size; return ost_tool_make(OST_TOOL_PEG, &how, out, err);
     case SHAPE_BURR: how.length = size; return ost_tool_make(OST_TOOL_BURR, &how, out, err);
     case SHAPE_TWICE: return boxes(d, size, 2, true, false, out, err);
@@ -116,10 +120,11 @@ static void align(ost_mesh *mesh, ost_pm voxel)
     }
 }
 
-static const char *const shape_names[SHAPE_COUNT] = {"reamer", "peg", "burr", "box", "twice", "hollow", "open", "soup", "slivers"};
+static const char *const shape_names[SHAPE_COUNT] = {"reamer", "peg",  "burr", "box",    "twice",
+                                                     "hollow", "open", "soup", "slivers"};
 
-ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting, ost_fill_rule rule,
-                          ost_error *err)
+ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting,
+                          ost_fill_rule rule, ost_error *err)
 {
     scene_tool *tool = &s->tools[s->tool_count];
     ost_mesh mesh = {0}, shaft = {0};
@@ -157,7 +162,8 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
 {
     enum { SOLIDS = 20000, SIDE = 40, SIZE = 3 };
     static const uint32_t faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
-    const ost_tool_geometry grid = {{SIDE, SIDE, SIDE}, voxel, {-SIDE / 2 * voxel, -SIDE / 2 * voxel, -SIDE / 2 * voxel}};
+    const ost_tool_geometry grid = {
+        {SIDE, SIDE, SIDE}, voxel, {-SIDE / 2 * voxel, -SIDE / 2 * voxel, -SIDE / 2 * voxel}};
     const ost_pm far = (SIDE / 2 - SIZE) * voxel, size = SIZE * voxel / 2;
     scene_tool *tool = &s->tools[s->tool_count];
     ost_mesh *mesh = &tool->raw[0];
@@ -196,7 +202,8 @@ static int64_t drawn_odd(draw *d, int64_t lo, int64_t hi)
 
 static void solid_on_a_centre(draw *d, int64_t at[4][3])
 {
-    const int64_t p = drawn_odd(d, 3, 7), size = drawn_odd(d, 3, 7), q = draw_one_in(d, 2) ? size : -size, most = REACH / (p > 7 || q > 7 ? 9 : 7);
+    const int64_t p = drawn_odd(d, 3, 7), size = drawn_odd(d, 3, 7), q = draw_one_in(d, 2) ? size : -size,
+                  most = REACH / (p > 7 || q > 7 ? 9 : 7);
     const int64_t m = drawn_odd(d, most * 3 / 4, most), n = drawn_odd(d, m * 2 / 5, m * 3 / 5);
     for (int v = 0; v < 4; v++)
         for (int a = 0; a < 3; a++)
@@ -227,7 +234,9 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
         int64_t at[4][3];
         solid_on_a_centre(d, at);
         for (int v = 0; v < 4; v++) /* the nearest picometre; snapping returns the unit exactly */
-            mesh.vertices[8 + 4 * b + v] = (ost_pm3){(at[v][0] * voxel + 512) / 1024 - half, (at[v][1] * voxel + 512) / 1024 - half, (at[v][2] * voxel + 512) / 1024 - half};
+            mesh.vertices[8 + 4 * b + v] = (ost_pm3){(at[v][0] * voxel + 512) / 1024 - half,
+                                                     (at[v][1] * voxel + 512) / 1024 - half,
+                                                     (at[v][2] * voxel + 512) / 1024 - half};
         for (int t = 0; t < 4; t++)
             for (int c = 0; c < 3; c++)
                 mesh.triangles[12 + 4 * b + t][c] = (uint32_t)(8 + 4 * b) + faces[t][c];

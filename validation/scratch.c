@@ -19,7 +19,8 @@ static const char *base_folder(void)
 
 static ost_status refuse(const char *what, int n, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_IO, "no %s for traces in '%.200s': %s", what, base_folder(), n >= SCRATCH_PATH ? "the name is too long" : strerror(errno));
+    return ost_fail(err, OST_ERR_IO, "no %s for traces in '%.200s': %s", what, base_folder(),
+                    n >= SCRATCH_PATH ? "the name is too long" : strerror(errno));
 }
 
 ost_status scratch_make(char path[SCRATCH_PATH], ost_error *err)
@@ -73,6 +74,8 @@ ost_status scratch_check_space(uint64_t bytes, ost_error *err)
     const uint64_t left = (uint64_t)space.f_bavail * space.f_frsize;
     if (left >= bytes)
         return OST_OK;
-    return ost_fail(err, OST_ERR_IO, "'%.200s' has %llu MB left, and traces may need %llu MB at a time; TMPDIR names another folder, fewer --jobs need less",
+    return ost_fail(err, OST_ERR_IO,
+                    "'%.200s' has %llu MB left, and traces may need %llu MB at a time; TMPDIR names another folder, "
+                    "fewer --jobs need less",
                     base_folder(), (unsigned long long)(left / 1000000), (unsigned long long)(bytes / 1000000));
 }

@@ -44,7 +44,8 @@ static void watch(void *user, trace_stage stage, uint32_t item)
     }
 }
 
-static ost_status run_one(ost_backend *backend, const scene *s, const char *path, perform_watch *watcher, void *user, trace *out, ost_error *err)
+static ost_status run_one(ost_backend *backend, const scene *s, const char *path, perform_watch *watcher, void *user,
+                          trace *out, ost_error *err)
 {
     trace_writer *w;
     ost_error why;
@@ -62,8 +63,9 @@ static ost_status run_one(ost_backend *backend, const scene *s, const char *path
 }
 
 /*
- * Returns true if the comparison named the position at which the mistake first showed.  A bone that is uploaded in parts
- * has only one record, and a later part may overwrite the voxel that changed first; there the record is the position.
+ * Returns true if the comparison named the position at which the mistake first showed. A bone that
+ * is uploaded in parts has only one record, and a later part may overwrite the voxel that changed
+ * first; there the record is the position.
  */
 static bool is_located(const witness *w, const compare_difference *d)
 {
@@ -79,7 +81,8 @@ static bool is_located(const witness *w, const compare_difference *d)
     return true; /* the record has another shape: only the stage and the item can be compared */
 }
 
-static void judge(sensitivity *out, const deviation *how, const plan_case *c, const witness *w, const deviation_record *record, const compare_difference *d)
+static void judge(sensitivity *out, const deviation *how, const plan_case *c, const witness *w,
+                  const deviation_record *record, const compare_difference *d)
 {
     sensitivity_counts *counts[2] = {&out->all, &out->of[how->kind]};
     const bool detected = d->kind != COMPARE_EQUAL, located = detected && is_located(w, d);
@@ -98,17 +101,24 @@ static void judge(sensitivity *out, const deviation *how, const plan_case *c, co
     out->false_alarms += alarm;
     if ((alarm || (record->changed && !located)) && !out->first_problem[0])
         snprintf(out->first_problem, sizeof out->first_problem,
-                 "%s in %s (campaign seed %llu, its seed %llu, one in %u): %s; first changed: %s call %llu voxel %d,%d,%d chunk %lld at %s %u; found: %s %u voxel "
+                 "%s in %s (campaign seed %llu, its seed %llu, one in %u): %s; first changed: %s call %llu voxel "
+                 "%d,%d,%d chunk %lld at %s %u; found: %s %u voxel "
                  "%d,%d,%d word %zu chunk %lld",
-                 deviation_describe(how->kind)->name, c->id, (unsigned long long)c->seed, (unsigned long long)how->seed, how->one_in,
-                 alarm ? "an alarm without a change" : !detected ? "not detected" : "not located", deviation_stage_name(w->record.first_changed.stage),
-                 (unsigned long long)w->record.first_changed.call, w->record.first_changed.voxel[0], w->record.first_changed.voxel[1],
-                 w->record.first_changed.voxel[2], (long long)w->record.first_changed.chunk, w->seen ? trace_stage_name(w->stage) : "nothing", w->item,
-                 detected ? trace_stage_name(d->stage) : "nothing", d->item, d->voxel[0], d->voxel[1], d->voxel[2], d->word, (long long)d->chunk);
+                 deviation_describe(how->kind)->name, c->id, (unsigned long long)c->seed, (unsigned long long)how->seed,
+                 how->one_in,
+                 alarm       ? "an alarm without a change"
+                 : !detected ? "not detected"
+                             : "not located",
+                 deviation_stage_name(w->record.first_changed.stage), (unsigned long long)w->record.first_changed.call,
+                 w->record.first_changed.voxel[0], w->record.first_changed.voxel[1], w->record.first_changed.voxel[2],
+                 (long long)w->record.first_changed.chunk, w->seen ? trace_stage_name(w->stage) : "nothing", w->item,
+                 detected ? trace_stage_name(d->stage) : "nothing", d->item, d->voxel[0], d->voxel[1], d->voxel[2],
+                 d->word, (long long)d->chunk);
 }
 
 /* Runs the dense backend without a mistake: any difference is a false alarm. */
-static ost_status run_clean(const scene *s, const plan_case *c, const char *path, const trace *ref, compare_range in_ref, sensitivity *out, ost_error *err)
+static ost_status run_clean(const scene *s, const plan_case *c, const char *path, const trace *ref,
+                            compare_range in_ref, sensitivity *out, ost_error *err)
 {
     ost_backend *backend;
     trace got = {0};
@@ -125,8 +135,10 @@ static ost_status run_clean(const scene *s, const plan_case *c, const char *path
     if (d.kind != COMPARE_EQUAL) {
         out->false_alarms++;
         if (!out->first_problem[0])
-            snprintf(out->first_problem, sizeof out->first_problem, "a clean run of %s (seed %llu) differs: %s %u voxel %d,%d,%d word %zu", c->id,
-                     (unsigned long long)c->seed, trace_stage_name(d.stage), d.item, d.voxel[0], d.voxel[1], d.voxel[2], d.word);
+            snprintf(out->first_problem, sizeof out->first_problem,
+                     "a clean run of %s (seed %llu) differs: %s %u voxel %d,%d,%d word %zu", c->id,
+                     (unsigned long long)c->seed, trace_stage_name(d.stage), d.item, d.voxel[0], d.voxel[1], d.voxel[2],
+                     d.word);
     }
     trace_free(&got);
     return OST_OK;
@@ -137,8 +149,8 @@ const char *sensitivity_class_name(int class)
     return class < PATTERNS ? pattern_name((pattern)class) : class == PATTERNS ? "report-only" : "none";
 }
 
-static void classify(const deviation *how, const scene *s, const trace *ref, compare_range in_ref, const trace *got, const compare_difference *d,
-                     sensitivity *out)
+static void classify(const deviation *how, const scene *s, const trace *ref, compare_range in_ref, const trace *got,
+                     const compare_difference *d, sensitivity *out)
 {
     finding f;
     if (d->kind == COMPARE_EQUAL)
@@ -150,8 +162,8 @@ static void classify(const deviation *how, const scene *s, const trace *ref, com
     out->classes[how->kind][class]++;
 }
 
-static ost_status inject(const deviation *how, const scene *s, const plan_case *c, const char *path, const trace *ref, compare_range in_ref, sensitivity *out,
-                         ost_error *err)
+static ost_status inject(const deviation *how, const scene *s, const plan_case *c, const char *path, const trace *ref,
+                         compare_range in_ref, sensitivity *out, ost_error *err)
 {
     witness w = {0};
     trace got = {0};
@@ -177,7 +189,8 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
     static const struct {
         const char *unit;
         int bits;
-    } most[] = {{"sample", 11}, {"voxel", 11}, {"triangle", 4}, {"row", 5}, {"chunk", 3}, {"block", 3}, {"pose", 2}, {"layer", 4}, {"batch", 1}};
+    } most[] = {{"sample", 11}, {"voxel", 11}, {"triangle", 4}, {"row", 5},  {"chunk", 3},
+                {"block", 3},   {"pose", 2},   {"layer", 4},    {"batch", 1}};
     int bits = 0;
     for (size_t i = 0; i < sizeof most / sizeof most[0]; i++)
         if (strcmp(deviation_describe(kind)->unit, most[i].unit) == 0)
@@ -324,7 +337,8 @@ static share share_of(const proof *p, int number)
     const uint64_t first = (uint64_t)number * PER_SCENE, left = p->injections > first ? p->injections - first : 0;
     if (p->kind_count)
         return (share){.count = p->kind_count, .kinds = p->kinds, .everywhere = true};
-    return (share){.first = first, .count = left < PER_SCENE ? left : PER_SCENE, .everywhere = p->injections < DEVIATION_KINDS};
+    return (share){
+        .first = first, .count = left < PER_SCENE ? left : PER_SCENE, .everywhere = p->injections < DEVIATION_KINDS};
 }
 
 static void *work(void *user)
@@ -367,7 +381,12 @@ ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                            void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
                            ost_error *err)
 {
-    proof p = {.out = out, .injections = injections, .show = show, .user = user, .lock = PTHREAD_MUTEX_INITIALIZER, .problem_at = -1,
+    proof p = {.out = out,
+               .injections = injections,
+               .show = show,
+               .user = user,
+               .lock = PTHREAD_MUTEX_INITIALIZER,
+               .problem_at = -1,
                .end = (int)((injections + PER_SCENE - 1) / PER_SCENE)};
     *out = (sensitivity){.seed = seed};
     run_pass(&p, jobs);

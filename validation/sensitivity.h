@@ -53,8 +53,9 @@ uint64_t sensitivity_injections(plan_tier tier);
 
 /* Runs on `jobs` threads; the result does not depend on their number. show may be NULL; only one thread calls it at
    a time. */
-ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs, void (*show)(void *user, const char *what, double share), void *user,
-                           sensitivity *out, ost_error *err);
+ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
+                           void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
+                           ost_error *err);
 
 /* Makes this mistake alone, in the scene with this number. */
 ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err);

@@ -29,7 +29,8 @@ static ost_status by_core(const ost_pose *pose, const ost_geometry *bone, const 
 static bool is_supported(const ost_geometry *bone, const ost_tool_geometry *tool)
 {
     enum { MOST = 1024, RATIO = 16 };
-    return bone->spacing.x <= RATIO * tool->voxel && tool->dims.x <= MOST && tool->dims.y <= MOST && tool->dims.z <= MOST;
+    return bone->spacing.x <= RATIO * tool->voxel && tool->dims.x <= MOST && tool->dims.y <= MOST &&
+           tool->dims.z <= MOST;
 }
 
 static ost_status by_second(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,

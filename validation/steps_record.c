@@ -19,8 +19,17 @@ static void put_int128(trace_writer *w, ost_int128 value)
 static ost_status put_mesh(trace_writer *w, const ost_snapped_mesh *m, ost_error *err)
 {
     const ost_tool_geometry *g = &m->grid;
-    const int64_t words[] = {g->dims.x, g->dims.y, g->dims.z, g->voxel, g->corner.x, g->corner.y, g->corner.z, m->fraction_bits,
-                             (int64_t)m->vertex_count, (int64_t)m->triangle_count, (int64_t)m->dropped_triangles};
+    const int64_t words[] = {g->dims.x,
+                             g->dims.y,
+                             g->dims.z,
+                             g->voxel,
+                             g->corner.x,
+                             g->corner.y,
+                             g->corner.z,
+                             m->fraction_bits,
+                             (int64_t)m->vertex_count,
+                             (int64_t)m->triangle_count,
+                             (int64_t)m->dropped_triangles};
     ost_digest digest;
     const ost_status status = ost_snapped_mesh_digest(m, &digest, err);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)

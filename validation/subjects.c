@@ -29,7 +29,9 @@ static subject *add(subject_list *list, const char *spec, const char *what, ost_
 
 static ost_status add_dense(subject_list *list, ost_error *err)
 {
-    return add(list, SUBJECT_DENSE, "a second implementation, with its own sweep, map, poses and snapping", err) ? OST_OK : OST_ERR_MEMORY;
+    return add(list, SUBJECT_DENSE, "a second implementation, with its own sweep, map, poses and snapping", err)
+               ? OST_OK
+               : OST_ERR_MEMORY;
 }
 
 ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, ost_error *err)
@@ -52,9 +54,10 @@ ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, o
             taken[t] = true;
             /* Above smoke, 3 and 7 threads get their work in other orders, with pauses. */
             const char *const order = tier == PLAN_SMOKE || t < 2 ? "" : t == 2 ? ",order=1" : ",order=2";
-            snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d%s%s", ost_isa_name((ost_isa)i), threads[t], t ? ",grain=1" : "", order);
-            snprintf(what, sizeof what, "CPU, %s, %d thread%s%s", ost_isa_name((ost_isa)i), threads[t], t ? "s that share the smallest work" : "",
-                     order[0] ? ", in another order" : "");
+            snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d%s%s", ost_isa_name((ost_isa)i), threads[t],
+                     t ? ",grain=1" : "", order);
+            snprintf(what, sizeof what, "CPU, %s, %d thread%s%s", ost_isa_name((ost_isa)i), threads[t],
+                     t ? "s that share the smallest work" : "", order[0] ? ", in another order" : "");
             if (!add(list, spec, what, err))
                 return OST_ERR_MEMORY;
         }
@@ -110,7 +113,8 @@ typedef struct device_visit {
 } device_visit;
 
 /* Adds one subject of a device. reason is "" if it can run. */
-static void add_way(device_visit *v, const ost_device_info *device, const char *spec, const char *what, const char *reason)
+static void add_way(device_visit *v, const ost_device_info *device, const char *spec, const char *what,
+                    const char *reason)
 {
     subject *s = v->status == OST_OK ? add(v->list, spec, what, v->err) : NULL;
     if (!s) {
@@ -128,7 +132,8 @@ static void add_device(const ost_device_info *device, void *user)
     device_visit *v = user;
     char what[SUBJECT_REASON];
     const bool named = device->name && *device->name; /* an entry for a platform without devices has no name */
-    snprintf(what, sizeof what, "OpenCL, %.140s%s%.140s", named ? device->name : "", named ? ", " : "", device->platform);
+    snprintf(what, sizeof what, "OpenCL, %.140s%s%.140s", named ? device->name : "", named ? ", " : "",
+             device->platform);
     if (v->named) {
         if (strcmp(v->named->device, device->spec) == 0)
             memcpy(v->named->what, what, sizeof what);
@@ -195,7 +200,8 @@ static ost_status try_apart(const char *spec, ost_error *err)
     ost_status status = worker_program(program, sizeof program, err);
     if (status != OST_OK)
         return status;
-    const char *const words[] = {program, "validate", "--worker", spec, "--trace", "/dev/null", "--from", "1000000", NULL};
+    const char *const words[] = {program,     "validate", "--worker", spec, "--trace",
+                                 "/dev/null", "--from",   "1000000",  NULL};
     char *argv[sizeof words / sizeof words[0]];
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         argv[i] = (char *)(uintptr_t)words[i];
@@ -207,7 +213,8 @@ static ost_status try_apart(const char *spec, ost_error *err)
     if (status != OST_OK || end.end == WORKER_DONE)
         return status;
     if (end.end == WORKER_CRASHED)
-        return ost_fail(err, OST_ERR_INPUT, "%.300s: ended by signal %d (%s) when it was opened", spec, end.code, strsignal(end.code));
+        return ost_fail(err, OST_ERR_INPUT, "%.300s: ended by signal %d (%s) when it was opened", spec, end.code,
+                        strsignal(end.code));
     if (end.end == WORKER_LATE)
         return ost_fail(err, OST_ERR_INPUT, "%.300s: did not open within a minute", spec);
     static const char prefix[] = "osteon validate: ";

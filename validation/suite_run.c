@@ -264,7 +264,8 @@ static ost_status run_all(runner *r, ost_error *err)
     for (size_t next = 0; status == OST_OK && (next < count || r->count);) {
         while (status == OST_OK && next < count && r->count < jobs) {
             if (r->o->show)
-                r->o->show(r->o->user, json_string_value(json_array_get(r->tests, next)), (double)r->done / (double)count);
+                r->o->show(r->o->user, json_string_value(json_array_get(r->tests, next)),
+                           (double)r->done / (double)count);
             status = start(r, next++, err);
         }
         if (status == OST_OK)

@@ -40,18 +40,22 @@ static void name_in_line(uint64_t at, char text[TRACE_WORD])
     if (at == 0)
         snprintf(text, TRACE_WORD, "number of a chunk");
     else
-        snprintf(text, TRACE_WORD, "%s of class %u in a chunk", at % 2 ? "voxels" : "sum of densities", (unsigned)((at - 1) / 2 % 100 + 1));
+        snprintf(text, TRACE_WORD, "%s of class %u in a chunk", at % 2 ? "voxels" : "sum of densities",
+                 (unsigned)((at - 1) / 2 % 100 + 1));
 }
 
 const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words, char text[TRACE_WORD])
 {
-    static const char *const input[] = {"digest of the input", "digest of the input", "digest of the input", "digest of the input"};
-    static const char *const rect[] = {"samples", "duplicates", "off lattice", "worst offset", "worst line", "rejected line", "conflict line", "density had", "density has"};
+    static const char *const input[] = {"digest of the input", "digest of the input", "digest of the input",
+                                        "digest of the input"};
+    static const char *const rect[] = {"samples",       "duplicates",    "off lattice", "worst offset", "worst line",
+                                       "rejected line", "conflict line", "density had", "density has"};
     static const char *const cubic[] = {"width", "height", "depth", "x spacing", "y spacing", "z spacing"};
     static const char *const chunks[] = {"chunks", "active chunks", "active voxels"};
     static const char *const tool[] = {"solid voxels", "cutting voxels", "leaking rows"};
-    static const char *const tick[] = {"status", "removal", "boxes meet", "poses", "chunk range", "chunk range", "chunk range", "chunk range",
-                                       "chunk range", "chunk range", "voxels in all", "touched voxels", "chunks reported"};
+    static const char *const tick[] = {
+        "status",      "removal",     "boxes meet",  "poses",         "chunk range",    "chunk range",    "chunk range",
+        "chunk range", "chunk range", "chunk range", "voxels in all", "touched voxels", "chunks reported"};
     static const char *const failed[] = {"status"};
     static const struct {
         const char *const *names;
@@ -251,7 +255,9 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
                 return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %zu records", path, capacity);
             t->records = grown;
         }
-        t->records[t->count++] = (trace_record){(trace_stage)u32_at(head + 4), u32_at(head + 8), u32_at(head + 12), head + HEAD, body, u64_at(head + HEAD - 8)};
+        t->records[t->count++] = (trace_record){
+            (trace_stage)u32_at(head + 4), u32_at(head + 8), u32_at(head + 12), head + HEAD, body,
+            u64_at(head + HEAD - 8)};
         at += HEAD + body;
         t->complete = t->records[t->count - 1].stage == TRACE_END && at == t->size;
     }
@@ -316,7 +322,8 @@ bool trace_next_block(const trace_record *r, size_t *at, trace_block_view *out)
     out->voxel_bytes = u32_at(head + 24);
     out->voxels = head + BLOCK_HEAD;
     const ost_dims d = out->dims;
-    if (d.x < 1 || d.y < 1 || d.z < 1 || d.x > OST_DIM_MAX || d.y > OST_DIM_MAX || d.z > OST_DIM_MAX || out->voxel_bytes < 1 || out->voxel_bytes > 2)
+    if (d.x < 1 || d.y < 1 || d.z < 1 || d.x > OST_DIM_MAX || d.y > OST_DIM_MAX || d.z > OST_DIM_MAX ||
+        out->voxel_bytes < 1 || out->voxel_bytes > 2)
         return false;
     const uint64_t bytes = (uint64_t)ost_dims_count(d) * out->voxel_bytes;
     if (bytes > r->body_bytes - *at - BLOCK_HEAD)

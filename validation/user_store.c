@@ -83,7 +83,8 @@ static ost_status write_at(user_store *u, const void *bytes, size_t size, uint64
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
-            return ost_fail(err, OST_ERR_IO, "the inputs cannot be kept where TMPDIR says, or in /tmp: %s", n ? strerror(errno) : "nothing is written");
+            return ost_fail(err, OST_ERR_IO, "the inputs cannot be kept where TMPDIR says, or in /tmp: %s",
+                            n ? strerror(errno) : "nothing is written");
         done += (size_t)n;
     }
     return OST_OK;
@@ -124,8 +125,13 @@ ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t co
 
 static ost_status add_part(user_store *u, const ost_snapped_mesh *m, const ost_mesh *raw, part *p, ost_error *err)
 {
-    *p = (part){.grid = m->grid, .fraction_bits = m->fraction_bits, .vertices = m->vertex_count, .triangles = m->triangle_count, .dropped = m->dropped_triangles,
-                .raw_vertices = raw->vertex_count, .raw_triangles = raw->triangle_count};
+    *p = (part){.grid = m->grid,
+                .fraction_bits = m->fraction_bits,
+                .vertices = m->vertex_count,
+                .triangles = m->triangle_count,
+                .dropped = m->dropped_triangles,
+                .raw_vertices = raw->vertex_count,
+                .raw_triangles = raw->triangle_count};
     ost_status status = add_array(u, raw->vertices, raw->vertex_count, sizeof *raw->vertices, &p->raw_vertices_at, err);
     if (status == OST_OK)
         status = add_array(u, raw->triangles, raw->triangle_count, sizeof *raw->triangles, &p->raw_triangles_at, err);
@@ -157,7 +163,8 @@ ost_status user_case_end(user_store *u, const scene *head, ost_error *err)
     e->head.handle_path = (ost_path){.count = 0};
     e->handle_path = head->handle_path.count;
     if (status == OST_OK)
-        status = add_array(u, head->handle_path.ticks, head->handle_path.count, sizeof *head->handle_path.ticks, &e->hand_at, err);
+        status = add_array(u, head->handle_path.ticks, head->handle_path.count, sizeof *head->handle_path.ticks,
+                           &e->hand_at, err);
     if (status == OST_OK)
         status = add_array(u, head->path.ticks, head->path.count, sizeof *head->path.ticks, &e->ticks_at, err);
     u->head->count++;
@@ -205,9 +212,10 @@ static bool entry_is_complete(const user_store *u, const entry *e)
         for (int k = 0; complete && k < 2; k++) {
             const part *p = &e->parts[t][k];
             complete = (!p->raw_vertices || lies_within(u, p->raw_vertices_at, p->raw_vertices, sizeof(ost_pm3))) &&
-                    (!p->raw_triangles || lies_within(u, p->raw_triangles_at, p->raw_triangles, 3 * sizeof(uint32_t))) &&
-                    (!p->vertices || lies_within(u, p->vertices_at, p->vertices, 3 * sizeof(int32_t))) &&
-                    (!p->triangles || lies_within(u, p->triangles_at, p->triangles, 3 * sizeof(uint32_t)));
+                       (!p->raw_triangles ||
+                        lies_within(u, p->raw_triangles_at, p->raw_triangles, 3 * sizeof(uint32_t))) &&
+                       (!p->vertices || lies_within(u, p->vertices_at, p->vertices, 3 * sizeof(int32_t))) &&
+                       (!p->triangles || lies_within(u, p->triangles_at, p->triangles, 3 * sizeof(uint32_t)));
         }
     return complete;
 }
@@ -226,11 +234,14 @@ ost_status user_store_open(int fd, user_store **out, ost_error *err)
     ost_status status = map_all(u, err);
     if (status != OST_OK)
         return status;
-    bool complete = u->head->magic == MAGIC && u->head->bytes == u->size && u->head->entry_bytes == (int32_t)sizeof(entry) && u->head->count >= 0 &&
-                 u->head->count <= USER_CASES_MAX;
+    bool complete = u->head->magic == MAGIC && u->head->bytes == u->size &&
+                    u->head->entry_bytes == (int32_t)sizeof(entry) && u->head->count >= 0 &&
+                    u->head->count <= USER_CASES_MAX;
     for (int i = 0; complete && i < u->head->count; i++)
         complete = entry_is_complete(u, &u->head->entries[i]);
-    return complete ? OST_OK : ost_fail(err, OST_ERR_INPUT, "--user is for workers: descriptor %d has no inputs of this program", fd);
+    return complete
+               ? OST_OK
+               : ost_fail(err, OST_ERR_INPUT, "--user is for workers: descriptor %d has no inputs of this program", fd);
 }
 
 void user_store_free(user_store *u)
@@ -279,7 +290,11 @@ static ost_status read_path(const user_store *u, uint64_t count, uint64_t at, os
 
 static ost_status read_part(const user_store *u, const part *p, ost_snapped_mesh *m, ost_error *err)
 {
-    *m = (ost_snapped_mesh){.grid = p->grid, .fraction_bits = p->fraction_bits, .vertex_count = p->vertices, .triangle_count = p->triangles, .dropped_triangles = p->dropped};
+    *m = (ost_snapped_mesh){.grid = p->grid,
+                            .fraction_bits = p->fraction_bits,
+                            .vertex_count = p->vertices,
+                            .triangle_count = p->triangles,
+                            .dropped_triangles = p->dropped};
     if (!p->vertices)
         return OST_OK;
     m->vertices = malloc(p->vertices * sizeof *m->vertices);
@@ -299,7 +314,8 @@ static ost_status read_part(const user_store *u, const part *p, ost_snapped_mesh
 ost_status user_scene(const user_store *u, int number, scene *out, ost_error *err)
 {
     if (!u || !u->map || number < 1 || number > u->head->count)
-        return ost_fail(err, OST_ERR_USAGE, "it is made of the user's own files: give them with --ct, --tool and --path");
+        return ost_fail(err, OST_ERR_USAGE,
+                        "it is made of the user's own files: give them with --ct, --tool and --path");
     const entry *e = &u->head->entries[number - 1];
     *out = e->head;
     for (int t = 0; t < SCENE_TOOLS_MAX; t++) { /* pointers that the file contains are replaced */
@@ -313,7 +329,8 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
     ost_status status = OST_OK;
     for (int t = 0; t < out->tool_count && status == OST_OK; t++)
         for (int k = 0; k < 2 && status == OST_OK; k++)
-            if ((status = read_part(u, &e->parts[t][k], k ? &out->tools[t].noncutting : &out->tools[t].cutting, err)) == OST_OK)
+            if ((status = read_part(u, &e->parts[t][k], k ? &out->tools[t].noncutting : &out->tools[t].cutting, err)) ==
+                OST_OK)
                 status = read_raw(u, &e->parts[t][k], &out->tools[t].raw[k], err);
     if (status == OST_OK)
         status = read_path(u, e->ticks, e->ticks_at, &out->path, err);
@@ -336,7 +353,8 @@ uint64_t user_trace_bytes(const user_store *u, int number)
     const ost_geometry *g = &e->head.rect;
     const ost_pm c = e->head.cubic > 0 ? e->head.cubic : 1;
     const uint64_t rect = e->samples ? (uint64_t)ost_dims_count(g->dims) : 0;
-    const double grow = (double)g->spacing.x / (double)c * ((double)g->spacing.y / (double)c) * ((double)g->spacing.z / (double)c);
+    const double grow = (double)g->spacing.x / (double)c * ((double)g->spacing.y / (double)c) *
+                        ((double)g->spacing.z / (double)c);
     uint64_t bytes = (4 << 20) + 2 * rect + (uint64_t)(6.3 * grow * (double)rect);
     for (int t = 0; t < e->head.tool_count; t++)
         bytes += (uint64_t)ost_dims_count(e->parts[t][0].grid.dims);

@@ -30,7 +30,8 @@ static void describe_failure(const trace_record *failed, case_result *one)
     size_t at = 0;
     trace_block_view block;
     if (trace_next_block(failed, &at, &block) && block.voxel_bytes == 1)
-        snprintf(one->text, sizeof one->text, "%.*s", block.dims.x < 190 ? (int)block.dims.x : 190, (const char *)block.voxels);
+        snprintf(one->text, sizeof one->text, "%.*s", block.dims.x < 190 ? (int)block.dims.x : 190,
+                 (const char *)block.voxels);
 }
 
 margins *verdict_margins(const campaign *c, int i, const trace *got, compare_range range, bool apart)
@@ -49,7 +50,8 @@ margins *verdict_margins(const campaign *c, int i, const trace *got, compare_ran
     return NULL;
 }
 
-int verdict_judge(campaign *c, const trace *reference, int subject_index, const trace *got, int from, int until, bool *differs)
+int verdict_judge(campaign *c, const trace *reference, int subject_index, const trace *got, int from, int until,
+                  bool *differs)
 {
     int judged = 0;
     size_t at = 0;
@@ -82,7 +84,8 @@ void verdict_of_end(const worker_result *end, case_result *out)
 {
     out->verdict = end->end == WORKER_LATE ? CASE_LATE : end->end == WORKER_CRASHED ? CASE_CRASHED : CASE_FAILED;
     if (end->end == WORKER_CRASHED)
-        snprintf(out->text, sizeof out->text, "ended by signal %d (%s)%s%.120s", end->code, strsignal(end->code), end->text[0] ? ": " : "", end->text);
+        snprintf(out->text, sizeof out->text, "ended by signal %d (%s)%s%.120s", end->code, strsignal(end->code),
+                 end->text[0] ? ": " : "", end->text);
     else if (end->end == WORKER_LATE)
         snprintf(out->text, sizeof out->text, "stopped after %.0f s", end->seconds);
     else

@@ -16,7 +16,8 @@ case_result *verdict_of(campaign *c, int case_index, int subject_index);
 
 /* Judges cases [from, until) by a part of a backend's trace. Returns the number of them that the trace has complete;
    *differs receives true if one of these differs. */
-int verdict_judge(campaign *c, const trace *reference, int subject_index, const trace *got, int from, int until, bool *differs);
+int verdict_judge(campaign *c, const trace *reference, int subject_index, const trace *got, int from, int until,
+                  bool *differs);
 
 /* Enters the verdict of the case that a worker was running when it ended prematurely. */
 void verdict_of_end(const worker_result *end, case_result *out);

@@ -29,7 +29,8 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given, ost_error *err)
+ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given,
+                      ost_error *err)
 {
     ost_backend *backend = NULL;
     trace_writer *w = NULL;

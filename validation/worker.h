@@ -21,7 +21,8 @@
 /* Called in the worker. Runs cases [from, to) of the plan on the backend of this spec; lines about failed stages go
    to stderr. given: the reference's trace of these cases, whose grids every stage gets as input (perform_apart);
    NULL: each stage gets the result of the one before it. */
-ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given, ost_error *err);
+ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given,
+                      ost_error *err);
 
 typedef enum worker_end {
     WORKER_DONE,

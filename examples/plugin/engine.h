@@ -47,12 +47,13 @@ int32_t engine_open(const char *options, engine **out, ost_plugin_error *error);
 void engine_close(engine *e);
 
 /* samples: x, y, z, density of each; index: the voxel of each by the dims of *rect, or -1. */
-int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect, int *index,
-                     ost_plugin_error *error);
+int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect,
+                     int *index, ost_plugin_error *error);
 int32_t engine_layers(engine *e, float cubic, float rect, size_t count, int *layer, ost_plugin_error *error);
 int32_t engine_minimum(engine *e, const float least[3], float size, float minimum[3], ost_plugin_error *error);
 /* Sets voxels inside the mesh to `mark`. corners: nine floats per triangle. */
-int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid, ost_plugin_error *error);
+int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid,
+                     ost_plugin_error *error);
 /* Processes one pose: sets the chunk range in *x, and the pose's marks in an array of the bone's size. */
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error);
 

@@ -45,7 +45,8 @@ struct engine {
 int32_t engine_open(const char *options, engine **out, ost_plugin_error *error)
 {
     char contract[8];
-    if (!option(options, "contract", contract, sizeof contract) || (contract[0] && strcmp(contract, "on") != 0 && strcmp(contract, "off") != 0) ||
+    if (!option(options, "contract", contract, sizeof contract) ||
+        (contract[0] && strcmp(contract, "on") != 0 && strcmp(contract, "off") != 0) ||
         (options[0] && strncmp(options, "contract=", 9) != 0))
         return plugin_fail(error, OST_PLUGIN_USAGE, "'%.60s': the one option is contract=on or contract=off", options);
     *out = calloc(1, sizeof **out);
@@ -60,13 +61,14 @@ void engine_close(engine *e)
     free(e);
 }
 
-int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect, int *index,
-                     ost_plugin_error *error)
+int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect,
+                     int *index, ost_plugin_error *error)
 {
     (void)e; /* no operation here can be contracted */
     (void)error;
     for (int a = 0; a < 3; a++)
-        rect->axis[a] = thesis_rect_axis_apart(first_last_size[3 * a], first_last_size[3 * a + 1], first_last_size[3 * a + 2]);
+        rect->axis[a] = thesis_rect_axis_apart(first_last_size[3 * a], first_last_size[3 * a + 1],
+                                               first_last_size[3 * a + 2]);
     for (size_t s = 0; s < count; s++)
         index[s] = thesis_index_apart(*rect, samples[4 * s], samples[4 * s + 1], samples[4 * s + 2]);
     return OST_PLUGIN_OK;
@@ -88,7 +90,8 @@ int32_t engine_minimum(engine *e, const float least[3], float size, float minimu
     return OST_PLUGIN_OK;
 }
 
-int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid, ost_plugin_error *error)
+int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid,
+                     ost_plugin_error *error)
 {
     int *count = calloc((size_t)grid->dims[0], sizeof *count);
     if (!count)
@@ -114,7 +117,8 @@ int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *ma
         for (int j = x->chunk_lo[1] * n; j < x->chunk_hi[1] * n && j < d[1]; j++)
             for (int i = x->chunk_lo[0] * n; i < x->chunk_hi[0] * n && i < d[0]; i++) {
                 uint8_t *mark = marks + (size_t)i + (size_t)d[0] * ((size_t)j + (size_t)d[1] * (size_t)k);
-                *mark = e->fused ? thesis_mark_fused(*x, tool, i, j, k, *mark) : thesis_mark_apart(*x, tool, i, j, k, *mark);
+                *mark = e->fused ? thesis_mark_fused(*x, tool, i, j, k, *mark)
+                                 : thesis_mark_apart(*x, tool, i, j, k, *mark);
             }
     return OST_PLUGIN_OK;
 }

@@ -94,7 +94,9 @@ static int32_t end(launch *l, const char *what, ost_plugin_error *error)
             clReleaseMemObject(l->buffer[a]);
     if (l->kernel)
         clReleaseKernel(l->kernel);
-    return l->code == CL_SUCCESS ? OST_PLUGIN_OK : plugin_fail(error, OST_PLUGIN_FAILED, "OpenCL error %d at kernel %s", (int)l->code, what);
+    return l->code == CL_SUCCESS
+               ? OST_PLUGIN_OK
+               : plugin_fail(error, OST_PLUGIN_FAILED, "OpenCL error %d at kernel %s", (int)l->code, what);
 }
 
 /* -------------------------------------------------------------------- choice */
@@ -113,13 +115,16 @@ static int32_t find_device(const char *options, cl_device_id *device, ost_plugin
     cl_platform_id platforms[64];
     cl_device_id devices[64];
     cl_uint platform, wanted, count = 0;
-    if (!option(options, "platform", platform_text, sizeof platform_text) || !option(options, "device", device_text, sizeof device_text) ||
-        !number(platform_text, &platform) || !number(device_text, &wanted))
+    if (!option(options, "platform", platform_text, sizeof platform_text) ||
+        !option(options, "device", device_text, sizeof device_text) || !number(platform_text, &platform) ||
+        !number(device_text, &wanted))
         return plugin_fail(error, OST_PLUGIN_USAGE, "'%.100s': platform= and device= are small numbers", options);
     if (clGetPlatformIDs(64, platforms, &count) != CL_SUCCESS || platform >= count)
-        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE, "no OpenCL platform %u here; Debian has one for CPUs: pocl-opencl-icd", (unsigned)platform);
+        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE,
+                           "no OpenCL platform %u here; Debian has one for CPUs: pocl-opencl-icd", (unsigned)platform);
     if (clGetDeviceIDs(platforms[platform], CL_DEVICE_TYPE_ALL, 64, devices, &count) != CL_SUCCESS || wanted >= count)
-        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE, "OpenCL platform %u has no device %u", (unsigned)platform, (unsigned)wanted);
+        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE, "OpenCL platform %u has no device %u", (unsigned)platform,
+                           (unsigned)wanted);
     *device = devices[wanted];
     return OST_PLUGIN_OK;
 }
@@ -133,13 +138,16 @@ static int32_t build_options(const char *options, char out[128], ost_plugin_erro
         for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
             fits = fits || strncmp(at, known[i], strlen(known[i])) == 0;
         if (!fits)
-            return plugin_fail(error, OST_PLUGIN_USAGE, "'%.60s': options are contract=on|off, fast=mad|relaxed, platform=N, device=N", at);
+            return plugin_fail(error, OST_PLUGIN_USAGE,
+                               "'%.60s': options are contract=on|off, fast=mad|relaxed, platform=N, device=N", at);
         at += strcspn(at, ",");
         at += *at == ',';
     }
-    if (!option(options, "contract", contract, sizeof contract) || (contract[0] && strcmp(contract, "on") != 0 && strcmp(contract, "off") != 0))
+    if (!option(options, "contract", contract, sizeof contract) ||
+        (contract[0] && strcmp(contract, "on") != 0 && strcmp(contract, "off") != 0))
         return plugin_fail(error, OST_PLUGIN_USAGE, "contract= is on or off");
-    if (!option(options, "fast", fast, sizeof fast) || (fast[0] && strcmp(fast, "mad") != 0 && strcmp(fast, "relaxed") != 0))
+    if (!option(options, "fast", fast, sizeof fast) ||
+        (fast[0] && strcmp(fast, "mad") != 0 && strcmp(fast, "relaxed") != 0))
         return plugin_fail(error, OST_PLUGIN_USAGE, "fast= is mad or relaxed");
     snprintf(out, 128, "-cl-std=CL1.2%s%s", strcmp(contract, "off") == 0 ? " -DTHESIS_CONTRACT_OFF" : "",
              strcmp(fast, "mad") == 0       ? " -cl-mad-enable"
@@ -170,7 +178,8 @@ int32_t engine_open(const char *options, engine **out, ost_plugin_error *error)
         if (e->program)
             clGetProgramBuildInfo(e->program, device, CL_PROGRAM_BUILD_LOG, sizeof log - 1, log, NULL);
         engine_close(e);
-        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE, "OpenCL error %d; the program cannot be built with %s: %s", (int)code, how, log);
+        return plugin_fail(error, OST_PLUGIN_UNAVAILABLE, "OpenCL error %d; the program cannot be built with %s: %s",
+                           (int)code, how, log);
     }
     *out = e;
     return OST_PLUGIN_OK;
@@ -189,8 +198,8 @@ void engine_close(engine *e)
 
 /* -------------------------------------------------------------------- stages */
 
-int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect, int *index,
-                     ost_plugin_error *error)
+int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect,
+                     int *index, ost_plugin_error *error)
 {
     launch l;
     begin(&l, e, "rect_dims");
@@ -235,7 +244,8 @@ int32_t engine_minimum(engine *e, const float least[3], float size, float minimu
     return end(&l, "tool_minimum", error);
 }
 
-int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid, ost_plugin_error *error)
+int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid,
+                     ost_plugin_error *error)
 {
     const size_t rows = (size_t)grid->dims[1] * (size_t)grid->dims[2], count = rows * (size_t)grid->dims[0];
     launch l;
@@ -255,7 +265,8 @@ int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, i
 /* Alg. 2.10: launches a kernel for every chunk of the range. */
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error)
 {
-    const size_t n = (size_t)x->chunk_size, tool_bytes = (size_t)x->tool_dims[0] * (size_t)x->tool_dims[1] * (size_t)x->tool_dims[2],
+    const size_t n = (size_t)x->chunk_size,
+                 tool_bytes = (size_t)x->tool_dims[0] * (size_t)x->tool_dims[1] * (size_t)x->tool_dims[2],
                  bytes = (size_t)x->bone_dims[0] * (size_t)x->bone_dims[1] * (size_t)x->bone_dims[2];
     launch l;
     begin(&l, e, "share");

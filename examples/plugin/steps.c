@@ -84,7 +84,8 @@ static wide dot(const ost_plugin_pose *a, const ost_plugin_pose *b)
 }
 
 /* AR-SWEEP-1 */
-static wide image(const ost_plugin_pose *pose, const rotation *r, const ost_plugin_tool_geometry *g, int corner, int axis)
+static wide image(const ost_plugin_pose *pose, const rotation *r, const ost_plugin_tool_geometry *g, int corner,
+                  int axis)
 {
     wide sum = 0;
     for (int a = 0; a < 3; a++)
@@ -93,7 +94,8 @@ static wide image(const ost_plugin_pose *pose, const rotation *r, const ost_plug
 }
 
 /* AR-SWEEP-2, AR-SWEEP-3; returns 0 if the rotation or the distance is too large. */
-static int poses_between(const ost_plugin_pose *a, const ost_plugin_pose *b, const ost_plugin_tool_geometry *g, int64_t voxel)
+static int poses_between(const ost_plugin_pose *a, const ost_plugin_pose *b, const ost_plugin_tool_geometry *g,
+                         int64_t voxel)
 {
     const rotation ra = rotation_of(a), rb = rotation_of(b);
     const wide p = dot(a, b);
@@ -133,7 +135,8 @@ static ost_plugin_int128 halves(wide v)
 }
 
 /* AR-MAP-1, AR-MAP-3 */
-static ost_plugin_map map_of(const ost_plugin_pose *pose, const ost_plugin_geometry *bone, const ost_plugin_tool_geometry *g)
+static ost_plugin_map map_of(const ost_plugin_pose *pose, const ost_plugin_geometry *bone,
+                             const ost_plugin_tool_geometry *g)
 {
     const rotation r = rotation_of(pose);
     const wide one = 1 << 20, divisor = r.n * g->voxel_pm;

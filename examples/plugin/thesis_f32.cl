@@ -140,7 +140,8 @@ FUNCTION int thesis_owned(float ay, float az, float by, float bz, float y, float
  * Row (j, k) of the tool's grid: sets solid[i] to `mark` if the voxel's centre is inside.
  * corners: nine floats per triangle.
  */
-FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int k, int mark, GLOBAL int *count, GLOBAL unsigned char *solid)
+FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int k, int mark, GLOBAL int *count,
+                         GLOBAL unsigned char *solid)
 {
     const float y = MUL_ADD((float)j + 0.5f, g.size, g.minimum[1]), z = MUL_ADD((float)k + 0.5f, g.size, g.minimum[2]);
     for (int i = 0; i < g.dims[0]; i++)
@@ -149,11 +150,13 @@ FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int 
         GLOBAL const float *a = corners + 9 * t, *b = a + 3, *c = a + 6;
         const float u0 = b[0] - a[0], u1 = b[1] - a[1], u2 = b[2] - a[2];
         const float w0 = c[0] - a[0], w1 = c[1] - a[1], w2 = c[2] - a[2];
-        const float n0 = thesis_cross(u1, w2, u2, w1), n1 = thesis_cross(u2, w0, u0, w2), n2 = thesis_cross(u0, w1, u1, w0);
+        const float n0 = thesis_cross(u1, w2, u2, w1), n1 = thesis_cross(u2, w0, u0, w2),
+                    n2 = thesis_cross(u0, w1, u1, w0);
         if (n0 == 0)
             continue;
         GLOBAL const float *second = n0 < 0 ? c : b, *third = n0 < 0 ? b : c;
-        if (!thesis_owned(a[1], a[2], second[1], second[2], y, z) || !thesis_owned(second[1], second[2], third[1], third[2], y, z) ||
+        if (!thesis_owned(a[1], a[2], second[1], second[2], y, z) ||
+            !thesis_owned(second[1], second[2], third[1], third[2], y, z) ||
             !thesis_owned(third[1], third[2], a[1], a[2], y, z))
             continue;
         const float sign = n0 < 0 ? -1.0f : 1.0f;
@@ -199,7 +202,9 @@ FUNCTION int thesis_tool_voxel(thesis_boxes x, int i, int j, int k)
     const float p2 = MUL_ADD((float)k + 0.5f, x.bone_voxel, -x.bone[2]);
     int at[3];
     for (int a = 0; a < 3; a++) {
-        const float q = MUL_ADD(x.matrix[4 * a], p0, MUL_ADD(x.matrix[4 * a + 1], p1, MUL_ADD(x.matrix[4 * a + 2], p2, x.matrix[4 * a + 3])));
+        const float q = MUL_ADD(
+            x.matrix[4 * a], p0,
+            MUL_ADD(x.matrix[4 * a + 1], p1, MUL_ADD(x.matrix[4 * a + 2], p2, x.matrix[4 * a + 3])));
         if (q < -x.tool[a] || q > x.tool[a])
             return -1;
         at[a] = (int)((q + x.tool[a]) / x.tool_voxel);
@@ -210,7 +215,8 @@ FUNCTION int thesis_tool_voxel(thesis_boxes x, int i, int j, int k)
 }
 
 /* Combines a pose's mark with the previous one: 1 cutting takes precedence over 2 not cutting. */
-FUNCTION unsigned char thesis_mark(thesis_boxes x, GLOBAL const unsigned char *tool, int i, int j, int k, unsigned char was)
+FUNCTION unsigned char thesis_mark(thesis_boxes x, GLOBAL const unsigned char *tool, int i, int j, int k,
+                                   unsigned char was)
 {
     const int at = thesis_tool_voxel(x, i, j, k);
     const unsigned char found = at < 0 ? 0 : tool[at];
@@ -248,10 +254,12 @@ __kernel void tool_minimum(float x, float y, float z, float size, __global float
     minimum[2] = thesis_minimum(z, size);
 }
 
-__kernel void tool_rows(__global const thesis_grid *g, __global const float *corners, int mark, __global int *count, __global uchar *solid)
+__kernel void tool_rows(__global const thesis_grid *g, __global const float *corners, int mark, __global int *count,
+                        __global uchar *solid)
 {
     const int row = (int)get_global_id(0);
-    thesis_row(*g, corners, row % g->dims[1], row / g->dims[1], mark, count + (size_t)row * g->dims[0], solid + (size_t)row * g->dims[0]);
+    thesis_row(*g, corners, row % g->dims[1], row / g->dims[1], mark, count + (size_t)row * g->dims[0],
+               solid + (size_t)row * g->dims[0]);
 }
 
 __kernel void share(__global thesis_boxes *x)
@@ -259,13 +267,16 @@ __kernel void share(__global thesis_boxes *x)
     *x = thesis_share(*x);
 }
 
-__kernel void chunk(__global const thesis_boxes *x, __global const uchar *tool, int cx, int cy, int cz, __global uchar *marks)
+__kernel void chunk(__global const thesis_boxes *x, __global const uchar *tool, int cx, int cy, int cz,
+                    __global uchar *marks)
 {
     const int n = x->chunk_size;
-    const int i = cx * n + (int)get_global_id(0), j = cy * n + (int)get_global_id(1), k = cz * n + (int)get_global_id(2);
+    const int i = cx * n + (int)get_global_id(0), j = cy * n + (int)get_global_id(1),
+              k = cz * n + (int)get_global_id(2);
     if (i >= x->bone_dims[0] || j >= x->bone_dims[1] || k >= x->bone_dims[2])
         return;
-    __global uchar *mark = marks + (size_t)i + (size_t)x->bone_dims[0] * ((size_t)j + (size_t)x->bone_dims[1] * (size_t)k);
+    __global uchar *mark = marks + (size_t)i +
+                           (size_t)x->bone_dims[0] * ((size_t)j + (size_t)x->bone_dims[1] * (size_t)k);
     *mark = thesis_mark(*x, tool, i, j, k, *mark);
 }
 #endif

@@ -94,7 +94,8 @@ static float millimetres(double pm)
 
 /* -------------------------------------------------------------------- choice */
 
-static int32_t plugin_open(const char *options, const ost_plugin_host *host, ost_plugin_instance **out, ost_plugin_error *error)
+static int32_t plugin_open(const char *options, const ost_plugin_host *host, ost_plugin_instance **out,
+                           ost_plugin_error *error)
 {
     (void)host; /* the host's block_base and versions are not needed here */
     ost_plugin_instance *self = calloc(1, sizeof *self);
@@ -123,7 +124,8 @@ static int32_t plugin_finish(ost_plugin_instance *self, ost_plugin_error *error)
 
 /* --------------------------------------------------------------------- grids */
 
-static int32_t grid_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out, ost_plugin_error *error)
+static int32_t grid_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out,
+                           ost_plugin_error *error)
 {
     const size_t count = volume(geometry->dims);
     ost_plugin_grid *grid = malloc(sizeof *grid);
@@ -144,7 +146,8 @@ static void grid_free(ost_plugin_grid *grid)
     free(grid);
 }
 
-static int32_t grid_upload(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error)
+static int32_t grid_upload(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels,
+                           ost_plugin_error *error)
 {
     const size_t n = slice(grid->geometry.dims);
     (void)error;
@@ -152,7 +155,8 @@ static int32_t grid_upload(ost_plugin_grid *grid, int32_t z0, int32_t count, con
     return OST_PLUGIN_OK;
 }
 
-static int32_t grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error)
+static int32_t grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels,
+                             ost_plugin_error *error)
 {
     const size_t n = slice(grid->geometry.dims);
     (void)error;
@@ -167,7 +171,8 @@ static int32_t grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t co
  * Alg. 2.3 computes dims of its own, one less where positions are multiples of
  * the size, and Alg. 1.1 computes a voxel's index from those.
  */
-static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *samples, ost_plugin_scatter_report *report, ost_plugin_error *error)
+static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
+                          ost_plugin_error *error)
 {
     const ost_plugin_geometry *g = &grid->geometry;
     const size_t count = (size_t)samples->count;
@@ -196,7 +201,8 @@ static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *sampl
         const int x = index[s] % rect.axis[0].dims, y = index[s] / rect.axis[0].dims % rect.axis[1].dims,
                   z = index[s] / rect.axis[0].dims / rect.axis[1].dims;
         if (x < g->dims[0] && y < g->dims[1] && z < g->dims[2])
-            grid->voxels[(size_t)x + (size_t)g->dims[0] * ((size_t)y + (size_t)g->dims[1] * (size_t)z)] = (int16_t)four[4 * s + 3];
+            grid->voxels[(size_t)x + (size_t)g->dims[0] * ((size_t)y + (size_t)g->dims[1] * (size_t)z)] = (int16_t)
+                four[4 * s + 3];
     }
     report->samples += count; /* the thesis' algorithm can report nothing else */
     free(index);
@@ -205,8 +211,8 @@ static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *sampl
 }
 
 /* Alg. 2.5: adjusts only z. */
-static int32_t rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule, ost_plugin_grid **out,
-                             ost_plugin_error *error)
+static int32_t rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule,
+                             ost_plugin_grid **out, ost_plugin_error *error)
 {
     const int32_t *from = rect->geometry.dims, *to = cubic->dims;
     (void)rule; /* the thesis has only one rule */
@@ -214,8 +220,8 @@ static int32_t rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geome
     if (status != OST_PLUGIN_OK)
         return status;
     int *layer = malloc((size_t)to[2] * sizeof *layer);
-    status = layer ? engine_layers(rect->self->e, millimetres((double)cubic->spacing_pm[2]), millimetres((double)rect->geometry.spacing_pm[2]),
-                                   (size_t)to[2], layer, error)
+    status = layer ? engine_layers(rect->self->e, millimetres((double)cubic->spacing_pm[2]),
+                                   millimetres((double)rect->geometry.spacing_pm[2]), (size_t)to[2], layer, error)
                    : no_memory(error, (size_t)to[2] * sizeof *layer);
     for (int32_t z = 0; z < to[2] && status == OST_PLUGIN_OK; z++)
         for (int32_t y = 0; y < to[1]; y++)
@@ -276,11 +282,12 @@ static void delete_if_empty(ost_plugin_bone *bone, const chunk_box *box)
         return;
     for (int32_t z = box->lo[2]; z < box->hi[2]; z++)
         for (int32_t y = box->lo[1]; y < box->hi[1]; y++)
-            memset(bone->voxels + at(bone, box->lo[0], y, z), 0, (size_t)(box->hi[0] - box->lo[0]) * sizeof *bone->voxels);
+            memset(bone->voxels + at(bone, box->lo[0], y, z), 0,
+                   (size_t)(box->hi[0] - box->lo[0]) * sizeof *bone->voxels);
 }
 
-static int32_t bone_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size, int32_t threshold,
-                           ost_plugin_bone **out, ost_plugin_error *error)
+static int32_t bone_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size,
+                           int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error)
 {
     const size_t count = volume(geometry->dims);
     ost_plugin_bone *bone = malloc(sizeof *bone);
@@ -302,7 +309,8 @@ static void bone_free(ost_plugin_bone *bone)
 }
 
 /* Alg. 2.6: densities below the threshold are copied, too. */
-static int32_t cubic_to_chunks(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error)
+static int32_t cubic_to_chunks(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold,
+                               ost_plugin_bone **out, ost_plugin_error *error)
 {
     const int32_t status = bone_create(cubic->self, &cubic->geometry, chunk_size, threshold, out, error);
     if (status != OST_PLUGIN_OK)
@@ -335,7 +343,8 @@ static int32_t bone_stats(const ost_plugin_bone *bone, ost_plugin_bone_stats *st
     return OST_PLUGIN_OK;
 }
 
-static int32_t bone_upload(ost_plugin_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error)
+static int32_t bone_upload(ost_plugin_bone *bone, int32_t z0, int32_t count, const int16_t *voxels,
+                           ost_plugin_error *error)
 {
     const size_t n = slice(bone->geometry.dims);
     (void)error;
@@ -344,7 +353,8 @@ static int32_t bone_upload(ost_plugin_bone *bone, int32_t z0, int32_t count, con
     return OST_PLUGIN_OK;
 }
 
-static int32_t bone_download(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error)
+static int32_t bone_download(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels,
+                             ost_plugin_error *error)
 {
     const size_t n = slice(bone->geometry.dims);
     (void)error;
@@ -354,8 +364,8 @@ static int32_t bone_download(const ost_plugin_bone *bone, int32_t z0, int32_t co
 
 /* --------------------------------------------------------------------- tools */
 
-static int32_t tool_upload(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const uint8_t *voxels, ost_plugin_tool **out,
-                           ost_plugin_error *error)
+static int32_t tool_upload(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const uint8_t *voxels,
+                           ost_plugin_tool **out, ost_plugin_error *error)
 {
     const size_t count = volume(geometry->dims);
     ost_plugin_tool *tool = malloc(sizeof *tool);
@@ -386,7 +396,8 @@ static void tool_free(ost_plugin_tool *tool)
 }
 
 /* Returns nine floats per triangle, in millimetres, and the minimum on each axis in `least`. */
-static float *corners_of(const ost_plugin_tool_geometry *g, const ost_plugin_mesh *mesh, float least[3], ost_plugin_error *error)
+static float *corners_of(const ost_plugin_tool_geometry *g, const ost_plugin_mesh *mesh, float least[3],
+                         ost_plugin_error *error)
 {
     const double unit = (double)g->voxel_pm / (double)(1 << mesh->fraction_bits);
     float *corners = malloc((size_t)(mesh->triangle_count ? mesh->triangle_count : 1) * 9 * sizeof *corners);
@@ -396,31 +407,36 @@ static float *corners_of(const ost_plugin_tool_geometry *g, const ost_plugin_mes
     }
     for (uint64_t t = 0; t < 3 * mesh->triangle_count; t++)
         for (int a = 0; a < 3; a++) {
-            const float x = millimetres((double)g->corner_pm[a] + mesh->vertices[3 * (size_t)mesh->triangles[t] + (size_t)a] * unit);
+            const float x = millimetres((double)g->corner_pm[a] +
+                                        mesh->vertices[3 * (size_t)mesh->triangles[t] + (size_t)a] * unit);
             corners[3 * t + (uint64_t)a] = x;
             least[a] = x < least[a] ? x : least[a];
         }
     return corners;
 }
 
-static int32_t fill(ost_plugin_tool *tool, const float minimum[3], const ost_plugin_mesh *mesh, const float *corners, int32_t parity, int mark,
-                    ost_plugin_error *error)
+static int32_t fill(ost_plugin_tool *tool, const float minimum[3], const ost_plugin_mesh *mesh, const float *corners,
+                    int32_t parity, int mark, ost_plugin_error *error)
 {
     const ost_plugin_tool_geometry *g = &tool->geometry;
-    const thesis_grid grid = {.minimum = {minimum[0], minimum[1], minimum[2]}, .size = millimetres((double)g->voxel_pm),
-                              .dims = {g->dims[0], g->dims[1], g->dims[2]}, .parity = parity, .triangles = (int)mesh->triangle_count};
+    const thesis_grid grid = {.minimum = {minimum[0], minimum[1], minimum[2]},
+                              .size = millimetres((double)g->voxel_pm),
+                              .dims = {g->dims[0], g->dims[1], g->dims[2]},
+                              .parity = parity,
+                              .triangles = (int)mesh->triangle_count};
     return engine_solid(tool->self->e, &grid, corners, mark, tool->voxels, error);
 }
 
-static int32_t voxelize(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_mesh *cutting,
-                        const ost_plugin_mesh *noncutting, int32_t parity, ost_plugin_voxelize_report *report, ost_plugin_tool **out,
-                        ost_plugin_error *error)
+static int32_t voxelize(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
+                        const ost_plugin_mesh *cutting, const ost_plugin_mesh *noncutting, int32_t parity,
+                        ost_plugin_voxelize_report *report, ost_plugin_tool **out, ost_plugin_error *error)
 {
     float least[3] = {3e38f, 3e38f, 3e38f}, minimum[3] = {0, 0, 0};
     int32_t status = tool_upload(self, geometry, NULL, out, error);
     if (status != OST_PLUGIN_OK)
         return status;
-    float *cut = corners_of(geometry, cutting, least, error), *other = noncutting ? corners_of(geometry, noncutting, least, error) : NULL;
+    float *cut = corners_of(geometry, cutting, least, error),
+          *other = noncutting ? corners_of(geometry, noncutting, least, error) : NULL;
     if (!cut || (noncutting && !other))
         status = OST_PLUGIN_MEMORY;
     if (status == OST_PLUGIN_OK && least[0] < 3e38f)
@@ -474,8 +490,8 @@ static int class_of(const ost_plugin_event *event, int16_t density)
 }
 
 /* Counts the marks of one chunk, and removes the marked voxels if `apply` is set. */
-static int32_t take_chunk(ost_plugin_bone *bone, const ost_plugin_event *event, const uint8_t *marks, int32_t number, const chunk_box *box, int apply,
-                          ost_plugin_report *report)
+static int32_t take_chunk(ost_plugin_bone *bone, const ost_plugin_event *event, const uint8_t *marks, int32_t number,
+                          const chunk_box *box, int apply, ost_plugin_report *report)
 {
     uint32_t voxels[8] = {0};
     int64_t density[8] = {0};
@@ -502,15 +518,16 @@ static int32_t take_chunk(ost_plugin_bone *bone, const ost_plugin_event *event, 
     return total ? report->add(report->sink, number, voxels, density) : OST_PLUGIN_OK;
 }
 
-static int32_t run_event(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, int apply, ost_plugin_report *report,
-                         ost_plugin_error *error)
+static int32_t run_event(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, int apply,
+                         ost_plugin_report *report, ost_plugin_error *error)
 {
     const size_t count = volume(bone->geometry.dims);
     uint8_t *marks = calloc(count, 1);
     int lo[3] = {1 << 30, 1 << 30, 1 << 30}, hi[3] = {0, 0, 0};
     int32_t status = marks ? OST_PLUGIN_OK : no_memory(error, count);
     for (int32_t p = 0; p < event->map_count && status == OST_PLUGIN_OK; p++) {
-        const ost_plugin_map *map = (const ost_plugin_map *)(const void *)((const char *)event->maps + (size_t)p * event->stride);
+        const ost_plugin_map *map = (const ost_plugin_map *)(const void *)((const char *)event->maps +
+                                                                           (size_t)p * event->stride);
         thesis_boxes x = boxes_of(bone, tool, map);
         status = engine_pose(bone->self->e, &x, tool->voxels, marks, error);
         for (int a = 0; a < 3; a++) {
@@ -526,22 +543,23 @@ static int32_t run_event(ost_plugin_bone *bone, const ost_plugin_tool *tool, con
         for (int32_t y = lo[1]; y < hi[1] && status == OST_PLUGIN_OK; y++)
             for (int32_t x = lo[0]; x < hi[0] && status == OST_PLUGIN_OK; x++) {
                 const chunk_box box = chunk_at(bone, x, y, z);
-                status = take_chunk(bone, event, marks, x + chunks_along(bone, 0) * (y + chunks_along(bone, 1) * z), &box, apply, report);
+                status = take_chunk(bone, event, marks, x + chunks_along(bone, 0) * (y + chunks_along(bone, 1) * z),
+                                    &box, apply, report);
             }
     free(marks);
     return status;
 }
 
-static int32_t run_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
-                          ost_plugin_error *error)
+static int32_t run_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
+                          ost_plugin_report *report, ost_plugin_error *error)
 {
     const int32_t status = run_event(bone, tool, event, 1, report, error);
     return status == OST_PLUGIN_OK ? status : OST_PLUGIN_LOST;
 }
 
 /* collide runs the event without applying it. */
-static int32_t run_collide(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
-                           ost_plugin_error *error)
+static int32_t run_collide(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
+                           ost_plugin_report *report, ost_plugin_error *error)
 {
     return run_event((ost_plugin_bone *)(uintptr_t)bone, tool, event, 0, report, error);
 }

@@ -157,13 +157,15 @@ OST_API const char *ost_resample_name(ost_resample rule);
  * Resamples rect to cubes of `cubic`. Both grids cover the same physical box:
  * dims = ceil(dims * s / c), origin = rect origin + RHE((c - s) / 2) on each axis (AR-CUB-1).
  */
-OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out, ost_error *err);
+OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out,
+                                     ost_error *err);
 
 /*
  * Makes a bone from a cubic grid (AR-CHK): voxels of density >= threshold are active, all others are stored as 0.
  * chunk_size is 16, 32 or 64; 1 <= threshold <= 32767.
  */
-OST_API ost_status ost_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+OST_API ost_status ost_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                       ost_error *err);
 
 /* ----------------------------------------------------------------- bones */
 
@@ -180,8 +182,8 @@ typedef struct ost_bone_info {
 } ost_bone_info;
 
 /* Creates a bone without an active voxel. */
-OST_API ost_status ost_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
-                                   ost_bone **out, ost_error *err);
+OST_API ost_status ost_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size,
+                                   int32_t threshold, ost_bone **out, ost_error *err);
 OST_API void ost_bone_free(ost_bone *bone); /* NULL is allowed */
 OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, ost_error *err);
 /*
@@ -195,14 +197,16 @@ OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t c
  * that are not active or beyond the grid.  Suitable for a tick: it allocates no memory.  OST_ERR_UNAVAILABLE on a
  * backend whose voxels are not in host memory.
  */
-OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err);
+OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                                   ost_error *err);
 /*
  * Reads the occupancy of count chunks: voxel (x, y, z) of a chunk of n^3 is number v = x + n (y + n z), bit v % 32 of
  * word v / 32.  words has n^3 / 32 elements for each chunk.  chunks has the numbers cx + chunk_dims.x * (cy +
  * chunk_dims.y * cz).  Suitable for a tick: it allocates no memory; with a device it blocks until the device answers.
  * OST_ERR_UNAVAILABLE on a backend that delivers slices only (plugin).
  */
-OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
+OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
+                                      ost_error *err);
 /* Computes the leaves in x-fastest order, as many as ost_leaf_dims says (leaves may be NULL), and the grid's digest. */
 OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest *root, ost_error *err);
 
@@ -220,8 +224,9 @@ typedef struct ost_voxelize_report {
  * Voxelizes two meshes that are snapped to one grid (AR-VOX).  noncutting may be NULL.  A voxel that is solid in both
  * meshes cuts.  report may be NULL.
  */
-OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                                ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
+OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
+                                const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
+                                ost_tool **out, ost_error *err);
 OST_API ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 /* Copies a tool to host memory. *out need not be initialised; its meta is empty. The caller frees it. */
 OST_API ost_status ost_tool_download(const ost_tool *tool, ost_tool_volume *out, ost_error *err);
@@ -237,9 +242,10 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
  * cleared first and undefined after an error.  The tool's dims must be <= OST_TOOL_DIM_REMOVE_MAX, and the event's
  * maps must have been made for this bone and tool.
  */
-OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
-OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                                    ost_error *err);
+OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                                   ost_error *err);
+OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event,
+                                    ost_report *report, ost_error *err);
 
 /* Blocks until all previous calls are complete and returns the status of one that failed late. */
 OST_API ost_status ost_backend_finish(ost_backend *backend, ost_error *err);

@@ -41,8 +41,10 @@ typedef enum ost_grid_kind {
 OST_API ost_dims ost_leaf_dims(ost_dims dims);
 
 /* Computes the digest of a leaf of 32^3 int16 (or uint8) voxels, x fastest. */
-OST_API ost_status ost_digest_leaf16(const int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out, ost_error *err);
-OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out, ost_error *err);
+OST_API ost_status ost_digest_leaf16(const int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out,
+                                     ost_error *err);
+OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out,
+                                    ost_error *err);
 
 /*
  * Computes the digest of a grid from its count leaves in x-fastest order; threshold is 0 unless the
@@ -58,8 +60,8 @@ OST_API ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volum
  * Computes the digest of dense voxels of 1 or 2 bytes. For a tool, the kind is tool, the spacing is its
  * voxel on all axes and the origin its corner.
  */
-OST_API ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels, size_t voxel_size,
-                                    ost_digest *out, ost_error *err);
+OST_API ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels,
+                                    size_t voxel_size, ost_digest *out, ost_error *err);
 
 /* Computes SHA-256 of bytes, the same as sha256sum prints. */
 OST_API ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *out, ost_error *err);

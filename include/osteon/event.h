@@ -37,8 +37,8 @@ enum { OST_SWEEP_MAX = 4096 };
  * bone's voxel.  OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the turn exceeds 90 degrees, or if a pose is
  * invalid.
  */
-OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel,
-                                   int *count, ost_error *err);
+OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool,
+                                   ost_pm bone_voxel, int *count, ost_error *err);
 
 /*
  * Returns pose k of n between a and b, 1 <= k <= n (AR-SWEEP-4): ((n-k) a + k b) / n, each component rounded RHE, with
@@ -72,8 +72,8 @@ typedef struct ost_map {
 } ost_map;
 
 /* Makes the map of a pose. bone must have equal spacing on its axes. OST_ERR_RANGE beyond the limits of AR-MAP-2. */
-OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out,
-                                ost_error *err);
+OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
+                                ost_map *out, ost_error *err);
 
 /*
  * Computes the base of the block whose first voxel is (16 block.x, 16 block.y, 16 block.z).  Returns false if the base

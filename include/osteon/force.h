@@ -91,7 +91,8 @@ typedef struct ost_force ost_force;
  * Creates a force for a bone, which must outlive it.  params is copied; NULL selects the defaults.
  * Returns OST_ERR_UNAVAILABLE if the bone's backend cannot sample single voxels within a tick (cl, plugins).
  */
-OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out, ost_error *err);
+OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
+                                    ost_error *err);
 OST_API void ost_force_free(ost_force *force); /* NULL is allowed */
 /* Adds a tool; tools are added in the order of the world's tools. The tool's voxels are read during the call. */
 OST_API ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error *err);
@@ -115,13 +116,14 @@ typedef struct ost_force_result {
  * caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  The first step of a tool that
  * ost_force_set_pose did not place starts at the device's pose.
  */
-OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err);
+OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s,
+                                  ost_force_result *out, ost_error *err);
 /*
  * Computes the same step without changing the state, so that the next ost_force_step finds its memory in the caches
  * (see ost_world_rehearse).
  */
-OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out,
-                                      ost_error *err);
+OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s,
+                                      ost_force_result *out, ost_error *err);
 /*
  * Sets the motor of the current tool (AR-MOTOR).  speed is its angular speed in rad/s from now on; with 0, off, the
  * tool presses and does not cut.  turned is the angle in radians about the tool's z axis by which the motor has turned
@@ -165,7 +167,8 @@ OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]); /*
  * On an error nothing is changed: OST_ERR_INPUT if a line cannot be parsed, OST_ERR_RANGE if a value is out of range;
  * err names the file, the line, the key, the value and what was expected.
  */
-OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety, ost_error *err);
+OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety,
+                                         ost_error *err);
 
 typedef struct ost_safety {
     ost_safety_params params;
@@ -190,8 +193,8 @@ OST_API void ost_safety_stop(ost_safety *safety);
  * Applies the limits to force_n and torque_nm in place.  device is the device's newest pose; fresh is true if it is new
  * in this tick.  Does not allocate or block.
  */
-OST_API ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons, double period_s, double force_n[3],
-                                          double torque_nm[3]);
+OST_API ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons,
+                                          double period_s, double force_n[3], double torque_nm[3]);
 
 #ifdef __cplusplus
 }

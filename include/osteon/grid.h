@@ -70,7 +70,8 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
 #define OST_META_SIDE "side"                   /* "left" or "right" */
 #define OST_META_TRIGONUM "trigonum_mm"       /* where the scapular spine meets the medial border */
 #define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* the scapula's lowest point */
-#define OST_META_ORIENTATION "orientation"     /* "stated XYZ" or "assumed LPS"; set if the CT's file has none (AR-FILE-6) */
+#define OST_META_ORIENTATION                                                                                           \
+    "orientation" /* "stated XYZ" or "assumed LPS"; set if the CT's file has none (AR-FILE-6) */
 #define OST_META_TOOL_CORNER "tool_corner_mm"  /* MinVoxelCoords of Alg. 2.1, exact */
 
 typedef struct ost_volume {

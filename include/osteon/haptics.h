@@ -73,7 +73,8 @@ typedef struct ost_haptic_info {
  * "stylus1=next-tool,2=none".  A button is given by its name or by its number from 1.  text may be NULL.
  * Returns OST_ERR_USAGE, with the name in err, for an unknown button or action.
  */
-OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX], ost_error *err);
+OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX],
+                                     ost_error *err);
 
 /* Returns the number of devices that this library supports; indices 0 to count - 1 are in a fixed order. */
 OST_API int ost_haptic_count(void);
@@ -250,7 +251,13 @@ typedef struct ost_servo_options {
     ost_servo_rehearse *rehearse;
 } ost_servo_options;
 
-typedef enum ost_servo_end { OST_SERVO_TICKS, OST_SERVO_STOPPED, OST_SERVO_DEVICE_ENDED, OST_SERVO_DEVICE_LOST, OST_SERVO_WATCHDOG } ost_servo_end;
+typedef enum ost_servo_end {
+    OST_SERVO_TICKS,
+    OST_SERVO_STOPPED,
+    OST_SERVO_DEVICE_ENDED,
+    OST_SERVO_DEVICE_LOST,
+    OST_SERVO_WATCHDOG
+} ost_servo_end;
 
 typedef struct ost_servo_report {
     ost_servo_end end;
@@ -282,8 +289,8 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
  * runs at once; ticks that are already past are skipped and counted.  done may be NULL.  report, about 260 kB, is
  * filled in every case; allocate it on the heap.  A device with a clock of its own calls tick on its own thread.
  */
-OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick, ost_servo_done *done, void *user,
-                                 ost_servo_report *report, ost_error *err);
+OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
+                                 ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);
 
 #ifdef __cplusplus
 }

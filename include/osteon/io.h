@@ -66,11 +66,11 @@ typedef struct ost_volume_options {
 } ost_volume_options;
 
 /* Reads NRRD or NIfTI as int16 with axes in LPS+. options may be NULL (all false), report may be NULL. */
-OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out, ost_volume_report *report,
-                                   ost_error *err);
+OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out,
+                                   ost_volume_report *report, ost_error *err);
 /* Reads only the geometry, the meta and the report, without the voxels. Each may be NULL. */
-OST_API ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,
-                                          ost_error *err);
+OST_API ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta,
+                                          ost_volume_report *report, ost_error *err);
 
 typedef struct ost_write_options {
     bool compress;        /* use gzip in .nrrd; .nii.gz always does */
@@ -81,7 +81,8 @@ typedef struct ost_write_options {
  * Writes a volume. The name selects the format: .nrrd, .nii, .nii.gz, .txt (thesis text: one line "x y z density" per
  * voxel). options may be NULL.
  */
-OST_API ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options, ost_error *err);
+OST_API ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options,
+                                    ost_error *err);
 
 /* Reads and writes a tool grid as uint8 NRRD. */
 OST_API ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_error *err);
@@ -111,7 +112,8 @@ enum { OST_MESH_FILE_TRIANGLES_MAX = 1 << 23 };
  * that names the plausible units; any other unit is used without that check.  NaN,
  * infinity, no triangles and indices out of range are errors.
  */
-OST_API ost_status ost_mesh_read(const char *path, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
+OST_API ost_status ost_mesh_read(const char *path, ost_unit unit, ost_mesh *out, ost_mesh_report *report,
+                                 ost_error *err);
 /* Writes binary STL without attributes; normals are computed from the vertices. */
 OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, ost_error *err);
 
@@ -129,7 +131,8 @@ typedef struct ost_path_report {
 } ost_path_report;
 
 /* Reads a path. options and report may be NULL. */
-OST_API ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out, ost_path_report *report, ost_error *err);
+OST_API ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out,
+                                 ost_path_report *report, ost_error *err);
 /* Calls ost_path_read without options and report. */
 OST_API ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err);
 /* Writes a path with the columns lifted and rpm, and tool if one is not 0. */
@@ -227,8 +230,8 @@ OST_API ost_status ost_import(ost_backend *backend, const char *path, const ost_
  * Writes a bone's cubic grid as int16 NRRD, or by the name as .nii, .nii.gz or .txt, with meta and the facts kind =
  * bone, threshold and arithmetic. meta and options may be NULL.
  */
-OST_API ost_status ost_bone_write(const char *path, const ost_bone *bone, const ost_meta *meta, const ost_write_options *options,
-                                  ost_error *err);
+OST_API ost_status ost_bone_write(const char *path, const ost_bone *bone, const ost_meta *meta,
+                                  const ost_write_options *options, ost_error *err);
 
 #ifdef __cplusplus
 }

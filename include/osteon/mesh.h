@@ -62,7 +62,8 @@ OST_API ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, os
  * Computes the grid of a tool by Alg. 2.1 with RHE over the bounds [min, max]. Returns OST_ERR_RANGE beyond
  * OST_TOOL_DIM_MAX or 2^33 voxels.
  */
-OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_pm voxel, ost_tool_geometry *out, ost_error *err);
+OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_pm voxel, ost_tool_geometry *out,
+                                                 ost_error *err);
 
 /*
  * Vertices on the lattice of voxel/2^fraction_bits from the grid's corner.
@@ -79,7 +80,8 @@ typedef struct ost_snapped_mesh {
     size_t dropped_triangles;
 } ost_snapped_mesh;
 
-OST_API ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out, ost_error *err);
+OST_API ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,
+                                 ost_error *err);
 OST_API void ost_snapped_mesh_free(ost_snapped_mesh *mesh);
 /* Computes the stage digest of the data that every backend receives (AR-DIG-7). */
 OST_API ost_status ost_snapped_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);

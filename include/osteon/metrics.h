@@ -116,8 +116,9 @@ enum { OST_METRICS_CONTACT_UM = 500 }; /* a gap of up to this, or up to 0.6 voxe
  * Computes the metrics. The volumes must have the same geometry with equal spacings; motion may
  * be NULL. Returns OST_ERR_INPUT if nothing was removed.
  */
-OST_API ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, int threshold, const ost_density_classes *classes,
-                                    const ost_metrics_plan *plan, const ost_metrics_motion *motion, ost_metrics *out, ost_error *err);
+OST_API ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, int threshold,
+                                    const ost_density_classes *classes, const ost_metrics_plan *plan,
+                                    const ost_metrics_motion *motion, ost_metrics *out, ost_error *err);
 
 /*
  * A plunge begins when the tip moves inward in contact faster than OST_PLUNGE_MM_S over 50 ms,
@@ -139,7 +140,8 @@ typedef struct ost_technique {
 } ost_technique;
 
 /* Computes the technique from ticks in ascending order of time. */
-OST_API ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_metrics_plan *plan, ost_technique *out, ost_error *err);
+OST_API ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_metrics_plan *plan,
+                                      ost_technique *out, ost_error *err);
 
 #ifdef __cplusplus
 }

@@ -63,7 +63,8 @@ typedef struct ost_operation_options {
  * An operation that continues begins 1 ms after its last tick, at the tool's last pose; a device that is elsewhere is
  * in a fault until it reaches that pose.
  */
-OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out, ost_error *err);
+OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out,
+                                        ost_error *err);
 OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
 
 /*

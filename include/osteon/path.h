@@ -28,7 +28,8 @@ enum { OST_RPM_ON = -1, OST_RPM_OF_DEVICE = -2, OST_RPM_MAX = 3000 };
 typedef struct ost_tick {
     int64_t t_ns; /* nanoseconds */
     int32_t tool; /* index into the world's tools */
-    int32_t rpm;  /* speed of the motor: 1 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON; OST_RPM_OF_DEVICE */
+    /* speed of the motor: 1 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON; OST_RPM_OF_DEVICE */
+    int32_t rpm;
     ost_pose pose;
     bool lifted;  /* the tool was lifted before this tick: there is no sweep from the previous tick (AR-SWEEP-5) */
 } ost_tick;

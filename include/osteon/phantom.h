@@ -36,12 +36,14 @@ typedef struct ost_phantom_options {
 
 OST_API const char *ost_phantom_name(ost_phantom_kind kind);
 /* Makes a phantom; options may be NULL. The caller owns *out. */
-OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *options, ost_volume *out, ost_error *err);
+OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *options, ost_volume *out,
+                                    ost_error *err);
 
 /*
  * Closed triangle meshes, working face toward -z (the tool cuts along -z of
  * its own frame), shaft along +z, lengths in picometres; 0 = default.
- *   reamer  hemispherical head with teeth, and a hub that does not cut: bounds (-18, -18, 0)..(17.4, 18, 20.3) mm by default
+ *   reamer  hemispherical head with teeth, and a hub that does not cut: bounds
+ *           (-18, -18, 0)..(17.4, 18, 20.3) mm by default
  *   peg     cylinder
  *   burr    sphere on a shaft
  */

@@ -37,8 +37,8 @@ typedef struct ost_slices_options {
     int pixels;           /* pixels of the longest side of a slice; 0 = 480 */
     bool unoriented;      /* the directions of the axes in the patient are not known: none are drawn */
 } ost_slices_options;
-OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before, const ost_slices_options *options,
-                                      ost_picture *out, ost_error *err);
+OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before,
+                                      const ost_slices_options *options, ost_picture *out, ost_error *err);
 
 /*
  * Draws a view of the active voxels, which must be cubes, as osteon render does (render.h), with a

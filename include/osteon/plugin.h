@@ -271,52 +271,61 @@ typedef struct ost_plugin {
     const char *description; /* one sentence */
 
     /* options: the text after the file's name and its comma, or "" */
-    int32_t (*open)(const char *options, const ost_plugin_host *host, ost_plugin_instance **out, ost_plugin_error *error);
+    int32_t (*open)(const char *options, const ost_plugin_host *host, ost_plugin_instance **out,
+                    ost_plugin_error *error);
     void (*close)(ost_plugin_instance *self);
     /* Waits until all work is complete, and reports a late failure. */
     int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
 
     /* A new grid is zero-filled. Slices are z0 <= k < z0 + count. */
-    int32_t (*grid_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out, ost_plugin_error *error);
+    int32_t (*grid_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out,
+                           ost_plugin_error *error);
     void (*grid_free)(ost_plugin_grid *grid);
-    int32_t (*grid_upload)(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error);
-    int32_t (*grid_download)(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error);
+    int32_t (*grid_upload)(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels,
+                           ost_plugin_error *error);
+    int32_t (*grid_download)(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels,
+                             ost_plugin_error *error);
 
     /* AR-CT-4 to 6 (thesis, Alg. 2.4) */
-    int32_t (*ct_to_rect)(ost_plugin_grid *rect, const ost_plugin_samples *samples, ost_plugin_scatter_report *report, ost_plugin_error *error);
+    int32_t (*ct_to_rect)(ost_plugin_grid *rect, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
+                          ost_plugin_error *error);
     /* AR-CUB (Alg. 2.5); rule is an ost_plugin_resample. The new grid has the given geometry. */
-    int32_t (*rect_to_cubic)(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule, ost_plugin_grid **out,
-                             ost_plugin_error *error);
+    int32_t (*rect_to_cubic)(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule,
+                             ost_plugin_grid **out, ost_plugin_error *error);
     /* AR-CHK (Alg. 2.6) */
-    int32_t (*cubic_to_chunks)(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);
+    int32_t (*cubic_to_chunks)(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold,
+                               ost_plugin_bone **out, ost_plugin_error *error);
 
     /* A new bone has no active voxel; an upload applies the threshold. Slices have no padding. */
-    int32_t (*bone_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size, int32_t threshold,
-                           ost_plugin_bone **out, ost_plugin_error *error);
+    int32_t (*bone_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size,
+                           int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);
     void (*bone_free)(ost_plugin_bone *bone);
     int32_t (*bone_stats)(const ost_plugin_bone *bone, ost_plugin_bone_stats *stats, ost_plugin_error *error);
-    int32_t (*bone_upload)(ost_plugin_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error);
-    int32_t (*bone_download)(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error);
+    int32_t (*bone_upload)(ost_plugin_bone *bone, int32_t z0, int32_t count, const int16_t *voxels,
+                           ost_plugin_error *error);
+    int32_t (*bone_download)(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels,
+                             ost_plugin_error *error);
 
     /* AR-VOX (Alg. 2.1 and section 2.3); noncutting may be NULL; parity: 0 winding, 1 parity. */
-    int32_t (*voxelize)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const ost_plugin_mesh *cutting,
-                        const ost_plugin_mesh *noncutting, int32_t parity, ost_plugin_voxelize_report *report, ost_plugin_tool **out,
-                        ost_plugin_error *error);
-    int32_t (*tool_upload)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const uint8_t *voxels, ost_plugin_tool **out,
-                           ost_plugin_error *error);
+    int32_t (*voxelize)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
+                        const ost_plugin_mesh *cutting, const ost_plugin_mesh *noncutting, int32_t parity,
+                        ost_plugin_voxelize_report *report, ost_plugin_tool **out, ost_plugin_error *error);
+    int32_t (*tool_upload)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry, const uint8_t *voxels,
+                           ost_plugin_tool **out, ost_plugin_error *error);
     int32_t (*tool_download)(const ost_plugin_tool *tool, uint8_t *voxels, ost_plugin_error *error);
     void (*tool_free)(ost_plugin_tool *tool);
 
     /* AR-REM (Algs. 2.8 to 2.10); collide reports the same as remove and changes nothing. */
-    int32_t (*remove)(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
-                      ost_plugin_error *error);
-    int32_t (*collide)(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report,
-                       ost_plugin_error *error);
+    int32_t (*remove)(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
+                      ost_plugin_report *report, ost_plugin_error *error);
+    int32_t (*collide)(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
+                       ost_plugin_report *report, ost_plugin_error *error);
 
     /*
-     * The steps before the voxels, executed by the plugin itself.  Each slot may be NULL or beyond the table's size: the
-     * plugin then gets the host's results.  `osteon validate` calls these slots in every case, compares their results bit
-     * by bit with the host's (stages snap and steps), and its verdict says which of the two a plugin executed itself.
+     * The steps before the voxels, executed by the plugin itself. Each slot may be NULL or beyond
+     * the table's size: the plugin then gets the host's results. `osteon validate` calls these
+     * slots in every case, compares their results bit by bit with the host's (stages snap and
+     * steps), and its verdict says which of the two a plugin executed itself.
      */
     /* AR-MESH-3, AR-MESH-4: fills *made; the kept triangles stay in their order. */
     int32_t (*snap)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,

@@ -39,7 +39,8 @@ OST_API ost_pose ost_pose_identity(void);
 OST_API ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_pose *out, ost_error *err);
 
 /* Makes a pose from decimals as written, without converting them to binary floats. */
-OST_API ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_decimal q[4], ost_pose *out, ost_error *err);
+OST_API ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_decimal q[4], ost_pose *out,
+                                          ost_error *err);
 
 /* Returns OST_ERR_RANGE unless every component of t is within 8 m and | |q| - 1 | <= 1e-3. */
 OST_API ost_status ost_pose_check(const ost_pose *pose, ost_error *err);

@@ -38,7 +38,8 @@ OST_API ost_status ost_camera_check(const ost_camera *camera, ost_error *err);
  * Sets camera->pose to that of a camera at from_mm directed at at_mm.  up need
  * be neither a unit vector nor perpendicular to the view direction.
  */
-OST_API ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3], ost_camera *camera, ost_error *err);
+OST_API ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3],
+                                      ost_camera *camera, ost_error *err);
 
 typedef enum ost_style {
     OST_STYLE_SMOOTH, /* each voxel lit by the normal of the surface around it, darker in hollows */
@@ -56,8 +57,8 @@ typedef struct ost_points_options {
     const char *isa;
     int threads;
 } ost_points_options;
-OST_API ost_status ost_picture_points(const ost_volume *volume, const ost_camera *camera, const ost_points_options *options,
-                                      ost_picture *out, ost_error *err);
+OST_API ost_status ost_picture_points(const ost_volume *volume, const ost_camera *camera,
+                                      const ost_points_options *options, ost_picture *out, ost_error *err);
 
 #ifdef __cplusplus
 }

@@ -39,11 +39,13 @@ typedef struct ost_session_header ost_session_header;
 OST_API ost_status ost_session_header_create(ost_session_header **out, ost_error *err);
 OST_API void ost_session_header_free(ost_session_header *header); /* NULL is allowed */
 /* Sets or replaces a key's value. Returns OST_ERR_RANGE if key or value is not allowed, or there are too many keys. */
-OST_API ost_status ost_session_header_set(ost_session_header *header, const char *key, const char *value, ost_error *err);
+OST_API ost_status ost_session_header_set(ost_session_header *header, const char *key, const char *value,
+                                          ost_error *err);
 /* Returns the value, or NULL if there is none. The pointer is valid until header is changed. */
 OST_API const char *ost_session_header_get(const ost_session_header *header, const char *key);
 OST_API int ost_session_header_count(const ost_session_header *header);
-OST_API void ost_session_header_entry(const ost_session_header *header, int index, const char **key, const char **value);
+OST_API void ost_session_header_entry(const ost_session_header *header, int index, const char **key,
+                                      const char **value);
 
 /* --------------------------------------------------------------- records */
 
@@ -104,7 +106,8 @@ typedef struct ost_session_summary {
     int64_t first_t_ns, last_t_ns;
     bool ended;                    /* the end record is present */
     uint64_t complete_ticks;       /* ticks from the first on, before any is missing: these can be replayed */
-    uint64_t lost_records;         /* records for which the recorder's ring had no free slot, as it has recorded itself */
+    /* records for which the recorder's ring had no free slot, as it has recorded itself */
+    uint64_t lost_records;
     uint64_t damaged_bytes;        /* damaged bytes before the last valid block */
     uint64_t missing_records;      /* records lost by that damage */
     uint64_t cut_bytes;            /* bytes after the last valid block */
@@ -159,8 +162,8 @@ typedef struct ost_recorder_state {
 } ost_recorder_state;
 
 /* Creates or replaces path, writes the header and starts the writer thread. options may be NULL. */
-OST_API ost_status ost_recorder_open(const char *path, const ost_session_header *header, const ost_recorder_options *options,
-                                     ost_recorder **out, ost_error *err);
+OST_API ost_status ost_recorder_open(const char *path, const ost_session_header *header,
+                                     const ost_recorder_options *options, ost_recorder **out, ost_error *err);
 /* Puts a record. Called only by the one thread that puts; wait-free. Returns false if the record was lost. */
 OST_API bool ost_recorder_put(ost_recorder *recorder, const ost_record *record);
 /*

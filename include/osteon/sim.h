@@ -27,7 +27,8 @@ typedef struct ost_world_options {
     bool broad_phase_off;          /* test every voxel of the bone, as the definition says; for tests */
     int64_t removal_period_ns;     /* 0: every tick is an event; otherwise the first tick of every period (AR-REM-7) */
     ost_density_classes classes;   /* count 0: the default classes */
-    int32_t saved_ticks;           /* 0: ost_world_failover is not available; otherwise 1 to OST_WORLD_SAVED_TICKS_MAX */
+    /* 0: ost_world_failover is not available; otherwise 1 to OST_WORLD_SAVED_TICKS_MAX */
+    int32_t saved_ticks;
 } ost_world_options;
 
 enum { OST_WORLD_SAVED_TICKS_MAX = 1000000 };
@@ -41,7 +42,8 @@ OST_API void ost_world_free(ost_world *world); /* NULL is allowed */
  * Adds a tool and returns its index, counted from 0, at most OST_WORLD_TOOLS_MAX in all.  The name is copied.
  * OST_ERR_USAGE or OST_ERR_RANGE if the tool cannot be used with the bone (AR-MAP-2).
  */
-OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool *tool, int *index, ost_error *err);
+OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool *tool, int *index,
+                                      ost_error *err);
 
 /*
  * Allocates the memory for the longest sweep and report of a tick, 1 MB and 104 bytes a chunk, so that no later tick
@@ -84,15 +86,17 @@ OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
  *
  *   stored copy --upload--> bone --repeat the ticks since--> state after the last complete tick
  *
- * Requires saved_ticks > 0.  Such a world stores in host memory the bone's complete grid (2 bytes a voxel), each tool's
- * grid (1 byte a voxel) and up to saved_ticks ticks of 48 bytes.  It copies the bone when it is created and before every
- * tick that finds saved_ticks ticks stored; the previous copy is freed only after the new one is complete.  Must not be
- * called if the bone was changed other than by the world's ticks.
+ * Requires saved_ticks > 0. Such a world stores in host memory the bone's complete grid (2 bytes a
+ * voxel), each tool's grid (1 byte a voxel) and up to saved_ticks ticks of 48 bytes. It copies the
+ * bone when it is created and before every tick that finds saved_ticks ticks stored; the previous
+ * copy is freed only after the new one is complete. Must not be called if the bone was changed
+ * other than by the world's ticks.
  *
  * The caller owns *bone and tools[], an array of OST_WORLD_TOOLS_MAX in the order of their indices; they must outlive
  * the world.  The previous bone and tools may be freed.  On an error the world is unchanged and both are NULL.
  */
-OST_API ost_status ost_world_failover(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools, ost_error *err);
+OST_API ost_status ost_world_failover(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools,
+                                      ost_error *err);
 
 /* Totals since the world was created. */
 typedef struct ost_world_totals {
@@ -113,13 +117,14 @@ struct ost_glenoid;
  * r the distance from that axis, in mm, these are the voxels with w < -(3 + min(r, 18)^2 / 60); a healthy rim has none.
  * Only voxels with r <= radius_mm and w >= -reach_mm count; 0 means no limit.
  */
-OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm, double reach_mm, int64_t *voxels,
-                                     ost_error *err);
+OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm,
+                                     double reach_mm, int64_t *voxels, ost_error *err);
 /* Computes the percentage of bone within 4 mm of the axis, 1 to 11 mm inward and 1 to 11 mm outward of the centre. */
-OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent, double *outward_percent,
-                                       ost_error *err);
+OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent,
+                                       double *outward_percent, ost_error *err);
 /* Counts the active voxels that a tool at this pose covers, with cutting and with other voxels. */
-OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels, ost_error *err);
+OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels,
+                                    ost_error *err);
 
 /* ---------------------------------------------------------- built-in paths */
 
@@ -149,15 +154,23 @@ OST_API ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool
  * Reads a point of three decimals in mm by its key; *there is false if it is absent.  OST_ERR_INPUT or OST_ERR_RANGE
  * with key and value in err.
  */
-OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there, ost_error *err);
+OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there,
+                                       ost_error *err);
 /*
  * Reads a glenoid from OST_META_*.  OST_ERR_USAGE with the missing key in err.  The side may be absent if the axis
  * determines it.
  */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 
-typedef enum ost_builtin { OST_BUILTIN_PEG_HOLE, OST_BUILTIN_GLENOID_REAM, OST_BUILTIN_GLENOID_SLOW, OST_BUILTIN_GLENOID_PRESS, OST_BUILTIN_COUNT } ost_builtin;
-OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow", "glenoid-press" */
+typedef enum ost_builtin {
+    OST_BUILTIN_PEG_HOLE,
+    OST_BUILTIN_GLENOID_REAM,
+    OST_BUILTIN_GLENOID_SLOW,
+    OST_BUILTIN_GLENOID_PRESS,
+    OST_BUILTIN_COUNT
+} ost_builtin;
+OST_API const char *ost_builtin_name(
+    ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow", "glenoid-press" */
 
 /*
  * Makes a built-in path of 1 kHz ticks of a hand (OST_RPM_OF_DEVICE): approach, advance along the axis, dwell, retreat.
@@ -165,14 +178,14 @@ OST_API const char *ost_builtin_name(ost_builtin which); /* "peg-hole", "glenoid
  * the index stored in the ticks; geometry is the tool's grid, whose working face is towards -z.  The caller frees
  * *out.
  */
-OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
-                                    ost_path *out, ost_error *err);
+OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry,
+                                    int32_t tool, ost_path *out, ost_error *err);
 /*
  * Makes the intended path of a hand that presses the tool into the face, moves over it and wobbles, with the given
  * number of ticks, at most OST_PATH_TICKS_MAX.  The caller frees *out.
  */
-OST_API ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool, size_t ticks, ost_path *out,
-                                     ost_error *err);
+OST_API ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
+                                     size_t ticks, ost_path *out, ost_error *err);
 
 #ifdef __cplusplus
 }

@@ -75,13 +75,15 @@ static ost_status no_verb(const char *word, ost_error *err)
         names[i] = verbs[i].name;
     static const char *const own[] = {"--help", "--version"};
     if (word[0] == '-' && nearest_name(word, own, 2))
-        return ost_fail(err, OST_ERR_USAGE, "'%s' is not an option of osteon itself; did you mean %s? See osteon --help", word,
+        return ost_fail(err, OST_ERR_USAGE,
+                        "'%s' is not an option of osteon itself; did you mean %s? See osteon --help", word,
                         nearest_name(word, own, 2));
     if (word[0] == '-')
         return ost_fail(err, OST_ERR_USAGE, "'%s' is not an option of osteon itself; see osteon --help", word);
     const char *near = nearest_name(word, names, VERB_COUNT);
     if (near)
-        return ost_fail(err, OST_ERR_USAGE, "'%s' is not a verb of osteon; did you mean %s? See osteon --help", word, near);
+        return ost_fail(err, OST_ERR_USAGE, "'%s' is not a verb of osteon; did you mean %s? See osteon --help", word,
+                        near);
     return ost_fail(err, OST_ERR_USAGE, "'%s' is not a verb of osteon; see osteon --help", word);
 }
 
@@ -135,7 +137,8 @@ static void on_exit_within_verb(void)
         return;
     ost_outfile_unlink_pending();
     signal_cleanup_end();
-    static const char text[] = "osteon: a library that it uses gave up, as said above; what was asked for is not done\n";
+    static const char text[] =
+        "osteon: a library that it uses gave up, as said above; what was asked for is not done\n";
     ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;
     _exit(within_verb->worker ? WORKER_EXIT_RESOURCES : 2);

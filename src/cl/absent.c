@@ -6,7 +6,8 @@
 
 static bool available(char *reason, size_t size)
 {
-    snprintf(reason, size, "built without OpenCL; install opencl-headers and ocl-icd-opencl-dev, configure and build again");
+    snprintf(reason, size,
+             "built without OpenCL; install opencl-headers and ocl-icd-opencl-dev, configure and build again");
     return false;
 }
 

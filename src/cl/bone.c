@@ -12,6 +12,8 @@
  *           voxels of all slots are counted again
  *
  * Slices go through a slab of limited size, x fastest, without padding.
+ *
+ * The file has more than 500 lines, because pool, table and slices change together or not at all.
  */
 #include "cl/objects.h"
 
@@ -30,13 +32,14 @@ static cl_backend *backend_of(const cl_bone *bone)
 
 /* ------------------------------------------------------------ life, spare buffers */
 
-ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
-                              ost_error *err)
+ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                              ost_bone **out, ost_error *err)
 {
     cl_bone *bone = calloc(1, sizeof *bone);
     if (!bone)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone");
-    bone->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
+    bone->base = (ost_bone){
+        .backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
     bone->chunk_dims = ost_chunk_dims(geometry->dims, chunk_size);
     bone->chunks = (size_t)ost_dims_count(bone->chunk_dims);
     bone->chunk_voxels = (size_t)chunk_size * (size_t)chunk_size * (size_t)chunk_size;
@@ -57,7 +60,8 @@ ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry
     if (status == OST_OK)
         status = ost_cl_buffer((cl_backend *)backend, sizeof shape, &shape, "bone", &bone->shape, err);
     if (status == OST_OK)
-        status = ost_cl_buffer((cl_backend *)backend, bone->chunks * sizeof *bone->slot, NULL, "table of chunks", &bone->slots, err);
+        status = ost_cl_buffer((cl_backend *)backend, bone->chunks * sizeof *bone->slot, NULL, "table of chunks",
+                               &bone->slots, err);
     if (status != OST_OK) {
         ost_cl_bone_free(&bone->base);
         return status;
@@ -165,7 +169,8 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 {
     if (!bone->slots_outdated)
         return OST_OK;
-    ost_status status = ost_cl_write(backend_of(bone), bone->slots, 0, bone->chunks * sizeof *bone->slot, bone->slot, err);
+    ost_status status = ost_cl_write(backend_of(bone), bone->slots, 0, bone->chunks * sizeof *bone->slot, bone->slot,
+                                     err);
     bone->slots_outdated = status != OST_OK;
     return status;
 }
@@ -178,7 +183,8 @@ typedef struct slices {
     const int16_t *voxels; /* NULL: the slices of a grid on the device, from slice 0 */
     cl_mem slab;           /* buffer of `step` slices, or the grid's store */
     cl_mem layers;         /* slice k is slice layers[first + k - z0] of the slab; if first < 0, it is slice k - z0 */
-    int32_t first, weights; /* weights >= 0: layers[weights + k - z0] is the weight of the slab's next slice in slice k */
+    /* weights >= 0: layers[weights + k - z0] is the weight of the slab's next slice in slice k */
+    int32_t first, weights;
     int32_t step;
 } slices;
 
@@ -221,12 +227,13 @@ static ost_status scan(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, v
 {
     cl_backend *b = backend_of(bone);
     cl_mem *active = user;
-    const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),        OST_CL_ARG(z1),      OST_CL_ARG(s->first),
-                               OST_CL_ARG(s->weights),  OST_CL_ARG(s->layers), OST_CL_ARG(s->slab), OST_CL_ARG(*active)};
+    const ost_cl_arg args[] = {OST_CL_ARG(bone->shape), OST_CL_ARG(z0),         OST_CL_ARG(z1),
+                               OST_CL_ARG(s->first),    OST_CL_ARG(s->weights), OST_CL_ARG(s->layers),
+                               OST_CL_ARG(s->slab),     OST_CL_ARG(*active)};
     enum { ARGS = sizeof args / sizeof args[0] };
     if (b->cpu_set)
-        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_scan_layers, (size_t)bone->chunk_dims.y, (size_t)bone->chunk_dims.z, 1, args, ARGS,
-                             err);
+        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_scan_layers, (size_t)bone->chunk_dims.y,
+                             (size_t)bone->chunk_dims.z, 1, args, ARGS, err);
     return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_scan, (size_t)(z1 - z0), columns_of(bone), 1, args, ARGS, err);
 }
 
@@ -241,8 +248,10 @@ static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, 
     enum { ARGS = sizeof args / sizeof args[0] };
     (void)user;
     if (b->cpu_set)
-        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store_layers, columns_of(bone), (size_t)bone->chunk_dims.z, 1, args, ARGS, err);
-    return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store, row_words, columns_of(bone), (size_t)(z1 - z0), args, ARGS, err);
+        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store_layers, columns_of(bone), (size_t)bone->chunk_dims.z, 1,
+                             args, ARGS, err);
+    return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_store, row_words, columns_of(bone), (size_t)(z1 - z0), args, ARGS,
+                         err);
 }
 
 /* Sets count[i] to the number of active voxels in slot i, for all i < bone->used. */
@@ -253,8 +262,9 @@ static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
     cl_mem buffer = NULL;
     ost_status status = ost_cl_buffer_zero(b, bone->used * sizeof *count, "counts", &buffer, err);
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_chunk_count, (size_t)bone->base.chunk_size, slots, 1, err, OST_CL_ARG(bone->shape), OST_CL_ARG(first),
-                               OST_CL_ARG(slots), OST_CL_ARG(bone->words), OST_CL_ARG(buffer));
+        status = OST_CL_LAUNCH(b, ost_chunk_count, (size_t)bone->base.chunk_size, slots, 1, err,
+                               OST_CL_ARG(bone->shape), OST_CL_ARG(first), OST_CL_ARG(slots), OST_CL_ARG(bone->words),
+                               OST_CL_ARG(buffer));
     if (status == OST_OK)
         status = ost_cl_read(b, buffer, 0, bone->used * sizeof *count, count, err);
     ost_cl_buffer_free(b, &buffer);
@@ -349,10 +359,17 @@ ost_status ost_cl_bone_upload(ost_bone *base, int32_t z0, int32_t count, const i
     ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
     if (status != OST_OK || count == 0)
         return status;
-    slices s = {.z0 = z0, .z1 = z0 + count, .voxels = voxels, .layers = bone->slots, .first = -1, .weights = -1, .step = slab_step(bone, count)};
+    slices s = {.z0 = z0,
+                .z1 = z0 + count,
+                .voxels = voxels,
+                .layers = bone->slots,
+                .first = -1,
+                .weights = -1,
+                .step = slab_step(bone, count)};
     size_t reserved;
     b->entered[OST_CL_PATH_SLICES_UP_IN_PARTS] += s.step < count;
-    status = ost_cl_spare_take(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, "slices", &s.slab, &reserved, err);
+    status = ost_cl_spare_take(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, "slices", &s.slab, &reserved,
+                               err);
     if (status == OST_OK) {
         status = store_slices(bone, &s, err);
         ost_cl_spare_return(b, &s.slab, reserved);
@@ -360,7 +377,8 @@ ost_status ost_cl_bone_upload(ost_bone *base, int32_t z0, int32_t count, const i
     return status;
 }
 
-ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
+ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out,
+                                  ost_error *err)
 {
     const cl_grid *cubic = (const cl_grid *)base;
     ost_bone *bone = NULL;
@@ -370,8 +388,13 @@ ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t 
     if (status != OST_OK)
         return status;
     const int32_t nz = base->geometry.dims.z;
-    slices s = {
-        .z0 = 0, .z1 = nz, .slab = cubic->store->voxels, .layers = ((cl_bone *)bone)->slots, .first = -1, .weights = -1, .step = nz};
+    slices s = {.z0 = 0,
+                .z1 = nz,
+                .slab = cubic->store->voxels,
+                .layers = ((cl_bone *)bone)->slots,
+                .first = -1,
+                .weights = -1,
+                .step = nz};
     if (cubic->sources) {
         ((cl_backend *)base->backend)->entered[OST_CL_PATH_CHUNKS_OF_LIST]++;
         s.layers = cubic->sources;
@@ -396,7 +419,8 @@ static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_err
                                OST_CL_ARG(bone->density), OST_CL_ARG(slab)};
     enum { ARGS = sizeof args / sizeof args[0] };
     if (b->cpu_set)
-        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_load_rows, (size_t)bone->chunk_dims.y, (size_t)(z1 - z0), 1, args, ARGS, err);
+        return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_load_rows, (size_t)bone->chunk_dims.y, (size_t)(z1 - z0), 1,
+                             args, ARGS, err);
     return ost_cl_launch(b, OST_CL_KERNEL_ost_chunk_load, (size_t)d.x, (size_t)d.y, (size_t)(z1 - z0), args, ARGS, err);
 }
 
@@ -425,13 +449,15 @@ ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count,
         const cl_int end = z0 + count - z < step ? z0 + count : z + step;
         status = load(bone, z, end, slab, err);
         if (status == OST_OK)
-            status = ost_cl_read(b, slab, 0, slice * (size_t)(end - z) * sizeof *voxels, voxels + slice * (size_t)(z - z0), err);
+            status = ost_cl_read(b, slab, 0, slice * (size_t)(end - z) * sizeof *voxels,
+                                 voxels + slice * (size_t)(z - z0), err);
     }
     ost_cl_spare_return(b, &slab, reserved);
     return status;
 }
 
-ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words,
+                                 ost_error *err)
 {
     const cl_bone *bone = (const cl_bone *)base;
     const size_t bytes = bone->chunk_voxels / 8;
@@ -458,7 +484,8 @@ static bool cut_leaf(const ost_dims dims, const int16_t *voxels, int32_t x, int3
     memset(leaf, 0, OST_LEAF * OST_LEAF * OST_LEAF * sizeof *leaf);
     for (int32_t k = 0; k < count; k++)
         for (int32_t j = 0; j < ny; j++) {
-            const int16_t *from = voxels + (size_t)x * OST_LEAF + (size_t)dims.x * ((size_t)(y * OST_LEAF + j) + (size_t)dims.y * (size_t)k);
+            const int16_t *from = voxels + (size_t)x * OST_LEAF +
+                                  (size_t)dims.x * ((size_t)(y * OST_LEAF + j) + (size_t)dims.y * (size_t)k);
             int16_t *to = leaf + (k * OST_LEAF + j) * OST_LEAF;
             for (int32_t i = 0; i < nx; i++) {
                 to[i] = from[i];

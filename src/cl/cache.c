@@ -84,7 +84,8 @@ static bool believable(const ost_cl_cache *cache, const entry_head *head, const 
 {
     ost_digest checksum;
     return memcmp(&head->key, &cache->key, sizeof cache->key) == 0 &&
-           ost_digest_bytes(binary, head->length, &checksum, NULL) == OST_OK && ost_digest_equal(&checksum, &head->checksum);
+           ost_digest_bytes(binary, head->length, &checksum, NULL) == OST_OK &&
+           ost_digest_equal(&checksum, &head->checksum);
 }
 
 /* Zeros after the binary: PoCL 3.1 reads a complete header before it checks the binary's length. */
@@ -93,14 +94,16 @@ enum { SLACK = 256 };
 /* Reads an entry of file->size bytes. Returns NULL if the entry is not valid. */
 static unsigned char *read_entry(const ost_cl_cache *cache, const ost_file *file, size_t *size)
 {
-    if (file->size <= (int64_t)sizeof(entry_head) || file->size > (int64_t)sizeof(entry_head) + ENTRY_MAX || !is_private(file->fd))
+    if (file->size <= (int64_t)sizeof(entry_head) || file->size > (int64_t)sizeof(entry_head) + ENTRY_MAX ||
+        !is_private(file->fd))
         return NULL;
     entry_head head;
     const size_t length = (size_t)file->size - sizeof head;
     unsigned char *entry = calloc((size_t)file->size + SLACK, 1);
     if (entry && ost_file_fill(cache->entry, file, entry, NULL) == OST_OK) {
         memcpy(&head, entry, sizeof head);
-        if (memcmp(head.magic, magic, sizeof magic) == 0 && head.length == length && believable(cache, &head, entry + sizeof head)) {
+        if (memcmp(head.magic, magic, sizeof magic) == 0 && head.length == length &&
+            believable(cache, &head, entry + sizeof head)) {
             memmove(entry, entry + sizeof head, length);
             memset(entry + length, 0, SLACK);
             *size = length;
@@ -151,7 +154,8 @@ bool ost_cl_cache_store(const ost_cl_cache *cache, const unsigned char *binary, 
 {
     entry_head head = {.length = size, .key = cache->key};
     memcpy(head.magic, magic, sizeof magic);
-    if (!cache->folder[0] || size == 0 || size > ENTRY_MAX || ost_digest_bytes(binary, size, &head.checksum, NULL) != OST_OK)
+    if (!cache->folder[0] || size == 0 || size > ENTRY_MAX ||
+        ost_digest_bytes(binary, size, &head.checksum, NULL) != OST_OK)
         return false;
 
     char parent[sizeof cache->folder];

@@ -119,10 +119,12 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
     const bool wide = strcmp(profile, "FULL_PROFILE") == 0 || (extensions && has_word(extensions, "cles_khr_int64"));
     free(extensions);
 
-    bool answered = cl->clGetDeviceInfo(d->id, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof d->max_buffer, &d->max_buffer, NULL) == CL_SUCCESS;
-    answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof d->memory, &d->memory, NULL) == CL_SUCCESS;
+    bool answered = cl->clGetDeviceInfo(d->id, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof d->max_buffer, &d->max_buffer,
+                                        NULL) == CL_SUCCESS;
     answered = answered &&
-           cl->clGetDeviceInfo(d->id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof d->max_workgroup, &d->max_workgroup, NULL) == CL_SUCCESS;
+               cl->clGetDeviceInfo(d->id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof d->memory, &d->memory, NULL) == CL_SUCCESS;
+    answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof d->max_workgroup,
+                                               &d->max_workgroup, NULL) == CL_SUCCESS;
 
     cl_device_type type = 0;
     answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
@@ -159,7 +161,8 @@ static ost_status no_memory(ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "out of memory for the list of OpenCL devices");
 }
 
-static ost_status list_platform(const ost_cl_api *cl, cl_platform_id platform, int index, ost_cl_devices *out, ost_error *err)
+static ost_status list_platform(const ost_cl_api *cl, cl_platform_id platform, int index, ost_cl_devices *out,
+                                ost_error *err)
 {
     cl_device_id ids[DEVICES_MAX];
     cl_uint count = 0;
@@ -242,13 +245,16 @@ bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *de
     return device->id ? fits(options->device, device->device_index, device->name) : !options->device[0];
 }
 
-static ost_status set_option(const char *key, size_t key_length, const char *value, size_t length, ost_cl_options *out, ost_error *err)
+static ost_status set_option(const char *key, size_t key_length, const char *value, size_t length, ost_cl_options *out,
+                             ost_error *err)
 {
     char text[OST_CL_NAME];
     snprintf(text, sizeof text, "%.*s", (int)(length < sizeof text ? length : sizeof text - 1), value);
-    const bool known = (key_length == 8 && strncmp(key, "platform", 8) == 0) || (key_length == 6 && strncmp(key, "device", 6) == 0);
+    const bool known = (key_length == 8 && strncmp(key, "platform", 8) == 0) ||
+                       (key_length == 6 && strncmp(key, "device", 6) == 0);
     if (known && (length == 0 || length >= sizeof text))
-        return ost_fail(err, OST_ERR_USAGE, "backend cl: %.*s=%.40s; expected a number or a part of its name", (int)key_length, key, text);
+        return ost_fail(err, OST_ERR_USAGE, "backend cl: %.*s=%.40s; expected a number or a part of its name",
+                        (int)key_length, key, text);
     if (known) {
         snprintf(key_length == 8 ? out->platform : out->device, OST_CL_NAME, "%s", text);
         return OST_OK;
@@ -256,14 +262,16 @@ static ost_status set_option(const char *key, size_t key_length, const char *val
     if (key_length == 9 && strncmp(key, "workgroup", 9) == 0) {
         long n = is_number(text) ? strtol(text, NULL, 10) : 0;
         if (n < 1 || n > 65536)
-            return ost_fail(err, OST_ERR_USAGE, "backend cl: workgroup=%.40s; expected a number of work items from 1 to 65536", text);
+            return ost_fail(err, OST_ERR_USAGE,
+                            "backend cl: workgroup=%.40s; expected a number of work items from 1 to 65536", text);
         out->workgroup = (size_t)n;
         return OST_OK;
     }
     if (key_length == 7 && strncmp(key, "staging", 7) == 0) {
         long n = is_number(text) ? strtol(text, NULL, 10) : 0;
         if (n < 1024)
-            return ost_fail(err, OST_ERR_USAGE, "backend cl: staging=%.40s; expected a number of bytes from 1024 to 999999999", text);
+            return ost_fail(err, OST_ERR_USAGE,
+                            "backend cl: staging=%.40s; expected a number of bytes from 1024 to 999999999", text);
         out->staging = (size_t)n;
         return OST_OK;
     }
@@ -275,7 +283,9 @@ static ost_status set_option(const char *key, size_t key_length, const char *val
         return OST_OK;
     }
     if (key_length == 7 && strncmp(key, "kernels", 7) == 0) {
-        out->kernels = strcmp(text, "cpu") == 0 ? OST_CL_SET_CPU : strcmp(text, "gpu") == 0 ? OST_CL_SET_GPU : OST_CL_SET_AUTO;
+        out->kernels = strcmp(text, "cpu") == 0   ? OST_CL_SET_CPU
+                       : strcmp(text, "gpu") == 0 ? OST_CL_SET_GPU
+                                                  : OST_CL_SET_AUTO;
         if (out->kernels == OST_CL_SET_AUTO)
             return ost_fail(err, OST_ERR_USAGE, "backend cl: kernels=%.40s; expected cpu or gpu", text);
         return OST_OK;

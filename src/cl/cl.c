@@ -81,7 +81,8 @@ ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void
     for (size_t i = 0; i < devices.count; i++) {
         const ost_cl_device *d = &devices.list[i];
         char spec[64], platform[2 * OST_CL_NAME + 4], name[2 * OST_CL_NAME + 16], notes[256] = "";
-        snprintf(spec, sizeof spec, d->id ? "cl:platform=%d,device=%d" : "cl:platform=%d", d->platform_index, d->device_index);
+        snprintf(spec, sizeof spec, d->id ? "cl:platform=%d,device=%d" : "cl:platform=%d", d->platform_index,
+                 d->device_index);
         snprintf(platform, sizeof platform, "%s (%s)", d->platform_name, d->platform_version);
         snprintf(name, sizeof name, d->id ? "%s (driver %s)" : "%s%s", d->name, d->driver);
         cl_backend *backend = NULL;
@@ -144,7 +145,8 @@ static ost_status finish(ost_backend *base, ost_error *err)
 
 const ost_backend_ops ost_backend_cl = {
     .name = "cl",
-    .description = "OpenCL 1.2: CPUs by PoCL, GPUs of any vendor; integers only, checked at start; options platform=, device=, kernels=cpu|gpu, workgroup=, staging=, order=",
+    .description = "OpenCL 1.2: CPUs by PoCL, GPUs of any vendor; integers only, checked at start; options platform=, "
+                   "device=, kernels=cpu|gpu, workgroup=, staging=, order=",
     .available = available,
     .devices = devices_cl,
     .open = open_cl,

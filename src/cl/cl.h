@@ -38,7 +38,8 @@
     X(ost_cubic_sources, 3) X(ost_cubic_gather, 3) X(ost_cubic_linear, 3) \
     X(ost_chunk_scan, 1) X(ost_chunk_scan_layers, 2) X(ost_chunk_store, 1) X(ost_chunk_store_layers, 2) \
     X(ost_chunk_load, 1) X(ost_chunk_load_rows, 2) X(ost_chunk_count, 3) \
-    X(ost_vox_steps, 1) X(ost_vox_fill, 1) X(ost_vox_count, 1) X(ost_vox_tiles, 2) X(ost_tool_reach, 3) X(ost_tool_windows, 2) \
+    X(ost_vox_steps, 1) X(ost_vox_fill, 1) X(ost_vox_count, 1) X(ost_vox_tiles, 2) X(ost_tool_reach, 3) \
+    X(ost_tool_windows, 2) \
     X(ost_remove, 1) X(ost_remove_blocks, 2)
 /* clang-format on */
 
@@ -112,8 +113,8 @@ typedef struct cl_backend {
 /* ------------------------------------------------------------- context.c */
 
 /* Opens and checks one device. On failure *out is NULL and err has the reason. */
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_options *options, cl_backend **out,
-                              ost_error *err);
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_options *options,
+                              cl_backend **out, ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
 /* Returns the smaller of a stage's own limit in bytes and the option staging. */
 static inline size_t ost_cl_staging(const cl_backend *b, size_t limit)
@@ -131,8 +132,8 @@ ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void
 /* ------------------------------------------------------------- program.c */
 
 /* Builds a program for the backend's device; *from_cache is true if the binary came from the cache. */
-ost_status ost_cl_build(cl_backend *backend, const char *const *sources, size_t count, const char *options, cl_program *out,
-                        bool *from_cache, ost_error *err);
+ost_status ost_cl_build(cl_backend *backend, const char *const *sources, size_t count, const char *options,
+                        cl_program *out, bool *from_cache, ost_error *err);
 
 /* ----------------------------------------------------------------- key.c */
 
@@ -154,13 +155,15 @@ void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);
 
 /* Creates a buffer. It is uninitialised if data is NULL, else a copy of data made before the call returns. For 0
    bytes the buffer has 1 byte. */
-ost_status ost_cl_buffer(cl_backend *backend, size_t bytes, const void *data, const char *what, cl_mem *out, ost_error *err);
+ost_status ost_cl_buffer(cl_backend *backend, size_t bytes, const void *data, const char *what, cl_mem *out,
+                         ost_error *err);
 /* Creates a buffer of zeros. */
 ost_status ost_cl_buffer_zero(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, ost_error *err);
 void ost_cl_buffer_free(cl_backend *backend, cl_mem *buffer); /* sets *buffer to NULL; *buffer may be NULL */
 ost_status ost_cl_zero(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, ost_error *err);
 /* The caller may reuse data when these return. */
-ost_status ost_cl_write(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, const void *data, ost_error *err);
+ost_status ost_cl_write(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, const void *data,
+                        ost_error *err);
 ost_status ost_cl_read(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data, ost_error *err);
 /* data must remain unchanged until the next call that waits for the queue. */
 ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, const void *data, ost_error *err);
@@ -172,8 +175,10 @@ ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
 
 /* Returns a buffer of at least this size; *reserved is its actual size. Its content is undefined. Large buffers are
    reused. */
-ost_status ost_cl_spare_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *reserved, ost_error *err);
-void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved); /* sets *buffer to NULL; *buffer may be NULL */
+ost_status ost_cl_spare_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *reserved,
+                             ost_error *err);
+/* sets *buffer to NULL; *buffer may be NULL */
+void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved);
 /* Releases all buffers that wait for reuse. Returns true if there were any. */
 bool ost_cl_spare_clear(cl_backend *backend);
 
@@ -186,8 +191,8 @@ typedef struct ost_cl_arg {
 
 /* Launches a kernel over x * y * z work items; x is rounded up to a multiple of the work group. Does nothing if one
    of them is 0. */
-ost_status ost_cl_launch(cl_backend *backend, enum ost_cl_kernel kernel, size_t x, size_t y, size_t z, const ost_cl_arg *args,
-                         unsigned count, ost_error *err);
+ost_status ost_cl_launch(cl_backend *backend, enum ost_cl_kernel kernel, size_t x, size_t y, size_t z,
+                         const ost_cl_arg *args, unsigned count, ost_error *err);
 #define OST_CL_LAUNCH(backend, kernel, x, y, z, err, ...)                                                   \
     ost_cl_launch(backend, OST_CL_KERNEL_##kernel, x, y, z, (const ost_cl_arg[]){__VA_ARGS__},              \
                   sizeof((const ost_cl_arg[]){__VA_ARGS__}) / sizeof(ost_cl_arg), err)

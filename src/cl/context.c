@@ -58,8 +58,8 @@ static ost_status create_kernels(cl_backend *b, ost_error *err)
         b->kernel[k] = b->cl->clCreateKernel(b->program, name, &code);
         if (!b->kernel[k] || code != CL_SUCCESS)
             return ost_cl_fail(err, b->device.name, code, "clCreateKernel", name);
-        code = b->cl->clGetKernelWorkGroupInfo(b->kernel[k], b->device.id, CL_KERNEL_WORK_GROUP_SIZE, sizeof b->kernel_workgroup[k],
-                                               &b->kernel_workgroup[k], NULL);
+        code = b->cl->clGetKernelWorkGroupInfo(b->kernel[k], b->device.id, CL_KERNEL_WORK_GROUP_SIZE,
+                                               sizeof b->kernel_workgroup[k], &b->kernel_workgroup[k], NULL);
         if (code != CL_SUCCESS)
             return ost_cl_fail(err, b->device.name, code, "clGetKernelWorkGroupInfo", name);
     }
@@ -84,8 +84,10 @@ static ost_status set_up_program(cl_backend *b, ost_error *err)
     b->run = b->cpu_set ? 1024 : 1;
     if (b->order)
         snprintf(order, sizeof order, " -DOST_ORDER=%uu", b->order);
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d%s", b->cpu_set ? 2 : 1, b->run, order);
-    ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache, err);
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -DOST_FOR=%d -DOST_ROWS=1 -DOST_RUN=%d%s", b->cpu_set ? 2 : 1,
+             b->run, order);
+    ost_status status = ost_cl_build(b, ost_cl_program, ost_cl_program_count, options, &b->program, &b->from_cache,
+                                     err);
     if (status == OST_OK)
         status = create_kernels(b, err);
     if (status == OST_OK)
@@ -119,16 +121,16 @@ static ost_status set_up(cl_backend *b, bool chosen, ost_error *err)
     return status;
 }
 
-ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_options *options, cl_backend **out,
-                              ost_error *err)
+ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_options *options,
+                              cl_backend **out, ost_error *err)
 {
     *out = NULL;
     if (device->reason[0])
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' is refused: %s",
                         device->id ? device->name : device->platform_name, device->reason);
     if (options->workgroup > device->max_workgroup)
-        return ost_fail(err, OST_ERR_USAGE, "backend cl: workgroup=%zu; '%.120s' takes at most %zu", options->workgroup, device->name,
-                        device->max_workgroup);
+        return ost_fail(err, OST_ERR_USAGE, "backend cl: workgroup=%zu; '%.120s' takes at most %zu", options->workgroup,
+                        device->name, device->max_workgroup);
     cl_backend *b = calloc(1, sizeof *b);
     int16_t *zeros = calloc(OST_LEAF * OST_LEAF * OST_LEAF, sizeof *zeros);
     ost_status status = OST_OK;

@@ -25,10 +25,13 @@ static const cl_error_text errors[] = {
     {CL_DEVICE_NOT_FOUND, "CL_DEVICE_NOT_FOUND", OST_ERR_UNAVAILABLE, "no such device"},
     {CL_DEVICE_NOT_AVAILABLE, "CL_DEVICE_NOT_AVAILABLE", OST_ERR_UNAVAILABLE, "the device is gone or in use"},
     {CL_COMPILER_NOT_AVAILABLE, "CL_COMPILER_NOT_AVAILABLE", OST_ERR_UNAVAILABLE, "the driver has no compiler"},
-    {CL_MEM_OBJECT_ALLOCATION_FAILURE, "CL_MEM_OBJECT_ALLOCATION_FAILURE", OST_ERR_MEMORY, "not enough memory on the device"},
-    {CL_OUT_OF_RESOURCES, "CL_OUT_OF_RESOURCES", OST_ERR_MEMORY, "not enough memory on the device, or it stopped the work"},
+    {CL_MEM_OBJECT_ALLOCATION_FAILURE, "CL_MEM_OBJECT_ALLOCATION_FAILURE", OST_ERR_MEMORY,
+     "not enough memory on the device"},
+    {CL_OUT_OF_RESOURCES, "CL_OUT_OF_RESOURCES", OST_ERR_MEMORY,
+     "not enough memory on the device, or it stopped the work"},
     {CL_OUT_OF_HOST_MEMORY, "CL_OUT_OF_HOST_MEMORY", OST_ERR_MEMORY, "the driver has no memory left"},
-    {CL_BUILD_PROGRAM_FAILURE, "CL_BUILD_PROGRAM_FAILURE", OST_ERR_UNAVAILABLE, "the driver's compiler refused the kernels"},
+    {CL_BUILD_PROGRAM_FAILURE, "CL_BUILD_PROGRAM_FAILURE", OST_ERR_UNAVAILABLE,
+     "the driver's compiler refused the kernels"},
     {CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST, "CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST", OST_ERR_UNAVAILABLE,
      "earlier work on the device failed"},
     {CL_INVALID_VALUE, "CL_INVALID_VALUE", OST_ERR_INTERNAL, NULL},
@@ -38,7 +41,8 @@ static const cl_error_text errors[] = {
     {CL_INVALID_COMMAND_QUEUE, "CL_INVALID_COMMAND_QUEUE", OST_ERR_UNAVAILABLE, "the device was lost"},
     {CL_INVALID_MEM_OBJECT, "CL_INVALID_MEM_OBJECT", OST_ERR_INTERNAL, NULL},
     {CL_INVALID_BINARY, "CL_INVALID_BINARY", OST_ERR_INTERNAL, NULL},
-    {CL_INVALID_BUILD_OPTIONS, "CL_INVALID_BUILD_OPTIONS", OST_ERR_UNAVAILABLE, "the driver's compiler refused its options"},
+    {CL_INVALID_BUILD_OPTIONS, "CL_INVALID_BUILD_OPTIONS", OST_ERR_UNAVAILABLE,
+     "the driver's compiler refused its options"},
     {CL_INVALID_PROGRAM, "CL_INVALID_PROGRAM", OST_ERR_INTERNAL, NULL},
     {CL_INVALID_PROGRAM_EXECUTABLE, "CL_INVALID_PROGRAM_EXECUTABLE", OST_ERR_INTERNAL, NULL},
     {CL_INVALID_KERNEL_NAME, "CL_INVALID_KERNEL_NAME", OST_ERR_INTERNAL, NULL},
@@ -47,7 +51,8 @@ static const cl_error_text errors[] = {
     {CL_INVALID_ARG_VALUE, "CL_INVALID_ARG_VALUE", OST_ERR_INTERNAL, NULL},
     {CL_INVALID_ARG_SIZE, "CL_INVALID_ARG_SIZE", OST_ERR_INTERNAL, NULL},
     {CL_INVALID_KERNEL_ARGS, "CL_INVALID_KERNEL_ARGS", OST_ERR_INTERNAL, NULL},
-    {CL_INVALID_WORK_GROUP_SIZE, "CL_INVALID_WORK_GROUP_SIZE", OST_ERR_USAGE, "the device does not take this workgroup="},
+    {CL_INVALID_WORK_GROUP_SIZE, "CL_INVALID_WORK_GROUP_SIZE", OST_ERR_USAGE,
+     "the device does not take this workgroup="},
     {CL_INVALID_WORK_ITEM_SIZE, "CL_INVALID_WORK_ITEM_SIZE", OST_ERR_USAGE, "the device does not take this workgroup="},
     {CL_INVALID_GLOBAL_WORK_SIZE, "CL_INVALID_GLOBAL_WORK_SIZE", OST_ERR_INTERNAL, NULL},
     {CL_INVALID_EVENT, "CL_INVALID_EVENT", OST_ERR_INTERNAL, NULL},
@@ -75,7 +80,7 @@ ost_status ost_cl_fail(ost_error *err, const char *device, cl_int code, const ch
 {
     const cl_error_text *text = find(code);
     const char *cause = text ? text->cause : NULL;
-    return ost_fail(err, text ? text->status : OST_ERR_INTERNAL, "OpenCL device '%.120s': %s%s%.80s%s: %s (%d)%s%s", device, call,
-                    what[0] ? " (" : "", what, what[0] ? ")" : "", ost_cl_error_name(code), (int)code, cause ? ": " : "",
-                    cause ? cause : "");
+    return ost_fail(err, text ? text->status : OST_ERR_INTERNAL, "OpenCL device '%.120s': %s%s%.80s%s: %s (%d)%s%s",
+                    device, call, what[0] ? " (" : "", what, what[0] ? ")" : "", ost_cl_error_name(code), (int)code,
+                    cause ? ": " : "", cause ? cause : "");
 }

@@ -58,7 +58,11 @@ typedef union fact {
 
 static void put_line(FILE *to, const char *name, fact_kind kind, fact *v, size_t size)
 {
-    static const size_t sizes[] = {[UINT] = sizeof v->uint, [ULONG] = sizeof v->ulong, [SIZE] = sizeof v->size, [BITS] = sizeof v->ulong, [BUS] = sizeof v->bus};
+    static const size_t sizes[] = {[UINT] = sizeof v->uint,
+                                   [ULONG] = sizeof v->ulong,
+                                   [SIZE] = sizeof v->size,
+                                   [BITS] = sizeof v->ulong,
+                                   [BUS] = sizeof v->bus};
     if (kind != TEXT && size != sizes[kind])
         return; /* the driver reports nothing, or a value of another size */
     fprintf(to, "%s=", name);
@@ -74,7 +78,10 @@ static void put_line(FILE *to, const char *name, fact_kind kind, fact *v, size_t
     case ULONG: fprintf(to, "%llu", (unsigned long long)v->ulong); break;
     case SIZE: fprintf(to, "%zu", v->size); break;
     case BITS: fprintf(to, "0x%llx", (unsigned long long)v->ulong); break;
-    case BUS: fprintf(to, "%04x:%02x:%02x.%x", (unsigned)v->bus[0], (unsigned)v->bus[1], (unsigned)v->bus[2], (unsigned)v->bus[3]); break;
+    case BUS:
+        fprintf(to, "%04x:%02x:%02x.%x", (unsigned)v->bus[0], (unsigned)v->bus[1], (unsigned)v->bus[2],
+                (unsigned)v->bus[3]);
+        break;
     }
     fputc('\n', to);
 }

@@ -20,17 +20,62 @@
 #include "cl/fingerprint_expect.h"
 
 static const char *const names[OST_CL_FINGERPRINT] = {
-    "ulong * ulong", "mul_hi(ulong)", "mul_hi(long)", "uint * uint widened", "int * int widened", "the square of 24 bits >> 32",
-    "(long)int * 100", "mul_hi(uint)", "mul_hi(int)", "uint * uint", "128-bit product >> 20",
-    "ulong + ulong", "the carry of ulong + ulong", "ulong - ulong", "ulong < ulong", "the carry of uint + uint",
-    "ulong << n", "ulong >> n", "rotate(ulong)", "uint << n, uint >> n",
-    "ulong / ulong", "ulong % ulong", "long / long", "long % long", "uint / uint", "int / int", "rounding division",
-    "clz, popcount", "signed and unsigned order", "short and char widened", "ulong narrowed", "a 64-bit mixture",
+    "ulong * ulong",
+    "mul_hi(ulong)",
+    "mul_hi(long)",
+    "uint * uint widened",
+    "int * int widened",
+    "the square of 24 bits >> 32",
+    "(long)int * 100",
+    "mul_hi(uint)",
+    "mul_hi(int)",
+    "uint * uint",
+    "128-bit product >> 20",
+    "ulong + ulong",
+    "the carry of ulong + ulong",
+    "ulong - ulong",
+    "ulong < ulong",
+    "the carry of uint + uint",
+    "ulong << n",
+    "ulong >> n",
+    "rotate(ulong)",
+    "uint << n, uint >> n",
+    "ulong / ulong",
+    "ulong % ulong",
+    "long / long",
+    "long % long",
+    "uint / uint",
+    "int / int",
+    "rounding division",
+    "clz, popcount",
+    "signed and unsigned order",
+    "short and char widened",
+    "ulong narrowed",
+    "a 64-bit mixture",
 };
 
 static const uint64_t edges[] = {
-    0, 1, 2, 3, 0x7f, 0x80, 0xff, 0x7fff, 0x8000, 0xffff, 0xffffff, 0x7fffffff, 0x80000000, 0xffffffff, 0x100000000,
-    0x7fffffffffffffff, 0x8000000000000000, 0xffffffff00000000, 0xaaaaaaaaaaaaaaaa, 0x5555555555555555, 0xfffffffffffffffe,
+    0,
+    1,
+    2,
+    3,
+    0x7f,
+    0x80,
+    0xff,
+    0x7fff,
+    0x8000,
+    0xffff,
+    0xffffff,
+    0x7fffffff,
+    0x80000000,
+    0xffffffff,
+    0x100000000,
+    0x7fffffffffffffff,
+    0x8000000000000000,
+    0xffffffff00000000,
+    0xaaaaaaaaaaaaaaaa,
+    0x5555555555555555,
+    0xfffffffffffffffe,
     0xffffffffffffffff,
 };
 
@@ -114,7 +159,8 @@ static ost_status check_turns(cl_backend *b, const uint32_t turns[2], ost_error 
 ost_status ost_cl_fingerprint_check(cl_backend *b, ost_error *err)
 {
     cl_mem in_buffer = NULL, out_buffer = NULL, counter_buffer = NULL, turns_buffer = NULL;
-    const size_t in_bytes = 2 * PAIRS * sizeof(uint64_t), out_bytes = (size_t)PAIRS * OST_CL_FINGERPRINT * sizeof(uint64_t);
+    const size_t in_bytes = 2 * PAIRS * sizeof(uint64_t),
+                 out_bytes = (size_t)PAIRS * OST_CL_FINGERPRINT * sizeof(uint64_t);
     uint32_t counters[OST_CL_FINGERPRINT_COUNTERS] = {[5] = UINT32_MAX, [7] = UINT32_MAX};
     uint32_t turns[2] = {0};
     cl_uint pairs = PAIRS, words = 2 * PAIRS, end = 0;
@@ -133,10 +179,11 @@ ost_status ost_cl_fingerprint_check(cl_backend *b, ost_error *err)
     if (status == OST_OK)
         status = ost_cl_buffer(b, sizeof counters, counters, "fingerprint", &counter_buffer, err);
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_fingerprint, PAIRS, 1, 1, err, OST_CL_ARG(pairs), OST_CL_ARG(in_buffer), OST_CL_ARG(out_buffer));
+        status = OST_CL_LAUNCH(b, ost_fingerprint, PAIRS, 1, 1, err, OST_CL_ARG(pairs), OST_CL_ARG(in_buffer),
+                               OST_CL_ARG(out_buffer));
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_fingerprint_atomics, 2 * PAIRS, 1, 1, err, OST_CL_ARG(words), OST_CL_ARG(in_buffer),
-                               OST_CL_ARG(counter_buffer));
+        status = OST_CL_LAUNCH(b, ost_fingerprint_atomics, 2 * PAIRS, 1, 1, err, OST_CL_ARG(words),
+                               OST_CL_ARG(in_buffer), OST_CL_ARG(counter_buffer));
     if (status == OST_OK)
         status = ost_cl_buffer_zero(b, sizeof turns, "fingerprint", &turns_buffer, err);
     if (status == OST_OK)
@@ -225,7 +272,10 @@ void ost_cl_fingerprint_floats(cl_backend *b, char *notes, size_t size)
     if (b->turns < OST_CL_TURNS)
         snprintf(loops, sizeof loops, ", loops end after %u turns", (unsigned)b->turns);
     ost_digest_hex(&digest, hex);
-    snprintf(notes, size, "integers as they must be%s; floats (they decide nothing): a*b+c %s, 1/3 %s, denormals %s, 1e10 to int 0x%x; %.16s", loops,
-             out[0] == 0x3a000000 ? "rounded twice" : "fused", out[OST_CL_FLOATS + 3] == 0x3eaaaaab ? "correctly rounded" : "inexact",
+    snprintf(notes, size,
+             "integers as they must be%s; floats (they decide nothing): a*b+c %s, 1/3 %s, denormals %s, 1e10 to int "
+             "0x%x; %.16s",
+             loops, out[0] == 0x3a000000 ? "rounded twice" : "fused",
+             out[OST_CL_FLOATS + 3] == 0x3eaaaaab ? "correctly rounded" : "inexact",
              out[2 * OST_CL_FLOATS + 7] == 0x00400000 ? "kept" : "flushed", (unsigned)out[3 * OST_CL_FLOATS + 13], hex);
 }

@@ -80,7 +80,8 @@ static inline void ost_cl_fingerprint_expect(uint64_t a, uint64_t b, uint64_t to
 }
 
 /* Sets counters to the values expected after all work items; in has count words. */
-static inline void ost_cl_fingerprint_expect_atomics(const uint64_t *in, uint32_t count, uint32_t counters[OST_CL_FINGERPRINT_COUNTERS])
+static inline void ost_cl_fingerprint_expect_atomics(const uint64_t *in, uint32_t count,
+                                                     uint32_t counters[OST_CL_FINGERPRINT_COUNTERS])
 {
     memset(counters, 0, OST_CL_FINGERPRINT_COUNTERS * sizeof *counters);
     counters[5] = counters[7] = UINT32_MAX;

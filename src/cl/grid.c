@@ -41,7 +41,8 @@ static void store_release(cl_backend *b, cl_store *store)
     free(store);
 }
 
-ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, cl_store *store, ost_grid **out, ost_error *err)
+ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, cl_store *store, ost_grid **out,
+                                  ost_error *err)
 {
     cl_grid *grid = calloc(1, sizeof *grid);
     if (!grid)
@@ -87,7 +88,8 @@ ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err)
         return status;
     b->entered[grid->sources ? OST_CL_PATH_GRID_OF_LIST : OST_CL_PATH_GRID_COPIED]++;
     if (grid->sources)
-        status = ost_cl_resample(b, grid->base.geometry.dims, grid->linear, grid->cubic, grid->sources, grid->store->voxels, own->voxels, err);
+        status = ost_cl_resample(b, grid->base.geometry.dims, grid->linear, grid->cubic, grid->sources,
+                                 grid->store->voxels, own->voxels, err);
     else
         status = ost_cl_copy(b, grid->store->voxels, own->voxels, grid_bytes(&grid->base.geometry), err);
     if (status == OST_OK)
@@ -129,7 +131,8 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
         status = ost_cl_grid_own(grid, err);
     if (status != OST_OK)
         return status;
-    status = ost_cl_write((cl_backend *)base->backend, grid->store->voxels, slice * (size_t)z0, slice * (size_t)count, voxels, err);
+    status = ost_cl_write((cl_backend *)base->backend, grid->store->voxels, slice * (size_t)z0, slice * (size_t)count,
+                          voxels, err);
     grid->lost = status != OST_OK; /* a part may have been written */
     return status;
 }
@@ -144,5 +147,6 @@ ost_status ost_cl_grid_download(const ost_grid *base, int32_t z0, int32_t count,
         status = ost_cl_grid_own(grid, err);
     if (status != OST_OK)
         return status;
-    return ost_cl_read((cl_backend *)base->backend, grid->store->voxels, slice * (size_t)z0, slice * (size_t)count, voxels, err);
+    return ost_cl_read((cl_backend *)base->backend, grid->store->voxels, slice * (size_t)z0, slice * (size_t)count,
+                       voxels, err);
 }

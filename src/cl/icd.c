@@ -50,7 +50,8 @@ void ost_cl_icd_reason(char *reason, size_t size)
 {
     const char *given = getenv("OCL_ICD_VENDORS");
     const char *folder = given && given[0] ? given : "/etc/OpenCL/vendors";
-    snprintf(reason, size, "the OpenCL loader found no driver in %.100s; install one, e.g. Debian's pocl-opencl-icd", folder);
+    snprintf(reason, size, "the OpenCL loader found no driver in %.100s; install one, e.g. Debian's pocl-opencl-icd",
+             folder);
     if (ends_with(folder, ".icd")) {
         broken(folder, folder, reason, size);
         return;

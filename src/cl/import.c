@@ -31,14 +31,15 @@ static bool earlier(int64_t line, int64_t recorded)
 }
 
 /* Adds the report of a part to that of the batch. */
-static void add_part(ost_scatter_report *total, const ost_cl_scatter_report *part, const ost_sample *samples, size_t count,
-                     int64_t first_line)
+static void add_part(ost_scatter_report *total, const ost_cl_scatter_report *part, const ost_sample *samples,
+                     size_t count, int64_t first_line)
 {
     total->samples += count;
     total->duplicates += part->duplicates;
     total->off_lattice += part->off_lattice;
-    if (part->worst_ppm > 0 && (part->worst_ppm > total->worst_offset_ppm ||
-                                (part->worst_ppm == total->worst_offset_ppm && earlier(first_line + part->worst_line, total->worst_line)))) {
+    if (part->worst_ppm > 0 &&
+        (part->worst_ppm > total->worst_offset_ppm ||
+         (part->worst_ppm == total->worst_offset_ppm && earlier(first_line + part->worst_line, total->worst_line)))) {
         total->worst_offset_ppm = part->worst_ppm;
         total->worst_line = first_line + part->worst_line;
     }
@@ -57,7 +58,9 @@ static ost_status run_part(cl_grid *grid, const ost_sample *samples, size_t coun
 {
     cl_backend *b = (cl_backend *)grid->base.backend;
     const ost_cl_scatter scatter = scatter_of(&grid->base.geometry, duplicates, count);
-    *part = (ost_cl_scatter_report){.worst_line = OST_CL_NONE, .rejected_line = OST_CL_NONE, .conflict_line = OST_CL_NONE,
+    *part = (ost_cl_scatter_report){.worst_line = OST_CL_NONE,
+                                    .rejected_line = OST_CL_NONE,
+                                    .conflict_line = OST_CL_NONE,
                                     .conflict_index = OST_CL_NONE};
     cl_mem scatter_buffer = NULL, sample_buffer = NULL, report = NULL;
     ost_status status = ost_cl_buffer(b, sizeof scatter, &scatter, "samples", &scatter_buffer, err);
@@ -73,15 +76,17 @@ static ost_status run_part(cl_grid *grid, const ost_sample *samples, size_t coun
     }
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_ct_place, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
-                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
+                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->store->voxels),
+                               OST_CL_ARG(report));
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_ct_check, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
-                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
+                               OST_CL_ARG(grid->seen), OST_CL_ARG(grid->owner), OST_CL_ARG(grid->store->voxels),
+                               OST_CL_ARG(report));
     if (status == OST_OK)
         status = ost_cl_read(b, report, 0, sizeof *part, part, err);
     if (status == OST_OK && part->conflict_line != OST_CL_NONE) {
-        status = OST_CL_LAUNCH(b, ost_ct_report_first_bad, count, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
-                               OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
+        status = OST_CL_LAUNCH(b, ost_ct_report_first_bad, count, 1, 1, err, OST_CL_ARG(scatter_buffer),
+                               OST_CL_ARG(sample_buffer), OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
         if (status == OST_OK)
             status = OST_CL_LAUNCH(b, ost_ct_had, 1, 1, 1, err, OST_CL_ARG(scatter_buffer), OST_CL_ARG(sample_buffer),
                                    OST_CL_ARG(grid->store->voxels), OST_CL_ARG(report));
@@ -95,8 +100,8 @@ static ost_status run_part(cl_grid *grid, const ost_sample *samples, size_t coun
     return status;
 }
 
-ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
-                             ost_scatter_report *report, ost_error *err)
+ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t count, int64_t first_line,
+                             ost_duplicates duplicates, ost_scatter_report *report, ost_error *err)
 {
     cl_grid *grid = (cl_grid *)base;
     cl_backend *b = (cl_backend *)base->backend;
@@ -126,7 +131,8 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
     return status;
 }
 
-ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err)
+ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
+                                ost_error *err)
 {
     cl_grid *rect = (cl_grid *)(uintptr_t)base; /* its voxels keep their values; its store may get another holder */
     cl_backend *b = (cl_backend *)base->backend;
@@ -154,12 +160,14 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK)
         status = ost_cl_buffer(b, 2 * axes * sizeof(int32_t), NULL, "resampling", &sources, err);
     if (status == OST_OK)
-        status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err); /* all of it is written */
+        /* all of it is written */
+        status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err);
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
     b->entered[z_alone ? OST_CL_PATH_RESAMPLED_LATER : OST_CL_PATH_RESAMPLED_NOW]++;
     if (status == OST_OK && !z_alone)
-        status = ost_cl_resample(b, geometry->dims, linear, cubic_buffer, sources, rect->store->voxels, ((cl_grid *)to)->store->voxels, err);
+        status = ost_cl_resample(b, geometry->dims, linear, cubic_buffer, sources, rect->store->voxels,
+                                 ((cl_grid *)to)->store->voxels, err);
     if (status == OST_OK) /* errors of earlier commands are reported here */
         status = ost_cl_finish(b, err);
     if (status == OST_OK && z_alone) {

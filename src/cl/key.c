@@ -25,8 +25,9 @@ extern char **environ;
 
 static bool is_setting(const char *variable)
 {
-    static const char *const prefixes[] = {"POCL_", "RUSTICL_", "MESA_", "GALLIUM_", "GALLIVM_", "LP_", "CLC_",  "CL_",
-                                           "IGC_",  "NEO_",     "ZE_",   "AMD_",     "GPU_",     "ROC_", "CUDA_", "OCLGRIND_"};
+    static const char *const prefixes[] = {"POCL_", "RUSTICL_", "MESA_", "GALLIUM_", "GALLIVM_", "LP_",
+                                           "CLC_",  "CL_",      "IGC_",  "NEO_",     "ZE_",      "AMD_",
+                                           "GPU_",  "ROC_",     "CUDA_", "OCLGRIND_"};
     const size_t name = strcspn(variable, "=");
     if (name >= 10 && strncmp(variable + name - 10, "_CACHE_DIR", 10) == 0)
         return false;
@@ -56,8 +57,8 @@ static size_t settings(const char **parts)
     return count;
 }
 
-ost_status ost_cl_key(const ost_cl_device *d, const char *const *sources, size_t count, const char *options, ost_cl_cache *cache,
-                      ost_error *err)
+ost_status ost_cl_key(const ost_cl_device *d, const char *const *sources, size_t count, const char *options,
+                      ost_cl_cache *cache, ost_error *err)
 {
     const char *const about[] = {options, d->platform_name, d->platform_version, d->name, d->driver};
     enum { ABOUT = sizeof about / sizeof about[0] };

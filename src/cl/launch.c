@@ -36,8 +36,8 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     cl_int code = CL_INVALID_BUFFER_SIZE; /* drivers differ in their errors and behaviour beyond their limit */
     *out = NULL;
     if (bytes <= b->device.max_buffer)
-        *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0), bytes ? bytes : 1,
-                                     data && bytes ? (void *)(uintptr_t)data : NULL, &code);
+        *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0),
+                                     bytes ? bytes : 1, data && bytes ? (void *)(uintptr_t)data : NULL, &code);
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
@@ -75,7 +75,8 @@ static ost_status fill_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t 
 /* Uses the widest pattern that OpenCL has, since drivers fill pattern by pattern; the ends are filled by bytes. */
 ost_status ost_cl_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, ost_error *err)
 {
-    const size_t unit = sizeof(cl_ulong16), begin = (offset + unit - 1) / unit * unit, end = (offset + bytes) / unit * unit;
+    const size_t unit = sizeof(cl_ulong16), begin = (offset + unit - 1) / unit * unit,
+                 end = (offset + bytes) / unit * unit;
     if (begin >= end)
         return fill_zero(b, buffer, offset, bytes, 1, err);
     ost_status status = fill_zero(b, buffer, offset, begin - offset, 1, err);
@@ -149,5 +150,6 @@ ost_status ost_cl_launch(cl_backend *b, enum ost_cl_kernel kernel, size_t x, siz
     const size_t global[3] = {(x + local[0] - 1) / local[0] * local[0], y, z};
     cl_int code = b->cl->clEnqueueNDRangeKernel(b->queue, b->kernel[kernel], 3, NULL, global, local, 0, NULL, NULL);
     b->launched[kernel] += code == CL_SUCCESS;
-    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueNDRangeKernel", kernel_names[kernel]);
+    return code == CL_SUCCESS ? OST_OK
+                              : ost_cl_fail(err, b->device.name, code, "clEnqueueNDRangeKernel", kernel_names[kernel]);
 }

@@ -32,16 +32,21 @@ static const struct {
 enum { COUNT = sizeof expected / sizeof expected[0], BUFFER_BYTES = 256 };
 
 /* Public structs and constants that are copied without conversion. */
-_Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) && offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
+_Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) &&
+                   offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
                    offsetof(ost_sample, line) == offsetof(ost_cl_sample, line),
                "samples go up as they are");
-_Static_assert((int)OST_DUPLICATES_ERROR == (int)OST_CL_DUPLICATES_ERROR && (int)OST_DUPLICATES_FIRST == (int)OST_CL_DUPLICATES_FIRST &&
-                   (int)OST_DUPLICATES_LAST == (int)OST_CL_DUPLICATES_LAST && (int)OST_DUPLICATES_MAX == (int)OST_CL_DUPLICATES_MAX,
+_Static_assert((int)OST_DUPLICATES_ERROR == (int)OST_CL_DUPLICATES_ERROR &&
+                   (int)OST_DUPLICATES_FIRST == (int)OST_CL_DUPLICATES_FIRST &&
+                   (int)OST_DUPLICATES_LAST == (int)OST_CL_DUPLICATES_LAST &&
+                   (int)OST_DUPLICATES_MAX == (int)OST_CL_DUPLICATES_MAX,
                "rules for duplicates");
-_Static_assert((int)OST_RESAMPLE_LINEAR == (int)OST_CL_RESAMPLE_LINEAR && (int)OST_RESAMPLE_NEAREST == (int)OST_CL_RESAMPLE_NEAREST &&
+_Static_assert((int)OST_RESAMPLE_LINEAR == (int)OST_CL_RESAMPLE_LINEAR &&
+                   (int)OST_RESAMPLE_NEAREST == (int)OST_CL_RESAMPLE_NEAREST &&
                    (int)OST_RESAMPLE_THESIS == (int)OST_CL_RESAMPLE_THESIS,
                "rules for resampling");
-_Static_assert((int)OST_FILL_WINDING == (int)OST_CL_FILL_WINDING && (int)OST_FILL_PARITY == (int)OST_CL_FILL_PARITY, "rules for filling");
+_Static_assert((int)OST_FILL_WINDING == (int)OST_CL_FILL_WINDING && (int)OST_FILL_PARITY == (int)OST_CL_FILL_PARITY,
+               "rules for filling");
 _Static_assert(OST_CLASS_MAX == OST_CL_CLASSES, "density classes");
 
 ost_status ost_cl_layout_check(cl_backend *b, ost_error *err)
@@ -57,9 +62,10 @@ ost_status ost_cl_layout_check(cl_backend *b, ost_error *err)
         status = ost_cl_read(b, out, 0, sizeof found, found, err);
     for (int i = 0; i < COUNT && status == OST_OK; i++)
         if (found[i] != expected[i].value)
-            status = ost_fail(err, OST_ERR_UNAVAILABLE,
-                              "OpenCL device '%.120s' is refused: its compiler lays out %s as %u bytes, the host as %zu", b->device.name,
-                              expected[i].what, (unsigned)found[i], expected[i].value);
+            status = ost_fail(
+                err, OST_ERR_UNAVAILABLE,
+                "OpenCL device '%.120s' is refused: its compiler lays out %s as %u bytes, the host as %zu",
+                b->device.name, expected[i].what, (unsigned)found[i], expected[i].value);
     ost_cl_buffer_free(b, &out);
     ost_cl_buffer_free(b, &reserved);
     return status;

@@ -69,29 +69,34 @@ ost_status ost_cl_alive(const ost_backend *backend, bool lost, const char *what,
 /* grid.c */
 ost_status ost_cl_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
 /* The same without initialising the voxels. If store is not NULL the grid shares it and becomes one of its holders. */
-ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, cl_store *store, ost_grid **out, ost_error *err);
+ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, cl_store *store, ost_grid **out,
+                                  ost_error *err);
 /* Gives the grid a store of its own that has all its voxels, unless it has one already. */
 ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err);
 /* Launches ost_cubic_gather or ost_cubic_linear, which resamples the voxels of from to to. */
-ost_status ost_cl_resample(cl_backend *backend, ost_dims dims, bool linear, cl_mem cubic, cl_mem sources, cl_mem from, cl_mem to, ost_error *err);
+ost_status ost_cl_resample(cl_backend *backend, ost_dims dims, bool linear, cl_mem cubic, cl_mem sources, cl_mem from,
+                           cl_mem to, ost_error *err);
 void ost_cl_grid_free(ost_grid *grid);
 ost_status ost_cl_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_cl_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 
 /* import.c */
-ost_status ost_cl_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
-                             ost_scatter_report *report, ost_error *err);
-ost_status ost_cl_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
+ost_status ost_cl_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                             ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
+ost_status ost_cl_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
+                                ost_error *err);
 
 /* bone.c */
-ost_status ost_cl_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
-ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
-                              ost_error *err);
+ost_status ost_cl_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                  ost_error *err);
+ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                              ost_bone **out, ost_error *err);
 void ost_cl_bone_free(ost_bone *bone);
 ost_status ost_cl_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_error *err);
 ost_status ost_cl_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_cl_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
-ost_status ost_cl_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
+ost_status ost_cl_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
+                                 ost_error *err);
 ost_status ost_cl_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 /* Returns the chunk's slot to the pool. active[chunk] must be 0, and the slot contains zeros. */
 void ost_cl_bone_release(cl_bone *bone, size_t chunk);
@@ -100,8 +105,9 @@ void ost_cl_bone_release(cl_bone *bone, size_t chunk);
 ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
 /* The same by tiles of rows, for CPUs. */
-ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
+ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *cutting,
+                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
+                                 ost_tool **out, ost_error *err);
 /* Creates a tool without initialising its classes. */
 ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, cl_tool **out, ost_error *err);
 ost_status ost_cl_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
@@ -114,8 +120,10 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err);
 void ost_cl_tool_finish(cl_tool *tool, bool done);
 
 /* remove.c */
-ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
-ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                         ost_error *err);
+ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                          ost_error *err);
 void ost_cl_event_free(cl_backend *backend);
 
 #endif

@@ -39,10 +39,11 @@ static ost_status build_failed(cl_backend *b, cl_program program, cl_int code, o
 {
     char line[280] = "";
     size_t size = 0;
-    if (b->cl->clGetProgramBuildInfo(program, b->device.id, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) == CL_SUCCESS && size > 0 &&
-        size < 1 << 24) {
+    if (b->cl->clGetProgramBuildInfo(program, b->device.id, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) == CL_SUCCESS &&
+        size > 0 && size < 1 << 24) {
         char *log = calloc(1, size + 1);
-        if (log && b->cl->clGetProgramBuildInfo(program, b->device.id, CL_PROGRAM_BUILD_LOG, size, log, NULL) == CL_SUCCESS)
+        if (log &&
+            b->cl->clGetProgramBuildInfo(program, b->device.id, CL_PROGRAM_BUILD_LOG, size, log, NULL) == CL_SUCCESS)
             shorten(log, line, sizeof line);
         free(log);
     }

@@ -173,7 +173,8 @@ static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
 static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count, ost_error *err)
 {
     const ost_dims dims = p->bone->base.geometry.dims;
-    const int32_t end[3] = {least(first[0] + BLOCK, dims.x), least(first[1] + BLOCK, dims.y), least(first[2] + BLOCK, dims.z)};
+    const int32_t end[3] = {least(first[0] + BLOCK, dims.x), least(first[1] + BLOCK, dims.y),
+                            least(first[2] + BLOCK, dims.z)};
     *count = 0;
     for (int k = 0; k < p->event->pose_count; k++) {
         const ost_voxel_box *box = &p->event->boxes[k];
@@ -181,7 +182,9 @@ static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count,
         for (int a = 0; a < 3; a++)
             meets = meets && greatest(box->lo[a], first[a]) < least(box->hi[a], end[a]);
         ost_cl_entry entry = {.pose = (uint32_t)k};
-        if (!meets || !ost_map_block_base(&p->event->maps[k], (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK}, entry.base) ||
+        if (!meets ||
+            !ost_map_block_base(&p->event->maps[k], (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK},
+                                entry.base) ||
             is_outside(entry.base, &p->event->maps[k], p->tool->base.geometry.dims))
             continue;
         ost_status status = array_add(&p->s->entries, &entry, sizeof entry, err);
@@ -255,7 +258,8 @@ static ost_status close_part(plan *p, ost_error *err)
         hit += p->part.voxels[c];
     ost_status status = OST_OK;
     if (hit > p->bone->active[chunk])
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' is defective: it reports %llu voxels hit in a chunk that has %u",
+        status = ost_fail(err, OST_ERR_UNAVAILABLE,
+                          "OpenCL device '%.120s' is defective: it reports %llu voxels hit in a chunk that has %u",
                           p->b->device.name, (unsigned long long)hit, (unsigned)p->bone->active[chunk]);
     if (status == OST_OK && hit > 0)
         status = ost_report_add(p->report, &p->part, err);
@@ -293,11 +297,13 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
     struct ost_cl_event_scratch *s = p->s;
     const size_t items = blocks ? blocks : 1;
     if (p->b->cpu_set)
-        return OST_CL_LAUNCH(p->b, ost_remove_blocks, (items + OST_CL_BATCHES - 1) / OST_CL_BATCHES * OST_CL_BATCHES, 1, 1, err,
-                             OST_CL_ARG(s->input_device), OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->tool->windows),
-                             OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports_device));
-    return OST_CL_LAUNCH(p->b, ost_remove, items * (size_t)(BLOCK * BLOCK), 1, 1, err, OST_CL_ARG(s->input_device), OST_CL_ARG(p->tool->cells),
-                         OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words), OST_CL_ARG(s->reports_device));
+        return OST_CL_LAUNCH(p->b, ost_remove_blocks, (items + OST_CL_BATCHES - 1) / OST_CL_BATCHES * OST_CL_BATCHES, 1,
+                             1, err, OST_CL_ARG(s->input_device), OST_CL_ARG(p->tool->cells),
+                             OST_CL_ARG(p->tool->windows), OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words),
+                             OST_CL_ARG(s->reports_device));
+    return OST_CL_LAUNCH(p->b, ost_remove, items * (size_t)(BLOCK * BLOCK), 1, 1, err, OST_CL_ARG(s->input_device),
+                         OST_CL_ARG(p->tool->cells), OST_CL_ARG(p->bone->density), OST_CL_ARG(p->bone->words),
+                         OST_CL_ARG(s->reports_device));
 }
 
 /* Enqueues the transfer of the event and its arrays as one buffer, and ensures a buffer for the reports. */
@@ -354,7 +360,8 @@ static ost_status warm(plan *p, ost_error *err)
     if (status == OST_OK)
         status = launch(p, 0, err);
     if (status == OST_OK)
-        p->b->launched[p->b->cpu_set ? OST_CL_KERNEL_ost_remove_blocks : OST_CL_KERNEL_ost_remove]--; /* it decides no voxel */
+        /* it decides no voxel */
+        p->b->launched[p->b->cpu_set ? OST_CL_KERNEL_ost_remove_blocks : OST_CL_KERNEL_ost_remove]--;
     if (status == OST_OK)
         status = ost_cl_finish(p->b, err);
     if (status == OST_OK)
@@ -426,7 +433,8 @@ static ost_status reserve_report(const plan *p, const int32_t lo[3], const int32
     return OST_OK;
 }
 
-static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event, bool apply, ost_report *report, ost_error *err)
+static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event, bool apply, ost_report *report,
+                            ost_error *err)
 {
     cl_backend *b = (cl_backend *)bone->base.backend;
     ost_status status = ost_cl_alive(bone->base.backend, bone->lost, "bone", err);
@@ -438,7 +446,14 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
         return ost_fail(err, OST_ERR_UNAVAILABLE,
                         "OpenCL device '%.120s' ends a loop after %u iterations without an error, too early for an "
                         "event of %d poses", b->device.name, (unsigned)b->turns, event->pose_count);
-    plan p = {.b = b, .bone = bone, .tool = tool, .event = event, .s = b->event, .apply = apply, .report = report, .part = {.chunk = -1}};
+    plan p = {.b = b,
+              .bone = bone,
+              .tool = tool,
+              .event = event,
+              .s = b->event,
+              .apply = apply,
+              .report = report,
+              .part = {.chunk = -1}};
     p.s->blocks.bytes = p.s->entries.bytes = 0;
     int32_t lo[3], hi[3];
     b->entered[apply ? OST_CL_PATH_EVENT_REMOVES : OST_CL_PATH_EVENT_COLLIDES]++;
@@ -471,13 +486,15 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
     return status;
 }
 
-ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                         ost_error *err)
 {
     return run_event((cl_bone *)bone, (cl_tool *)(uintptr_t)tool, event, true, report, err);
 }
 
 /* Neither bone nor tool changes, except for buffers on the device that are made on demand. */
-ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                          ost_error *err)
 {
     return run_event((cl_bone *)(uintptr_t)bone, (cl_tool *)(uintptr_t)tool, event, false, report, err);
 }

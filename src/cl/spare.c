@@ -23,7 +23,8 @@ static int find(const cl_backend *b, size_t bytes)
     return best;
 }
 
-ost_status ost_cl_spare_take(cl_backend *b, size_t bytes, const char *what, cl_mem *out, size_t *reserved, ost_error *err)
+ost_status ost_cl_spare_take(cl_backend *b, size_t bytes, const char *what, cl_mem *out, size_t *reserved,
+                             ost_error *err)
 {
     const int i = bytes >= ost_cl_staging(b, LEAST) ? find(b, bytes) : -1;
     *reserved = bytes;

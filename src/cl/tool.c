@@ -19,7 +19,8 @@ ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geo
     if (!tool)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool");
     tool->base = (ost_tool){.backend = backend, .geometry = *geometry};
-    ost_status status = ost_cl_spare_take((cl_backend *)backend, voxels_of(geometry), "tool", &tool->classes, &tool->reserved, err);
+    ost_status status = ost_cl_spare_take((cl_backend *)backend, voxels_of(geometry), "tool", &tool->classes,
+                                          &tool->reserved, err);
     if (status != OST_OK) {
         free(tool);
         return status;
@@ -70,7 +71,8 @@ static ost_status make_windows(cl_tool *tool, cl_mem *out, ost_error *err)
     if (status == OST_OK)
         status = ost_cl_buffer(b, sizeof shape, &shape, "tool", &shape_buffer, err);
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_tool_windows, y, z, x, err, OST_CL_ARG(shape_buffer), OST_CL_ARG(tool->classes), OST_CL_ARG(*out));
+        status = OST_CL_LAUNCH(b, ost_tool_windows, y, z, x, err, OST_CL_ARG(shape_buffer), OST_CL_ARG(tool->classes),
+                               OST_CL_ARG(*out));
     ost_cl_buffer_free(b, &shape_buffer);
     if (status != OST_OK)
         ost_cl_buffer_free(b, out);
@@ -91,11 +93,15 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
         status = ost_cl_buffer(b, bytes, NULL, "cells of a tool", &second, err);
     for (int32_t axis = 0; axis < 3 && status == OST_OK; axis++) {
         const ost_cl_tool shape = {.dims = {dims.x, dims.y, dims.z}, .axis = axis};
-        cl_mem shape_buffer = NULL, from = axis == 0 ? tool->classes : axis == 1 ? first : second, to = axis == 1 ? second : first;
+        cl_mem shape_buffer = NULL,
+               from = axis == 0   ? tool->classes
+                      : axis == 1 ? first
+                                  : second,
+               to = axis == 1 ? second : first;
         status = ost_cl_buffer(b, sizeof shape, &shape, "tool", &shape_buffer, err);
         if (status == OST_OK)
-            status = OST_CL_LAUNCH(b, ost_tool_reach, (size_t)dims.x, (size_t)dims.y, (size_t)dims.z, err, OST_CL_ARG(shape_buffer),
-                                   OST_CL_ARG(from), OST_CL_ARG(to));
+            status = OST_CL_LAUNCH(b, ost_tool_reach, (size_t)dims.x, (size_t)dims.y, (size_t)dims.z, err,
+                                   OST_CL_ARG(shape_buffer), OST_CL_ARG(from), OST_CL_ARG(to));
         ost_cl_buffer_free(b, &shape_buffer);
     }
     ost_cl_buffer_free(b, &second);

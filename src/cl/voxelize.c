@@ -25,14 +25,16 @@ static ost_status mesh_upload(cl_backend *b, mesh_buffers *m, ost_error *err)
 {
     if (!m->mesh)
         return OST_OK;
-    ost_status status = ost_cl_buffer(b, m->mesh->vertex_count * sizeof m->mesh->vertices[0], m->mesh->vertices, "vertices", &m->vertices, err);
+    ost_status status = ost_cl_buffer(b, m->mesh->vertex_count * sizeof m->mesh->vertices[0], m->mesh->vertices,
+                                      "vertices", &m->vertices, err);
     if (status == OST_OK)
-        status = ost_cl_buffer(b, m->mesh->triangle_count * sizeof m->mesh->triangles[0], m->mesh->triangles, "triangles", &m->triangles,
-                               err);
+        status = ost_cl_buffer(b, m->mesh->triangle_count * sizeof m->mesh->triangles[0], m->mesh->triangles,
+                               "triangles", &m->triangles, err);
     return status;
 }
 
-static ost_status add_mesh(cl_backend *b, const mesh_buffers *m, ost_cl_vox vox, cl_mem steps, cl_mem classes, cl_mem leaks, ost_error *err)
+static ost_status add_mesh(cl_backend *b, const mesh_buffers *m, ost_cl_vox vox, cl_mem steps, cl_mem classes,
+                           cl_mem leaks, ost_error *err)
 {
     if (!m->mesh)
         return OST_OK;
@@ -45,11 +47,11 @@ static ost_status add_mesh(cl_backend *b, const mesh_buffers *m, ost_cl_vox vox,
     cl_mem vox_buffer = NULL;
     ost_status status = ost_cl_buffer(b, sizeof vox, &vox, "voxelization", &vox_buffer, err);
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_vox_steps, triangles, bands, 1, err, OST_CL_ARG(vox_buffer), OST_CL_ARG(m->vertices),
-                               OST_CL_ARG(m->triangles), OST_CL_ARG(steps));
+        status = OST_CL_LAUNCH(b, ost_vox_steps, triangles, bands, 1, err, OST_CL_ARG(vox_buffer),
+                               OST_CL_ARG(m->vertices), OST_CL_ARG(m->triangles), OST_CL_ARG(steps));
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_vox_fill, (size_t)vox.dims[1], slices, 1, err, OST_CL_ARG(vox_buffer), OST_CL_ARG(steps),
-                               OST_CL_ARG(classes), OST_CL_ARG(leaks));
+        status = OST_CL_LAUNCH(b, ost_vox_fill, (size_t)vox.dims[1], slices, 1, err, OST_CL_ARG(vox_buffer),
+                               OST_CL_ARG(steps), OST_CL_ARG(classes), OST_CL_ARG(leaks));
     ost_cl_buffer_free(b, &vox_buffer);
     return status;
 }
@@ -59,8 +61,8 @@ static ost_status count_slices(cl_backend *b, const ost_cl_vox *vox, cl_mem clas
     cl_mem vox_buffer = NULL;
     ost_status status = ost_cl_buffer(b, sizeof *vox, vox, "voxelization", &vox_buffer, err);
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_vox_count, (size_t)vox->dims[1], (size_t)(vox->k1 - vox->k0), 1, err, OST_CL_ARG(vox_buffer),
-                               OST_CL_ARG(classes), OST_CL_ARG(counts));
+        status = OST_CL_LAUNCH(b, ost_vox_count, (size_t)vox->dims[1], (size_t)(vox->k1 - vox->k0), 1, err,
+                               OST_CL_ARG(vox_buffer), OST_CL_ARG(classes), OST_CL_ARG(counts));
     ost_cl_buffer_free(b, &vox_buffer);
     return status;
 }
@@ -69,7 +71,8 @@ static ost_status count_slices(cl_backend *b, const ost_cl_vox *vox, cl_mem clas
 static int32_t step_slices(const cl_backend *b, ost_dims dims)
 {
     const size_t slice = (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t);
-    const size_t limit = ost_cl_staging(b, STEPS_BYTES), most = b->device.max_buffer < limit ? b->device.max_buffer : limit;
+    const size_t limit = ost_cl_staging(b, STEPS_BYTES),
+                 most = b->device.max_buffer < limit ? b->device.max_buffer : limit;
     const size_t fit = most / slice;
     return fit < 1 ? 1 : fit < (size_t)dims.z ? (int32_t)fit : dims.z;
 }
@@ -84,7 +87,8 @@ ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting
     const ost_dims dims = cutting->grid.dims;
     const int32_t step = step_slices(b, dims);
     b->entered[OST_CL_PATH_STEPS_IN_PARTS] += step < dims.z;
-    mesh_buffers meshes[2] = {{.mesh = noncutting, .tool_class = OST_TOOL_NONCUTTING}, {.mesh = cutting, .tool_class = OST_TOOL_CUTTING}};
+    mesh_buffers meshes[2] = {{.mesh = noncutting, .tool_class = OST_TOOL_NONCUTTING},
+                              {.mesh = cutting, .tool_class = OST_TOOL_CUTTING}};
     cl_mem steps = NULL, leaks = NULL, counts = NULL;
     uint32_t leaking = 0, *count = calloc(2 * (size_t)dims.z, sizeof *count);
     cl_tool *tool = NULL;
@@ -97,7 +101,8 @@ ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting
     for (int m = 0; m < 2 && status == OST_OK; m++)
         status = mesh_upload(b, &meshes[m], err);
     if (status == OST_OK)
-        status = ost_cl_buffer_zero(b, (size_t)step * (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t), "steps of rows", &steps, err);
+        status = ost_cl_buffer_zero(b, (size_t)step * (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t),
+                                    "steps of rows", &steps, err);
     if (status == OST_OK)
         status = ost_cl_buffer_zero(b, sizeof leaking, "leaking rows", &leaks, err);
     if (status == OST_OK)

@@ -63,15 +63,15 @@ static void find_ranges(mesh_bins *bins, int f)
     const int32_t half = 1 << (f - 1);
     for (size_t v = 0; v < mesh->vertex_count; v++) {
         const int32_t y = mesh->vertices[v][1], z = mesh->vertices[v][2];
-        bins->vertex[v] = (centres){(int16_t)((y + half - 1) >> f), (int16_t)((z + half - 1) >> f), (int16_t)(((y + half) >> f) - 1),
-                                    (int16_t)(((z + half) >> f) - 1)};
+        bins->vertex[v] = (centres){(int16_t)((y + half - 1) >> f), (int16_t)((z + half - 1) >> f),
+                                    (int16_t)(((y + half) >> f) - 1), (int16_t)(((z + half) >> f) - 1)};
     }
     bins->count = 0;
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *of = mesh->triangles[t];
         const centres a = bins->vertex[of[0]], b = bins->vertex[of[1]], c = bins->vertex[of[2]];
-        const centres r = {least(least(a.y0, b.y0), c.y0), least(least(a.z0, b.z0), c.z0), greatest(greatest(a.y1, b.y1), c.y1),
-                           greatest(greatest(a.z1, b.z1), c.z1)};
+        const centres r = {least(least(a.y0, b.y0), c.y0), least(least(a.z0, b.z0), c.z0),
+                           greatest(greatest(a.y1, b.y1), c.y1), greatest(greatest(a.z1, b.z1), c.z1)};
         bins->range[bins->count] = r;
         bins->number[bins->count] = (uint32_t)t;
         bins->count += (size_t)((r.y0 <= r.y1) & (r.z0 <= r.z1));
@@ -173,7 +173,8 @@ static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins
  * the rectangle of lists that a triangle belongs to; their sums along both axes
  * are the counts.  Intermediate values are modulo 2^32.
  */
-static void count_lists(const mesh_bins *bins, uint32_t *change, size_t wide, size_t high, const tile_size *size, uint32_t *next)
+static void count_lists(const mesh_bins *bins, uint32_t *change, size_t wide, size_t high, const tile_size *size,
+                        uint32_t *next)
 {
     const size_t row = wide + 1;
     for (size_t n = 0; n < bins->count; n++) {
@@ -241,17 +242,21 @@ static ost_status add_mesh(tiled *v, mesh_bins *bins, cl_mem classes, ost_error 
     if (status == OST_OK)
         status = ost_cl_buffer(b, sizeof v->tiles, &v->tiles, "voxelization", &tiles, err);
     if (status == OST_OK)
-        status = ost_cl_buffer(b, mesh->vertex_count * sizeof mesh->vertices[0], mesh->vertices, "vertices", &vertices, err);
+        status = ost_cl_buffer(b, mesh->vertex_count * sizeof mesh->vertices[0], mesh->vertices, "vertices", &vertices,
+                               err);
     if (status == OST_OK)
-        status = ost_cl_buffer(b, mesh->triangle_count * sizeof mesh->triangles[0], mesh->triangles, "triangles", &triangles, err);
+        status = ost_cl_buffer(b, mesh->triangle_count * sizeof mesh->triangles[0], mesh->triangles, "triangles",
+                               &triangles, err);
     if (status == OST_OK)
         status = ost_cl_buffer(b, (count + 1) * sizeof *bins->start, bins->start, "triangles of tiles", &start, err);
     if (status == OST_OK)
-        status = ost_cl_buffer(b, bins->start[count] * sizeof *bins->list, bins->list, "triangles of tiles", &list, err);
+        status = ost_cl_buffer(b, bins->start[count] * sizeof *bins->list, bins->list, "triangles of tiles", &list,
+                               err);
     if (status == OST_OK)
-        status = OST_CL_LAUNCH(b, ost_vox_tiles, (size_t)v->tiles.count[0], (size_t)v->tiles.count[1], 1, err, OST_CL_ARG(tiles),
-                               OST_CL_ARG(vertices), OST_CL_ARG(triangles), OST_CL_ARG(start), OST_CL_ARG(list), OST_CL_ARG(v->steps),
-                               OST_CL_ARG(v->marks), OST_CL_ARG(classes), OST_CL_ARG(v->counts));
+        status = OST_CL_LAUNCH(b, ost_vox_tiles, (size_t)v->tiles.count[0], (size_t)v->tiles.count[1], 1, err,
+                               OST_CL_ARG(tiles), OST_CL_ARG(vertices), OST_CL_ARG(triangles), OST_CL_ARG(start),
+                               OST_CL_ARG(list), OST_CL_ARG(v->steps), OST_CL_ARG(v->marks), OST_CL_ARG(classes),
+                               OST_CL_ARG(v->counts));
     v->tiles.over = 1;
     ost_cl_buffer_free(b, &list);
     ost_cl_buffer_free(b, &start);
@@ -261,13 +266,15 @@ static ost_status add_mesh(tiled *v, mesh_bins *bins, cl_mem classes, ost_error 
     return status;
 }
 
-ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
+ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *cutting,
+                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
+                                 ost_tool **out, ost_error *err)
 {
     const ost_dims dims = cutting->grid.dims;
     tiled v = {.b = (cl_backend *)backend,
                .tiles = {.dims = {dims.x, dims.y, dims.z}, .fraction = cutting->fraction_bits, .rule = (int32_t)rule}};
-    mesh_bins bins[2] = {{.mesh = noncutting, .tool_class = OST_TOOL_NONCUTTING}, {.mesh = cutting, .tool_class = OST_TOOL_CUTTING}};
+    mesh_bins bins[2] = {{.mesh = noncutting, .tool_class = OST_TOOL_NONCUTTING},
+                         {.mesh = cutting, .tool_class = OST_TOOL_CUTTING}};
     cl_tool *tool = NULL;
     uint64_t *counts = NULL;
     size_t count = 0;
@@ -285,9 +292,11 @@ ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *c
     if (status == OST_OK)
         status = ost_cl_tool_create(backend, &cutting->grid, &tool, err);
     if (status == OST_OK)
-        status = ost_cl_spare_take(v.b, count * tile_steps(&v.tiles) * sizeof(int32_t), "steps of rows", &v.steps, &v.steps_capacity, err);
+        status = ost_cl_spare_take(v.b, count * tile_steps(&v.tiles) * sizeof(int32_t), "steps of rows", &v.steps,
+                                   &v.steps_capacity, err);
     if (status == OST_OK)
-        status = ost_cl_buffer(v.b, count * tile_marks(&v.tiles) * sizeof(uint64_t), NULL, "marks of rows", &v.marks, err);
+        status = ost_cl_buffer(v.b, count * tile_marks(&v.tiles) * sizeof(uint64_t), NULL, "marks of rows", &v.marks,
+                               err);
     if (status == OST_OK)
         status = ost_cl_buffer(v.b, 3 * count * sizeof *counts, NULL, "counts", &v.counts, err);
     for (int m = 0; m < 2 && status == OST_OK; m++)

@@ -56,7 +56,11 @@ static ost_status unknown_backend(const char *spec, ost_error *err)
     char names[256] = "";
     for (int i = 0; i < BACKEND_COUNT; i++) {
         size_t used = strlen(names);
-        snprintf(names + used, sizeof names - used, "%s%s", !i ? "" : i == BACKEND_COUNT - 1 ? " or " : ", ", backends[i]->name);
+        snprintf(names + used, sizeof names - used, "%s%s",
+                 !i                       ? ""
+                 : i == BACKEND_COUNT - 1 ? " or "
+                                          : ", ",
+                 backends[i]->name);
     }
     return ost_fail(err, OST_ERR_USAGE, "unknown backend '%.80s'; expected %s", spec, names);
 }
@@ -109,10 +113,12 @@ void ost_backend_paths(const ost_backend *backend, ost_path_visit *visit, void *
 
 /* ----------------------------------------------------------------- grids */
 
-static ost_status check_slices(const ost_geometry *geometry, int32_t z0, int32_t count, const void *voxels, ost_error *err)
+static ost_status check_slices(const ost_geometry *geometry, int32_t z0, int32_t count, const void *voxels,
+                               ost_error *err)
 {
     if (z0 < 0 || count < 0 || z0 > geometry->dims.z || count > geometry->dims.z - z0)
-        return ost_fail(err, OST_ERR_USAGE, "slices %d to %d of a grid that has %d", (int)z0, (int)z0 + (int)count, (int)geometry->dims.z);
+        return ost_fail(err, OST_ERR_USAGE, "slices %d to %d of a grid that has %d", (int)z0, (int)z0 + (int)count,
+                        (int)geometry->dims.z);
     if (!voxels)
         return ost_fail(err, OST_ERR_USAGE, "no voxels given");
     return OST_OK;
@@ -150,8 +156,8 @@ ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t count, in
 
 /* ---------------------------------------------------------------- import */
 
-ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
-                          ost_scatter_report *report, ost_error *err)
+ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                          ost_duplicates duplicates, ost_scatter_report *report, ost_error *err)
 {
     if (!samples || !report || (int)duplicates < OST_DUPLICATES_ERROR || duplicates > OST_DUPLICATES_MAX)
         return ost_fail(err, OST_ERR_USAGE, "samples, a report and a rule for duplicates are needed");
@@ -180,7 +186,8 @@ static ost_pm cubic_origin(ost_pm origin, ost_pm rect, ost_pm cubic)
 
 const char *ost_resample_name(ost_resample rule)
 {
-    static const char *const names[] = {[OST_RESAMPLE_LINEAR] = "linear", [OST_RESAMPLE_NEAREST] = "nearest", [OST_RESAMPLE_THESIS] = "thesis"};
+    static const char *const names[] = {
+        [OST_RESAMPLE_LINEAR] = "linear", [OST_RESAMPLE_NEAREST] = "nearest", [OST_RESAMPLE_THESIS] = "thesis"};
     return (int)rule >= OST_RESAMPLE_LINEAR && rule <= OST_RESAMPLE_THESIS ? names[rule] : NULL;
 }
 
@@ -236,8 +243,8 @@ ost_status ost_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t th
 
 /* ----------------------------------------------------------------- bones */
 
-ost_status ost_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
-                           ost_error *err)
+ost_status ost_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                           ost_bone **out, ost_error *err)
 {
     *out = NULL;
     ost_status status = ost_geometry_check(geometry, "bone", err);
@@ -278,14 +285,16 @@ ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, in
     return status == OST_OK ? bone->backend->ops->bone_download(bone, z0, count, voxels, err) : status;
 }
 
-ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
+ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                           ost_error *err)
 {
     if (!bone || (count > 0 && (!at || !densities)))
         return ost_fail(err, OST_ERR_USAGE, "sampling needs a bone, voxels and an array for their densities");
     return bone->backend->ops->bone_sample(bone, count, at, densities, err);
 }
 
-ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
+                              ost_error *err)
 {
     if (!bone || (count > 0 && (!chunks || !words)))
         return ost_fail(err, OST_ERR_USAGE, "occupancy needs a bone, chunks and an array for their words");
@@ -320,15 +329,16 @@ static bool same_tool_grid(const ost_tool_geometry *a, const ost_tool_geometry *
            a->corner.x == b->corner.x && a->corner.y == b->corner.y && a->corner.z == b->corner.z;
 }
 
-ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
-                        ost_voxelize_report *report, ost_tool **out, ost_error *err)
+ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                        ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
 {
     *out = NULL;
     ost_voxelize_report ignored;
     ost_status status = ost_tool_geometry_check(&cutting->grid, err);
     if (status != OST_OK)
         return status;
-    if (noncutting && (!same_tool_grid(&cutting->grid, &noncutting->grid) || cutting->fraction_bits != noncutting->fraction_bits))
+    if (noncutting &&
+        (!same_tool_grid(&cutting->grid, &noncutting->grid) || cutting->fraction_bits != noncutting->fraction_bits))
         return ost_fail(err, OST_ERR_USAGE, "the cutting and the non-cutting mesh must be snapped to the same grid");
     if (rule != OST_FILL_WINDING && rule != OST_FILL_PARITY)
         return ost_fail(err, OST_ERR_USAGE, "unknown rule %d for filling", (int)rule);
@@ -344,7 +354,8 @@ ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, 
     int64_t count = ost_dims_count(volume->geometry.dims);
     for (int64_t i = 0; i < count; i++)
         if (volume->voxels[i] > OST_TOOL_NONCUTTING)
-            return ost_fail(err, OST_ERR_INPUT, "tool voxel %lld has class %d; expected 0 (void), 1 (cutting) or 2 (not cutting)",
+            return ost_fail(err, OST_ERR_INPUT,
+                            "tool voxel %lld has class %d; expected 0 (void), 1 (cutting) or 2 (not cutting)",
                             (long long)i, volume->voxels[i]);
     return backend->ops->tool_upload(backend, volume, out, err);
 }
@@ -385,24 +396,26 @@ ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_error *er
 
 /* ---------------------------------------------------------------- events */
 
-static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                              ost_error *err)
 {
     if (!tool || !event || !report)
         return ost_fail(err, OST_ERR_USAGE, "a tool, an event and a report are needed");
     if (bone->backend != tool->backend)
         return ost_fail(err, OST_ERR_USAGE, "bone and tool are on different backends");
     if (event->pose_count < 1 || event->pose_count > OST_SWEEP_MAX || !event->maps || !event->boxes || !event->classes)
-        return ost_fail(err, OST_ERR_USAGE, "an event of %d poses; it needs 1 to %d, with maps, boxes and classes", event->pose_count,
-                        OST_SWEEP_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "an event of %d poses; it needs 1 to %d, with maps, boxes and classes",
+                        event->pose_count, OST_SWEEP_MAX);
     const ost_dims d = tool->geometry.dims;
     if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes at most %d along an axis", (int)d.x, (int)d.y,
-                        (int)d.z, OST_TOOL_DIM_REMOVE_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes at most %d along an axis",
+                        (int)d.x, (int)d.y, (int)d.z, OST_TOOL_DIM_REMOVE_MAX);
     /* The borders must be ascending, as backends search for a voxel's class from either end. */
     return ost_density_classes_check(event->classes, err);
 }
 
-ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                           ost_error *err)
 {
     ost_status status = check_event(bone, tool, event, report, err);
     if (status != OST_OK)
@@ -411,7 +424,8 @@ ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event
     return bone->backend->ops->remove(bone, tool, event, report, err);
 }
 
-ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                            ost_error *err)
 {
     ost_status status = check_event(bone, tool, event, report, err);
     if (status != OST_OK)

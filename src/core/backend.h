@@ -76,12 +76,14 @@ struct ost_backend_ops {
     ost_status (*ct_to_rect)(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
     /* AR-CUB, bit-exact. geometry is the cubic grid's, already computed. */
-    ost_status (*rect_to_cubic)(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
+    ost_status (*rect_to_cubic)(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
+                                ost_error *err);
     /* AR-CHK, bit-exact. */
-    ost_status (*cubic_to_chunks)(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+    ost_status (*cubic_to_chunks)(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                  ost_error *err);
 
-    ost_status (*bone_create)(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
-                              ost_error *err);
+    ost_status (*bone_create)(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                              ost_bone **out, ost_error *err);
     void (*bone_free)(ost_bone *bone);
     /* Fills active_chunks, active_voxels, chunk_bytes and resident_bytes; the caller fills the other fields. */
     ost_status (*bone_stats)(const ost_bone *bone, ost_bone_info *info, ost_error *err);
@@ -91,13 +93,15 @@ struct ost_backend_ops {
      * Reads the densities of single voxels, 0 outside the grid. For use in ticks: allocates no memory.
      * OST_ERR_UNAVAILABLE if the voxels are not in the host's memory.
      */
-    ost_status (*bone_sample)(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err);
+    ost_status (*bone_sample)(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                              ost_error *err);
     /*
      * Reads the occupancy of complete chunks, n^3/32 words each, laid out as in chunk_grid.h. For use
      * in ticks: allocates no memory and waits for no other thread, but for the device if the voxels are
      * on one. OST_ERR_UNAVAILABLE if the backend can read voxels only by slices.
      */
-    ost_status (*bone_occupancy)(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
+    ost_status (*bone_occupancy)(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
+                                 ost_error *err);
     /* Computes the AR-DIG-2 leaves of 32^3 voxels, independent of the chunk size; leaves has capacity for all. */
     ost_status (*bone_leaves)(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
@@ -110,8 +114,10 @@ struct ost_backend_ops {
     void (*tool_free)(ost_tool *tool);
 
     /* AR-REM, bit-exact including the report (cleared by the caller). */
-    ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
-    ost_status (*collide)(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+    ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                         ost_error *err);
+    ost_status (*collide)(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                          ost_error *err);
 
     /*
      * The steps before the voxels, for a backend that computes them itself; only validation calls these
@@ -119,14 +125,16 @@ struct ost_backend_ops {
      * slot of an opened backend can also return OST_ERR_UNAVAILABLE for this.
      */
     /* AR-MESH-3, AR-MESH-4. The caller frees out by ost_snapped_mesh_free. */
-    ost_status (*snap)(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out, ost_error *err);
+    ost_status (*snap)(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,
+                       ost_error *err);
     /*
      * AR-SWEEP-1 to 4, AR-MAP-1 to 3. from is NULL for an event without a sweep from a previous pose;
      * poses and maps have capacity for OST_SWEEP_MAX elements. The backend sets *count to 0 to refuse
      * the event.
      */
-    ost_status (*steps)(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool, const ost_pose *from, const ost_pose *to,
-                        int *count, ost_pose *poses, ost_map *maps, ost_error *err);
+    ost_status (*steps)(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,
+                        const ost_pose *from, const ost_pose *to, int *count, ost_pose *poses, ost_map *maps,
+                        ost_error *err);
 };
 
 extern const ost_backend_ops ost_backend_ref;
@@ -137,7 +145,8 @@ extern const ost_backend_ops ost_backend_plugin;
 /* The slot `devices` of a backend without a choice of devices. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
 /* The slot `bone_sample` of a backend whose voxels are not in the host's memory. */
-ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err);
+ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                         ost_error *err);
 /* The slot `bone_occupancy` of a backend that can read voxels only by slices. */
 ost_status ost_no_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
 

@@ -37,8 +37,11 @@ ost_status ost_chunk_grid_init(ost_chunk_grid *grid, ost_dims dims, int size, in
     assert(size == 16 || size == 32 || size == 64);
     assert(threshold >= 1 && threshold <= INT16_MAX);
     ost_dims chunk_dims = ost_chunk_dims(dims, size);
-    *grid = (ost_chunk_grid){
-        .dims = dims, .size = size, .threshold = threshold, .chunk_dims = chunk_dims, .count = ost_dims_count(chunk_dims)};
+    *grid = (ost_chunk_grid){.dims = dims,
+                             .size = size,
+                             .threshold = threshold,
+                             .chunk_dims = chunk_dims,
+                             .count = ost_dims_count(chunk_dims)};
     grid->chunks = calloc((size_t)grid->count, sizeof *grid->chunks);
     if (!grid->chunks)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a table of %lld chunks", (long long)grid->count);
@@ -127,7 +130,8 @@ static bool part_has_active(const ost_chunk_grid *grid, const chunk_part *part, 
     return false;
 }
 
-static void store_part(const ost_chunk_grid *grid, ost_chunk *chunk, const chunk_part *part, const int16_t *slab, int32_t z0)
+static void store_part(const ost_chunk_grid *grid, ost_chunk *chunk, const chunk_part *part, const int16_t *slab,
+                       int32_t z0)
 {
     for (int32_t z = part->z0; z < part->z1; z++)
         for (int32_t y = part->y0; y < part->y1; y++) {

@@ -62,7 +62,8 @@ void ost_chunk_release(ost_chunk *chunk);
  * Copies slices z0 <= k < z0 + count to or from the grid, without the padding, x fastest. Upload
  * applies the threshold; on failure it has changed nothing.
  */
-ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count, const int16_t *voxels,
+                                 ost_error *err);
 void ost_chunk_grid_download(const ost_chunk_grid *grid, int32_t z0, int32_t count, int16_t *voxels);
 
 /*

@@ -174,7 +174,8 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
 /* An integer below 2^64 < 10^20 has all its digits in the mantissa and the first two digits of the tail. */
 bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude)
 {
-    ost_i128 digits = (ost_i128)(value->mantissa < 0 ? -value->mantissa : value->mantissa) * TEN_TO_18 + value->tail; /* < 10^36 */
+    /* < 10^36 */
+    ost_i128 digits = (ost_i128)(value->mantissa < 0 ? -value->mantissa : value->mantissa) * TEN_TO_18 + value->tail;
     int32_t exponent = value->exponent - PART_DIGITS;
     if (value->more)
         return false;

@@ -18,7 +18,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PREFIX_LEAF = 0, PREFIX_NODE = 1, PREFIX_ROOT = 2, HEADER_BYTES = 128, LEAF_VOXELS = OST_LEAF * OST_LEAF * OST_LEAF };
+enum {
+    PREFIX_LEAF = 0,
+    PREFIX_NODE = 1,
+    PREFIX_ROOT = 2,
+    HEADER_BYTES = 128,
+    LEAF_VOXELS = OST_LEAF * OST_LEAF * OST_LEAF
+};
 
 struct ost_hasher {
     EVP_MD_CTX *context;
@@ -64,7 +70,8 @@ ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err)
 }
 
 /* Computes one digest over up to three consecutive pieces. */
-static ost_status hash_pieces(const void *const piece[], const size_t size[], int count, ost_digest *out, ost_error *err)
+static ost_status hash_pieces(const void *const piece[], const size_t size[], int count, ost_digest *out,
+                              ost_error *err)
 {
     ost_hasher *hasher;
     ost_status status = ost_hasher_open(&hasher, err);
@@ -81,8 +88,8 @@ ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *out, ost
     return hash_pieces((const void *const[]){bytes}, (const size_t[]){size}, 1, out, err);
 }
 
-static ost_status hash_prefixed(uint8_t prefix, const void *a, size_t a_size, const void *b, size_t b_size, ost_digest *out,
-                                ost_error *err)
+static ost_status hash_prefixed(uint8_t prefix, const void *a, size_t a_size, const void *b, size_t b_size,
+                                ost_digest *out, ost_error *err)
 {
     return hash_pieces((const void *const[]){&prefix, a, b}, (const size_t[]){1, a_size, b_size}, 3, out, err);
 }
@@ -100,7 +107,8 @@ ost_status ost_digest_leaf8(const uint8_t voxels[LEAF_VOXELS], ost_digest *out, 
 
 ost_dims ost_leaf_dims(ost_dims dims)
 {
-    return (ost_dims){(dims.x + OST_LEAF - 1) / OST_LEAF, (dims.y + OST_LEAF - 1) / OST_LEAF, (dims.z + OST_LEAF - 1) / OST_LEAF};
+    return (ost_dims){(dims.x + OST_LEAF - 1) / OST_LEAF, (dims.y + OST_LEAF - 1) / OST_LEAF,
+                      (dims.z + OST_LEAF - 1) / OST_LEAF};
 }
 
 /* Computes the root of the tree over count leaves. The recursion's depth is at most 36, log2 of the leaf count. */
@@ -133,7 +141,8 @@ static void put64(uint8_t *p, uint64_t v)
 }
 
 /* Fills the header with the layout of AR-DIG-4. */
-static void fill_header(uint8_t header[HEADER_BYTES], ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold, size_t count)
+static void fill_header(uint8_t header[HEADER_BYTES], ost_grid_kind kind, const ost_geometry *geometry,
+                        int32_t threshold, size_t count)
 {
     memset(header, 0, HEADER_BYTES);
     memcpy(header, "OSTEONG1", 8);
@@ -153,12 +162,13 @@ static void fill_header(uint8_t header[HEADER_BYTES], ost_grid_kind kind, const 
     put64(header + 88, count);
 }
 
-ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold, const ost_digest *leaves, size_t count,
-                           ost_digest *out, ost_error *err)
+ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold,
+                           const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err)
 {
     ost_dims expected = ost_leaf_dims(geometry->dims);
     if (count == 0 || (int64_t)count != ost_dims_count(expected))
-        return ost_fail(err, OST_ERR_USAGE, "%zu leaves given for a grid that has %lld", count, (long long)ost_dims_count(expected));
+        return ost_fail(err, OST_ERR_USAGE, "%zu leaves given for a grid that has %lld", count,
+                        (long long)ost_dims_count(expected));
     uint8_t header[HEADER_BYTES];
     fill_header(header, kind, geometry, threshold, count);
     ost_digest top;
@@ -174,7 +184,8 @@ ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_d
 }
 
 /* Copies the leaf at leaf coordinates (lx, ly, lz), zero outside the grid. */
-static void gather_leaf(const uint8_t *voxels, size_t voxel_size, ost_dims dims, int32_t lx, int32_t ly, int32_t lz, uint8_t *leaf)
+static void gather_leaf(const uint8_t *voxels, size_t voxel_size, ost_dims dims, int32_t lx, int32_t ly, int32_t lz,
+                        uint8_t *leaf)
 {
     memset(leaf, 0, LEAF_VOXELS * voxel_size);
     int32_t x0 = lx * OST_LEAF;
@@ -187,8 +198,8 @@ static void gather_leaf(const uint8_t *voxels, size_t voxel_size, ost_dims dims,
         }
 }
 
-ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels, size_t voxel_size, ost_digest *out,
-                            ost_error *err)
+ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels, size_t voxel_size,
+                            ost_digest *out, ost_error *err)
 {
     ost_dims count = ost_leaf_dims(geometry->dims);
     size_t total = (size_t)ost_dims_count(count);

@@ -29,7 +29,8 @@ typedef struct ost_file {
     bool absent;  /* after a failure: no file has this name */
 } ost_file;
 
-/* Opens a regular file for reading; the caller closes out->fd. On failure, err has the path and the reason (OST_ERR_IO). */
+/* Opens a regular file for reading; the caller closes out->fd. On failure, err has the path and
+   the reason (OST_ERR_IO). */
 ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
 
 /*

@@ -14,8 +14,8 @@ int64_t ost_dims_count(ost_dims dims)
 bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b)
 {
     return a->dims.x == b->dims.x && a->dims.y == b->dims.y && a->dims.z == b->dims.z && a->spacing.x == b->spacing.x &&
-           a->spacing.y == b->spacing.y && a->spacing.z == b->spacing.z && a->origin.x == b->origin.x && a->origin.y == b->origin.y &&
-           a->origin.z == b->origin.z;
+           a->spacing.y == b->spacing.y && a->spacing.z == b->spacing.z && a->origin.x == b->origin.x &&
+           a->origin.y == b->origin.y && a->origin.z == b->origin.z;
 }
 
 /* (dims - 1) * spacing < 2^14 * 10^11 < 2^51, so nothing overflows before the comparison. */
@@ -31,9 +31,12 @@ ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, os
         if (spacing[a] < OST_SPACING_MIN || spacing[a] > OST_SPACING_MAX)
             return ost_fail(err, OST_ERR_RANGE, "%s: spacing of %.9g mm along %c; expected 0.001 to 100 mm", what,
                             ost_pm_to_mm(spacing[a]), "xyz"[a]);
-        if (origin[a] < -OST_LENGTH_MAX || origin[a] > OST_LENGTH_MAX || origin[a] + (dims[a] - 1) * spacing[a] > OST_LENGTH_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "%s: voxel centres from %.6g to %.6g mm along %c; supported is within 8000 mm of 0", what,
-                            ost_pm_to_mm(origin[a]), ost_pm_to_mm(origin[a]) + (dims[a] - 1) * ost_pm_to_mm(spacing[a]), "xyz"[a]);
+        if (origin[a] < -OST_LENGTH_MAX || origin[a] > OST_LENGTH_MAX ||
+            origin[a] + (dims[a] - 1) * spacing[a] > OST_LENGTH_MAX)
+            return ost_fail(err, OST_ERR_RANGE,
+                            "%s: voxel centres from %.6g to %.6g mm along %c; supported is within 8000 mm of 0", what,
+                            ost_pm_to_mm(origin[a]), ost_pm_to_mm(origin[a]) + (dims[a] - 1) * ost_pm_to_mm(spacing[a]),
+                            "xyz"[a]);
     }
     if (ost_dims_count(geometry->dims) > INT64_C(1) << 36)
         return ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; expected at most 2^36", what, (int)dims[0],

@@ -26,7 +26,9 @@ enum {
     YMM_SAVED = 0x06,                              /* XCR0: XMM and upper halves of YMM */
     ZMM_SAVED = 0xe6,                              /* also opmasks, upper halves of ZMM0-15, ZMM16-31 */
 };
-#define LEAF7_B_AVX512 (UINT32_C(1) << 16 | UINT32_C(1) << 17 | UINT32_C(1) << 28 | UINT32_C(1) << 30 | UINT32_C(1) << 31) /* F, DQ, CD, BW, VL */
+#define LEAF7_B_AVX512                                                                                                 \
+    (UINT32_C(1) << 16 | UINT32_C(1) << 17 | UINT32_C(1) << 28 | UINT32_C(1) << 30 |                                   \
+     UINT32_C(1) << 31) /* F, DQ, CD, BW, VL */
 
 static bool all(uint32_t value, uint32_t bits)
 {
@@ -35,8 +37,8 @@ static bool all(uint32_t value, uint32_t bits)
 
 ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid)
 {
-    if (!all(cpuid->leaf1_c, LEAF1_C | OSXSAVE) || !all(cpuid->xcr0, YMM_SAVED) || !all(cpuid->extended1_c, EXTENDED1_C) ||
-        !all(cpuid->leaf7_b, LEAF7_B_AVX2))
+    if (!all(cpuid->leaf1_c, LEAF1_C | OSXSAVE) || !all(cpuid->xcr0, YMM_SAVED) ||
+        !all(cpuid->extended1_c, EXTENDED1_C) || !all(cpuid->leaf7_b, LEAF7_B_AVX2))
         return OST_ISA_SCALAR;
     if (!all(cpuid->xcr0, ZMM_SAVED) || !all(cpuid->leaf7_b, LEAF7_B_AVX512))
         return OST_ISA_AVX2;

@@ -24,7 +24,8 @@ void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p)
 
 bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact)
 {
-    return ost_decimal_scale(value, (uint64_t)OST_PM_PER_MM, out, exact) && *out >= -OST_LENGTH_MAX && *out <= OST_LENGTH_MAX;
+    return ost_decimal_scale(value, (uint64_t)OST_PM_PER_MM, out, exact) && *out >= -OST_LENGTH_MAX &&
+           *out <= OST_LENGTH_MAX;
 }
 
 ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err)
@@ -32,7 +33,8 @@ ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err)
     const char *end = text + strlen(text);
     ost_decimal decimal;
     if (end == text || ost_decimal_read(text, end, &decimal) != end)
-        return ost_fail(err, OST_ERR_INPUT, "'%.80s' is not a length; expected a decimal number of millimetres, for example 0.47", text);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "'%.80s' is not a length; expected a decimal number of millimetres, for example 0.47", text);
     if (!ost_decimal_to_pm(&decimal, out, NULL))
         return ost_fail(err, OST_ERR_RANGE, "%.80s mm; expected at most 8000 mm", text);
     return OST_OK;

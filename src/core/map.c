@@ -37,18 +37,21 @@ static ost_status check(const ost_geometry *bone, const ost_tool_geometry *tool,
     if (status != OST_OK)
         return status;
     if (bone->spacing.x != bone->spacing.y || bone->spacing.x != bone->spacing.z)
-        return ost_fail(err, OST_ERR_USAGE, "a bone needs equal spacing on its axes; resample it to cubic voxels first");
+        return ost_fail(err, OST_ERR_USAGE,
+                        "a bone needs equal spacing on its axes; resample it to cubic voxels first");
     if (bone->spacing.x > OST_MAP_RATIO_MAX * tool->voxel)
         return ost_fail(err, OST_ERR_RANGE,
                         "a bone voxel of %s mm is more than %d tool voxels of %s mm; use larger tool voxels",
                         ost_pm_format(bone->spacing.x, s), OST_MAP_RATIO_MAX, ost_pm_format(tool->voxel, v));
-    if (tool->dims.x > OST_TOOL_DIM_REMOVE_MAX || tool->dims.y > OST_TOOL_DIM_REMOVE_MAX || tool->dims.z > OST_TOOL_DIM_REMOVE_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes up to %d an axis", tool->dims.x,
-                        tool->dims.y, tool->dims.z, OST_TOOL_DIM_REMOVE_MAX);
+    if (tool->dims.x > OST_TOOL_DIM_REMOVE_MAX || tool->dims.y > OST_TOOL_DIM_REMOVE_MAX ||
+        tool->dims.z > OST_TOOL_DIM_REMOVE_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes up to %d an axis",
+                        tool->dims.x, tool->dims.y, tool->dims.z, OST_TOOL_DIM_REMOVE_MAX);
     return OST_OK;
 }
 
-ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out, ost_error *err)
+ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out,
+                        ost_error *err)
 {
     ost_status status = check(bone, tool, err);
     if (status != OST_OK)
@@ -92,7 +95,8 @@ bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3])
     const ost_i128 low = -((ost_i128)1 << 29);
     const ost_i128 high = ((ost_i128)1 << 30) + ((ost_i128)1 << 29);
     for (int a = 0; a < 3; a++) {
-        ost_i128 exact = map->origin[a] + OST_MAP_BLOCK * ((ost_i128)block.x * map->column[0][a] + (ost_i128)block.y * map->column[1][a] +
+        ost_i128 exact = map->origin[a] + OST_MAP_BLOCK * ((ost_i128)block.x * map->column[0][a] +
+                                                           (ost_i128)block.y * map->column[1][a] +
                                                            (ost_i128)block.z * map->column[2][a]);
         ost_i128 rounded = ost_rhe_div128(exact, map->divisor);
         if (rounded < low || rounded >= high)

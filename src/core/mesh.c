@@ -35,8 +35,8 @@ ost_status ost_mesh_check_indices(const ost_mesh *mesh, ost_error *err)
     for (size_t t = 0; t < mesh->triangle_count; t++)
         for (int c = 0; c < 3; c++)
             if (mesh->triangles[t][c] >= mesh->vertex_count)
-                return ost_fail(err, OST_ERR_USAGE, "mesh: triangle %zu uses vertex %u of %zu", t, (unsigned)mesh->triangles[t][c],
-                                mesh->vertex_count);
+                return ost_fail(err, OST_ERR_USAGE, "mesh: triangle %zu uses vertex %u of %zu", t,
+                                (unsigned)mesh->triangles[t][c], mesh->vertex_count);
     return OST_OK;
 }
 

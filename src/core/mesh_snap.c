@@ -53,7 +53,8 @@ static bool snap(ost_pm p, ost_pm corner, ost_pm voxel, int32_t dim, int f, int3
 
 static bool snap3(const ost_pm3 *p, const ost_tool_geometry *g, int f, int32_t v[3])
 {
-    return snap(p->x, g->corner.x, g->voxel, g->dims.x, f, &v[0]) && snap(p->y, g->corner.y, g->voxel, g->dims.y, f, &v[1]) &&
+    return snap(p->x, g->corner.x, g->voxel, g->dims.x, f, &v[0]) &&
+           snap(p->y, g->corner.y, g->voxel, g->dims.y, f, &v[1]) &&
            snap(p->z, g->corner.z, g->voxel, g->dims.z, f, &v[2]);
 }
 
@@ -77,12 +78,13 @@ static ost_status snap_vertices(const ost_mesh *mesh, ost_snapped_mesh *out, ost
         for (int c = 0; c < 3; c++) {
             uint32_t i = mesh->triangles[t][c];
             if (i >= mesh->vertex_count)
-                return ost_fail(err, OST_ERR_USAGE, "mesh: triangle %zu uses vertex %u of %zu", t, (unsigned)i, mesh->vertex_count);
+                return ost_fail(err, OST_ERR_USAGE, "mesh: triangle %zu uses vertex %u of %zu", t, (unsigned)i,
+                                mesh->vertex_count);
             const ost_pm3 *p = &mesh->vertices[i];
             if (!snap3(p, &out->grid, out->fraction_bits, out->vertices[i])) {
                 char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
-                return ost_fail(err, OST_ERR_RANGE, "mesh: vertex %u (%s %s %s mm) lies outside the tool grid", (unsigned)i,
-                                ost_pm_format(p->x, x), ost_pm_format(p->y, y), ost_pm_format(p->z, z));
+                return ost_fail(err, OST_ERR_RANGE, "mesh: vertex %u (%s %s %s mm) lies outside the tool grid",
+                                (unsigned)i, ost_pm_format(p->x, x), ost_pm_format(p->y, y), ost_pm_format(p->z, z));
             }
         }
     return OST_OK;
@@ -106,8 +108,8 @@ ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, os
     if (status != OST_OK)
         return status;
     if (mesh->triangle_count > OST_MESH_TRIANGLES_MAX || mesh->vertex_count > 3 * (size_t)OST_MESH_TRIANGLES_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "mesh: %zu triangles, %zu vertices; at most %d triangles", mesh->triangle_count,
-                        mesh->vertex_count, OST_MESH_TRIANGLES_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "mesh: %zu triangles, %zu vertices; at most %d triangles",
+                        mesh->triangle_count, mesh->vertex_count, OST_MESH_TRIANGLES_MAX);
     out->grid = *grid;
     out->fraction_bits = fraction_bits(grid->dims);
     out->vertex_count = mesh->vertex_count;

@@ -42,13 +42,15 @@ static bool value_is_good(const char *value, size_t length)
 ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_error *err)
 {
     if (!key_is_good(key))
-        return ost_fail(err, OST_ERR_RANGE, "'%.60s' is not a key; keys are 1 to %d of a-z, 0-9 and _", key, OST_META_KEY - 1);
+        return ost_fail(err, OST_ERR_RANGE, "'%.60s' is not a key; keys are 1 to %d of a-z, 0-9 and _", key,
+                        OST_META_KEY - 1);
     value += strspn(value, " ");
     size_t length = strlen(value);
     while (length > 0 && value[length - 1] == ' ')
         length--;
     if (!value_is_good(value, length))
-        return ost_fail(err, OST_ERR_RANGE, "the value of '%s' is not one printable line of at most %d bytes", key, OST_META_VALUE - 1);
+        return ost_fail(err, OST_ERR_RANGE, "the value of '%s' is not one printable line of at most %d bytes", key,
+                        OST_META_VALUE - 1);
     int i = find(meta, key);
     if (i < 0) {
         if (meta->count == OST_META_MAX)

@@ -30,7 +30,8 @@ typedef struct spin {
 static spin spin_of(const ost_motor *motor)
 {
     const int k = (int)(motor->phase * STEPS / OST_MOTOR_TURN);
-    return k <= HALF ? (spin){motor_sine[HALF - k], motor_sine[k]} : (spin){-(int64_t)motor_sine[k - HALF], motor_sine[STEPS - k]};
+    return k <= HALF ? (spin){motor_sine[HALF - k], motor_sine[k]}
+                     : (spin){-(int64_t)motor_sine[k - HALF], motor_sine[STEPS - k]};
 }
 
 /*
@@ -44,8 +45,8 @@ static int32_t component(int64_t a, int64_t c, int64_t b, int64_t s)
 
 static ost_pose turned(const ost_pose *p, spin by)
 {
-    return (ost_pose){p->t, component(p->qw, by.c, p->qz, by.s), component(p->qx, by.c, -(int64_t)p->qy, by.s), component(p->qy, by.c, p->qx, by.s),
-                      component(p->qz, by.c, -(int64_t)p->qw, by.s)};
+    return (ost_pose){p->t, component(p->qw, by.c, p->qz, by.s), component(p->qx, by.c, -(int64_t)p->qy, by.s),
+                      component(p->qy, by.c, p->qx, by.s), component(p->qz, by.c, -(int64_t)p->qw, by.s)};
 }
 
 ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *handle)
@@ -74,7 +75,8 @@ static uint64_t since(int64_t from, int64_t to)
 void ost_motor_advance(ost_motor *motor, const ost_tick *tick)
 {
     if (motor->moved && tick->rpm > 0)
-        motor->phase = (motor->phase + (int64_t)(since(motor->t_ns, tick->t_ns) % OST_MOTOR_TURN) * tick->rpm) % OST_MOTOR_TURN;
+        motor->phase = (motor->phase + (int64_t)(since(motor->t_ns, tick->t_ns) % OST_MOTOR_TURN) * tick->rpm) %
+                       OST_MOTOR_TURN;
     motor->t_ns = tick->t_ns;
     motor->moved = true;
 }
@@ -94,7 +96,8 @@ void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm)
  */
 static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm)
 {
-    if (row->rpm != OST_RPM_OF_DEVICE || !before || before->rpm != OST_RPM_OF_DEVICE || before->tool != row->tool || row->lifted)
+    if (row->rpm != OST_RPM_OF_DEVICE || !before || before->rpm != OST_RPM_OF_DEVICE || before->tool != row->tool ||
+        row->lifted)
         return 1;
     const ost_i128 turned_by = (ost_i128)since(before->t_ns, row->t_ns) * rpm, eighth = OST_MOTOR_TURN / 8;
     const ost_i128 parts = (turned_by + eighth - 1) / eighth;
@@ -108,8 +111,10 @@ static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm
 static bool turns_too_far(const ost_pose *a, const ost_pose *b)
 {
     const int64_t p = (int64_t)a->qw * b->qw + (int64_t)a->qx * b->qx + (int64_t)a->qy * b->qy + (int64_t)a->qz * b->qz;
-    const int64_t na = (int64_t)a->qw * a->qw + (int64_t)a->qx * a->qx + (int64_t)a->qy * a->qy + (int64_t)a->qz * a->qz;
-    const int64_t nb = (int64_t)b->qw * b->qw + (int64_t)b->qx * b->qx + (int64_t)b->qy * b->qy + (int64_t)b->qz * b->qz;
+    const int64_t na = (int64_t)a->qw * a->qw + (int64_t)a->qx * a->qx + (int64_t)a->qy * a->qy +
+                       (int64_t)a->qz * a->qz;
+    const int64_t nb = (int64_t)b->qw * b->qw + (int64_t)b->qx * b->qx + (int64_t)b->qy * b->qy +
+                       (int64_t)b->qz * b->qz;
     return 2 * (ost_i128)p * p < (ost_i128)na * nb;
 }
 
@@ -153,7 +158,8 @@ static ost_status count_ticks(const ost_path *handle, int32_t rpm, size_t *count
                             "the previous row; expected shorter intervals", i, (double)row->t_ns * 1e-9);
         *count += (size_t)parts;
         if (*count > OST_PATH_TICKS_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "with a motor of %d turns a minute the path has more than %d ticks", rpm, OST_PATH_TICKS_MAX);
+            return ost_fail(err, OST_ERR_RANGE, "with a motor of %d turns a minute the path has more than %d ticks",
+                            rpm, OST_PATH_TICKS_MAX);
     }
     return OST_OK;
 }
@@ -176,7 +182,8 @@ ost_status ost_motor_path(ost_path *path, int32_t rpm, ost_motor *motor, ost_err
             ost_tick *tick = &out.ticks[at++];
             *tick = *row;
             if (j < parts) {
-                tick->t_ns = (int64_t)((uint64_t)before->t_ns + (uint64_t)((ost_i128)since(before->t_ns, row->t_ns) * j / parts));
+                tick->t_ns = (int64_t)((uint64_t)before->t_ns +
+                                       (uint64_t)((ost_i128)since(before->t_ns, row->t_ns) * j / parts));
                 tick->pose = handle_between(&before->pose, &row->pose, (int)j, (int)parts);
             }
             if (row->rpm == OST_RPM_OF_DEVICE)

@@ -23,7 +23,8 @@ static inline uint8x8_t ost_neon_own_bits(void)
 static inline uint64_t ost_neon_bits64(uint8x16_t a, uint8x16_t b, uint8x16_t c, uint8x16_t d)
 {
     const uint8x16_t own = vcombine_u8(ost_neon_own_bits(), ost_neon_own_bits());
-    const uint8x16_t ab = vpaddq_u8(vandq_u8(a, own), vandq_u8(b, own)), cd = vpaddq_u8(vandq_u8(c, own), vandq_u8(d, own));
+    const uint8x16_t ab = vpaddq_u8(vandq_u8(a, own), vandq_u8(b, own)),
+                     cd = vpaddq_u8(vandq_u8(c, own), vandq_u8(d, own));
     const uint8x16_t abcd = vpaddq_u8(ab, cd);
     return vgetq_lane_u64(vreinterpretq_u64_u8(vpaddq_u8(abcd, abcd)), 0);
 }
@@ -49,10 +50,22 @@ static inline uint8x16_t ost_neon_together(unsigned mask)
 #define WORD(i) 4 * (i), 4 * (i) + 1, 4 * (i) + 2, 4 * (i) + 3
 #define NO WORD(0)
     static const uint8_t moves[16][16] = {
-        {NO, NO, NO, NO},           {WORD(0), NO, NO, NO},           {WORD(1), NO, NO, NO},           {WORD(0), WORD(1), NO, NO},
-        {WORD(2), NO, NO, NO},      {WORD(0), WORD(2), NO, NO},      {WORD(1), WORD(2), NO, NO},      {WORD(0), WORD(1), WORD(2), NO},
-        {WORD(3), NO, NO, NO},      {WORD(0), WORD(3), NO, NO},      {WORD(1), WORD(3), NO, NO},      {WORD(0), WORD(1), WORD(3), NO},
-        {WORD(2), WORD(3), NO, NO}, {WORD(0), WORD(2), WORD(3), NO}, {WORD(1), WORD(2), WORD(3), NO}, {WORD(0), WORD(1), WORD(2), WORD(3)},
+        {NO, NO, NO, NO},
+        {WORD(0), NO, NO, NO},
+        {WORD(1), NO, NO, NO},
+        {WORD(0), WORD(1), NO, NO},
+        {WORD(2), NO, NO, NO},
+        {WORD(0), WORD(2), NO, NO},
+        {WORD(1), WORD(2), NO, NO},
+        {WORD(0), WORD(1), WORD(2), NO},
+        {WORD(3), NO, NO, NO},
+        {WORD(0), WORD(3), NO, NO},
+        {WORD(1), WORD(3), NO, NO},
+        {WORD(0), WORD(1), WORD(3), NO},
+        {WORD(2), WORD(3), NO, NO},
+        {WORD(0), WORD(2), WORD(3), NO},
+        {WORD(1), WORD(2), WORD(3), NO},
+        {WORD(0), WORD(1), WORD(2), WORD(3)},
     };
 #undef NO
 #undef WORD

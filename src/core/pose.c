@@ -25,16 +25,18 @@ ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
     const int64_t t[3] = {pose->t.x, pose->t.y, pose->t.z};
     for (int a = 0; a < 3; a++)
         if (t[a] > OST_LENGTH_MAX || t[a] < -OST_LENGTH_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "position %c = %.6f mm is beyond 8000 mm", "xyz"[a], ost_pm_to_mm(t[a]));
+            return ost_fail(err, OST_ERR_RANGE, "position %c = %.6f mm is beyond 8000 mm", "xyz"[a],
+                            ost_pm_to_mm(t[a]));
     const int64_t q[4] = {pose->qw, pose->qx, pose->qy, pose->qz};
     ost_i128 norm = 0;
     for (int a = 0; a < 4; a++)
         norm += (ost_i128)q[a] * q[a];
     ost_i128 one = (ost_i128)1 << 60;
     if (norm * 1000000 < one * (999 * 999) || norm * 1000000 > one * (1001 * 1001))
-        return ost_fail(err, OST_ERR_RANGE, "quaternion (%.6g, %.6g, %.6g, %.6g) has length %.6g; it must be 1 to within 0.001",
-                        (double)q[0] / OST_Q30_ONE, (double)q[1] / OST_Q30_ONE, (double)q[2] / OST_Q30_ONE, (double)q[3] / OST_Q30_ONE,
-                        sqrt((double)norm) / OST_Q30_ONE);
+        return ost_fail(err, OST_ERR_RANGE,
+                        "quaternion (%.6g, %.6g, %.6g, %.6g) has length %.6g; it must be 1 to within 0.001",
+                        (double)q[0] / OST_Q30_ONE, (double)q[1] / OST_Q30_ONE, (double)q[2] / OST_Q30_ONE,
+                        (double)q[3] / OST_Q30_ONE, sqrt((double)norm) / OST_Q30_ONE);
     return OST_OK;
 }
 
@@ -48,8 +50,10 @@ static ost_status assemble(const int64_t t[3], const int64_t q[4], ost_pose *out
 {
     for (int a = 0; a < 4; a++)
         if (!component_fits(q[a]))
-            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is %.6g; expected a unit quaternion, whose components are from -1 to 1", a,
-                            (double)q[a] / OST_Q30_ONE);
+            return ost_fail(
+                err, OST_ERR_RANGE,
+                "quaternion component %d is %.6g; expected a unit quaternion, whose components are from -1 to 1", a,
+                (double)q[a] / OST_Q30_ONE);
     ost_pose pose = {{t[0], t[1], t[2]}, (int32_t)q[0], (int32_t)q[1], (int32_t)q[2], (int32_t)q[3]};
     ost_status status = ost_pose_check(&pose, err);
     if (status == OST_OK)
@@ -66,7 +70,10 @@ ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_decimal q
             return ost_fail(err, OST_ERR_RANGE, "position %c is beyond 8000 mm", "xyz"[a]);
     for (int a = 0; a < 4; a++)
         if (!ost_decimal_scale(&q[a], (uint64_t)OST_Q30_ONE, &c[a], NULL))
-            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is out of range; expected a unit quaternion, whose components are from -1 to 1", a);
+            return ost_fail(err, OST_ERR_RANGE,
+                            "quaternion component %d is out of range; expected a unit quaternion, whose components are "
+                            "from -1 to 1",
+                            a);
     return assemble(t, c, out, err);
 }
 
@@ -76,12 +83,16 @@ ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_po
     int64_t c[4];
     for (int a = 0; a < 3; a++)
         if (!ost_pm_from_double(t_mm[a], &t[a]))
-            return ost_fail(err, OST_ERR_RANGE, "position %c = %g mm is not a number within 8000 mm", "xyz"[a], t_mm[a]);
+            return ost_fail(err, OST_ERR_RANGE, "position %c = %g mm is not a number within 8000 mm", "xyz"[a],
+                            t_mm[a]);
     for (int a = 0; a < 4; a++) {
         ost_decimal decimal; /* AR-LEN-4: a float represents its shortest decimal */
         if (!(q[a] >= -1.5 && q[a] <= 1.5) || !ost_decimal_shortest(q[a], false, &decimal) ||
             !ost_decimal_scale(&decimal, (uint64_t)OST_Q30_ONE, &c[a], NULL))
-            return ost_fail(err, OST_ERR_RANGE, "quaternion component %d is %g; expected a unit quaternion, whose components are from -1 to 1", a, q[a]);
+            return ost_fail(
+                err, OST_ERR_RANGE,
+                "quaternion component %d is %g; expected a unit quaternion, whose components are from -1 to 1", a,
+                q[a]);
     }
     return assemble(t, c, out, err);
 }

@@ -56,11 +56,12 @@ ost_status ost_density_classes_check(const ost_density_classes *classes, ost_err
     if (classes->count < 1 || classes->count > OST_CLASS_MAX)
         return ost_fail(err, OST_ERR_USAGE, "%d density classes; expected 1 to %d", classes->count, OST_CLASS_MAX);
     if (classes->border[0] < 1)
-        return ost_fail(err, OST_ERR_USAGE, "density class 0 begins at %d; an active voxel has 1 or more", classes->border[0]);
+        return ost_fail(err, OST_ERR_USAGE, "density class 0 begins at %d; an active voxel has 1 or more",
+                        classes->border[0]);
     for (int c = 1; c < classes->count; c++)
         if (classes->border[c] <= classes->border[c - 1])
-            return ost_fail(err, OST_ERR_USAGE, "density class %d begins at %d, which is not above %d", c, classes->border[c],
-                            classes->border[c - 1]);
+            return ost_fail(err, OST_ERR_USAGE, "density class %d begins at %d, which is not above %d", c,
+                            classes->border[c], classes->border[c - 1]);
     return OST_OK;
 }
 
@@ -76,15 +77,17 @@ ost_status ost_density_classes_parse(const char *text, ost_density_classes *out,
         const char *colon = strchr(p, ':');
         const char *end = p + strcspn(p, ",");
         if (!colon || colon > end || !name_is_good(p, (size_t)(colon - p)))
-            return ost_fail(err, OST_ERR_USAGE, "'%.100s': expected name:border,name:border,... with names of a-z, 0-9, - and _", text);
+            return ost_fail(err, OST_ERR_USAGE,
+                            "'%.100s': expected name:border,name:border,... with names of a-z, 0-9, - and _", text);
         if (classes.count == OST_CLASS_MAX)
             return ost_fail(err, OST_ERR_USAGE, "'%.100s': at most %d density classes", text, OST_CLASS_MAX);
         ost_decimal decimal;
         int64_t border;
         bool exact = false;
-        if (ost_decimal_read(colon + 1, end, &decimal) != end || !ost_decimal_scale(&decimal, 1, &border, &exact) || !exact ||
-            border < 1 || border > INT16_MAX)
-            return ost_fail(err, OST_ERR_USAGE, "'%.*s' is not a density border; expected a whole number from 1 to 32767",
+        if (ost_decimal_read(colon + 1, end, &decimal) != end || !ost_decimal_scale(&decimal, 1, &border, &exact) ||
+            !exact || border < 1 || border > INT16_MAX)
+            return ost_fail(err, OST_ERR_USAGE,
+                            "'%.*s' is not a density border; expected a whole number from 1 to 32767",
                             (int)(end - colon - 1), colon + 1);
         if (classes.count > 0 && border <= classes.border[classes.count - 1])
             return ost_fail(err, OST_ERR_USAGE, "'%.100s': borders must increase", text);

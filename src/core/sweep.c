@@ -38,7 +38,8 @@ static bool near_unit(const ost_pose *pose)
  * x + 2y + 4z, which share the products of a row with lo and hi. The tool's box is within
  * 8 m of its origin, so |c| < sqrt(3) * 2^42.87 and |M c| <= N |c| < 2^60.01 * 2^43.66.
  */
-static void turned(const ost_rotation *r, const ost_divider *by, int row, const ost_pm lo[3], const ost_pm hi[3], int64_t out[8])
+static void turned(const ost_rotation *r, const ost_divider *by, int row, const ost_pm lo[3], const ost_pm hi[3],
+                   int64_t out[8])
 {
     ost_i128 part[3][2];
     for (int a = 0; a < 3; a++) {
@@ -59,7 +60,8 @@ static ost_i128 greatest_displacement_squared(const ost_pose *a, const ost_pose 
     const ost_divider by_a = ost_divider_of(ra.n), by_b = ost_divider_of(rb.n);
     const int64_t dt[3] = {b->t.x - a->t.x, b->t.y - a->t.y, b->t.z - a->t.z};
     const ost_pm lo[3] = {tool->corner.x, tool->corner.y, tool->corner.z};
-    const ost_pm hi[3] = {lo[0] + tool->dims.x * tool->voxel, lo[1] + tool->dims.y * tool->voxel, lo[2] + tool->dims.z * tool->voxel};
+    const ost_pm hi[3] = {lo[0] + tool->dims.x * tool->voxel, lo[1] + tool->dims.y * tool->voxel,
+                          lo[2] + tool->dims.z * tool->voxel};
     ost_i128 squared[8] = {0}, greatest = 0;
     for (int axis = 0; axis < 3; axis++) {
         int64_t from[8], to[8];
@@ -75,8 +77,8 @@ static ost_i128 greatest_displacement_squared(const ost_pose *a, const ost_pose 
     return greatest;
 }
 
-ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel, int *count,
-                           ost_error *err)
+ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel,
+                           int *count, ost_error *err)
 {
     ost_status status = ost_tool_geometry_check(tool, err);
     if (status != OST_OK)
@@ -101,7 +103,8 @@ ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_
     while (n <= OST_SWEEP_MAX && n * n * voxel_squared < needed)
         n++;
     if (n > OST_SWEEP_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "the tool moves by more than %d half voxels of the bone in one tick", OST_SWEEP_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "the tool moves by more than %d half voxels of the bone in one tick",
+                        OST_SWEEP_MAX);
     *count = (int)n;
     return OST_OK;
 }

@@ -46,8 +46,10 @@ ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, ost_error 
         if (dims[a] < 1 || dims[a] > OST_TOOL_DIM_MAX)
             return ost_fail(err, OST_ERR_RANGE, "a tool grid of %d x %d x %d voxels; expected 1 to %d along %c",
                             (int)dims[0], (int)dims[1], (int)dims[2], OST_TOOL_DIM_MAX, "xyz"[a]);
-        if (corner[a] < -OST_LENGTH_MAX || corner[a] > OST_LENGTH_MAX || corner[a] + dims[a] * geometry->voxel > OST_LENGTH_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "a tool grid that begins at %.6g mm along %c; supported is within 8000 mm of 0",
+        if (corner[a] < -OST_LENGTH_MAX || corner[a] > OST_LENGTH_MAX ||
+            corner[a] + dims[a] * geometry->voxel > OST_LENGTH_MAX)
+            return ost_fail(err, OST_ERR_RANGE,
+                            "a tool grid that begins at %.6g mm along %c; supported is within 8000 mm of 0",
                             ost_pm_to_mm(corner[a]), "xyz"[a]);
     }
     if (ost_dims_count(geometry->dims) > OST_TOOL_VOXELS_MAX)

@@ -18,7 +18,8 @@ void ost_no_paths(const ost_backend *backend, ost_path_visit *visit, void *user)
     (void)user;
 }
 
-ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
+ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                         ost_error *err)
 {
     (void)count;
     (void)at;

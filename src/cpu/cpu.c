@@ -39,7 +39,8 @@ static ost_status set_threads(const char *value, int *threads, ost_error *err)
     const size_t digits = strspn(value, "0123456789");
     const long n = digits > 0 && digits < 6 && !value[digits] ? strtol(value, NULL, 10) : 0;
     if (n < 1 || n > THREADS_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "backend cpu: threads=%.20s; expected a number from 1 to %d", value, THREADS_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "backend cpu: threads=%.20s; expected a number from 1 to %d", value,
+                        THREADS_MAX);
     *threads = (int)n;
     return OST_OK;
 }
@@ -177,7 +178,8 @@ static void close_cpu(ost_backend *base)
 static ost_backend_settings settings(const ost_backend *base)
 {
     const cpu_backend *backend = (const cpu_backend *)base;
-    return (ost_backend_settings){.isa = ost_isa_name(backend->isa), .threads = backend->threads, .platform = -1, .device = -1};
+    return (ost_backend_settings){
+        .isa = ost_isa_name(backend->isa), .threads = backend->threads, .platform = -1, .device = -1};
 }
 
 static void visit_paths(const ost_backend *base, ost_path_visit *visit, void *user)
@@ -196,7 +198,8 @@ static ost_status finish(ost_backend *backend, ost_error *err)
 
 const ost_backend_ops ost_backend_cpu = {
     .name = "cpu",
-    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, grain=N, order=N, voxelizer=auto|triangles|embree",
+    .description = "hand-vectorised, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, grain=N, "
+                   "order=N, voxelizer=auto|triangles|embree",
     .available = available,
     .devices = ost_no_devices,
     .open = open_cpu,

@@ -68,7 +68,8 @@ typedef void ost_stretch_row_fn(const int16_t *from, const int32_t *at, const in
  * multiple of 16; the elements behind width may be read, and those of `to` may
  * be overwritten.
  */
-typedef void ost_weigh_rows_fn(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to);
+typedef void ost_weigh_rows_fn(const int32_t *const rows[4], const int32_t weight[4], int count, int width,
+                               int16_t *to);
 
 /* ------------------------------------------------------ bones (cpu/bone/bone.h) */
 
@@ -87,8 +88,8 @@ struct cpu_bone;
 typedef struct ost_brick_sums {
     int32_t active, highest;
 } ost_brick_sums;
-typedef ost_brick_sums ost_brick_row_fn(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                                        uint64_t *occupancy);
+typedef ost_brick_sums ost_brick_row_fn(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
+                                        int16_t *density, uint64_t *occupancy);
 
 /*
  * Returns true if one of the first `width` elements (1 to 64) of the `count` (>= 1) rows base + row[i] is at least
@@ -118,8 +119,8 @@ typedef void ost_drain_fn(void);
  * the base, number is x + 2y + 4z relative to first.  Sets blocks->count; up to
  * eight elements may be written.
  */
-typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
-                           const int32_t to[3], ost_cubes *blocks);
+typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
+                           const int32_t from[3], const int32_t to[3], ost_cubes *blocks);
 
 /*
  * Splits each cube into eight parts and sorts the parts by the cell of their centre,
@@ -137,8 +138,8 @@ typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *
  * be read; whatever their values are, the table entries read for them exist.
  * Values of cells are in [-64, 64].
  */
-typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
-                          ost_cubes *mixed, ost_numbers *inside);
+typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                          const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside);
 
 /*
  * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel
@@ -158,8 +159,8 @@ typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint6
  * have any value; the numbers are distinct.  Only voxels that are hit change, and
  * only elements [0] to [take->borders] of the tally.
  */
-typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
-                         ost_tally *tally);
+typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
+                         size_t count, ost_tally *tally);
 
 /* ---------------------------------------------- voxelization (voxelize.h) */
 
@@ -180,7 +181,8 @@ typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t co
  * keys[0] for triangle first: the number of the only tile that the triangle can
  * cross, OST_VOX_KEY_NONE or OST_VOX_KEY_MANY.
  */
-typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys);
+typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                             uint32_t *keys);
 
 /*
  * Fills rows of a tile: writes the bits of the rows whose crossings enter and
@@ -206,8 +208,8 @@ typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t ro
  * rows * nx bytes, at any alignment.  If `stream` is true, stores bypass the
  * caches where the shape allows it; they are ordered before the return.
  */
-typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                               uint8_t *voxels);
+typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
+                               bool stream, uint8_t *voxels);
 
 typedef struct ost_cpu_kernels {
     ost_isa isa; /* the instruction set that the slots were filled for */

@@ -106,9 +106,14 @@ int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
     return (team->first + turn * team->stride) % blocks;
 }
 
-ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block)
+ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count,
+                     int64_t block)
 {
-    ost_team team = {.threads = size < sharing->least[path] ? 1 : threads, .path = path, .dealt = sharing->dealt || block == 0, .count = count, .members = 1};
+    ost_team team = {.threads = size < sharing->least[path] ? 1 : threads,
+                     .path = path,
+                     .dealt = sharing->dealt || block == 0,
+                     .count = count,
+                     .members = 1};
     team.block = block == 0 ? (count + team.threads - 1) / team.threads : sharing->dealt ? 1 : block;
     team.block = team.block > 0 ? team.block : 1;
     if (sharing->order && team.threads > 1)

@@ -100,7 +100,8 @@ typedef struct ost_member {
  * Returns a team for count items in blocks of `block` items; with block 0 each member has one block.
  * size is the size of the work in the path's unit.
  */
-ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count, int64_t block);
+ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count,
+                     int64_t block);
 /* Returns the calling thread's member; every thread of the parallel region must call it. */
 ost_member ost_team_join(ost_team *team);
 /* Counts the path as entered if every thread had a part; called after the parallel region. */

@@ -38,7 +38,8 @@ static void solve(int n, double m[6][6], const double b[6], double u[6])
  * Adds the terms of the pressing points. Called with a constant n of 3 or 6, so that the
  * compiler unrolls the loops.
  */
-static inline __attribute__((always_inline)) void add_points(const balance *e, const double share[], const int n, double m[6][6], double rhs[6])
+static inline __attribute__((always_inline)) void add_points(const balance *e, const double share[], const int n,
+                                                             double m[6][6], double rhs[6])
 {
     for (size_t i = 0; i < e->count; i++) {
         const double b = share[i], pushed = b * e->given[i];

@@ -88,9 +88,11 @@ void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *param
 {
     for (size_t i = 0; i < shell->count; i++) {
         const double x = shell->at[0][i], y = shell->at[1][i], radius = sqrt(x * x + y * y);
-        const double spin = params->speed * (radius > NEAR_AXIS ? radius : NEAR_AXIS), rigid = shell->area[i] * OST_RIGID;
+        const double spin = params->speed * (radius > NEAR_AXIS ? radius : NEAR_AXIS),
+                     rigid = shell->area[i] * OST_RIGID;
         shell->cutting[i] = shell->edge[i] && spin > 0;
-        const double give = shell->cutting[i] ? shell->area[i] * params->energy / (params->cutting_ratio * spin) : rigid;
+        const double give = shell->cutting[i] ? shell->area[i] * params->energy / (params->cutting_ratio * spin)
+                                              : rigid;
         shell->spin[i] = (float)spin;
         shell->give[i] = (float)(give < rigid ? give : rigid);
     }
@@ -109,7 +111,8 @@ typedef struct to_voxels {
  * Makes the map for a pose. Returns false if no point of the tool, extended by `more` (m), can
  * lie in the grid, or if the pose is not finite.
  */
-static bool map_make(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double more, to_voxels *map)
+static bool map_make(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double more,
+                     to_voxels *map)
 {
     const ost_geometry *g = &bone->geometry;
     const double s = (double)g->spacing.x * OST_M_PER_PM, reach = (shell->reach + more) / s + 2;
@@ -159,7 +162,8 @@ static void voxels_at(const to_voxels *map, size_t count, contact *c)
             four position;
             memcpy(&position, &c->position[a][i], sizeof position);
             const four_integers cut = __builtin_convertvector(position, four_integers);
-            const four_integers v = cut + (four_integers)(__builtin_convertvector(cut, four) > position) + map->origin[a];
+            const four_integers v = cut + (four_integers)(__builtin_convertvector(cut, four) > position) +
+                                    map->origin[a];
             memcpy(&c->voxel[a][i], &v, sizeof v);
         }
 }
@@ -170,7 +174,8 @@ static ost_status sample_bone(const ost_bone *bone, size_t count, contact *c, os
     return ost_bone_sample(bone, count, at, c->found, err);
 }
 
-ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c, ost_error *err)
+ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c,
+                             ost_error *err)
 {
     to_voxels map;
     c->count = 0;
@@ -195,10 +200,12 @@ ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, c
 static void inward_in_voxels(const to_voxels *map, const contact_shell *shell, size_t i, double out[3])
 {
     for (int a = 0; a < 3; a++)
-        out[a] = (double)map->to[a][0] * shell->inward[0][i] + (double)map->to[a][1] * shell->inward[1][i] + (double)map->to[a][2] * shell->inward[2][i];
+        out[a] = (double)map->to[a][0] * shell->inward[0][i] + (double)map->to[a][1] * shell->inward[1][i] +
+                 (double)map->to[a][2] * shell->inward[2][i];
 }
 
-ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer, contact *c, ost_error *err)
+ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer,
+                             contact *c, ost_error *err)
 {
     const double s = (double)bone->geometry.spacing.x * OST_M_PER_PM;
     uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX]; /* index of a point; its index among the touching points */

@@ -66,12 +66,14 @@ void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *para
 /* Updates the values that depend on the tool's speed, params->speed. */
 void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *params);
 /* Finds the points with bone a voxel outward. */
-ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c, ost_error *err);
+ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c,
+                             ost_error *err);
 /*
  * Finds the points with bone within `layer` of the surface. depth is how deep the position
  * `layer` outward of the point lies in bone, measured along the inward normal, at most twice
  * the layer; density is that of the first bone voxel.
  */
-ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer, contact *c, ost_error *err);
+ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer,
+                             contact *c, ost_error *err);
 
 #endif

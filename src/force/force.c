@@ -103,7 +103,8 @@ void ost_force_free(ost_force *force)
 ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_error *err)
 {
     if (force->tools == TOOLS_MAX || shell->count > OST_SHELL_MAX)
-        return ost_fail(err, OST_ERR_USAGE, "a force takes up to %d tools of up to %d points", TOOLS_MAX, OST_SHELL_MAX);
+        return ost_fail(err, OST_ERR_USAGE, "a force takes up to %d tools of up to %d points", TOOLS_MAX,
+                        OST_SHELL_MAX);
     contact_shell *points = malloc(sizeof *points);
     if (!points)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool's shell");
@@ -130,7 +131,8 @@ ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error 
 
 static void take_direction(ost_force *f, const ost_pose *pose)
 {
-    const double q[4] = {pose->qw, pose->qx, pose->qy, pose->qz}, length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    const double q[4] = {pose->qw, pose->qx, pose->qy, pose->qz},
+                 length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     for (int i = 0; i < 4; i++)
         f->grip.facing[i] = q[i] / length;
     ost_turn_of(f->grip.facing, f->grip.pose.turn);
@@ -183,8 +185,9 @@ void ost_force_motor(ost_force *force, double speed, double turned)
 static void turn_tool(ost_force *f, const double w[3], double dt)
 {
     const double *q = f->grip.facing, h[3] = {w[0] * dt / 2, w[1] * dt / 2, w[2] * dt / 2};
-    const double next[4] = {q[0] - q[1] * h[0] - q[2] * h[1] - q[3] * h[2], q[1] + q[0] * h[0] + q[2] * h[2] - q[3] * h[1],
-                            q[2] + q[0] * h[1] + q[3] * h[0] - q[1] * h[2], q[3] + q[0] * h[2] + q[1] * h[1] - q[2] * h[0]};
+    const double next[4] = {
+        q[0] - q[1] * h[0] - q[2] * h[1] - q[3] * h[2], q[1] + q[0] * h[0] + q[2] * h[2] - q[3] * h[1],
+        q[2] + q[0] * h[1] + q[3] * h[0] - q[1] * h[2], q[3] + q[0] * h[2] + q[1] * h[1] - q[2] * h[0]};
     const double length = sqrt(next[0] * next[0] + next[1] * next[1] + next[2] * next[2] + next[3] * next[3]);
     for (int i = 0; i < 4; i++)
         f->grip.facing[i] = next[i] / length;
@@ -224,7 +227,8 @@ static void sum_up(ost_force *f, double period, ost_force_result *out)
             pull_nm[d] += b[d];
         }
         out->power_w += cutting * shell->spin[i];
-        shaking += shell->cutting[i] ? size * ost_force_density(&f->params, c->density[k]) / f->params.reference_density : 0;
+        shaking += shell->cutting[i] ? size * ost_force_density(&f->params, c->density[k]) / f->params.reference_density
+                                     : 0;
     }
     out->cutting_nm = f->params.speed > 0 ? out->power_w / f->params.speed : 0;
     out->axial_n = normal[2];
@@ -283,7 +287,8 @@ static void gather(ost_force *f, int axes, const double turn[3])
         const double n[3] = {-(double)shell->inward[0][i], -(double)shell->inward[1][i], -(double)shell->inward[2][i]};
         double arm[3];
         ost_cross(r, n, arm);
-        const double share = ost_force_density(&f->params, c->density[k]) / f->params.reference_density, most = shell->area[i] * OST_RIGID;
+        const double share = ost_force_density(&f->params, c->density[k]) / f->params.reference_density,
+                     most = shell->area[i] * OST_RIGID;
         const double b = shell->cutting[i] ? shell->give[i] * share * share : shell->give[i];
         e->b[k] = share <= 0 && shell->cutting[i] ? 0 : b < most ? b : most;
         e->given[k] = ost_dot(turn, arm);
@@ -328,11 +333,13 @@ static void reach_of(const double to[3], const double at[3], double k, double aw
         away[a] *= share;
 }
 
-static ost_status by_energy(ost_force *f, const ost_pose *device, const double turn[3], double period, ost_force_result *out, ost_error *err)
+static ost_status by_energy(ost_force *f, const ost_pose *device, const double turn[3], double period,
+                            ost_force_result *out, ost_error *err)
 {
     static const double nothing[3] = {0};
     const ost_force_params *p = &f->params;
-    const double k = p->stiffness / p->scale, d = p->damping / p->scale, turn_k = p->turn_stiffness / p->scale, turn_d = p->turn_damping / p->scale;
+    const double k = p->stiffness / p->scale, d = p->damping / p->scale, turn_k = p->turn_stiffness / p->scale,
+                 turn_d = p->turn_damping / p->scale;
     const bool turns = p->turn_stiffness > 0;
     const contact_shell *shell = f->shells[f->grip.tool];
     double to[3], facing[4], away[3], lean[3] = {0}, own[3], u[6] = {0}, left = period;
@@ -358,7 +365,8 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         gather(f, turns ? 6 : 3, turns ? nothing : own);
         ost_balance_solve(&f->balance, u);
         /* Moves at most half a voxel at once, because bone is sought no farther than a voxel ahead. */
-        const double turned = turns ? sqrt(ost_dot(u + 3, u + 3)) * shell->reach : 0, far = (sqrt(ost_dot(u, u)) + turned) * left;
+        const double turned = turns ? sqrt(ost_dot(u + 3, u + 3)) * shell->reach : 0,
+                     far = (sqrt(ost_dot(u, u)) + turned) * left;
         const double share = far > f->spacing / 2 ? f->spacing / 2 / far : 1;
         double v[3];
         ost_into_bone(&f->grip.pose, u, v);
@@ -382,7 +390,8 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         ost_into_bone(&f->grip.pose, u + 3, w);
         ost_turn_between(f->grip.facing, facing, lean);
         for (int a = 0; a < 3; a++)
-            out->torque_nm[a] = p->scale * (f->grip.drag_nm[a] - turn_k * lean[a] - turn_d * (f->grip.turning[a] - w[a]));
+            out->torque_nm[a] = p->scale *
+                                (f->grip.drag_nm[a] - turn_k * lean[a] - turn_d * (f->grip.turning[a] - w[a]));
     }
     return OST_OK;
 }
@@ -399,7 +408,8 @@ static ost_status at_once(ost_force *f, double period, ost_force_result *out, os
         return status;
     out->touching = (int)c->count;
     for (size_t i = 0; i < c->count; i++) {
-        const double k = f->params.layer_stiffness * shell->area[c->which[i]] * ost_force_energy(&f->params, c->density[i]) / f->params.energy;
+        const double k = f->params.layer_stiffness * shell->area[c->which[i]] *
+                         ost_force_energy(&f->params, c->density[i]) / f->params.energy;
         f->size[i] = k * c->depth[i];
         sum += c->depth[i] > 0 ? k : 0;
     }
@@ -443,7 +453,8 @@ static void follow(ost_force *f, const ost_pose *device, double period, double t
     f->grip.device = *device;
 }
 
-ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err)
+ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out,
+                          ost_error *err)
 {
     *out = (ost_force_result){.tool = *device};
     if (tool < 0 || tool >= force->tools)
@@ -459,12 +470,14 @@ ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, do
         position_of(device, force->grip.pose.at);
     if (!turns)
         take_direction(force, device);
-    ost_status status = energy ? by_energy(force, device, turn, period_s, out, err) : at_once(force, period_s, out, err);
+    ost_status status = energy ? by_energy(force, device, turn, period_s, out, err)
+                               : at_once(force, period_s, out, err);
     if (status != OST_OK)
         return status;
     shake(force, period_s, out);
     if (energy)
-        out->tool.t = (ost_pm3){picometres(force->grip.pose.at[0]), picometres(force->grip.pose.at[1]), picometres(force->grip.pose.at[2])};
+        out->tool.t = (ost_pm3){picometres(force->grip.pose.at[0]), picometres(force->grip.pose.at[1]),
+                                picometres(force->grip.pose.at[2])};
     if (turns) {
         out->tool.qw = (int32_t)rint(force->grip.facing[0] * OST_Q30_ONE);
         out->tool.qx = (int32_t)rint(force->grip.facing[1] * OST_Q30_ONE);
@@ -474,7 +487,8 @@ ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, do
     return OST_OK;
 }
 
-ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s, ost_force_result *out, ost_error *err)
+ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s,
+                              ost_force_result *out, ost_error *err)
 {
     const grip now = force->grip;
     ost_status status = ost_force_step(force, tool, device, period_s, out, err);

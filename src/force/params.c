@@ -78,33 +78,54 @@ typedef struct parameter {
     size_t offset;
 } parameter;
 
-#define FORCE(field, unit, lo, hi, about) {{#field, unit, about, lo, hi}, false, REAL, offsetof(ost_force_params, field)}
-#define SAFETY(name, kind, field, unit, lo, hi, about) {{name, unit, about, lo, hi}, true, kind, offsetof(ost_safety_params, field)}
+#define FORCE(field, unit, lo, hi, about)                                                                              \
+    {                                                                                                                  \
+        {#field, unit, about, lo, hi}, false, REAL, offsetof(ost_force_params, field)                                  \
+    }
+#define SAFETY(name, kind, field, unit, lo, hi, about)                                                                 \
+    {                                                                                                                  \
+        {name, unit, about, lo, hi}, true, kind, offsetof(ost_safety_params, field)                                    \
+    }
 
 static const parameter parameters[] = {
     FORCE(scale, "1", 0.01, 1, "felt over real force: a reamer is pressed with about 40 N, an Omni gives 3.3 N"),
-    FORCE(stiffness, "N/m", 1, 1e6, "of the coupling, as felt: at 1 kHz with 60 g and a light grip swinging begins at 250 to 300 without friction"),
+    FORCE(
+        stiffness, "N/m", 1, 1e6,
+        "of the coupling, as felt: at 1 kHz with 60 g and a light grip swinging begins at 250 to 300 without friction"),
     FORCE(damping, "N s/m", 0, 1e3, "of the coupling, as felt: an Omni takes less than 2 (data sheet)"),
-    FORCE(cutting_ratio, "1", 1e-3, 10, "tangential over normal force of what cuts: of the order of bone cutting; to calibrate"),
-    FORCE(energy, "J/m3", 1, 1e12, "to cut bone of reference density: cortical 30e6 to 150e6, trabecular 2e6 to 15e6; to calibrate"),
-    FORCE(reference_density, "g/cm3", 1e-3, 1e3, "that energy is for; it goes as density squared, as strength (Carter, Hayes 1977)"),
+    FORCE(cutting_ratio, "1", 1e-3, 10,
+          "tangential over normal force of what cuts: of the order of bone cutting; to calibrate"),
+    FORCE(energy, "J/m3", 1, 1e12,
+          "to cut bone of reference density: cortical 30e6 to 150e6, trabecular 2e6 to 15e6; to calibrate"),
+    FORCE(reference_density, "g/cm3", 1e-3, 1e3,
+          "that energy is for; it goes as density squared, as strength (Carter, Hayes 1977)"),
     FORCE(density_at_0, "g/cm3", -1e3, 1e3, "of 0 HU (Rho, Hobatho, Ashman 1995)"),
     FORCE(density_per_hu, "g/cm3", -1, 1, "for each HU more (the same)"),
     FORCE(layer, "m", 1e-6, 1, "of bone around the tool that is pressed together (--force instant)"),
-    FORCE(layer_stiffness, "N/m3", 0, 1e15, "of that layer, per area and depth, in bone of reference density (instant)"),
-    FORCE(turn_stiffness, "N m/rad", 0, 1e3, "of the coupling's turn, as felt; 0: the tool's direction is the hand's. For devices that render torques"),
+    FORCE(layer_stiffness, "N/m3", 0, 1e15,
+          "of that layer, per area and depth, in bone of reference density (instant)"),
+    FORCE(turn_stiffness, "N m/rad", 0, 1e3,
+          "of the coupling's turn, as felt; 0: the tool's direction is the hand's. For devices that render torques"),
     FORCE(turn_damping, "N m s/rad", 0, 1e2, "of the coupling's turn, as felt"),
-    FORCE(vibration, "1", 0, 1, "of teeth that pass: amplitude over the felt force of what cuts reference bone; 0: none. To calibrate"),
+    FORCE(vibration, "1", 0, 1,
+          "of teeth that pass: amplitude over the felt force of what cuts reference bone; 0: none. To calibrate"),
     FORCE(runout, "1", 0, 1, "the same once a turn, across the axis"),
     FORCE(teeth, "1", 1, 1000, "that pass in a turn; teeth times turns a second must be below 500"),
-    SAFETY("max_force", REAL, max_n, "N", 1e-3, 1e3, "saturation, smooth: nine tenths of what the device reports; of one that reports nothing, below an Omni's 3.3 N"),
-    SAFETY("max_torque", REAL, max_nm, "N m", 1e-6, 1e2, "the same for torques; of a device that reports none, half of what a sigma.7 gives"),
+    SAFETY("max_force", REAL, max_n, "N", 1e-3, 1e3,
+           "saturation, smooth: nine tenths of what the device reports; of one that reports nothing, below an Omni's "
+           "3.3 N"),
+    SAFETY("max_torque", REAL, max_nm, "N m", 1e-6, 1e2,
+           "the same for torques; of a device that reports none, half of what a sigma.7 gives"),
     SAFETY("slew", REAL, slew_n, "N a tick", 1e-6, 1e3, "the most that a force changes in a tick"),
     SAFETY("ramp", REAL, ramp_s, "s", 0, 60, "from nothing to all of it, after a start and after every fault"),
-    SAFETY("stale_ticks", TICKS, max_ticks_without_sample, "ticks", 1, 1000, "so many without a new pose and the force goes; one is bridged"),
-    SAFETY("dead_man", BUTTONS, dead_man, "buttons", 0, 4294967295.0, "of which one must be held, as a sum of 1, 2, 4, ...; 0: none"),
-    SAFETY("stored_energy", REAL, stored_j, "J", 0, 10, "that the coupling may hold back: 300 N/m at 3 N; passivity counts from there"),
-    SAFETY("max_damping", REAL, max_damping, "N s/m", 0, 1e3, "the most that the passivity controller adds (Hannaford, Ryu 2002); 0: none"),
+    SAFETY("stale_ticks", TICKS, max_ticks_without_sample, "ticks", 1, 1000,
+           "so many without a new pose and the force goes; one is bridged"),
+    SAFETY("dead_man", BUTTONS, dead_man, "buttons", 0, 4294967295.0,
+           "of which one must be held, as a sum of 1, 2, 4, ...; 0: none"),
+    SAFETY("stored_energy", REAL, stored_j, "J", 0, 10,
+           "that the coupling may hold back: 300 N/m at 3 N; passivity counts from there"),
+    SAFETY("max_damping", REAL, max_damping, "N s/m", 0, 1e3,
+           "the most that the passivity controller adds (Hannaford, Ryu 2002); 0: none"),
 };
 
 enum { COUNT = sizeof parameters / sizeof parameters[0] };
@@ -191,7 +212,8 @@ static double real_of(const ost_decimal *d)
     return d->exponent < 0 ? value / ten : value * ten;
 }
 
-static ost_status take(const char *file, int line, const char *text, ost_force_params *force, ost_safety_params *safety, bool seen[], ost_error *err)
+static ost_status take(const char *file, int line, const char *text, ost_force_params *force, ost_safety_params *safety,
+                       bool seen[], ost_error *err)
 {
     text += strspn(text, " \t");
     const char *end = end_of(text), *colon = memchr(text, ':', (size_t)(end - text));
@@ -199,7 +221,8 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
     if (end == text)
         return OST_OK;
     if (!colon)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%d: '%.*s': expected 'key: number'", file, line, (int)(end - text < 60 ? end - text : 60), text);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: '%.*s': expected 'key: number'", file, line,
+                        (int)(end - text < 60 ? end - text : 60), text);
     int i = 0;
     while (i < COUNT && (strlen(parameters[i].key.name) != length || memcmp(parameters[i].key.name, text, length) != 0))
         i++;
@@ -218,12 +241,13 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
     const int shown = end - value < 0 ? 0 : end - value < 60 ? (int)(end - value) : 60;
     after = value <= end ? ost_decimal_read(value, end, &d) : NULL;
     if (!after || after != end)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is '%.*s': expected a number in %s", file, line, key->name, shown, value, key->unit);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is '%.*s': expected a number in %s", file, line, key->name,
+                        shown, value, key->unit);
     const double number = real_of(&d);
     /* The bounds are checked first, because converting a number beyond int64_t is undefined. */
     if (!(number >= key->lo && number <= key->hi) || (parameters[i].kind != REAL && number != (double)(int64_t)number))
-        return ost_fail(err, OST_ERR_RANGE, "%s:%d: %s is '%.*s': expected %s%g to %g %s", file, line, key->name, shown, value,
-                        parameters[i].kind == REAL ? "" : "a whole number, ", key->lo, key->hi, key->unit);
+        return ost_fail(err, OST_ERR_RANGE, "%s:%d: %s is '%.*s': expected %s%g to %g %s", file, line, key->name, shown,
+                        value, parameters[i].kind == REAL ? "" : "a whole number, ", key->lo, key->hi, key->unit);
     put(&parameters[i], number, force, safety);
     return OST_OK;
 }
@@ -240,7 +264,8 @@ ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_
         return status;
     for (int line = 1; status == OST_OK && fgets(text, sizeof text, in); line++) {
         if (!strchr(text, '\n') && !feof(in))
-            status = ost_fail(err, OST_ERR_INPUT, "%s:%d: longer than %d bytes, or binary; expected 'key: number'", file, line, LINE - 2);
+            status = ost_fail(err, OST_ERR_INPUT, "%s:%d: longer than %d bytes, or binary; expected 'key: number'",
+                              file, line, LINE - 2);
         else
             status = take(file, line, text, &f, &s, seen, err);
     }

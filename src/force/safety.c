@@ -74,8 +74,8 @@ static bool is_number(const double v[3])
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
 }
 
-ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons, double period_s, double force_n[3],
-                                  double torque_nm[3])
+ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons,
+                                  double period_s, double force_n[3], double torque_nm[3])
 {
     static const double none[3] = {0};
     ost_safety *s = safety;
@@ -92,7 +92,8 @@ ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bo
     memcpy(s->at, at, sizeof at);
     s->has_at = true;
     s->ticks_without_sample = fresh ? 0 : s->ticks_without_sample + 1;
-    const bool withheld = (s->params.dead_man && !(buttons & s->params.dead_man)) || s->ticks_without_sample >= s->params.max_ticks_without_sample;
+    const bool withheld = (s->params.dead_man && !(buttons & s->params.dead_man)) ||
+                          s->ticks_without_sample >= s->params.max_ticks_without_sample;
     s->ramp = withheld ? 0 : s->params.ramp_s > 0 ? fmin(1, s->ramp + period_s / s->params.ramp_s) : 1;
     for (int a = 0; a < 3; a++) {
         force_n[a] *= s->ramp;

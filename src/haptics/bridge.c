@@ -78,8 +78,15 @@ static void send_packet(bridge *b, const link_packet *p)
 static void send_pose(bridge *b, const bridge_signals *s, uint16_t flags)
 {
     const int64_t now = ost_clock_ns();
-    const link_packet p = {.type = LINK_POSE, .flags = (uint16_t)(s->flags | flags), .bridge = b->number, .simulation = b->simulation,
-                           .sequence = ++b->sequence, .t_ns = now, .pose = s->pose, .buttons = s->buttons, .tool = s->tool};
+    const link_packet p = {.type = LINK_POSE,
+                           .flags = (uint16_t)(s->flags | flags),
+                           .bridge = b->number,
+                           .simulation = b->simulation,
+                           .sequence = ++b->sequence,
+                           .t_ns = now,
+                           .pose = s->pose,
+                           .buttons = s->buttons,
+                           .tool = s->tool};
     b->sent_ns[p.sequence % FLIGHTS] = now;
     send_packet(b, &p);
 }
@@ -199,7 +206,8 @@ static void follow_speed(bridge *b, const ost_pose *tool)
     b->has_at = true;
 }
 
-void bridge_press(const link_packet *s, const double hand[3], const double speed[3], double most_stiffness, double force[3])
+void bridge_press(const link_packet *s, const double hand[3], const double speed[3], double most_stiffness,
+                  double force[3])
 {
     const double f[3] = {s->force_un[0] * 1e-6, s->force_un[1] * 1e-6, s->force_un[2] * 1e-6}, size = length_of(f);
     const double at[3] = {(double)s->pose.t.x * 1e-12, (double)s->pose.t.y * 1e-12, (double)s->pose.t.z * 1e-12};
@@ -241,7 +249,8 @@ static bool is_live(bridge *b)
         b->last = b->heard[b->in.front];
         b->has_state = true;
     }
-    return b->has_state && !(b->last.state.flags & (LINK_AGAIN | LINK_ENDED)) && ost_clock_ns() - b->last.at_ns < BRIDGE_LIMP_MS * MS;
+    return b->has_state && !(b->last.state.flags & (LINK_AGAIN | LINK_ENDED)) &&
+           ost_clock_ns() - b->last.at_ns < BRIDGE_LIMP_MS * MS;
 }
 
 static void hold(bridge *b, const ost_servo_sample *sample, ost_wrench *wrench)
@@ -264,7 +273,8 @@ static void hold(bridge *b, const ost_servo_sample *sample, ost_wrench *wrench)
     speak(b, sample, LINK_SEEN);
     bridge_press(&b->last.state, b->at, b->speed, b->most_stiffness, force);
     haptic_clutch_vector(&b->clutch, force, wrench->force_n);
-    ost_safety_step(&b->safety, &sample->state.pose, !sample->declared, sample->state.buttons, PERIOD_S, wrench->force_n, torque);
+    ost_safety_step(&b->safety, &sample->state.pose, !sample->declared, sample->state.buttons, PERIOD_S,
+                    wrench->force_n, torque);
     b->report->peak_n = fmax(b->report->peak_n, length_of(wrench->force_n));
 }
 
@@ -311,7 +321,8 @@ static ost_status open_socket(bridge *b, ost_error *err)
     b->socket = socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (b->socket < 0 || connect(b->socket, found->ai_addr, found->ai_addrlen) != 0)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "%.100s: cannot connect: %s", to, strerror(errno));
-    else if (getnameinfo(found->ai_addr, found->ai_addrlen, number, sizeof number, port, sizeof port, NI_NUMERICHOST | NI_NUMERICSERV) == 0)
+    else if (getnameinfo(found->ai_addr, found->ai_addrlen, number, sizeof number, port, sizeof port,
+                         NI_NUMERICHOST | NI_NUMERICSERV) == 0)
         snprintf(b->report->to, BRIDGE_ADDRESS, strchr(number, ':') ? "[%s]:%s" : "%s:%s", number, port);
     freeaddrinfo(found);
     return status;

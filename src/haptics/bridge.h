@@ -59,7 +59,8 @@ typedef struct bridge_report {
  * Computes the force of the plane in *state on a device at `at` (m) moving with `speed` (m/s),
  * all in the bone's frame. The stiffness is limited to most_stiffness (N/m).
  */
-void bridge_press(const link_packet *state, const double at[3], const double speed[3], double most_stiffness, double force_n[3]);
+void bridge_press(const link_packet *state, const double at[3], const double speed[3], double most_stiffness,
+                  double force_n[3]);
 
 /*
  * Runs until one of the ends in bridge_options. Returns OST_ERR_UNAVAILABLE if no simulation

@@ -41,7 +41,8 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
                     c->info->name, key, value);
 }
 
-ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX], ost_error *err)
+ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX],
+                             ost_error *err)
 {
     ost_action chosen[OST_BUTTONS_MAX] = {OST_ACTION_NONE};
     for (int i = 0; i < info->button_count; i++)

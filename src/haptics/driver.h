@@ -45,8 +45,8 @@ struct ost_haptic {
 };
 
 /* Does the same as ost_haptic_open with the given driver; tests pass drivers of their own. */
-ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *options, const ost_haptic_setup *setup, ost_haptic **out,
-                                  ost_error *err);
+ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *options, const ost_haptic_setup *setup,
+                                  ost_haptic **out, ost_error *err);
 
 /* ---------------------------------------------------------------- options.c */
 
@@ -57,9 +57,11 @@ ost_status haptic_options(const char *device, const char *options, haptic_option
  * Parses a number with lo <= number <= hi. Returns OST_ERR_USAGE with a message that names
  * device and key otherwise.
  */
-ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out, ost_error *err);
+ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out,
+                         ost_error *err);
 /* Parses an integer with lo <= number <= hi, with the same error. */
-ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err);
+ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out,
+                          ost_error *err);
 
 extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_mouse,
     haptic_openhaptics, haptic_dhd, haptic_spnav, haptic_inverse3, haptic_udp;

@@ -39,7 +39,8 @@ static const vendor_symbol symbols[] = {
     {"dhdErrorGetLastStr", offsetof(dhd_calls, last_error)},
 };
 static const char *const names[] = {"libdhd.so.3", "libdhd.so", NULL};
-static const vendor_library library = {"OSTEON_DHD_LIBRARY", names, "Force Dimension's SDK", symbols, sizeof symbols / sizeof symbols[0]};
+static const vendor_library library = {"OSTEON_DHD_LIBRARY", names, "Force Dimension's SDK", symbols,
+                                       sizeof symbols / sizeof symbols[0]};
 
 /* The library reports a device's type and not its forces; these are from the vendors' data sheets. */
 static const struct {
@@ -118,7 +119,8 @@ static ost_haptic_answer dhd_read(haptic_instance *d, ost_haptic_state *state)
     const int buttons = d->dhd.get_buttons(LAST_OPENED);
     if (buttons < 0)
         return OST_HAPTIC_LOST;
-    *state = (ost_haptic_state){.pose = haptic_workspace_pose(&d->workspace, at, frame), .tool = -1, .buttons = (uint32_t)buttons};
+    *state = (ost_haptic_state){
+        .pose = haptic_workspace_pose(&d->workspace, at, frame), .tool = -1, .buttons = (uint32_t)buttons};
     return OST_HAPTIC_FRESH;
 }
 
@@ -149,7 +151,10 @@ const haptic_driver haptic_dhd = {
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_TORQUE | OST_HAPTIC_ORIENTATION,
     .max_force_n = 8, /* the weakest of these devices, a Falcon */
     .max_stiffness_n_m = 3000,
-    .buttons = {{"button1", OST_ACTION_MOTOR}, {"button2", OST_ACTION_TOOL}, {"button3", OST_ACTION_CLUTCH}, {"button4", OST_ACTION_HOME}},
+    .buttons = {{"button1", OST_ACTION_MOTOR},
+                {"button2", OST_ACTION_TOOL},
+                {"button3", OST_ACTION_CLUTCH},
+                {"button4", OST_ACTION_HOME}},
     .usable = dhd_usable,
     .open = dhd_open,
     .close = dhd_close,

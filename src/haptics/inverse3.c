@@ -129,7 +129,8 @@ static const json_t *member(const json_t *thing, const char *name)
 static bool is_id(const char *text)
 {
     const size_t length = strlen(text);
-    return length > 0 && length < ID && strspn(text, "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-") == length;
+    return length > 0 && length < ID &&
+           strspn(text, "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-") == length;
 }
 
 static const json_t *device_of(const haptic_instance *h, const json_t *list, const char **id)
@@ -215,7 +216,8 @@ static int write_command(haptic_instance *h, bool nothing, char *text, size_t ca
     if (!h->has_greeted || !h->id[0])
         return snprintf(text, capacity, "{\"session\":{\"force_render_full_state\":{}}}");
     return snprintf(text, capacity,
-                    "{\"inverse3\":[{\"device_id\":\"%s\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":%llde-6,\"y\":%llde-6,\"z\":%llde-6}}}}]}",
+                    "{\"inverse3\":[{\"device_id\":\"%s\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":%llde-"
+                    "6,\"y\":%llde-6,\"z\":%llde-6}}}}]}",
                     h->id, f[0], -f[2], f[1]);
 }
 
@@ -283,7 +285,8 @@ static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *use
     return 0;
 }
 
-static const struct lws_protocols protocols[] = {{"haply", on_event, 0, 4096, 0, NULL, 0}, {NULL, NULL, 0, 0, 0, NULL, 0}};
+static const struct lws_protocols protocols[] = {{"haply", on_event, 0, 4096, 0, NULL, 0},
+                                                 {NULL, NULL, 0, 0, 0, NULL, 0}};
 
 static void *run_connection(void *user)
 {
@@ -363,16 +366,27 @@ static void forget(haptic_instance *h)
 
 static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err)
 {
-    const struct lws_context_creation_info info = {.port = CONTEXT_PORT_NO_LISTEN, .protocols = protocols, .gid = (gid_t)-1, .uid = (uid_t)-1,
-                                                   .fd_limit_per_thread = 16, .user = h};
+    const struct lws_context_creation_info info = {.port = CONTEXT_PORT_NO_LISTEN,
+                                                   .protocols = protocols,
+                                                   .gid = (gid_t)-1,
+                                                   .uid = (uid_t)-1,
+                                                   .fd_limit_per_thread = 16,
+                                                   .user = h};
     lws_set_log_level(0, NULL);
     h->context = lws_create_context(&info);
     if (!h->context)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: libwebsockets cannot create a context");
-    const struct lws_client_connect_info to = {.context = h->context, .address = "127.0.0.1", .port = (int)c->port, .path = "/", .host = "localhost",
-                                               .origin = "localhost", .local_protocol_name = protocols[0].name, .pwsi = &h->wsi};
+    const struct lws_client_connect_info to = {.context = h->context,
+                                               .address = "127.0.0.1",
+                                               .port = (int)c->port,
+                                               .path = "/",
+                                               .host = "localhost",
+                                               .origin = "localhost",
+                                               .local_protocol_name = protocols[0].name,
+                                               .pwsi = &h->wsi};
     if (!lws_client_connect_via_info(&to))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: Haply's service does not answer at 127.0.0.1:%d", (int)c->port);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: Haply's service does not answer at 127.0.0.1:%d",
+                        (int)c->port);
     const int error = ost_thread_begin(&h->thread, run_connection, h);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: cannot create a thread for its connection: %s",
@@ -386,7 +400,8 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
                     h->wanted[0] ? " of that id" : "", h->why[0] ? h->why : "it says nothing");
 }
 
-static ost_status inverse3_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+static ost_status inverse3_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out,
+                                ost_error *err)
 {
     choice c = {.port = PORT, .percent = 100};
     ost_status status = haptic_options("inverse3", options, take, &c, err);
@@ -462,7 +477,8 @@ static bool inverse3_usable(char reason[256])
     return false;
 }
 
-static ost_status inverse3_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+static ost_status inverse3_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out,
+                                ost_error *err)
 {
     (void)options;
     (void)setup;

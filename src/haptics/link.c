@@ -88,7 +88,9 @@ bool link_decode(const uint8_t *b, size_t size, link_packet *out)
     out->type = b[AT_TYPE];
     if (out->type < LINK_HELLO || out->type > LINK_STATE || size != body_of(out->type))
         return false;
-    const uint16_t allowed = out->type == LINK_STATE ? LINK_ENDED | LINK_AGAIN | LINK_BUSY : out->type == LINK_POSE ? LINK_SEEN | LINK_ENDED : 0;
+    const uint16_t allowed = out->type == LINK_STATE  ? LINK_ENDED | LINK_AGAIN | LINK_BUSY
+                             : out->type == LINK_POSE ? LINK_SEEN | LINK_ENDED
+                                                      : 0;
     out->flags = (uint16_t)get(b + AT_FLAGS, 2);
     out->bridge = get(b + AT_BRIDGE, 8);
     out->simulation = get(b + AT_SIMULATION, 8);
@@ -97,11 +99,12 @@ bool link_decode(const uint8_t *b, size_t size, link_packet *out)
         out->answers = get(b + AT_BODY, 8);
     else
         out->t_ns = (int64_t)get(b + AT_BODY, 8);
-    out->pose = (ost_pose){.t = {(int64_t)get(b + AT_POSE, 8), (int64_t)get(b + AT_POSE + 8, 8), (int64_t)get(b + AT_POSE + 16, 8)},
-                           .qw = get32(b + AT_POSE + 24),
-                           .qx = get32(b + AT_POSE + 28),
-                           .qy = get32(b + AT_POSE + 32),
-                           .qz = get32(b + AT_POSE + 36)};
+    out->pose = (ost_pose){
+        .t = {(int64_t)get(b + AT_POSE, 8), (int64_t)get(b + AT_POSE + 8, 8), (int64_t)get(b + AT_POSE + 16, 8)},
+        .qw = get32(b + AT_POSE + 24),
+        .qx = get32(b + AT_POSE + 28),
+        .qy = get32(b + AT_POSE + 32),
+        .qz = get32(b + AT_POSE + 36)};
     if (out->type == LINK_STATE) {
         for (int i = 0; i < 3; i++) {
             out->force_un[i] = get32(b + AT_FORCE + 4 * i);
@@ -128,12 +131,14 @@ ost_status link_key_make(const void *bytes, size_t size, link_key **out, ost_err
 {
     *out = NULL;
     if (size < LINK_KEY_MIN || size > LINK_KEY_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "the key has %zu bytes; expected %d to %d", size, LINK_KEY_MIN, LINK_KEY_MAX);
+        return ost_fail(err, OST_ERR_INPUT, "the key has %zu bytes; expected %d to %d", size, LINK_KEY_MIN,
+                        LINK_KEY_MAX);
     link_key *key = calloc(1, sizeof *key);
     if (!key)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a key");
     char digest[] = "SHA256";
-    const OSSL_PARAM params[] = {OSSL_PARAM_construct_utf8_string(OSSL_MAC_PARAM_DIGEST, digest, 0), OSSL_PARAM_construct_end()};
+    const OSSL_PARAM params[] = {OSSL_PARAM_construct_utf8_string(OSSL_MAC_PARAM_DIGEST, digest, 0),
+                                 OSSL_PARAM_construct_end()};
     key->mac = EVP_MAC_fetch(NULL, "HMAC", NULL);
     key->context = key->mac ? EVP_MAC_CTX_new(key->mac) : NULL;
     if (!key->context || EVP_MAC_init(key->context, bytes, size, params) != 1) {
@@ -162,8 +167,9 @@ ost_status link_key_read(const char *path, link_key **out, ost_error *err)
     *out = NULL;
     ost_status status = ost_file_open(path, &file, &why);
     if (status != OST_OK)
-        return ost_fail(err, status, file.absent ? "%s; to create a key: (umask 077; head -c 32 /dev/urandom >%s)" : "%s",
-                        why.text, path);
+        return ost_fail(err, status,
+                        file.absent ? "%s; to create a key: (umask 077; head -c 32 /dev/urandom >%s)" : "%s", why.text,
+                        path);
     const int fd = file.fd;
     ssize_t size = -1;
     if (fstat(fd, &st) != 0)

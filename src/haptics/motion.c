@@ -76,12 +76,13 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
     if (!m)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for device motion");
     const ost_path_options gaps = {c.gap_ms ? c.gap_ms * 1000000 : setup->gaps.max_gap_ns,
-                                   c.jump_mm > 0 ? (ost_pm)(c.jump_mm * (double)OST_PM_PER_MM) : setup->gaps.max_jump_pm};
+                                   c.jump_mm > 0 ? (ost_pm)(c.jump_mm * (double)OST_PM_PER_MM)
+                                                 : setup->gaps.max_jump_pm};
     ost_path_report table;
     status = ost_path_read(file, &gaps, &m->path, &table, err);
     if (status == OST_OK && table.end_ns - table.begin_ns > SECONDS_MAX * 1000000000)
-        status = ost_fail(err, OST_ERR_RANGE, "%s: lasts from %.9g to %.9g s; device motion plays a day at most", file, (double)table.begin_ns * 1e-9,
-                          (double)table.end_ns * 1e-9);
+        status = ost_fail(err, OST_ERR_RANGE, "%s: lasts from %.9g to %.9g s; device motion plays a day at most", file,
+                          (double)table.begin_ns * 1e-9, (double)table.end_ns * 1e-9);
     if (status != OST_OK) {
         motion_close(m);
         return status;

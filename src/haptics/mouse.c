@@ -130,8 +130,8 @@ static void approach_position(haptic_instance *m, const double to[3])
         m->at[a] += length > STEP_M ? d[a] * STEP_M / length : d[a];
 }
 
-/* Rotates the tool toward `to` by the fraction FOLLOW of the angle, at most by TURN, along the shorter arc: q and -q are
-   the same orientation. */
+/* Rotates the tool toward `to` by the fraction FOLLOW of the angle, at most by TURN, along the
+   shorter arc: q and -q are the same orientation. */
 static void approach_turn(haptic_instance *m, const double to[4])
 {
     double cosine = 0, n = 0;
@@ -163,7 +163,8 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     }
     approach_position(m, to);
     approach_turn(m, toward);
-    *state = (ost_haptic_state){.pose = haptic_pose_quantise(m->at, m->q), .tool = input->tool, .buttons = input->buttons, .lifted = lifted};
+    *state = (ost_haptic_state){
+        .pose = haptic_pose_quantise(m->at, m->q), .tool = input->tool, .buttons = input->buttons, .lifted = lifted};
     return OST_HAPTIC_FRESH;
 }
 

@@ -34,9 +34,17 @@ typedef struct hd_error {
 _Static_assert(sizeof(hd_error) == 12, "an HDErrorInfo");
 
 enum {
-    HD_BUTTONS = 0x2000, HD_TRANSFORM = 0x2052, HD_MAX_FORCE = 0x2603, HD_MAX_CONTINUOUS_FORCE = 0x2604, HD_FORCE = 0x2700, HD_FORCE_OUTPUT = 0x4000,
-    HD_WARM_MOTORS = 0x0200, HD_EXCEEDED_FORCE = 0x0201,
-    HD_DONE = 0, HD_CONTINUE = 1, HD_PRIORITY = 32767
+    HD_BUTTONS = 0x2000,
+    HD_TRANSFORM = 0x2052,
+    HD_MAX_FORCE = 0x2603,
+    HD_MAX_CONTINUOUS_FORCE = 0x2604,
+    HD_FORCE = 0x2700,
+    HD_FORCE_OUTPUT = 0x4000,
+    HD_WARM_MOTORS = 0x0200,
+    HD_EXCEEDED_FORCE = 0x0201,
+    HD_DONE = 0,
+    HD_CONTINUE = 1,
+    HD_PRIORITY = 32767
 };
 #define HD_NO_DEVICE 0xffffffffu
 
@@ -76,8 +84,8 @@ static const vendor_symbol symbols[] = {
     {"hdStopScheduler", offsetof(hd_calls, stop)},
 };
 static const char *const names[] = {"libHD.so", "libHD.so.3.4", NULL};
-static const vendor_library library = {"OSTEON_OPENHAPTICS_LIBRARY", names, "OpenHaptics and the device's driver", symbols,
-                                       sizeof symbols / sizeof symbols[0]};
+static const vendor_library library = {"OSTEON_OPENHAPTICS_LIBRARY", names, "OpenHaptics and the device's driver",
+                                       symbols, sizeof symbols / sizeof symbols[0]};
 
 enum { COOL_TICKS = 1000, POLL_MS = 500, NAME = 64 };
 
@@ -135,11 +143,13 @@ static double nominal(const haptic_instance *h, unsigned what)
 static ost_haptic_limits read_limits(const haptic_instance *h)
 {
     const double continuous = nominal(h, HD_MAX_CONTINUOUS_FORCE);
-    return (ost_haptic_limits){
-        .force_n = nominal(h, HD_MAX_FORCE), .continuous_n = continuous > 0 ? continuous : 0, .from = "HD_NOMINAL_MAX_FORCE"};
+    return (ost_haptic_limits){.force_n = nominal(h, HD_MAX_FORCE),
+                               .continuous_n = continuous > 0 ? continuous : 0,
+                               .from = "HD_NOMINAL_MAX_FORCE"};
 }
 
-static ost_status openhaptics_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+static ost_status openhaptics_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out,
+                                   ost_error *err)
 {
     static const int axes[3] = {0, 1, 2};
     choice c = {.percent = 100};
@@ -159,8 +169,8 @@ static ost_status openhaptics_open(const char *options, const ost_haptic_setup *
     h->device = h->hd.init(c.name[0] ? c.name : NULL);
     const hd_error error = h->hd.error();
     if (h->device == HD_NO_DEVICE || error.code != 0) {
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: '%s' cannot be opened: %.120s", c.name[0] ? c.name : "default",
-                          h->hd.error_text(error.code));
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: '%s' cannot be opened: %.120s",
+                          c.name[0] ? c.name : "default", h->hd.error_text(error.code));
         free(h);
         return status;
     }

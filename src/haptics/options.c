@@ -27,7 +27,8 @@ ost_status haptic_options(const char *device, const char *options, haptic_option
     return OST_OK;
 }
 
-ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out, ost_error *err)
+ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out,
+                         ost_error *err)
 {
     ost_decimal d;
     int64_t millionths = 0;
@@ -40,12 +41,14 @@ ost_status haptic_number(const char *device, const char *key, const char *value,
     return OST_OK;
 }
 
-ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out, ost_error *err)
+ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out,
+                          ost_error *err)
 {
     ost_decimal d;
     bool exact = false;
     const char *end = value + strlen(value);
-    if (ost_decimal_read(value, end, &d) != end || !ost_decimal_scale(&d, 1, out, &exact) || !exact || *out < lo || *out > hi)
+    if (ost_decimal_read(value, end, &d) != end || !ost_decimal_scale(&d, 1, out, &exact) || !exact || *out < lo ||
+        *out > hi)
         return ost_fail(err, OST_ERR_USAGE, "device %s: %s=%.40s; expected a whole number from %lld to %lld", device,
                         key, value, (long long)lo, (long long)hi);
     return OST_OK;

@@ -59,13 +59,15 @@ static void schedule(realtime_before *before, ost_realtime *out)
         snprintf(out->scheduling, sizeof out->scheduling, "nice %d; no SCHED_FIFO: %s", NICE_VALUE, strerror(refused));
         return;
     }
-    snprintf(out->scheduling, sizeof out->scheduling, "plain; no SCHED_FIFO: %s (limits.d: rtprio 80)", strerror(refused));
+    snprintf(out->scheduling, sizeof out->scheduling, "plain; no SCHED_FIFO: %s (limits.d: rtprio 80)",
+             strerror(refused));
 }
 
 static void lock_memory(realtime_before *before, ost_realtime *out)
 {
     struct rlimit limit;
-    const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+    const bool unlimited = geteuid() == 0 ||
+                           (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
     before->locked = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
     if (before->locked)
         snprintf(out->memory, sizeof out->memory, "locked");
@@ -112,7 +114,8 @@ static void pin(int core, realtime_before *before, ost_realtime *out)
     CPU_ZERO(&own);
     if (core < CPU_SETSIZE)
         CPU_SET(core, &own);
-    if (sched_getaffinity(0, sizeof before->cores, &before->cores) == 0 && sched_setaffinity(0, sizeof own, &own) == 0) {
+    if (sched_getaffinity(0, sizeof before->cores, &before->cores) == 0 &&
+        sched_setaffinity(0, sizeof own, &own) == 0) {
         before->pinned = true;
         snprintf(out->core, sizeof out->core, "core %d", core);
     } else {

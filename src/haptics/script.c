@@ -76,7 +76,11 @@ static ost_haptic_answer script_read(haptic_instance *instance, ost_haptic_state
     if (instance->next == instance->path.count)
         return OST_HAPTIC_ENDED;
     const ost_tick *tick = &instance->path.ticks[instance->next++];
-    *state = (ost_haptic_state){.pose = tick->pose, .tool = tick->tool, .lifted = tick->lifted, .turned = tick->rpm != OST_RPM_OF_DEVICE, .rpm = tick->rpm};
+    *state = (ost_haptic_state){.pose = tick->pose,
+                                .tool = tick->tool,
+                                .lifted = tick->lifted,
+                                .turned = tick->rpm != OST_RPM_OF_DEVICE,
+                                .rpm = tick->rpm};
     return OST_HAPTIC_FRESH;
 }
 

@@ -244,8 +244,8 @@ static int64_t stolen_ms(void)
     return count == 8 ? field[7] * 10 : -1; /* in hundredths of a second */
 }
 
-ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick, ost_servo_done *done, void *user,
-                         ost_servo_report *report, ost_error *err)
+ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
+                         ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err)
 {
     servo s = {.device = device, .tick = tick, .done = done, .user = user, .report = report};
     const haptic_driver *driver = device->driver;

@@ -151,7 +151,8 @@ static void step(haptic_instance *s, const double to[3], const double speed[3])
 {
     double v[3];
     for (int a = 0; a < 3; a++) {
-        const double f = s->hand.stiffness * (to[a] - s->x[a]) + s->hand.damping * (speed[a] - s->v[a]) - VISCOUS * s->v[a] + s->force[a];
+        const double f = s->hand.stiffness * (to[a] - s->x[a]) + s->hand.damping * (speed[a] - s->v[a]) -
+                         VISCOUS * s->v[a] + s->force[a];
         v[a] = s->v[a] + f / MASS_KG * STEP_S;
     }
     const double fast = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), taken = s->friction / MASS_KG * STEP_S;
@@ -191,7 +192,8 @@ static ost_haptic_answer sim_read(haptic_instance *s, ost_haptic_state *state)
         step(s, hand, speed);
     }
     s->next += s->next < s->path.count;
-    *state = (ost_haptic_state){.pose = tick->pose, .tool = tick->tool, .turned = tick->rpm != OST_RPM_OF_DEVICE, .rpm = tick->rpm};
+    *state = (ost_haptic_state){
+        .pose = tick->pose, .tool = tick->tool, .turned = tick->rpm != OST_RPM_OF_DEVICE, .rpm = tick->rpm};
     state->pose.t = (ost_pm3){encoded(s->x[0]), encoded(s->x[1]), encoded(s->x[2])};
     return OST_HAPTIC_FRESH;
 }

@@ -58,7 +58,8 @@ static const vendor_symbol symbols[] = {
     {"spnav_poll_event", offsetof(spnav_calls, poll)},
 };
 static const char *const names[] = {"libspnav.so.0", "libspnav.so", NULL};
-static const vendor_library library = {"OSTEON_SPNAV_LIBRARY", names, "libspnav0 and spacenavd", symbols, sizeof symbols / sizeof symbols[0]};
+static const vendor_library library = {"OSTEON_SPNAV_LIBRARY", names, "libspnav0 and spacenavd", symbols,
+                                       sizeof symbols / sizeof symbols[0]};
 
 enum { FULL = 350, DEAD = 10, EVENTS = 32, SPEED_MM = 20, TURN_DEGREES = 30, HOLD_BUTTON = 0, BUTTONS = 32 };
 #define TICK_S 1e-3
@@ -182,8 +183,8 @@ static double share_of(int counts)
 static void turn_on(double q[4], const double by[3])
 {
     const double s = by[0] / 2, t = by[1] / 2, u = by[2] / 2;
-    const double r[4] = {q[0] - s * q[1] - t * q[2] - u * q[3], q[1] + s * q[0] + t * q[3] - u * q[2], q[2] + t * q[0] + u * q[1] - s * q[3],
-                         q[3] + u * q[0] + s * q[2] - t * q[1]};
+    const double r[4] = {q[0] - s * q[1] - t * q[2] - u * q[3], q[1] + s * q[0] + t * q[3] - u * q[2],
+                         q[2] + t * q[0] + u * q[1] - s * q[3], q[3] + u * q[0] + s * q[2] - t * q[1]};
     const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
     for (int i = 0; i < 4; i++)
         q[i] = r[i] / length;
@@ -215,7 +216,8 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
     }
     turn_on(s->q, by);
     frame_of(s->q, frame);
-    *state = (ost_haptic_state){.pose = haptic_workspace_pose(&s->workspace, s->at, frame), .tool = -1, .buttons = s->buttons};
+    *state = (ost_haptic_state){
+        .pose = haptic_workspace_pose(&s->workspace, s->at, frame), .tool = -1, .buttons = s->buttons};
     return OST_HAPTIC_FRESH;
 }
 

@@ -7,8 +7,8 @@
 #include "haptics/driver.h"
 
 static const haptic_driver *const drivers[] = {
-    &haptic_null, &haptic_script, &haptic_replay, &haptic_sim, &haptic_motion, &haptic_mouse, &haptic_openhaptics, &haptic_dhd, &haptic_spnav,
-    &haptic_inverse3, &haptic_udp,
+    &haptic_null,        &haptic_script, &haptic_replay, &haptic_sim,      &haptic_motion, &haptic_mouse,
+    &haptic_openhaptics, &haptic_dhd,    &haptic_spnav,  &haptic_inverse3, &haptic_udp,
 };
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
@@ -34,8 +34,8 @@ ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err)
     return OST_OK;
 }
 
-ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *options, const ost_haptic_setup *setup, ost_haptic **out,
-                                  ost_error *err)
+ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *options, const ost_haptic_setup *setup,
+                                  ost_haptic **out, ost_error *err)
 {
     static const ost_haptic_setup nothing = {.start = {.qw = OST_Q30_ONE}};
     char reason[256] = "";
@@ -66,7 +66,11 @@ ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_
             return ost_haptic_open_driver(drivers[i], spec[length] ? spec + length + 1 : "", setup, out, err);
     char names[160] = "";
     for (int i = 0, used = 0; i < DRIVERS; i++)
-        used += snprintf(names + used, sizeof names - (size_t)used, "%s%s", !i ? "" : i == DRIVERS - 1 ? " or " : ", ", drivers[i]->name);
+        used += snprintf(names + used, sizeof names - (size_t)used, "%s%s",
+                         !i                 ? ""
+                         : i == DRIVERS - 1 ? " or "
+                                            : ", ",
+                         drivers[i]->name);
     return ost_fail(err, OST_ERR_USAGE, "unknown device '%.60s'; expected %s", spec, names);
 }
 
@@ -102,7 +106,8 @@ bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out)
 bool ost_haptic_limits_usable(const ost_haptic_limits *l)
 {
     /* The strongest known device gives 40 N, and none gives 2 N m. */
-    return l->force_n >= 0.1 && l->force_n <= 100 && (l->torque_nm == 0 || (l->torque_nm >= 1e-3 && l->torque_nm <= 10));
+    return l->force_n >= 0.1 && l->force_n <= 100 &&
+           (l->torque_nm == 0 || (l->torque_nm >= 1e-3 && l->torque_nm <= 10));
 }
 
 int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST_HAPTIC_COUNTS])

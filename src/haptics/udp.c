@@ -53,7 +53,8 @@ enum {
 #define FAR_RAD 0.7
 
 enum { GOOD, MALFORMED, WRONG_KEY, REPLAYED, LATE, MISSING, OTHERS, AGAIN, COUNTS };
-static const char *const count_names[COUNTS] = {"good", "malformed", "wrong_key", "replayed", "late", "missing", "of_other_bridges", "too_far"};
+static const char *const count_names[COUNTS] = {"good", "malformed", "wrong_key",        "replayed",
+                                                "late", "missing",   "of_other_bridges", "too_far"};
 
 typedef struct came {
     ost_pose pose;
@@ -104,7 +105,8 @@ static void count(haptic_instance *u, int what, uint64_t n)
 
 /* ------------------------------------------------------------- the thread */
 
-static void answer(haptic_instance *u, const struct sockaddr_storage *to, socklen_t size, uint64_t bridge, uint16_t flags)
+static void answer(haptic_instance *u, const struct sockaddr_storage *to, socklen_t size, uint64_t bridge,
+                   uint16_t flags)
 {
     uint8_t bytes[LINK_STATE_BYTES];
     if (newest_take(&u->out))
@@ -156,7 +158,8 @@ static bool take_pose(haptic_instance *u, const link_packet *p)
     return true;
 }
 
-static void take_packet(haptic_instance *u, const uint8_t *bytes, size_t size, const struct sockaddr_storage *from, socklen_t from_size)
+static void take_packet(haptic_instance *u, const uint8_t *bytes, size_t size, const struct sockaddr_storage *from,
+                        socklen_t from_size)
 {
     link_packet p;
     const link_verdict verdict = link_unseal(u->key, bytes, size, &p);
@@ -165,7 +168,8 @@ static void take_packet(haptic_instance *u, const uint8_t *bytes, size_t size, c
         return;
     }
     if (p.type == LINK_HELLO) {
-        const bool busy = u->owner && u->owner != p.bridge && ost_clock_ns() - u->owner_ns < OWNER_MS * INT64_C(1000000);
+        const bool busy = u->owner && u->owner != p.bridge &&
+                          ost_clock_ns() - u->owner_ns < OWNER_MS * INT64_C(1000000);
         count(u, busy ? OTHERS : GOOD, 1);
         answer(u, from, from_size, p.bridge, busy ? LINK_BUSY : 0);
     } else if (take_pose(u, &p)) {
@@ -188,8 +192,8 @@ static void *run_network(void *user)
             struct sockaddr_storage from;
             socklen_t from_size = sizeof from;
             /* MSG_TRUNC: returns the packet's full length, so that one that is too long is rejected. */
-            const ssize_t size =
-                recvfrom(u->socket, bytes, sizeof bytes, MSG_DONTWAIT | MSG_TRUNC, (struct sockaddr *)&from, &from_size);
+            const ssize_t size = recvfrom(u->socket, bytes, sizeof bytes, MSG_DONTWAIT | MSG_TRUNC,
+                                          (struct sockaddr *)&from, &from_size);
             if (size < 0)
                 break;
             if ((size_t)size > sizeof bytes)
@@ -234,12 +238,16 @@ static ost_status open_socket(haptic_instance *u, const choice *c, ost_error *er
                         "device udp: bind=%.60s; expected a numeric address such as 127.0.0.1 or ::1", c->bind);
     ost_status status = OST_OK;
     u->socket = socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (u->socket < 0 || bind(u->socket, found->ai_addr, found->ai_addrlen) != 0 || getsockname(u->socket, (struct sockaddr *)&own, &size) != 0 ||
-        getnameinfo((struct sockaddr *)&own, size, host, sizeof host, port, sizeof port, NI_NUMERICHOST | NI_NUMERICSERV) != 0)
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: cannot listen at %.60s port %s: %s", c->bind, port, strerror(errno));
+    if (u->socket < 0 || bind(u->socket, found->ai_addr, found->ai_addrlen) != 0 ||
+        getsockname(u->socket, (struct sockaddr *)&own, &size) != 0 ||
+        getnameinfo((struct sockaddr *)&own, size, host, sizeof host, port, sizeof port,
+                    NI_NUMERICHOST | NI_NUMERICSERV) != 0)
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: cannot listen at %.60s port %s: %s", c->bind, port,
+                          strerror(errno));
     freeaddrinfo(found);
     if (status == OST_OK)
-        snprintf(u->where, sizeof u->where, strchr(host, ':') ? "waits for a bridge at [%s]:%s" : "waits for a bridge at %s:%s", host, port);
+        snprintf(u->where, sizeof u->where,
+                 strchr(host, ':') ? "waits for a bridge at [%s]:%s" : "waits for a bridge at %s:%s", host, port);
     return status;
 }
 
@@ -332,7 +340,8 @@ static bool follow(haptic_instance *u, const ost_pose *to)
         u->given = *to;
         return true;
     }
-    const double share = fmin(way > FAR_M ? FAR_M / way : 1, angle > FAR_RAD ? FAR_RAD / angle : 1), side = dot < 0 ? -1 : 1;
+    const double share = fmin(way > FAR_M ? FAR_M / way : 1, angle > FAR_RAD ? FAR_RAD / angle : 1),
+                 side = dot < 0 ? -1 : 1;
     double at[3], turned[4], length = 0;
     for (int i = 0; i < 3; i++)
         at[i] = (a[i] + share * (b[i] - a[i])) * 1e-3;
@@ -413,7 +422,10 @@ const haptic_driver haptic_udp = {
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
     .max_force_n = 3.3,
     .max_stiffness_n_m = 300,
-    .buttons = {{"button1", OST_ACTION_MOTOR}, {"button2", OST_ACTION_TOOL}, {"button3", OST_ACTION_CLUTCH}, {"button4", OST_ACTION_HOME}},
+    .buttons = {{"button1", OST_ACTION_MOTOR},
+                {"button2", OST_ACTION_TOOL},
+                {"button3", OST_ACTION_CLUTCH},
+                {"button4", OST_ACTION_HOME}},
     .open = udp_open,
     .close = udp_close,
     .read = udp_read,

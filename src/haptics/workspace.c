@@ -24,7 +24,9 @@ static void rotation_of(const ost_pose *pose, double r[3][3])
 
 haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale)
 {
-    haptic_workspace w = {.scale = scale, .at = {(double)start->t.x / PM_PER_M, (double)start->t.y / PM_PER_M, (double)start->t.z / PM_PER_M}};
+    haptic_workspace w = {
+        .scale = scale,
+        .at = {(double)start->t.x / PM_PER_M, (double)start->t.y / PM_PER_M, (double)start->t.z / PM_PER_M}};
     double tool[3][3], to_tool[3][3] = {{0}};
     rotation_of(start, tool);
     for (int i = 0; i < 3; i++) {

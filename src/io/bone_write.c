@@ -65,7 +65,8 @@ static ost_status write_slabs(const char *path, const ost_bone *bone, const ost_
     return status;
 }
 
-ost_status ost_bone_write(const char *path, const ost_bone *bone, const ost_meta *meta, const ost_write_options *options, ost_error *err)
+ost_status ost_bone_write(const char *path, const ost_bone *bone, const ost_meta *meta,
+                          const ost_write_options *options, ost_error *err)
 {
     ost_bone_info info;
     ost_meta own;
@@ -77,5 +78,6 @@ ost_status ost_bone_write(const char *path, const ost_bone *bone, const ost_meta
         status = bone_meta(&info, meta, &own, err);
     if (status != OST_OK)
         return status;
-    return format == OST_FORMAT_TEXT ? write_text(path, bone, &info, &own, options, err) : write_slabs(path, bone, &info, &own, options, err);
+    return format == OST_FORMAT_TEXT ? write_text(path, bone, &info, &own, options, err)
+                                     : write_slabs(path, bone, &info, &own, options, err);
 }

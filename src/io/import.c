@@ -66,7 +66,8 @@ static ost_status stage_end(job *j, const char *name, ost_stage **stage, ost_err
 {
     ost_status status = ost_backend_finish(j->backend, err);
     *stage = &j->result->stages[j->result->stage_count++];
-    **stage = (ost_stage){.time_ms = (double)(ost_clock_ns() - j->stage_start) * 1e-6, .has_digest = j->options->digests};
+    **stage = (ost_stage){.time_ms = (double)(ost_clock_ns() - j->stage_start) * 1e-6,
+                          .has_digest = j->options->digests};
     snprintf((*stage)->name, sizeof (*stage)->name, "%s", name);
     return status;
 }
@@ -94,8 +95,8 @@ static ost_status check_memory(const char *path, const char *what, ost_dims dims
     const double bytes = 2.0 * (double)ost_dims_count(dims), all = machine_memory();
     if (bytes <= all)
         return OST_OK;
-    return ost_fail(err, OST_ERR_MEMORY, "%s: the %s of %d x %d x %d voxels takes %.3g GB; this machine has %.3g GB", path, what,
-                    (int)dims.x, (int)dims.y, (int)dims.z, bytes * 1e-9, all * 1e-9);
+    return ost_fail(err, OST_ERR_MEMORY, "%s: the %s of %d x %d x %d voxels takes %.3g GB; this machine has %.3g GB",
+                    path, what, (int)dims.x, (int)dims.y, (int)dims.z, bytes * 1e-9, all * 1e-9);
 }
 
 static ost_status count_active(const job *j, int32_t threshold, int64_t *out, ost_error *err)
@@ -129,15 +130,16 @@ static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshol
     const double c = (double)cubic, all = machine_memory();
     const double along[3] = {(double)g->spacing.x / c, (double)g->spacing.y / c, (double)g->spacing.z / c};
     const double each = 2 * along[0] * along[1] * along[2]; /* bytes for a voxel of the rect grid */
-    if (g->dims.x * along[0] > OST_DIM_MAX || g->dims.y * along[1] > OST_DIM_MAX || g->dims.z * along[2] > OST_DIM_MAX ||
-        (double)ost_dims_count(g->dims) * each <= all)
+    if (g->dims.x * along[0] > OST_DIM_MAX || g->dims.y * along[1] > OST_DIM_MAX ||
+        g->dims.z * along[2] > OST_DIM_MAX || (double)ost_dims_count(g->dims) * each <= all)
         return OST_OK;
     int64_t active;
     ost_status status = count_active(j, threshold, &active, err);
     if (status != OST_OK || (double)active * each <= all)
         return status;
     char text[OST_PM_TEXT];
-    return ost_fail(err, OST_ERR_MEMORY, "%s: with cubic voxels of %s mm the bone takes %.3g GB; this machine has %.3g GB", j->path,
+    return ost_fail(err, OST_ERR_MEMORY,
+                    "%s: with cubic voxels of %s mm the bone takes %.3g GB; this machine has %.3g GB", j->path,
                     ost_pm_format(cubic, text), (double)active * each * 1e-9, all * 1e-9);
 }
 
@@ -149,7 +151,8 @@ static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_
     const ost_pm spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     for (int a = 0; a < 3; a++) {
         if (box->lo[a] < 0 || box->lo[a] >= box->hi[a] || box->hi[a] > *dims[a])
-            return ost_fail(err, OST_ERR_USAGE, "%s: a crop of voxels %" PRId32 " to %" PRId32 " along %c; expected 0 <= from < to <= %d",
+            return ost_fail(err, OST_ERR_USAGE,
+                            "%s: a crop of voxels %" PRId32 " to %" PRId32 " along %c; expected 0 <= from < to <= %d",
                             path, box->lo[a], box->hi[a], "xyz"[a], (int)*dims[a]);
         *origin[a] += box->lo[a] * spacing[a];
         *dims[a] = box->hi[a] - box->lo[a];
@@ -181,7 +184,8 @@ static ost_status read_samples(job *j, text_job *text, ost_hasher *hasher, ost_e
         return status;
     if (text->is_raster)
         return hasher ? ost_text_raster_hash(&text->raster, hasher, err) : OST_OK;
-    return ost_text_scan(&text->source, options->spacing, hasher, options->progress, options->progress_user, &text->summary, err);
+    return ost_text_scan(&text->source, options->spacing, hasher, options->progress, options->progress_user,
+                         &text->summary, err);
 }
 
 static ost_status scan_text(job *j, text_job *text, ost_error *err)
@@ -196,7 +200,8 @@ static ost_status scan_text(job *j, text_job *text, ost_error *err)
     if (status == OST_OK)
         status = stage_end(j, "samples", &stage, err);
     if (hasher) {
-        ost_status closed = ost_hasher_close(hasher, status == OST_OK ? &stage->digest : NULL, status == OST_OK ? err : NULL);
+        ost_status closed = ost_hasher_close(hasher, status == OST_OK ? &stage->digest : NULL,
+                                             status == OST_OK ? err : NULL);
         status = status == OST_OK ? closed : status;
     }
     return status;
@@ -255,8 +260,9 @@ static ost_status rect_from_text(job *j, ost_error *err)
             .progress = j->options->progress,
             .user = j->options->progress_user,
         };
-        status = text.is_raster ? ost_text_raster_to_rect(j->path, &text.raster, &options, j->rect, &result->scatter, err)
-                                : ost_text_to_rect(&text.source, &options, j->rect, &result->scatter, err);
+        status = text.is_raster
+                     ? ost_text_raster_to_rect(j->path, &text.raster, &options, j->rect, &result->scatter, err)
+                     : ost_text_to_rect(&text.source, &options, j->rect, &result->scatter, err);
     }
     ost_text_raster_free(&text.raster);
     ost_text_summary_free(&text.summary);
@@ -309,7 +315,8 @@ static ost_status rect_from_volume(job *j, ost_error *err)
     if (status == OST_OK)
         status = ost_grid_create(j->backend, rect, &j->rect, err);
     if (status == OST_OK)
-        status = options->crop ? upload_crop(j, &volume, err) : ost_grid_upload(j->rect, 0, rect->dims.z, volume.voxels, err);
+        status = options->crop ? upload_crop(j, &volume, err)
+                               : ost_grid_upload(j->rect, 0, rect->dims.z, volume.voxels, err);
     ost_volume_free(&volume);
     return status == OST_OK ? stage_end_grid(j, "rect", OST_GRID_RECT, j->rect, err) : status;
 }
@@ -325,15 +332,16 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {
     const int32_t requested = j->options->threshold;
     *out = requested ? requested : THRESHOLD;
-    const char *kind = ost_meta_get(&j->result->meta, OST_META_KIND), *text = ost_meta_get(&j->result->meta, OST_META_THRESHOLD);
+    const char *kind = ost_meta_get(&j->result->meta, OST_META_KIND),
+               *text = ost_meta_get(&j->result->meta, OST_META_THRESHOLD);
     if (!kind || strcmp(kind, "bone") != 0 || !text)
         return OST_OK;
     const char *end = text + strlen(text);
     ost_decimal value;
     int64_t threshold;
     bool exact;
-    if (ost_decimal_read(text, end, &value) != end || !ost_decimal_scale(&value, 1, &threshold, &exact) || !exact || threshold < 1 ||
-        threshold > INT16_MAX)
+    if (ost_decimal_read(text, end, &value) != end || !ost_decimal_scale(&value, 1, &threshold, &exact) || !exact ||
+        threshold < 1 || threshold > INT16_MAX)
         return ost_fail(err, OST_ERR_INPUT,
                         "%s: threshold '%.40s' in the header; expected a whole number from 1 to %d", j->path, text,
                         INT16_MAX);
@@ -382,7 +390,9 @@ static ost_status bone_from_rect(job *j, ost_error *err)
     ost_stage *stage;
     int32_t threshold;
     const ost_pm spacing = options->cubic ? options->cubic : result->rect.spacing.x;
-    result->resample = options->has_resample ? options->resample : result->volume.labels ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_LINEAR;
+    result->resample = options->has_resample   ? options->resample
+                       : result->volume.labels ? OST_RESAMPLE_NEAREST
+                                               : OST_RESAMPLE_LINEAR;
     ost_status status = find_threshold(j, &threshold, err);
     if (status == OST_OK)
         status = check_bone_memory(j, spacing, threshold, err);
@@ -401,7 +411,8 @@ static ost_status bone_from_rect(job *j, ost_error *err)
         status = stage_begin(j, "chunks", err);
     }
     if (status == OST_OK)
-        status = ost_cubic_to_chunks(cubic, options->chunk_size ? options->chunk_size : CHUNK, threshold, &j->bone, err);
+        status = ost_cubic_to_chunks(cubic, options->chunk_size ? options->chunk_size : CHUNK, threshold, &j->bone,
+                                     err);
     if (status == OST_OK)
         status = stage_end(j, "chunks", &stage, err);
     ost_grid_free(cubic);

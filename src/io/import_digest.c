@@ -17,7 +17,8 @@ static void copy_leaf(const int16_t *slab, ost_dims dims, int32_t depth, int32_t
                    (size_t)width * sizeof *leaf);
 }
 
-ost_status ost_import_digest(const char *path, ost_grid_kind kind, const ost_grid *grid, ost_digest *out, ost_error *err)
+ost_status ost_import_digest(const char *path, ost_grid_kind kind, const ost_grid *grid, ost_digest *out,
+                             ost_error *err)
 {
     const ost_geometry *g = ost_grid_geometry(grid);
     ost_dims leaf_dims = ost_leaf_dims(g->dims);

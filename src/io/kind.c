@@ -142,10 +142,11 @@ static ost_file_kind kind_by_name(const char *path)
         const char *suffix;
         ost_file_kind kind;
     } names[] = {
-        {".txt", OST_FILE_CT_TEXT},  {".asc", OST_FILE_CT_TEXT},  {".xyz", OST_FILE_CT_TEXT}, {".dat", OST_FILE_CT_TEXT},
-        {".csv", OST_FILE_PATH_CSV}, {".nrrd", OST_FILE_NRRD},    {".nhdr", OST_FILE_NRRD},   {".nii", OST_FILE_NIFTI},
-        {".nii.gz", OST_FILE_NIFTI}, {".hdr", OST_FILE_NIFTI},    {".stl", OST_FILE_MESH},    {".obj", OST_FILE_MESH},
-        {".ply", OST_FILE_MESH},     {".3ds", OST_FILE_MESH},      {".session", OST_FILE_SESSION},
+        {".txt", OST_FILE_CT_TEXT}, {".asc", OST_FILE_CT_TEXT},  {".xyz", OST_FILE_CT_TEXT},
+        {".dat", OST_FILE_CT_TEXT}, {".csv", OST_FILE_PATH_CSV}, {".nrrd", OST_FILE_NRRD},
+        {".nhdr", OST_FILE_NRRD},   {".nii", OST_FILE_NIFTI},    {".nii.gz", OST_FILE_NIFTI},
+        {".hdr", OST_FILE_NIFTI},   {".stl", OST_FILE_MESH},     {".obj", OST_FILE_MESH},
+        {".ply", OST_FILE_MESH},    {".3ds", OST_FILE_MESH},     {".session", OST_FILE_SESSION},
     };
     size_t length = strlen(path);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
@@ -177,8 +178,8 @@ static ost_file_kind plain_kind(const unsigned char *head, size_t size, off_t fi
     return OST_FILE_UNKNOWN;
 }
 
-static ost_status kind_by_content(const char *path, int fd, const unsigned char *head, size_t size, off_t file_size, ost_file_kind by_name,
-                                  ost_file_kind *out, ost_error *err)
+static ost_status kind_by_content(const char *path, int fd, const unsigned char *head, size_t size, off_t file_size,
+                                  ost_file_kind by_name, ost_file_kind *out, ost_error *err)
 {
     if (!is_gzip(head, size)) {
         *out = plain_kind(head, size, file_size, by_name);

@@ -73,7 +73,8 @@ ost_landmark_role ost_landmark_role_of(const char *label)
 
 /* ----------------------------------------------------------------- the list */
 
-static ost_status add(const char *location, ost_landmarks *all, const char *label, size_t length, ost_pm3 at, bool ras, ost_error *err)
+static ost_status add(const char *location, ost_landmarks *all, const char *label, size_t length, ost_pm3 at, bool ras,
+                      ost_error *err)
 {
     if (all->count == LANDMARKS_MAX)
         return ost_fail(err, OST_ERR_RANGE, "%s: more than %d landmarks", location, LANDMARKS_MAX);
@@ -116,7 +117,8 @@ static ost_status json_ras(const char *path, const json_t *markup, bool *ras, os
     return OST_OK;
 }
 
-static ost_status json_point(const char *path, const json_t *point, size_t number, bool ras, ost_landmarks *out, ost_error *err)
+static ost_status json_point(const char *path, const json_t *point, size_t number, bool ras, ost_landmarks *out,
+                             ost_error *err)
 {
     const json_t *position = json_object_get(point, "position"), *label = json_object_get(point, "label");
     const char *defined = json_string_value(json_object_get(point, "positionStatus"));
@@ -134,8 +136,8 @@ static ost_status json_point(const char *path, const json_t *point, size_t numbe
             return ost_fail(err, OST_ERR_INPUT, "%s: coordinate %zu of the position is not a length within 8 m",
                             location, a + 1);
     }
-    return add(location, out, json_is_string(label) ? json_string_value(label) : "", json_string_length(label), (ost_pm3){p[0], p[1], p[2]}, ras,
-               err);
+    return add(location, out, json_is_string(label) ? json_string_value(label) : "", json_string_length(label),
+               (ost_pm3){p[0], p[1], p[2]}, ras, err);
 }
 
 static ost_status read_json(const char *path, const char *text, size_t size, ost_landmarks *out, ost_error *err)
@@ -212,7 +214,8 @@ static bool is_word(const field *f, const char *word)
 /* Takes the fields as column names. Returns true if they name a label and the three axes of a position. */
 static bool take_columns(table *t, const field *fields, int count)
 {
-    static const char *const triples[][3] = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}, {"l", "p", "s"}, {"r", "a", "s"}};
+    static const char *const triples[][3] = {
+        {"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}, {"l", "p", "s"}, {"r", "a", "s"}};
     columns c = {-1, -1, -1, -1};
     for (size_t k = 0; k < sizeof triples / sizeof triples[0]; k++) {
         int at[3] = {-1, -1, -1};
@@ -277,20 +280,24 @@ static ost_status take_row(table *t, const field *fields, int count, ost_landmar
     for (int a = 0; a < 3; a++) {
         ost_decimal d;
         const field *f = at[a] < count ? &fields[at[a]] : NULL;
-        if (!f || ost_decimal_read(f->begin, f->begin + f->length, &d) != f->begin + f->length || !ost_decimal_to_pm(&d, &p[a], NULL))
-            return ost_fail(err, OST_ERR_INPUT, "%s: column %d, '%.*s', is not a length in millimetres within 8 m", location, at[a] + 1,
-                            f ? (int)(f->length < 40 ? f->length : 40) : 0, f ? f->begin : "");
+        if (!f || ost_decimal_read(f->begin, f->begin + f->length, &d) != f->begin + f->length ||
+            !ost_decimal_to_pm(&d, &p[a], NULL))
+            return ost_fail(err, OST_ERR_INPUT, "%s: column %d, '%.*s', is not a length in millimetres within 8 m",
+                            location, at[a] + 1, f ? (int)(f->length < 40 ? f->length : 40) : 0, f ? f->begin : "");
     }
     if (c->label >= count)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %d columns; the label was expected in column %d", location, count, c->label + 1);
-    return add(location, out, fields[c->label].begin, fields[c->label].length, (ost_pm3){p[0], p[1], p[2]}, t->ras, err);
+        return ost_fail(err, OST_ERR_INPUT, "%s: %d columns; the label was expected in column %d", location, count,
+                        c->label + 1);
+    return add(location, out, fields[c->label].begin, fields[c->label].length, (ost_pm3){p[0], p[1], p[2]}, t->ras,
+               err);
 }
 
 static ost_status read_table(const char *path, const char *text, size_t size, ost_landmarks *out, ost_error *err)
 {
     const size_t n = strlen(path);
     table t = {.path = path, .columns = {0, 1, 2, 3}};
-    t.fcsv = (n > 5 && strcasecmp(path + n - 5, ".fcsv") == 0) || (size > 24 && strncasecmp(text, "# Markups fiducial file", 23) == 0);
+    t.fcsv = (n > 5 && strcasecmp(path + n - 5, ".fcsv") == 0) ||
+             (size > 24 && strncasecmp(text, "# Markups fiducial file", 23) == 0);
     if (t.fcsv)
         t.columns = (columns){11, 1, 2, 3};
     ost_status status = OST_OK;
@@ -328,7 +335,8 @@ ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *e
         return status;
     const uint64_t bytes = ost_input_file_bytes(input);
     if (bytes > FILE_MAX)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes; a file of landmarks has at most %d", path, (unsigned long long)bytes, FILE_MAX);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes; a file of landmarks has at most %d", path,
+                          (unsigned long long)bytes, FILE_MAX);
     else if (!(text = malloc((size_t)bytes + 1)))
         status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %llu bytes", path, (unsigned long long)bytes);
     if (status == OST_OK)
@@ -336,7 +344,8 @@ ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *e
     ost_input_close(input);
     if (status == OST_OK) {
         text[size] = 0;
-        size_t first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, start = first + strspn(text + first, " \t\r\n");
+        size_t first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0,
+               start = first + strspn(text + first, " \t\r\n");
         if (memchr(text, 0, size))
             status = ost_fail(err, OST_ERR_INPUT, "%s: not a text file; expected .mrk.json, .fcsv or CSV", path);
         else if (text[start] == '{')

@@ -62,7 +62,8 @@ static int slot_take(int folder)
         if (!atomic_compare_exchange_strong(&slots[i].state, &expected, SLOT_TAKEN))
             continue;
         slots[i].folder = folder;
-        snprintf(slots[i].name, sizeof slots[i].name, ".osteon-%016" PRIx64 "%016" PRIx64 ".part", random[0], random[1]);
+        snprintf(slots[i].name, sizeof slots[i].name, ".osteon-%016" PRIx64 "%016" PRIx64 ".part", random[0],
+                 random[1]);
         atomic_store(&slots[i].state, SLOT_LISTED);
         return i;
     }
@@ -92,7 +93,8 @@ static int open_hidden(ost_outfile *file)
         file->slot = slot_take(file->folder);
         if (file->slot < 0)
             return -1;
-        int fd = openat(file->folder, slots[file->slot].name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+        int fd = openat(file->folder, slots[file->slot].name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+                        0666);
         if (fd >= 0)
             return fd;
         slot_drop(file->slot);
@@ -123,7 +125,8 @@ static int open_unnamed(const ost_outfile *file)
     char proc[NAME_BYTES];
     struct stat by_fd, by_name;
     proc_path(fd, proc);
-    if (fstat(fd, &by_fd) == 0 && stat(proc, &by_name) == 0 && by_fd.st_dev == by_name.st_dev && by_fd.st_ino == by_name.st_ino)
+    if (fstat(fd, &by_fd) == 0 && stat(proc, &by_name) == 0 && by_fd.st_dev == by_name.st_dev &&
+        by_fd.st_ino == by_name.st_ino)
         return fd;
     close(fd);
 #else

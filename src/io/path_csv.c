@@ -31,8 +31,9 @@
 
 /* The columns of a pose, followed by the columns that a header may add by name. */
 enum { POSE_COLUMNS = 8, TOOL = POSE_COLUMNS, LIFTED, RPM, KINDS, SEEN_COLUMNS = 256, NOT_READ = KINDS };
-static const char *const column_names[2][KINDS] = {{"t_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"},
-                                                   {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"}};
+static const char *const column_names[2][KINDS] = {
+    {"t_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"},
+    {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"}};
 static const char expected_row[] = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]";
 
 /* Limit for the unpacked bytes of a gzip file, because a small packed file may expand to gigabytes. */
@@ -56,15 +57,17 @@ typedef struct reader {
     ost_path_report report;
 } reader;
 
-static ost_status fail_field(const reader *r, int column, const char *field, const char *end, const char *expected, ost_error *err)
+static ost_status fail_field(const reader *r, int column, const char *field, const char *end, const char *expected,
+                             ost_error *err)
 {
     char quote[OST_TEXT_QUOTE];
     const char *field_end = ost_text_field_end(field, end);
     if (ost_text_is_binary(field, field_end))
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: binary data; expected %s", r->path, (long long)r->line,
                         expected_row);
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d (%s) is '%s'; expected %s", r->path, (long long)r->line, column + 1,
-                    column_names[r->metres][r->kind[column]], ost_text_quote(field, field_end, quote), expected);
+    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d (%s) is '%s'; expected %s", r->path, (long long)r->line,
+                    column + 1, column_names[r->metres][r->kind[column]], ost_text_quote(field, field_end, quote),
+                    expected);
 }
 
 static int count_columns(const char *p, const char *end)
@@ -81,9 +84,10 @@ static ost_status fail_columns(const reader *r, const char *p, const char *end, 
 {
     const int columns = count_columns(p, end);
     if (r->columns == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %d columns; expected %s", r->path, (long long)r->line, columns, expected_row);
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %d columns, or an empty one; %s %d", r->path, (long long)r->line, columns,
-                    r->header ? "the header has" : "the rows above have", r->columns);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %d columns; expected %s", r->path, (long long)r->line, columns,
+                        expected_row);
+    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %d columns, or an empty one; %s %d", r->path, (long long)r->line,
+                    columns, r->header ? "the header has" : "the rows above have", r->columns);
 }
 
 static bool is_name(const char *field, const char *end, const char *name)
@@ -104,7 +108,8 @@ static ost_status read_header(reader *r, const char *p, const char *end, ost_err
         const char *field = p;
         p = ost_text_field_end(p, end);
         if (column == SEEN_COLUMNS)
-            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the header has more than %d columns", r->path, (long long)r->line, SEEN_COLUMNS);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the header has more than %d columns", r->path,
+                            (long long)r->line, SEEN_COLUMNS);
         if (column == 1)
             r->metres = is_name(field, p, column_names[1][1]);
         int kind = column < POSE_COLUMNS ? column : NOT_READ;
@@ -114,8 +119,8 @@ static ost_status read_header(reader *r, const char *p, const char *end, ost_err
             return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is named '%s'; expected %s, with mm or with m",
                             r->path, (long long)r->line, column + 1, ost_text_quote(field, p, quote), expected_row);
         if (kind != NOT_READ && named[kind])
-            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is a second '%s'", r->path, (long long)r->line, column + 1,
-                            column_names[0][kind]);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is a second '%s'", r->path, (long long)r->line,
+                            column + 1, column_names[0][kind]);
         if (kind != NOT_READ) {
             named[kind] = true;
             needed = column + 1;
@@ -135,7 +140,8 @@ static ost_status new_tick(reader *r, ost_tick **tick, ost_error *err)
 {
     ost_path *path = r->out;
     if (path->count == OST_PATH_TICKS_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s:%lld: more than %d rows", r->path, (long long)r->line, OST_PATH_TICKS_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "%s:%lld: more than %d rows", r->path, (long long)r->line,
+                        OST_PATH_TICKS_MAX);
     if (path->count == r->capacity) {
         size_t capacity = r->capacity ? r->capacity + r->capacity / 2 : 1024;
         ost_tick *more = realloc(path->ticks, capacity * sizeof *more);
@@ -168,7 +174,9 @@ static ost_status read_fields(reader *r, const char *p, const char *end, row *ou
     int column = 0;
     ost_text_field_kind kind;
     *out = (row){.posed = true};
-    for (; (kind = ost_text_field_start(&p, end, column)) == OST_TEXT_FIELD && column < (r->columns ? r->columns : POSE_COLUMNS + 1); column++) {
+    for (; (kind = ost_text_field_start(&p, end, column)) == OST_TEXT_FIELD &&
+           column < (r->columns ? r->columns : POSE_COLUMNS + 1);
+         column++) {
         const char *field = p, *stop = ost_text_field_end(p, end);
         const int k = r->kind[column];
         p = stop;
@@ -179,9 +187,12 @@ static ost_status read_fields(reader *r, const char *p, const char *end, row *ou
         if (k > 0 && k < POSE_COLUMNS && is_nan(field, stop))
             out->posed = false;
         else if (ost_decimal_read(field, end, &out->value[k]) != stop)
-            return fail_field(r, column, field, end, k > 0 && k < POSE_COLUMNS ? "a decimal number or nan" : "a decimal number", err);
+            return fail_field(r, column, field, end,
+                              k > 0 && k < POSE_COLUMNS ? "a decimal number or nan" : "a decimal number", err);
     }
-    const bool complete = r->header ? column == r->columns : kind == OST_TEXT_END && column >= POSE_COLUMNS && (!r->columns || column == r->columns);
+    const bool complete = r->header
+                              ? column == r->columns
+                              : kind == OST_TEXT_END && column >= POSE_COLUMNS && (!r->columns || column == r->columns);
     if (!complete || memchr(begin, 0, (size_t)(end - begin)))
         return fail_columns(r, begin, end, err);
     r->columns = column;
@@ -199,14 +210,18 @@ static ost_status read_row(reader *r, const char *p, const char *end, ost_error 
         return status;
     if (!ost_decimal_scale(&in.value[0], 1000000000, &t_ns, NULL) || llabs(t_ns) > OST_PATH_TIME_MAX_NS)
         return fail_field(r, 0, in.field[0], end, "a time in seconds within 4 * 10^9", err);
-    if (in.field[TOOL] && (!ost_decimal_scale(&in.value[TOOL], 1, &tool, &exact) || !exact || tool < 0 || tool > INT32_MAX))
+    if (in.field[TOOL] &&
+        (!ost_decimal_scale(&in.value[TOOL], 1, &tool, &exact) || !exact || tool < 0 || tool > INT32_MAX))
         return fail_field(r, in.column[TOOL], in.field[TOOL], end, "a tool's number from 0", err);
-    if (in.field[LIFTED] && (!ost_decimal_scale(&in.value[LIFTED], 1, &lifted, &exact) || !exact || lifted < 0 || lifted > 1))
+    if (in.field[LIFTED] &&
+        (!ost_decimal_scale(&in.value[LIFTED], 1, &lifted, &exact) || !exact || lifted < 0 || lifted > 1))
         return fail_field(r, in.column[LIFTED], in.field[LIFTED], end, "0 or 1", err);
-    if (in.field[RPM] && (!ost_decimal_scale(&in.value[RPM], 1, &rpm, &exact) || !exact || rpm < OST_RPM_OF_DEVICE || rpm > OST_RPM_MAX))
+    if (in.field[RPM] &&
+        (!ost_decimal_scale(&in.value[RPM], 1, &rpm, &exact) || !exact || rpm < OST_RPM_OF_DEVICE || rpm > OST_RPM_MAX))
         return fail_field(r, in.column[RPM], in.field[RPM], end, "turns a minute from 0 to 3000, or -1 or -2", err);
     if (r->report.rows > 0 && t_ns <= r->t_ns)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: t_s is %.9f, not after the row above, which has %.9f; expected increasing times",
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s:%lld: t_s is %.9f, not after the row above, which has %.9f; expected increasing times",
                         r->path, (long long)r->line, (double)t_ns * 1e-9, (double)r->t_ns * 1e-9);
     r->report.begin_ns = r->report.rows++ ? r->report.begin_ns : t_ns;
     r->report.end_ns = r->t_ns = t_ns;
@@ -219,7 +234,8 @@ static ost_status read_row(reader *r, const char *p, const char *end, ost_error 
         in.value[a].exponent += 3;
     if ((status = new_tick(r, &tick, err)) != OST_OK)
         return status;
-    *tick = (ost_tick){.t_ns = t_ns, .tool = (int32_t)tool, .rpm = (int32_t)rpm, .lifted = r->out->count > 0 && (lifted || r->lost)};
+    *tick = (ost_tick){
+        .t_ns = t_ns, .tool = (int32_t)tool, .rpm = (int32_t)rpm, .lifted = r->out->count > 0 && (lifted || r->lost)};
     status = ost_pose_from_decimals(&in.value[1], &in.value[4], &tick->pose, err);
     if (status != OST_OK) {
         (void)ost_fail_context(err, "%s:%lld", r->path, (long long)r->line);
@@ -243,7 +259,8 @@ static ost_status read_line(reader *r, const char *p, const char *newline, ost_e
     if (*p == '#')
         return !memchr(p, 0, (size_t)(end - p))
                    ? OST_OK
-                   : ost_fail(err, OST_ERR_INPUT, "%s:%lld: a zero byte; expected a line of text", r->path, (long long)r->line);
+                   : ost_fail(err, OST_ERR_INPUT, "%s:%lld: a zero byte; expected a line of text", r->path,
+                              (long long)r->line);
     bool header = !r->past_header && ost_text_is_header(p, end);
     r->past_header = true;
     return header ? read_header(r, p, end, err) : read_row(r, p, end, err);
@@ -270,7 +287,8 @@ static int ascending(const void *a, const void *b)
 }
 
 /* Computes the median of of(a, b) over all pairs; there must be at least one pair. */
-static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out, ost_error *err)
+static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out,
+                            ost_error *err)
 {
     const ost_path *path = r->out;
     ost_i128 *values = malloc(path->count * sizeof *values);
@@ -295,8 +313,8 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
  * Sets *out to given if it is not 0, otherwise to the greater of least and factor times the median of `of` over all
  * pairs of adjacent ticks. The median is computed only if a pair exceeds least.
  */
-static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given, ost_i128 least, int factor,
-                           ost_i128 *out, ost_error *err)
+static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
+                           ost_i128 least, int factor, ost_i128 *out, ost_error *err)
 {
     const ost_path *path = r->out;
     bool beyond = false;
@@ -320,10 +338,12 @@ static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_erro
     const int64_t gap = options ? options->max_gap_ns : 0;
     const ost_pm jump = options ? options->max_jump_pm : 0;
     ost_i128 longest = 0, farthest = 0;
-    const bool by_time = gap != OST_PATH_NO_GAPS && (gap || !r->lifted_column), by_space = jump != OST_PATH_NO_GAPS && (jump || !r->lifted_column);
+    const bool by_time = gap != OST_PATH_NO_GAPS && (gap || !r->lifted_column),
+               by_space = jump != OST_PATH_NO_GAPS && (jump || !r->lifted_column);
     ost_status status = by_time ? limit_of(r, interval, gap, GAP_LEAST_NS, TIMES_MEDIAN, &longest, err) : OST_OK;
     if (status == OST_OK && by_space)
-        status = limit_of(r, distance_squared, (ost_i128)jump * jump, (ost_i128)JUMP_LEAST_PM * JUMP_LEAST_PM, TIMES_MEDIAN * TIMES_MEDIAN, &farthest, err);
+        status = limit_of(r, distance_squared, (ost_i128)jump * jump, (ost_i128)JUMP_LEAST_PM * JUMP_LEAST_PM,
+                          TIMES_MEDIAN * TIMES_MEDIAN, &farthest, err);
     if (status != OST_OK)
         return status;
     for (size_t i = path->count; i-- > 1;) {
@@ -336,7 +356,8 @@ static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_erro
     return OST_OK;
 }
 
-ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out, ost_path_report *report, ost_error *err)
+ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out, ost_path_report *report,
+                         ost_error *err)
 {
     *out = (ost_path){0};
     reader r = {.path = path, .out = out};
@@ -355,7 +376,8 @@ ost_status ost_path_read(const char *path, const ost_path_options *options, ost_
         const char *p = block.begin;
         r.bytes += block.end - block.begin;
         if (status == OST_OK && packed && r.bytes > UNPACKED_MAX)
-            status = ost_fail(err, OST_ERR_RANGE, "%s: unpacks to more than %lld bytes of text", path, (long long)UNPACKED_MAX);
+            status = ost_fail(err, OST_ERR_RANGE, "%s: unpacks to more than %lld bytes of text", path,
+                              (long long)UNPACKED_MAX);
         while (status == OST_OK && p < block.end) {
             const char *newline = memchr(p, '\n', (size_t)(block.end - p));
             status = read_line(&r, p, newline, err);
@@ -423,10 +445,10 @@ ost_status ost_path_put_tick(ost_outfile *out, const ost_tick *tick, bool tools,
 {
     char n[8][NUMBER];
     const ost_pose *p = &tick->pose;
-    ost_status status = ost_outfile_printf(out, err, "%s,%s,%s,%s,%s,%s,%s,%s", format_scaled(tick->t_ns, 9, n[0]),
-                                           format_scaled(p->t.x, 9, n[1]), format_scaled(p->t.y, 9, n[2]),
-                                           format_scaled(p->t.z, 9, n[3]), format_component(p->qw, n[4]), format_component(p->qx, n[5]),
-                                           format_component(p->qy, n[6]), format_component(p->qz, n[7]));
+    ost_status status = ost_outfile_printf(
+        out, err, "%s,%s,%s,%s,%s,%s,%s,%s", format_scaled(tick->t_ns, 9, n[0]), format_scaled(p->t.x, 9, n[1]),
+        format_scaled(p->t.y, 9, n[2]), format_scaled(p->t.z, 9, n[3]), format_component(p->qw, n[4]),
+        format_component(p->qx, n[5]), format_component(p->qy, n[6]), format_component(p->qz, n[7]));
     if (status == OST_OK && tools)
         status = ost_outfile_printf(out, err, ",%" PRId32, tick->tool);
     return status;

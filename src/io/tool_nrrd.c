@@ -47,7 +47,8 @@ static bool near(ost_pm a, ost_pm b)
     return a - b <= 1 && b - a <= 1;
 }
 
-static ost_status tool_geometry(const char *path, const ost_geometry *g, const ost_meta *meta, ost_tool_geometry *out, ost_error *err)
+static ost_status tool_geometry(const char *path, const ost_geometry *g, const ost_meta *meta, ost_tool_geometry *out,
+                                ost_error *err)
 {
     if (g->spacing.x != g->spacing.y || g->spacing.x != g->spacing.z) {
         char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
@@ -56,7 +57,8 @@ static ost_status tool_geometry(const char *path, const ost_geometry *g, const o
                         z));
     }
     ost_pm h = half(g->spacing.x);
-    *out = (ost_tool_geometry){.dims = g->dims, .voxel = g->spacing.x, .corner = {g->origin.x - h, g->origin.y - h, g->origin.z - h}};
+    *out = (ost_tool_geometry){
+        .dims = g->dims, .voxel = g->spacing.x, .corner = {g->origin.x - h, g->origin.y - h, g->origin.z - h}};
     const char *text = ost_meta_get(meta, OST_META_TOOL_CORNER);
     if (!text)
         return OST_OK;
@@ -65,8 +67,9 @@ static ost_status tool_geometry(const char *path, const ost_geometry *g, const o
     if (status != OST_OK)
         return status;
     if (!near(corner.x, out->corner.x) || !near(corner.y, out->corner.y) || !near(corner.z, out->corner.z))
-        return ost_fail(err, OST_ERR_INPUT, "%s: osteon_" OST_META_TOOL_CORNER " '%.60s' does not lie half a voxel before the space origin", path,
-                        text);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: osteon_" OST_META_TOOL_CORNER " '%.60s' does not lie half a voxel before the space origin",
+                        path, text);
     out->corner = corner;
     return OST_OK;
 }
@@ -120,7 +123,8 @@ ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, 
     if (!tool->voxels)
         return ost_fail(err, OST_ERR_USAGE, "%s: the tool to write has no voxels", path);
     char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT], corner[3 * OST_PM_TEXT + 3], arithmetic[16];
-    snprintf(corner, sizeof corner, "%s %s %s", ost_pm_format(t->corner.x, x), ost_pm_format(t->corner.y, y), ost_pm_format(t->corner.z, z));
+    snprintf(corner, sizeof corner, "%s %s %s", ost_pm_format(t->corner.x, x), ost_pm_format(t->corner.y, y),
+             ost_pm_format(t->corner.z, z));
     snprintf(arithmetic, sizeof arithmetic, "%d", OST_ARITHMETIC_VERSION);
     ost_meta meta = tool->meta;
     ost_status status = ost_meta_set(&meta, OST_META_KIND, "tool", err);
@@ -136,7 +140,8 @@ ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, 
                                    .origin = {t->corner.x + h, t->corner.y + h, t->corner.z + h}};
     ost_volume_writer *writer;
     const ost_write_options options = {.compress = true};
-    status = ost_volume_writer_open(path, &geometry, &meta, OST_ELEMENT_UINT8, t->voxel % 2 != 0, &options, &writer, err);
+    status = ost_volume_writer_open(path, &geometry, &meta, OST_ELEMENT_UINT8, t->voxel % 2 != 0, &options, &writer,
+                                    err);
     if (status != OST_OK)
         return status;
     status = ost_volume_writer_put(writer, tool->voxels, (size_t)ost_dims_count(t->dims), err);

@@ -106,7 +106,8 @@ static ost_status write_nifti(const char *path, const ost_meta *meta, ost_error 
     ost_status status = ost_volume_read(path, NULL, &volume, &report, err);
     if (status != OST_OK)
         return status;
-    if (!ost_meta_get(&volume.meta, OST_META_KIND) || strcmp(report.type, "int16") != 0 || report.reoriented || report.rounded_values)
+    if (!ost_meta_get(&volume.meta, OST_META_KIND) || strcmp(report.type, "int16") != 0 || report.reoriented ||
+        report.rounded_values)
         status = ost_fail(err, OST_ERR_INPUT, "%s: cannot change a NIfTI header that osteon did not write; pass "
                           "these values to 'osteon import'", path);
     if (status == OST_OK) {
@@ -121,7 +122,8 @@ ost_status ost_volume_write_meta(const char *path, const ost_meta *meta, ost_err
 {
     ost_file_kind kind;
     ost_status status = ost_file_kind_find(path, &kind, err);
-    if (status == OST_OK && kind == OST_FILE_NRRD && (status = ost_volume_read_header(path, NULL, NULL, NULL, err)) == OST_OK)
+    if (status == OST_OK && kind == OST_FILE_NRRD &&
+        (status = ost_volume_read_header(path, NULL, NULL, NULL, err)) == OST_OK)
         return write_nrrd(path, meta, err);
     if (status == OST_OK && kind == OST_FILE_NIFTI)
         return write_nifti(path, meta, err);

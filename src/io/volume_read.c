@@ -46,8 +46,9 @@ static ost_status unknown(const char *path, const unsigned char *bytes, size_t s
     return ost_fail(err, OST_ERR_INPUT, "%s: not a NRRD or NIfTI file (it starts with bytes %s)", path, start);
 }
 
-ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
-                               ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err)
+ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out,
+                               ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
+                               ost_error *err)
 {
     char pair[4096];
     unsigned char head[OST_NIFTI_SNIFF];
@@ -97,7 +98,8 @@ done:
     return status;
 }
 
-ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out, ost_volume_report *report, ost_error *err)
+ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out,
+                           ost_volume_report *report, ost_error *err)
 {
     ost_geometry geometry;
     ost_meta meta;
@@ -106,12 +108,13 @@ ost_status ost_volume_read(const char *path, const ost_volume_options *options, 
     return ost_volume_read_any(path, options, out, &geometry, &meta, report ? report : &own, &element, err);
 }
 
-ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_error *err)
+ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,
+                                  ost_error *err)
 {
     ost_geometry own_geometry;
     ost_meta own_meta;
     ost_volume_report own;
     ost_element element;
-    return ost_volume_read_any(path, NULL, NULL, geometry ? geometry : &own_geometry, meta ? meta : &own_meta, report ? report : &own,
-                               &element, err);
+    return ost_volume_read_any(path, NULL, NULL, geometry ? geometry : &own_geometry, meta ? meta : &own_meta,
+                               report ? report : &own, &element, err);
 }

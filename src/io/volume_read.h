@@ -10,7 +10,8 @@
  * The common part of ost_volume_read and ost_volume_read_header. The voxels are not read if out is NULL; options may
  * be NULL; no other pointer may be.
  */
-ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
-                               ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err);
+ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out,
+                               ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
+                               ost_error *err);
 
 #endif

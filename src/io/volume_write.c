@@ -30,8 +30,9 @@ ost_status ost_volume_format_unknown(const char *path, ost_error *err)
                     "%s: unknown output format; expected a name that ends in .nrrd, .nii, .nii.gz or .txt", path);
 }
 
-ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                  bool odd_voxel, const ost_write_options *options, ost_volume_writer **out, ost_error *err)
+ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta,
+                                  ost_element element, bool odd_voxel, const ost_write_options *options,
+                                  ost_volume_writer **out, ost_error *err)
 {
     *out = NULL;
     ost_volume_format format = ost_volume_format_of(path);
@@ -54,7 +55,8 @@ ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry
     return OST_OK;
 }
 
-ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options, ost_error *err)
+ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options,
+                            ost_error *err)
 {
     ost_volume_format format = ost_volume_format_of(path);
     if (format == OST_FORMAT_UNKNOWN)

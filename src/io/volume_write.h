@@ -7,7 +7,13 @@
 
 #include "io/volume/writer.h"
 
-typedef enum ost_volume_format { OST_FORMAT_UNKNOWN, OST_FORMAT_NRRD, OST_FORMAT_NIFTI, OST_FORMAT_NIFTI_GZIP, OST_FORMAT_TEXT } ost_volume_format;
+typedef enum ost_volume_format {
+    OST_FORMAT_UNKNOWN,
+    OST_FORMAT_NRRD,
+    OST_FORMAT_NIFTI,
+    OST_FORMAT_NIFTI_GZIP,
+    OST_FORMAT_TEXT
+} ost_volume_format;
 
 /* Returns the format for the ending of a name, without regard to case. */
 ost_volume_format ost_volume_format_of(const char *path);
@@ -19,7 +25,8 @@ ost_status ost_volume_format_unknown(const char *path, ost_error *err);
  * uint8.  odd_voxel (NRRD only): the origin lies half a picometre further on every
  * axis, which a tool with an odd voxel needs (AR-FILE-3).
  */
-ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                  bool odd_voxel, const ost_write_options *options, ost_volume_writer **out, ost_error *err);
+ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta,
+                                  ost_element element, bool odd_voxel, const ost_write_options *options,
+                                  ost_volume_writer **out, ost_error *err);
 
 #endif

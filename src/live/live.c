@@ -63,7 +63,8 @@ static ost_status no_memory(ost_error *err)
 }
 
 /* Passes every chunk's words to `visit`, in ascending order of chunk numbers. */
-static ost_status for_chunks(ost_live *live, int64_t chunks, void (*visit)(ost_live *live, int32_t chunk, const uint32_t *words), ost_error *err)
+static ost_status for_chunks(ost_live *live, int64_t chunks,
+                             void (*visit)(ost_live *live, int32_t chunk, const uint32_t *words), ost_error *err)
 {
     uint32_t *words = malloc(live->chunk_words * sizeof *words);
     ost_status status = words ? OST_OK : no_memory(err);
@@ -127,7 +128,8 @@ static ost_status make(ost_live *live, ost_error *err)
     live->waits = calloc(capacity, sizeof *live->waits);
     live->fresh = malloc((size_t)live->at_once * live->chunk_words * sizeof *live->fresh);
     live->seen = malloc(live->chunk_words * sizeof *live->seen);
-    if (!live->chunk_of || !live->words || !live->dirty || !live->waiting || !live->waits || !live->fresh || !live->seen)
+    if (!live->chunk_of || !live->words || !live->dirty || !live->waiting || !live->waits || !live->fresh ||
+        !live->seen)
         return no_memory(err);
     atomic_init(&live->middle, 1);
     live->front = 0;

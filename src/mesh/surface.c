@@ -202,7 +202,9 @@ static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int a
 static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_error *err)
 {
     if (b->mesh.triangle_count >= OST_MESH_TRIANGLES_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "the surface has more than %d triangles; crop the bone or take larger voxels", OST_MESH_TRIANGLES_MAX);
+        return ost_fail(err, OST_ERR_RANGE,
+                        "the surface has more than %d triangles; crop the bone or take larger voxels",
+                        OST_MESH_TRIANGLES_MAX);
     if (b->mesh.triangle_count == b->triangle_capacity) {
         size_t capacity = more(b->triangle_capacity);
         uint32_t(*triangles)[3] = realloc(b->mesh.triangles, capacity * sizeof *triangles);
@@ -402,7 +404,8 @@ static ost_status place_vertices(builder *b, ost_error *err)
     return OST_OK;
 }
 
-ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement coordinates, ost_mesh *out, ost_error *err)
+ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement coordinates,
+                               ost_mesh *out, ost_error *err)
 {
     const ost_dims d = volume->geometry.dims;
     *out = (ost_mesh){0};

@@ -35,6 +35,7 @@ typedef enum ost_surface_placement {
  * Extracts the surface of the voxels with at least threshold. Faces point outward, vertices are in the volume's
  * frame. Returns OST_ERR_INPUT if no voxel is solid, OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX triangles.
  */
-ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement position, ost_mesh *out, ost_error *err);
+ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement position,
+                               ost_mesh *out, ost_error *err);
 
 #endif

@@ -19,8 +19,10 @@
 bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
 {
     const ost_pm3 *from = &plan->trigonum, *to = &plan->at, *low = &plan->inferior;
-    const double lateral[3] = {ost_pm_to_mm(to->x - from->x), ost_pm_to_mm(to->y - from->y), ost_pm_to_mm(to->z - from->z)};
-    const double down[3] = {ost_pm_to_mm(low->x - from->x), ost_pm_to_mm(low->y - from->y), ost_pm_to_mm(low->z - from->z)};
+    const double lateral[3] = {ost_pm_to_mm(to->x - from->x), ost_pm_to_mm(to->y - from->y),
+                               ost_pm_to_mm(to->z - from->z)};
+    const double down[3] = {ost_pm_to_mm(low->x - from->x), ost_pm_to_mm(low->y - from->y),
+                            ost_pm_to_mm(low->z - from->z)};
     for (int a = 0; a < 3; a++)
         out->lateral[a] = lateral[a];
     if (!plan->landmarks || !(ost_vector_unit(out->lateral, 0) > 1))
@@ -37,7 +39,8 @@ bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
     return true;
 }
 
-void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg, double *superior_deg)
+void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg,
+                         double *superior_deg)
 {
     const double lateral = -ost_vector_dot(inward, frame->lateral);
     *retroversion_deg = atan2(-ost_vector_dot(inward, frame->posterior), lateral) * DEG;

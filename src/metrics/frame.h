@@ -15,6 +15,7 @@ bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out);
  * Computes the angles of the face with the given inward direction: toward the back and toward
  * the top, from the frame's lateral axis.
  */
-void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg, double *superior_deg);
+void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg,
+                         double *superior_deg);
 
 #endif

@@ -44,10 +44,12 @@ static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *e
         return ost_fail(err, OST_ERR_USAGE, "metrics need the same grid before and after");
     if (g->spacing.x != g->spacing.y || g->spacing.x != g->spacing.z)
         return ost_fail(err, OST_ERR_USAGE, "metrics need a grid of cubic voxels");
-    if (!(ost_vector_dot(k->plan->axis, k->plan->axis) > 0) || !isfinite(ost_vector_dot(k->plan->axis, k->plan->axis)) || !(k->plan->depth_mm >= 0))
+    if (!(ost_vector_dot(k->plan->axis, k->plan->axis) > 0) ||
+        !isfinite(ost_vector_dot(k->plan->axis, k->plan->axis)) || !(k->plan->depth_mm >= 0))
         return ost_fail(err, OST_ERR_USAGE, "a plan needs an axis and a depth");
     k->spacing = ost_pm_to_mm(g->spacing.x);
-    const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z}, at[3] = {k->plan->at.x, k->plan->at.y, k->plan->at.z};
+    const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z},
+                 at[3] = {k->plan->at.x, k->plan->at.y, k->plan->at.z};
     const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     for (int a = 0; a < 3; a++) {
         k->origin[a] = ost_pm_to_mm(origin[a]);
@@ -81,7 +83,9 @@ static int density_at(const work *k, const ost_volume *volume, double u, double 
 {
     int32_t at[3];
     for (int a = 0; a < 3; a++) {
-        const double i = floor((k->frame.at[a] + u * k->frame.u[a] + v * k->frame.v[a] + w * k->frame.w[a] - k->origin[a]) / k->spacing + 0.5);
+        const double i = floor(
+            (k->frame.at[a] + u * k->frame.u[a] + v * k->frame.v[a] + w * k->frame.w[a] - k->origin[a]) / k->spacing +
+            0.5);
         if (!(i >= 0 && i < k->dims[a]))
             return 0;
         at[a] = (int32_t)i;
@@ -108,7 +112,8 @@ static double surface(const work *k, const ost_volume *volume, double u, double 
     double sum = 0;
     int met = 0;
     for (int i = 0; i < 4; i++) {
-        const double w = ray(k, volume, u + (i % 2 - 0.5) * OST_METRICS_PITCH_MM / 2, v + (i / 2 - 0.5) * OST_METRICS_PITCH_MM / 2, -OUTSIDE_MM);
+        const double w = ray(k, volume, u + (i % 2 - 0.5) * OST_METRICS_PITCH_MM / 2,
+                             v + (i / 2 - 0.5) * OST_METRICS_PITCH_MM / 2, -OUTSIDE_MM);
         sum += isnan(w) ? 0 : w;
         met += !isnan(w);
     }
@@ -145,7 +150,8 @@ static void leave_rim(work *k)
                 for (int dx = -RIM; dx <= RIM && within; dx++)
                     within = is_floor(k, x + dx + MAP * (y + dy));
             if (within)
-                memcpy(k->floor[k->floor_count++], (double[3]){at_cell(x), at_cell(y), (double)k->out->after_mm[x + MAP * y]}, sizeof k->floor[0]);
+                memcpy(k->floor[k->floor_count++],
+                       (double[3]){at_cell(x), at_cell(y), (double)k->out->after_mm[x + MAP * y]}, sizeof k->floor[0]);
         }
 }
 
@@ -177,10 +183,12 @@ static void mark_cells(work *k)
             for (int32_t x = 0; x < k->dims[0]; x++, i++) {
                 if (!k->mark[i] || k->before->voxels[i] < k->threshold || k->after->voxels[i] >= k->threshold)
                     continue;
-                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
+                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0],
+                                     k->origin[1] + y * k->spacing - k->frame.at[1],
                                      k->origin[2] + z * k->spacing - k->frame.at[2]};
                 const int half = (int)ceil(k->spacing / OST_METRICS_PITCH_MM / 2);
-                const long u = lrint(ost_vector_dot(p, k->frame.u) / OST_METRICS_PITCH_MM) + MAP / 2, v = lrint(ost_vector_dot(p, k->frame.v) / OST_METRICS_PITCH_MM) + MAP / 2;
+                const long u = lrint(ost_vector_dot(p, k->frame.u) / OST_METRICS_PITCH_MM) + MAP / 2,
+                           v = lrint(ost_vector_dot(p, k->frame.v) / OST_METRICS_PITCH_MM) + MAP / 2;
                 for (long b = v - half; b <= v + half; b++)
                     for (long a = u - half; a <= u + half; a++)
                         if (a >= 0 && b >= 0 && a < MAP && b < MAP)
@@ -239,11 +247,13 @@ static void fit_floor(work *k)
 {
     ost_metrics *o = k->out;
     double c[3], radius, gaps[CELLS];
-    if (k->floor_count < FLOOR_MIN || !ost_fit_sphere((const double (*)[3])k->floor, k->floor_count, c, &radius) || c[2] > 0)
+    if (k->floor_count < FLOOR_MIN || !ost_fit_sphere((const double(*)[3])k->floor, k->floor_count, c, &radius) ||
+        c[2] > 0)
         return;
     double square = 0, contact = 0;
     for (size_t i = 0; i < k->floor_count; i++) {
-        const double *p = k->floor[i], d[3] = {p[0] - c[0], p[1] - c[1], p[2] - c[2]}, gap = sqrt(ost_vector_dot(d, d)) - radius;
+        const double *p = k->floor[i], d[3] = {p[0] - c[0], p[1] - c[1], p[2] - c[2]},
+                     gap = sqrt(ost_vector_dot(d, d)) - radius;
         square += gap * gap;
         contact += fabs(gap) <= fmax(OST_METRICS_CONTACT_UM * 1e-3, 0.6 * k->spacing);
         gaps[i] = gap;
@@ -262,7 +272,8 @@ static void fit_floor(work *k)
 static void measure_axis(work *k, const ost_metrics_motion *motion)
 {
     ost_metrics *o = k->out;
-    const ost_tool_way way = motion ? ost_tool_way_of(motion, OST_METRICS_REAMER, &k->frame, WINDOW_MM) : (ost_tool_way){0};
+    const ost_tool_way way = motion ? ost_tool_way_of(motion, OST_METRICS_REAMER, &k->frame, WINDOW_MM)
+                                    : (ost_tool_way){0};
     o->scapular = ost_scapular_frame(k->plan, &k->scapular);
     if (o->scapular)
         ost_scapular_angles(&k->scapular, k->frame.w, &o->version_planned_deg, &o->inclination_planned_deg);
@@ -301,11 +312,15 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
                 const bool gone = k->after->voxels[i] < k->threshold;
                 if (!gone && was < HARD_HU)
                     continue;
-                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
+                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0],
+                                     k->origin[1] + y * k->spacing - k->frame.at[1],
                                      k->origin[2] + z * k->spacing - k->frame.at[2]};
-                const double u = ost_vector_dot(p, k->frame.u), v = ost_vector_dot(p, k->frame.v), w = ost_vector_dot(p, k->frame.w);
+                const double u = ost_vector_dot(p, k->frame.u), v = ost_vector_dot(p, k->frame.v),
+                             w = ost_vector_dot(p, k->frame.w);
                 const bool on_map = fabs(u) <= reach && fabs(v) <= reach;
-                const int cell = on_map ? (int)lrint(u / OST_METRICS_PITCH_MM) + MAP / 2 + MAP * ((int)lrint(v / OST_METRICS_PITCH_MM) + MAP / 2) : 0;
+                const int cell = on_map ? (int)lrint(u / OST_METRICS_PITCH_MM) + MAP / 2 +
+                                              MAP * ((int)lrint(v / OST_METRICS_PITCH_MM) + MAP / 2)
+                                        : 0;
                 if (on_map && was >= HARD_HU) {
                     const double below = w - (double)o->before_mm[cell];
                     if (is_floor(k, cell) && below >= -k->spacing && below <= PLATE_MM) {
@@ -346,7 +361,8 @@ static double wall_of(const work *k)
             for (int32_t x = 0; x < k->dims[0]; x++, i++) {
                 if (k->before->voxels[i] < k->threshold || k->after->voxels[i] >= k->threshold)
                     continue;
-                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0], k->origin[1] + y * k->spacing - k->frame.at[1],
+                const double p[3] = {k->origin[0] + x * k->spacing - k->frame.at[0],
+                                     k->origin[1] + y * k->spacing - k->frame.at[1],
                                      k->origin[2] + z * k->spacing - k->frame.at[2]};
                 if (!is_drilled(k, i) || ost_vector_dot(p, k->frame.w) < ENTRY_MM)
                     continue;
@@ -357,7 +373,8 @@ static double wall_of(const work *k)
                             const int32_t v[3] = {x + dx, y + dy, z + dz};
                             if (square >= nearest)
                                 continue;
-                            const bool inside = v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && v[0] < k->dims[0] && v[1] < k->dims[1] && v[2] < k->dims[2];
+                            const bool inside = v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && v[0] < k->dims[0] &&
+                                                v[1] < k->dims[1] && v[2] < k->dims[2];
                             /* Beyond the grid it is unknown: a scan may end in bone. */
                             if (inside && k->before->voxels[index_of(k, v)] < k->threshold)
                                 nearest = square;
@@ -369,7 +386,8 @@ static double wall_of(const work *k)
 static void measure_hole(work *k, const ost_metrics_motion *motion, const double slabs[SLABS])
 {
     ost_metrics *o = k->out;
-    const ost_tool_way way = k->mark ? ost_tool_way_of(motion, OST_METRICS_DRILL, &k->frame, INFINITY) : (ost_tool_way){0};
+    const ost_tool_way way = k->mark ? ost_tool_way_of(motion, OST_METRICS_DRILL, &k->frame, INFINITY)
+                                     : (ost_tool_way){0};
     double sum = 0;
     int complete = 0;
     if (!way.cut || way.reach_mm <= 0)
@@ -396,8 +414,9 @@ static void measure_hole(work *k, const ost_metrics_motion *motion, const double
     o->hole_breach = o->hole_wall_mm < 1.01 * k->spacing;
 }
 
-ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, int threshold, const ost_density_classes *classes,
-                            const ost_metrics_plan *plan, const ost_metrics_motion *motion, ost_metrics *out, ost_error *err)
+ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, int threshold,
+                            const ost_density_classes *classes, const ost_metrics_plan *plan,
+                            const ost_metrics_motion *motion, ost_metrics *out, ost_error *err)
 {
     work k = {.before = before, .after = after, .threshold = threshold, .plan = plan, .out = out};
     double slabs[SLABS] = {0};

@@ -30,7 +30,8 @@ typedef struct rim {
 static int cell(int way, double r)
 {
     const double angle = way * 2 * PI / WAYS;
-    const long x = lrint(r * cos(angle) / OST_METRICS_PITCH_MM) + MAP / 2, y = lrint(r * sin(angle) / OST_METRICS_PITCH_MM) + MAP / 2;
+    const long x = lrint(r * cos(angle) / OST_METRICS_PITCH_MM) + MAP / 2,
+               y = lrint(r * sin(angle) / OST_METRICS_PITCH_MM) + MAP / 2;
     return x >= 0 && y >= 0 && x < MAP && y < MAP ? (int)(x + MAP * y) : -1;
 }
 
@@ -76,7 +77,9 @@ void ost_metrics_rim(ost_metrics *m)
         if (isnan(before.r[k]))
             continue;
         /* A direction without a rim after the operation counts as lowered. */
-        const double down = isnan(after.r[k]) ? NAN : (double)m->after_mm[cell(k, after.r[k])] - (double)m->before_mm[cell(k, before.r[k])];
+        const double down = isnan(after.r[k])
+                                ? NAN
+                                : (double)m->after_mm[cell(k, after.r[k])] - (double)m->before_mm[cell(k, before.r[k])];
         seen++;
         lowered += isnan(down) || down > LOWERED_MM;
         m->rim_lowered_mm = isnan(down) ? m->rim_lowered_mm : fmax(m->rim_lowered_mm, down);

@@ -39,7 +39,8 @@ static bool cuts(const ost_motion *m)
  * Finds the intervals of ticks for which `is` returns true. Returns their number and adds their
  * durations to *seconds; in[i] is set to whether tick i lies in one (may be NULL).
  */
-static int spells(const ost_motion *m, size_t count, bool (*is)(const ost_motion *), double gap_s, double *seconds, bool *in)
+static int spells(const ost_motion *m, size_t count, bool (*is)(const ost_motion *), double gap_s, double *seconds,
+                  bool *in)
 {
     int number = 0;
     size_t first = 0, last = 0;
@@ -123,9 +124,11 @@ static void plunges(const ost_motion *m, size_t count, const bool *in, const dou
     }
 }
 
-ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_metrics_plan *plan, ost_technique *out, ost_error *err)
+ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_metrics_plan *plan, ost_technique *out,
+                              ost_error *err)
 {
-    const double size = sqrt(plan->axis[0] * plan->axis[0] + plan->axis[1] * plan->axis[1] + plan->axis[2] * plan->axis[2]);
+    const double size = sqrt(plan->axis[0] * plan->axis[0] + plan->axis[1] * plan->axis[1] +
+                             plan->axis[2] * plan->axis[2]);
     const double w[3] = {plan->axis[0] / size, plan->axis[1] / size, plan->axis[2] / size};
     *out = (ost_technique){0};
     if (count == 0)

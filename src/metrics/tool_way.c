@@ -27,7 +27,8 @@ static double depth_of(const ost_motion *tick, const ost_plan_frame *frame)
     return ost_vector_dot(p, frame->w);
 }
 
-ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame, double window_mm)
+ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame,
+                             double window_mm)
 {
     ost_tool_way way = {.reach_mm = -INFINITY};
     double tip[3] = {0};
@@ -55,13 +56,15 @@ ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_
         way.axis[a] /= size;
         tip[a] /= (double)ticks;
     }
-    const double along = ost_vector_dot(way.axis, frame->w), s = along > 0.01 ? ost_vector_dot(tip, frame->w) / along : 0;
+    const double along = ost_vector_dot(way.axis, frame->w),
+                 s = along > 0.01 ? ost_vector_dot(tip, frame->w) / along : 0;
     const double entry[3] = {tip[0] - s * way.axis[0], tip[1] - s * way.axis[1], tip[2] - s * way.axis[2]};
     /* Uses the sine where it is small: a cosine near 1 loses the precision of small angles. */
     const double across[2] = {ost_vector_dot(way.axis, frame->u), ost_vector_dot(way.axis, frame->v)};
     way.cut = true;
     way.tilt_deg = atan2(sqrt(across[0] * across[0] + across[1] * across[1]), along) * DEG;
-    way.entry_mm = sqrt(ost_vector_dot(entry, frame->u) * ost_vector_dot(entry, frame->u) + ost_vector_dot(entry, frame->v) * ost_vector_dot(entry, frame->v));
+    way.entry_mm = sqrt(ost_vector_dot(entry, frame->u) * ost_vector_dot(entry, frame->u) +
+                        ost_vector_dot(entry, frame->v) * ost_vector_dot(entry, frame->v));
     return way;
 }
 
@@ -83,7 +86,8 @@ static void mark_cylinder(const ost_motion *t, const ost_metrics_tool *tool, con
     for (int32_t z = lo[2]; z < hi[2]; z++)
         for (int32_t y = lo[1]; y < hi[1]; y++)
             for (int32_t x = lo[0]; x < hi[0]; x++) {
-                const double p[3] = {origin[0] + x * s - t->mm[0], origin[1] + y * s - t->mm[1], origin[2] + z * s - t->mm[2]};
+                const double p[3] = {origin[0] + x * s - t->mm[0], origin[1] + y * s - t->mm[1],
+                                     origin[2] + z * s - t->mm[2]};
                 const double along = ost_vector_dot(p, t->axis), square = ost_vector_dot(p, p) - along * along;
                 if (along <= s / 2 && along >= -length && square <= radius * radius)
                     mark[x + dims[0] * (y + (int64_t)dims[1] * z)] = 1;

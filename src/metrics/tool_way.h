@@ -22,7 +22,8 @@ typedef struct ost_tool_way {
  * Computes the mean tip and the mean axis of all tools of a kind, over the ticks in which they
  * removed bone with the tip within window_mm of the deepest.
  */
-ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame, double window_mm);
+ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame,
+                             double window_mm);
 
 /* Sets mark[i] for each voxel that a drill reached where it removed bone: the voxels of the hole. */
 void ost_tool_way_mark(const ost_metrics_motion *motion, const ost_geometry *geometry, uint8_t *mark);

@@ -56,7 +56,8 @@ const char *ost_fault_text(ost_fault fault)
     return "unknown";
 }
 
-ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out, ost_error *err)
+ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out,
+                                ost_error *err)
 {
     *out = NULL;
     if (!world)
@@ -171,7 +172,8 @@ static void drop_out(ost_operation *o, int64_t t_ns)
 static void drop_out_over(ost_operation *o, int64_t t_ns)
 {
     char text[OST_SESSION_TEXT];
-    snprintf(text, sizeof text, "the device sees the hand again after %llu ms", (unsigned long long)(o->dropout * AFTER_NS / 1000000));
+    snprintf(text, sizeof text, "the device sees the hand again after %llu ms",
+             (unsigned long long)(o->dropout * AFTER_NS / 1000000));
     note(o, t_ns, text);
     o->dropout = 0;
 }
@@ -194,8 +196,8 @@ static double speed_of(int32_t rpm)
  * Computes the tool's pose and the wrench for a device that, including the motor's turn, is at
  * tick->pose. Sets *fault if the result is not a valid number or pose.
  */
-static ost_status feel(ost_operation *o, const ost_servo_sample *sample, double turned, int64_t period_ns, ost_tick *tick, ost_wrench *wrench,
-                       ost_fault *fault)
+static ost_status feel(ost_operation *o, const ost_servo_sample *sample, double turned, int64_t period_ns,
+                       ost_tick *tick, ost_wrench *wrench, ost_fault *fault)
 {
     ost_force_result felt;
     const double period_s = (double)period_ns * 1e-9;
@@ -207,8 +209,8 @@ static ost_status feel(ost_operation *o, const ost_servo_sample *sample, double 
         return status;
     memcpy(wrench->force_n, felt.force_n, sizeof felt.force_n);
     memcpy(wrench->torque_nm, felt.torque_nm, sizeof felt.torque_nm);
-    const ost_safety_answer answer =
-        ost_safety_step(&o->safety, &device, !sample->declared, sample->state.buttons, period_s, wrench->force_n, wrench->torque_nm);
+    const ost_safety_answer answer = ost_safety_step(&o->safety, &device, !sample->declared, sample->state.buttons,
+                                                     period_s, wrench->force_n, wrench->torque_nm);
     if (answer == OST_SAFETY_FAULT || ost_pose_check(&felt.tool, NULL) != OST_OK) {
         *fault = OST_FAULT_FORCE;
         return OST_OK;
@@ -226,7 +228,8 @@ static ost_status feel(ost_operation *o, const ost_servo_sample *sample, double 
     return OST_OK;
 }
 
-static void remember(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step, const ost_wrench *wrench)
+static void remember(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick,
+                     const ost_step_result *step, const ost_wrench *wrench)
 {
     o->pending = (ost_record){
         .kind = OST_RECORD_TICK,
@@ -250,7 +253,8 @@ static void remember(ost_operation *o, const ost_servo_sample *sample, const ost
 }
 
 /* Updates the state for viewers. In a fault neither tool nor bone changes, and step is NULL. */
-static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step, const ost_wrench *wrench)
+static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step,
+                 const ost_wrench *wrench)
 {
     ost_live_state *s = &o->seen;
     s->device = sample->state.pose;
@@ -275,7 +279,8 @@ static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tic
     s->removed_voxels += step->report->total_voxels;
     s->touching = at_most_32(step->report->total_voxels + step->report->touched_voxels);
     if (o->options.depth_of && step->report->total_voxels && tick->tool < OST_LIVE_TOOLS)
-        s->reached_mm[tick->tool] = fmax(s->reached_mm[tick->tool], o->options.depth_of(o->options.depth_user, tick->tool, &tick->pose));
+        s->reached_mm[tick->tool] = fmax(s->reached_mm[tick->tool],
+                                         o->options.depth_of(o->options.depth_user, tick->tool, &tick->pose));
     ost_live_changed(o->options.live, step->report);
 }
 
@@ -313,7 +318,8 @@ static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed,
 {
     if (ost_pose_check(pose, NULL) != OST_OK)
         return true; /* an invalid pose; judge() reports the fault */
-    const bool home = is(pressed, OST_ACTION_HOME) && o->options.home.qw | o->options.home.qx | o->options.home.qy | o->options.home.qz;
+    const bool home = is(pressed, OST_ACTION_HOME) &&
+                      o->options.home.qw | o->options.home.qx | o->options.home.qy | o->options.home.qz;
     const bool stays = is(active_actions, OST_ACTION_CLUTCH) && o->moved;
     if ((home || stays) && !o->clutched) {
         o->clutch = haptic_clutch_make(o->moved ? &o->hand : pose, 1);
@@ -390,7 +396,8 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     if (fault == OST_FAULT_NONE && put && o->options.force)
         ost_force_set_pose(o->options.force, tick.tool, &tick.pose);
     if (fault == OST_FAULT_NONE && o->options.force) {
-        o->report.status = feel(o, sample, ost_motor_angle(&motor) - ost_motor_angle(&o->motor), AFTER_NS, &tick, wrench, &fault);
+        o->report.status = feel(o, sample, ost_motor_angle(&motor) - ost_motor_angle(&o->motor), AFTER_NS, &tick,
+                                wrench, &fault);
         if (o->report.status == OST_ERR_USAGE)
             fault = OST_FAULT_TOOL;
         else if (o->report.status != OST_OK)
@@ -441,7 +448,8 @@ void ost_operation_rehearse(void *operation)
     const ost_pose tool = o->options.rpm == OST_RPM_ON ? o->hand : ost_motor_pose(&o->motor, &o->hand);
     ost_force_result felt = {.tool = tool};
     /* Errors are ignored here; the tick itself reports them. */
-    if (!o->options.force || ost_force_rehearse(o->options.force, o->last_tool, &tool, (double)AFTER_NS * 1e-9, &felt, NULL) == OST_OK)
+    if (!o->options.force ||
+        ost_force_rehearse(o->options.force, o->last_tool, &tool, (double)AFTER_NS * 1e-9, &felt, NULL) == OST_OK)
         (void)ost_world_rehearse(o->world, o->last_tool, &felt.tool, NULL);
 }
 

@@ -162,7 +162,8 @@ static ost_v3 position_of(const corer *c, double i, double j, double k)
 {
     const ost_pm3 *s = &c->scan->volume->geometry.spacing;
     double by = c->scan->scale;
-    return (ost_v3){(i + 0.5) * ost_pm_to_mm(s->x) / by, (j + 0.5) * ost_pm_to_mm(s->y) / by, (k + 0.5) * ost_pm_to_mm(s->z) / by};
+    return (ost_v3){(i + 0.5) * ost_pm_to_mm(s->x) / by, (j + 0.5) * ost_pm_to_mm(s->y) / by,
+                    (k + 0.5) * ost_pm_to_mm(s->z) / by};
 }
 
 static ost_v3 in_cells(const recipe *r, ost_v3 p)
@@ -212,7 +213,9 @@ static void core_block(void *user, const int lo[3], const int hi[3])
 ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error *err)
 {
     const ost_geometry *g = &scan->volume->geometry;
-    const recipe *r = kind == OST_PHANTOM_FOAM ? &CORE_OF_FOAM : kind == OST_PHANTOM_TRABECULAR2 ? &CORE_OF_BONE : &BLOCK_OF_BONE;
+    const recipe *r = kind == OST_PHANTOM_FOAM          ? &CORE_OF_FOAM
+                      : kind == OST_PHANTOM_TRABECULAR2 ? &CORE_OF_BONE
+                                                        : &BLOCK_OF_BONE;
     corer c = {.scan = scan, .recipe = r};
     const int dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     const double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};

@@ -121,7 +121,8 @@ int16_t ost_hu(double v, int lo, int hi)
     return (int16_t)(r < lo ? lo : r > hi ? hi : r);
 }
 
-static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost_scapula_sample *at, ost_v3 p, ost_v3 q, double blur, uint64_t hash)
+static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost_scapula_sample *at, ost_v3 p, ost_v3 q,
+                        double blur, uint64_t hash)
 {
     double noise = 24 * ost_bell(hash); /* 12 HU standard deviation, as with a smooth reconstruction kernel */
     double soft = soft_tissue(scan->seed, cells, p, at->bone);
@@ -166,7 +167,8 @@ typedef struct scanner {
 static ost_v3 centre_of(const ost_scan *scan, int64_t i, int64_t j, int64_t k)
 {
     const ost_pm3 *s = &scan->volume->geometry.spacing;
-    return (ost_v3){ost_scan_mm(scan->corner.x, s->x, i), ost_scan_mm(scan->corner.y, s->y, j), ost_scan_mm(scan->corner.z, s->z, k)};
+    return (ost_v3){ost_scan_mm(scan->corner.x, s->x, i), ost_scan_mm(scan->corner.y, s->y, j),
+                    ost_scan_mm(scan->corner.z, s->z, k)};
 }
 
 static void scan_block(void *user, const int lo[3], const int hi[3])
@@ -211,7 +213,8 @@ static ost_status write_three(ost_meta *meta, const char *key, ost_v3 v, int pla
     const int64_t unit = places == 3 ? 1000 : 1000000;
     for (int a = 0; a < 3; a++) {
         int64_t n = ost_floor64(in[a] * (double)unit + 0.5), m = n < 0 ? -n : n;
-        snprintf(word[a], sizeof word[a], "%s%lld.%0*lld", n < 0 ? "-" : "", (long long)(m / unit), places, (long long)(m % unit));
+        snprintf(word[a], sizeof word[a], "%s%lld.%0*lld", n < 0 ? "-" : "", (long long)(m / unit), places,
+                 (long long)(m % unit));
     }
     snprintf(text, sizeof text, "%s %s %s", word[0], word[1], word[2]);
     return ost_meta_set(meta, key, text, err);
@@ -242,7 +245,8 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err)
     c.pose.centre = (ost_v3){-110 * scan->scale, -15 * scan->scale, 0}; /* centre of the scapula's box (phantom.c) */
     double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
     c.blur = (spacing[0] + spacing[1] + spacing[2]) / 3 / scan->scale;
-    const ost_pm corner[3] = {scan->corner.x, scan->corner.y, scan->corner.z}, extent[3] = {scan->extent.x, scan->extent.y, scan->extent.z};
+    const ost_pm corner[3] = {scan->corner.x, scan->corner.y, scan->corner.z},
+                 extent[3] = {scan->extent.x, scan->extent.y, scan->extent.z};
     const ost_pm step[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     for (int a = 0; a < 3; a++)
         c.first[a] = (corner[a] - extent[a]) / (2 * step[a]);

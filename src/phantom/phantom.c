@@ -59,7 +59,8 @@ static ost_pm scaled(int64_t um, double scale)
     return integer - ((double)integer > pm);
 }
 
-static ost_status lay_out(const box *b, const ost_phantom_options *o, double scale, ost_geometry *g, ost_scan *scan, ost_error *err)
+static ost_status lay_out(const box *b, const ost_phantom_options *o, double scale, ost_geometry *g, ost_scan *scan,
+                          ost_error *err)
 {
     const ost_pm requested[3] = {o->spacing.x, o->spacing.y, o->spacing.z};
     const box *integer = &BOXES[b == &BOXES[OST_PHANTOM_GLENOID] ? OST_PHANTOM_SCAPULA : b - BOXES];
@@ -69,21 +70,22 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
         spacing[a] = requested[a] ? requested[a] : (ost_pm)b->spacing_um[a] * UM;
         if (spacing[a] < OST_SPACING_MIN || spacing[a] > OST_SPACING_MAX) {
             char text[OST_PM_TEXT];
-            return ost_fail(err, OST_ERR_RANGE, "a spacing of %s mm along %c: expected 0.001 to 100 mm", ost_pm_format(spacing[a], text),
-                            "xyz"[a]);
+            return ost_fail(err, OST_ERR_RANGE, "a spacing of %s mm along %c: expected 0.001 to 100 mm",
+                            ost_pm_format(spacing[a], text), "xyz"[a]);
         }
         int64_t n = ost_ceil_div(scaled((int64_t)b->dims[a] * b->spacing_um[a], scale), spacing[a]);
         if (n > OST_DIM_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "a %s would have %lld voxels along %c; expected at most %d: increase the spacing", b->name, (long long)n, "xyz"[a],
-                            OST_DIM_MAX);
+            return ost_fail(err, OST_ERR_RANGE,
+                            "a %s would have %lld voxels along %c; expected at most %d: increase the spacing", b->name,
+                            (long long)n, "xyz"[a], OST_DIM_MAX);
         dims[a] = (int32_t)n;
         corner2[a] = 2 * scaled(b->corner_um[a], scale);
         whole2[a] = 2 * scaled(integer->corner_um[a], scale);
     }
     g->dims = (ost_dims){dims[0], dims[1], dims[2]};
     if (ost_dims_count(g->dims) > VOXELS_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a %s of %d x %d x %d voxels: a generated bone has at most 2^31", b->name, dims[0], dims[1],
-                        dims[2]);
+        return ost_fail(err, OST_ERR_RANGE, "a %s of %d x %d x %d voxels: a generated bone has at most 2^31", b->name,
+                        dims[0], dims[1], dims[2]);
     g->spacing = (ost_pm3){spacing[0], spacing[1], spacing[2]};
     /*
      * With a spacing of an odd number of picometres the first centre is off by half a picometre,
@@ -161,7 +163,8 @@ ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *op
         status = sided ? ost_scan_scapula(&scan, err) : ost_scan_core(&scan, kind, err);
     if (status == OST_OK && o->left) {
         mirror(out);
-        static const char *const vectors[] = {OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE};
+        static const char *const vectors[] = {OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_TRIGONUM,
+                                              OST_META_INFERIOR_ANGLE};
         for (int i = 0; i < 4 && status == OST_OK; i++)
             status = mirror_vector(&out->meta, vectors[i], err);
     }

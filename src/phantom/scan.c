@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "phantom/scan.h"
 
-void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]), void *user)
+void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]),
+                     void *user)
 {
     const ost_geometry *g = &scan->volume->geometry;
     const int dims[3] = {g->dims.x, g->dims.y, g->dims.z};

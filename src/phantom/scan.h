@@ -37,7 +37,8 @@ ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error 
  * Calls block for boxes lo <= (i, j, k) < hi that are about `mm` millimetres of the anatomy wide.
  * The boxes partition the grid.
  */
-void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]), void *user);
+void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]),
+                     void *user);
 
 /*
  * Returns the partial volume: the part of a voxel that lies inside a surface. d is the signed distance

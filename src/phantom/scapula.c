@@ -26,12 +26,14 @@ enum { EDGE_THIN = 0, EDGE_LATERAL = 1, EDGE_MEDIAL = 2 };
  * the glenoid, the superior border, the notch.
  */
 static const ost_outline_point BODY[] = {
-    {26, 37, EDGE_MEDIAL},   {14, 30, EDGE_MEDIAL},   {5, 16, EDGE_MEDIAL},    {0, 2, EDGE_MEDIAL},     {-3, -16, EDGE_MEDIAL},
-    {-5, -40, EDGE_MEDIAL},  {-5, -64, EDGE_MEDIAL},  {-3, -86, EDGE_MEDIAL},  {2, -103, EDGE_MEDIAL},  {9, -111.5, EDGE_MEDIAL},
-    {17, -113, EDGE_LATERAL}, {24, -107.5, EDGE_LATERAL}, {30, -97, EDGE_LATERAL}, {38, -82, EDGE_LATERAL}, {51, -63, EDGE_LATERAL},
-    {66, -44, EDGE_LATERAL}, {79, -29, EDGE_LATERAL}, {90, -18, EDGE_LATERAL}, {94, -4, EDGE_THIN},     {92, 10, EDGE_THIN},
-    {84, 18, EDGE_THIN},     {75, 19, EDGE_THIN},     {71.5, 14, EDGE_THIN},   {68, 10.5, EDGE_THIN},   {64, 12.5, EDGE_THIN},
-    {60, 18, EDGE_THIN},     {51, 23.5, EDGE_THIN},   {41, 30, EDGE_THIN},     {33, 36, EDGE_MEDIAL},
+    {26, 37, EDGE_MEDIAL},   {14, 30, EDGE_MEDIAL},    {5, 16, EDGE_MEDIAL},     {0, 2, EDGE_MEDIAL},
+    {-3, -16, EDGE_MEDIAL},  {-5, -40, EDGE_MEDIAL},   {-5, -64, EDGE_MEDIAL},   {-3, -86, EDGE_MEDIAL},
+    {2, -103, EDGE_MEDIAL},  {9, -111.5, EDGE_MEDIAL}, {17, -113, EDGE_LATERAL}, {24, -107.5, EDGE_LATERAL},
+    {30, -97, EDGE_LATERAL}, {38, -82, EDGE_LATERAL},  {51, -63, EDGE_LATERAL},  {66, -44, EDGE_LATERAL},
+    {79, -29, EDGE_LATERAL}, {90, -18, EDGE_LATERAL},  {94, -4, EDGE_THIN},      {92, 10, EDGE_THIN},
+    {84, 18, EDGE_THIN},     {75, 19, EDGE_THIN},      {71.5, 14, EDGE_THIN},    {68, 10.5, EDGE_THIN},
+    {64, 12.5, EDGE_THIN},   {60, 18, EDGE_THIN},      {51, 23.5, EDGE_THIN},    {41, 30, EDGE_THIN},
+    {33, 36, EDGE_MEDIAL},
 };
 
 /*
@@ -39,8 +41,8 @@ static const ost_outline_point BODY[] = {
  * along the crest.
  */
 static const ost_outline_point SPINE[] = {
-    {4, -1.5, 0}, {20, -6.5, 0}, {45, -10, 0}, {66, -8, 0}, {78, -5, 0}, {79, -9, 0}, {77, -16, 0}, {79, -24, 0}, {86, -31, 0},
-    {90, -38, 0}, {80, -42, 0}, {66, -36, 0}, {50, -27, 0}, {34, -17.5, 0}, {18, -10, 0}, {8, -4.5, 0},
+    {4, -1.5, 0}, {20, -6.5, 0}, {45, -10, 0}, {66, -8, 0},  {78, -5, 0},  {79, -9, 0},    {77, -16, 0}, {79, -24, 0},
+    {86, -31, 0}, {90, -38, 0},  {80, -42, 0}, {66, -36, 0}, {50, -27, 0}, {34, -17.5, 0}, {18, -10, 0}, {8, -4.5, 0},
 };
 
 /*
@@ -48,27 +50,31 @@ static const ost_outline_point SPINE[] = {
  * the clavicle, medial edge.
  */
 static const ost_outline_point ACROMION[] = {
-    {72, -39, 0}, {82, -44, 0}, {93, -46.5, 0}, {103, -43, 0}, {111, -35, 0}, {117, -24, 0}, {119.5, -12, 0}, {118.5, -2, 0},
-    {114, 4.5, 0}, {108.5, 4, 0}, {105.5, -3, 0}, {102, -11, 0}, {97, -19, 0}, {90.5, -25, 0}, {83, -29.5, 0}, {75, -33, 0},
+    {72, -39, 0},    {82, -44, 0},   {93, -46.5, 0}, {103, -43, 0}, {111, -35, 0},  {117, -24, 0},
+    {119.5, -12, 0}, {118.5, -2, 0}, {114, 4.5, 0},  {108.5, 4, 0}, {105.5, -3, 0}, {102, -11, 0},
+    {97, -19, 0},    {90.5, -25, 0}, {83, -29.5, 0}, {75, -33, 0},
 };
 
 /* The glenoid's rim en face, as (forward, up). The notch at the front is where the growth centres fused. */
 static const ost_outline_point PEAR[] = {
-    {-1, -17.3, 0},   {5.5, -16.2, 0}, {10.2, -12.2, 0}, {12.4, -6.5, 0},  {11.7, -1, 0},    {9.2, 3.8, 0},       {7.8, 7.9, 0},   {7.5, 11.5, 0}, {5.7, 15.2, 0},
-    {1.8, 17.3, 0},   {-3.1, 16.6, 0}, {-7.1, 13.3, 0},  {-9.5, 8.2, 0},   {-11.3, 2.2, 0},  {-12.6, -4.2, 0}, {-11.8, -10.1, 0}, {-7.9, -15.2, 0},
+    {-1, -17.3, 0}, {5.5, -16.2, 0}, {10.2, -12.2, 0}, {12.4, -6.5, 0},   {11.7, -1, 0},    {9.2, 3.8, 0},
+    {7.8, 7.9, 0},  {7.5, 11.5, 0},  {5.7, 15.2, 0},   {1.8, 17.3, 0},    {-3.1, 16.6, 0},  {-7.1, 13.3, 0},
+    {-9.5, 8.2, 0}, {-11.3, 2.2, 0}, {-12.6, -4.2, 0}, {-11.8, -10.1, 0}, {-7.9, -15.2, 0},
 };
 
 /* The spine's free edge; `side` lies in the crest's flat. */
 static const ost_bar_node CREST[] = {
-    {{7, -2.6, 0}, 4, 1.1, {0.2, -0.1, 1}},     {{12, -5.2, 0.2}, 4.4, 1.6, {0.2, -0.4, 1}}, {{21, -10, 1.2}, 4.2, 2.2, {0, -0.4, 1}},
-    {{33, -17.5, 2.6}, 5, 2.6, {0, -0.3, 1}},   {{48, -26, 5}, 4.2, 2.6, {0, -0.3, 1}},  {{62, -33.5, 8.6}, 4, 2.9, {0, -0.4, 1}},
+    {{7, -2.6, 0}, 4, 1.1, {0.2, -0.1, 1}},    {{12, -5.2, 0.2}, 4.4, 1.6, {0.2, -0.4, 1}},
+    {{21, -10, 1.2}, 4.2, 2.2, {0, -0.4, 1}},  {{33, -17.5, 2.6}, 5, 2.6, {0, -0.3, 1}},
+    {{48, -26, 5}, 4.2, 2.6, {0, -0.3, 1}},    {{62, -33.5, 8.6}, 4, 2.9, {0, -0.4, 1}},
     {{75, -39, 12.4}, 4.2, 3.4, {0, -0.9, 1}}, {{86, -42.5, 15.6}, 4.4, 3.8, {0, -1, 0.4}},
 };
 
 /* The lateral border downward: the pillar that supports the glenoid and ends at the inferior angle. */
 static const ost_bar_node PILLAR[] = {
-    {{86, -2.4, -12}, 7.5, 4.6, {0, 0, 1}},  {{75, -3.4, -25}, 5.2, 3.4, {1, 0, -1}},  {{61, -2.6, -43}, 4.6, 2.9, {1, 0, -1}},
-    {{46, -0.4, -61}, 4.4, 2.6, {1, 0, -1}}, {{32, 1.8, -81}, 4.2, 2.3, {1, 0, -0.6}}, {{22, 3.4, -100}, 4.4, 2.2, {1, 0, -0.4}},
+    {{86, -2.4, -12}, 7.5, 4.6, {0, 0, 1}},   {{75, -3.4, -25}, 5.2, 3.4, {1, 0, -1}},
+    {{61, -2.6, -43}, 4.6, 2.9, {1, 0, -1}},  {{46, -0.4, -61}, 4.4, 2.6, {1, 0, -1}},
+    {{32, 1.8, -81}, 4.2, 2.3, {1, 0, -0.6}}, {{22, 3.4, -100}, 4.4, 2.2, {1, 0, -0.4}},
     {{14, 4, -107}, 5, 2, {1, 0, 0.2}},
 };
 
@@ -77,8 +83,9 @@ static const ost_bar_node PILLAR[] = {
  * `side` is level.
  */
 static const ost_bar_node CORACOID[] = {
-    {{83, 1, 12}, 9, 6.6, {1, 0, -0.1}},      {{82.5, 6, 20}, 8, 5.8, {1, 0, 0}},         {{83.5, 12.5, 26}, 7, 4.8, {1, -0.3, 0}},
-    {{88.5, 20, 28}, 6.3, 4.5, {0.8, -0.6, 0}}, {{96, 26, 26.2}, 6, 4.3, {0.5, -0.8, 0}}, {{104, 30, 22}, 5.6, 4.2, {0.4, -0.9, 0}},
+    {{83, 1, 12}, 9, 6.6, {1, 0, -0.1}},           {{82.5, 6, 20}, 8, 5.8, {1, 0, 0}},
+    {{83.5, 12.5, 26}, 7, 4.8, {1, -0.3, 0}},      {{88.5, 20, 28}, 6.3, 4.5, {0.8, -0.6, 0}},
+    {{96, 26, 26.2}, 6, 4.3, {0.5, -0.8, 0}},      {{104, 30, 22}, 5.6, 4.2, {0.4, -0.9, 0}},
     {{109.5, 32, 18.5}, 4.6, 3.8, {0.4, -0.9, 0}},
 };
 
@@ -127,8 +134,10 @@ static double body_sheet(const ost_scapula *s, double x, double z)
  */
 static double body_half(const ost_scapula *s, double x, double z)
 {
-    double lateral = ost_outline_to_tag(&s->body, EDGE_LATERAL, x, z), medial = ost_outline_to_tag(&s->body, EDGE_MEDIAL, x, z);
-    double half = 1.15 + 2.2 / (1 + square(lateral / 7) * (1 + square(lateral / 7))) + 1.15 / (1 + square(medial / 4) * (1 + square(medial / 4)));
+    double lateral = ost_outline_to_tag(&s->body, EDGE_LATERAL, x, z),
+           medial = ost_outline_to_tag(&s->body, EDGE_MEDIAL, x, z);
+    double half = 1.15 + 2.2 / (1 + square(lateral / 7) * (1 + square(lateral / 7))) +
+                  1.15 / (1 + square(medial / 4) * (1 + square(medial / 4)));
     half += 2.6 * ost_smooth(64, 90, x) * bump(z, -4, 30);          /* toward the neck */
     half += 1.1 * bump(x, 14, 26) * bump(z, -108, 26);              /* inferior angle */
     half += 0.8 * bump(x, 26, 14) * bump(z, 36, 14);                /* superior angle */
@@ -219,7 +228,8 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
     out->dish = (near ? dish : FARTHER) * s->size;
     out->cartilage = FARTHER;
     if (near) {
-        double pad = ost_v3_length(ost_v3_sub(p, s->pad)) - PAD_RADIUS, rim = -ost_outline_inside(&s->pear, ahead, above);
+        double pad = ost_v3_length(ost_v3_sub(p, s->pad)) - PAD_RADIUS,
+               rim = -ost_outline_inside(&s->pear, ahead, above);
         out->cartilage = ost_blend_both(ost_max(-pad, dish), rim + 0.6, 1.2) * s->size;
     }
     out->depth = depth * s->size;
@@ -232,8 +242,8 @@ static double vary(uint64_t seed, int what)
     return 2 * ost_unit(ost_hash3(seed, what, 0, 0), 0) - 1;
 }
 
-static ost_status outline(ost_outline *o, const ost_outline_point *points, int count, double step, double margin, double jitter, uint64_t seed,
-                          ost_error *err)
+static ost_status outline(ost_outline *o, const ost_outline_point *points, int count, double step, double margin,
+                          double jitter, uint64_t seed, ost_error *err)
 {
     ost_outline_point moved[48];
     for (int i = 0; i < count; i++) {

@@ -50,7 +50,8 @@ static bool measure(const piece *pieces, int count, double u, double v, double b
     return inside;
 }
 
-ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *points, int count, double step, double margin, ost_error *err)
+ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *points, int count, double step,
+                            double margin, ost_error *err)
 {
     memset(outline, 0, sizeof *outline);
     piece *pieces = malloc((size_t)count * PIECES * sizeof *pieces);
@@ -98,7 +99,8 @@ ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *point
         }
     for (size_t at = 0; status == OST_OK && at < cells; at++) {
         double best[OST_OUTLINE_TAGS], least = 1e30;
-        double u = outline->u0 + step * (double)(at % (size_t)outline->nu), v = outline->v0 + step * (double)(at / (size_t)outline->nu);
+        double u = outline->u0 + step * (double)(at % (size_t)outline->nu),
+               v = outline->v0 + step * (double)(at / (size_t)outline->nu);
         bool inside = measure(pieces, count * PIECES, u, v, best);
         for (int t = 0; t < OST_OUTLINE_TAGS; t++) {
             least = ost_min(least, best[t]);
@@ -170,8 +172,10 @@ void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts)
             n->thick = b->thick + t * (c->thick - b->thick);
             n->side = ost_v3_mad(b->side, ost_v3_sub(c->side, b->side), t);
             double r = ost_max(n->wide, n->thick);
-            bar->lo = (ost_v3){ost_min(bar->lo.x, n->at.x - r), ost_min(bar->lo.y, n->at.y - r), ost_min(bar->lo.z, n->at.z - r)};
-            bar->hi = (ost_v3){ost_max(bar->hi.x, n->at.x + r), ost_max(bar->hi.y, n->at.y + r), ost_max(bar->hi.z, n->at.z + r)};
+            bar->lo = (ost_v3){ost_min(bar->lo.x, n->at.x - r), ost_min(bar->lo.y, n->at.y - r),
+                               ost_min(bar->lo.z, n->at.z - r)};
+            bar->hi = (ost_v3){ost_max(bar->hi.x, n->at.x + r), ost_max(bar->hi.y, n->at.y + r),
+                               ost_max(bar->hi.z, n->at.z + r)};
         }
     }
     for (int i = 0; i + 1 < bar->count; i++) {

@@ -36,7 +36,10 @@ static inline double ost_smooth(double lo, double hi, double v)
 }
 
 static inline ost_v3 ost_v3_sub(ost_v3 a, ost_v3 b) { return (ost_v3){a.x - b.x, a.y - b.y, a.z - b.z}; }
-static inline ost_v3 ost_v3_mad(ost_v3 a, ost_v3 b, double s) { return (ost_v3){a.x + b.x * s, a.y + b.y * s, a.z + b.z * s}; }
+static inline ost_v3 ost_v3_mad(ost_v3 a, ost_v3 b, double s)
+{
+    return (ost_v3){a.x + b.x * s, a.y + b.y * s, a.z + b.z * s};
+}
 static inline double ost_v3_dot(ost_v3 a, ost_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static inline double ost_v3_length(ost_v3 a) { return sqrt(ost_v3_dot(a, a)); }
 static inline ost_v3 ost_v3_cross(ost_v3 a, ost_v3 b)
@@ -86,7 +89,8 @@ typedef struct ost_outline {
  * Computes the curve through the points and its table, which extends beyond the curve by
  * `margin` on every side.
  */
-ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *points, int count, double step, double margin, ost_error *err);
+ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *points, int count, double step,
+                            double margin, ost_error *err);
 void ost_outline_free(ost_outline *outline);
 /*
  * Interpolate the table bilinearly.  Beyond it, the value at its border less the distance to it

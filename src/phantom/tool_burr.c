@@ -45,7 +45,8 @@ ost_status ost_tool_make_burr(const ost_tool_options *options, ost_mesh *out, os
         if (head || z <= sphere || radius > shaft)
             latitudes++;
     }
-    status = ost_skin_init(&skin, out, options->segments, latitudes + (head ? 0 : 2), 0, head ? options->diameter : top, err);
+    status = ost_skin_init(&skin, out, options->segments, latitudes + (head ? 0 : 2), 0, head ? options->diameter : top,
+                           err);
     if (status != OST_OK)
         return status;
     for (int k = 1; k <= latitudes; k++) {

@@ -23,7 +23,8 @@ static ost_status check_length(const char *kind, const char *what, ost_pm value,
 {
     char text[OST_PM_TEXT];
     if (value < OST_PM_PER_MM / 10 || value > 1000 * OST_PM_PER_MM)
-        return ost_fail(err, OST_ERR_USAGE, "%s: a %s of %s mm is outside 0.1 to 1000 mm", kind, what, ost_pm_format(value, text));
+        return ost_fail(err, OST_ERR_USAGE, "%s: a %s of %s mm is outside 0.1 to 1000 mm", kind, what,
+                        ost_pm_format(value, text));
     return OST_OK;
 }
 

@@ -128,11 +128,11 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     const ost_pm d = options->diameter, top = options->length;
     char a[OST_PM_TEXT], b[OST_PM_TEXT];
     if (options->segments % (2 * TEETH))
-        return ost_fail(err, OST_ERR_USAGE, "a reamer has %d teeth and takes a multiple of %d segments, not %d", TEETH, 2 * TEETH,
-                        options->segments);
+        return ost_fail(err, OST_ERR_USAGE, "a reamer has %d teeth and takes a multiple of %d segments, not %d", TEETH,
+                        2 * TEETH, options->segments);
     if (20 * (int64_t)top < 9 * d)
-        return ost_fail(err, OST_ERR_USAGE, "a reamer of diameter %s mm must be at least %s mm long, for its hub", ost_pm_format(d, a),
-                        ost_pm_format(9 * d / 20, b));
+        return ost_fail(err, OST_ERR_USAGE, "a reamer of diameter %s mm must be at least %s mm long, for its hub",
+                        ost_pm_format(d, a), ost_pm_format(9 * d / 20, b));
     const reamer r = {.radius = d / 2, .sphere = 3 * d / 4, .groove = d / 24, .segments = options->segments};
     const ost_pm rim = dome(&r, r.radius);
 
@@ -144,7 +144,8 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     const int first = shaft ? BACK_OF_HEAD - 1 : 0, last = head ? BACK_OF_HEAD : BACK_RINGS;
 
     ost_skin skin;
-    ost_status status = ost_skin_init(&skin, out, r.segments, (shaft ? 0 : FACE_RINGS) + last - first, shaft ? seam : 0, head ? seam : top - d / 6, err);
+    ost_status status = ost_skin_init(&skin, out, r.segments, (shaft ? 0 : FACE_RINGS) + last - first, shaft ? seam : 0,
+                                      head ? seam : top - d / 6, err);
     if (status != OST_OK)
         return status;
     for (int ring = 1; ring <= FACE_RINGS && !shaft; ring++)

@@ -66,7 +66,8 @@ int64_t ost_isqrt(unsigned __int128 n)
     return root;
 }
 
-ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top, ost_error *err)
+ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top,
+                         ost_error *err)
 {
     assert(segments >= 3 && rings >= 1 && bottom < top);
     const uint32_t n = (uint32_t)segments, m = (uint32_t)rings;

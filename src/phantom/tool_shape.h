@@ -44,7 +44,8 @@ typedef struct ost_skin {
 } ost_skin;
 
 /* Makes the mesh with its triangles, and the poles on the axis. rings >= 1. */
-ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top, ost_error *err);
+ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top,
+                         ost_error *err);
 /* Returns the next ring's points, which the caller must write. */
 ost_pm3 *ost_skin_ring(ost_skin *skin);
 /* Makes the next ring, a circle. */

@@ -58,7 +58,10 @@ static ost_status open_plugin(const char *options, ost_backend **out, ost_error 
     ost_status status = ost_plugin_load(file, &b->table, b->name, err);
     if (status == OST_OK) {
         plugin_error_sink t;
-        status = ost_adapt_heard(b, "open", b->table.open(options[length] ? options + length + 1 : "", &host, &b->self, &adapt_listening(&t)->error), &t, NULL, err);
+        status = ost_adapt_heard(
+            b, "open",
+            b->table.open(options[length] ? options + length + 1 : "", &host, &b->self, &adapt_listening(&t)->error),
+            &t, NULL, err);
         if (status == OST_OK && !b->self)
             status = ost_adapt_no_object(b, "open", err);
     }

@@ -68,7 +68,8 @@ static inline plugin_error_sink *adapt_listening(plugin_error_sink *t)
  * Converts a slot's status to the host's, with the plugin's text. Sets *lost for
  * OST_PLUGIN_LOST; lost may be NULL.
  */
-ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost, ost_error *err);
+ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost,
+                           ost_error *err);
 ost_status ost_adapt_no_object(const plugin_backend *b, const char *slot, ost_error *err);
 ost_status ost_adapt_is_lost(const plugin_backend *b, ost_error *err);
 
@@ -82,18 +83,21 @@ ost_status ost_adapt_grid_create(ost_backend *backend, const ost_geometry *geome
 void ost_adapt_grid_free(ost_grid *base);
 ost_status ost_adapt_grid_upload(ost_grid *base, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_adapt_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
-ost_status ost_adapt_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
-                                ost_scatter_report *report, ost_error *err);
-ost_status ost_adapt_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
-ost_status ost_adapt_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
-ost_status ost_adapt_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+ost_status ost_adapt_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                                ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
+ost_status ost_adapt_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule,
+                                   ost_grid **out, ost_error *err);
+ost_status ost_adapt_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                     ost_error *err);
+ost_status ost_adapt_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                                 ost_bone **out, ost_error *err);
 void ost_adapt_bone_free(ost_bone *base);
 ost_status ost_adapt_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error *err);
 ost_status ost_adapt_bone_upload(ost_bone *base, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_adapt_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 ost_status ost_adapt_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_error *err);
-ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
-                              ost_voxelize_report *report, ost_tool **out, ost_error *err);
+ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                              ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
 ost_status ost_adapt_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_adapt_tool_download(const ost_tool *base, ost_tool_volume *volume, ost_error *err);
 void ost_adapt_tool_free(ost_tool *base);
@@ -103,7 +107,9 @@ ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_
 ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,
                            const ost_pose *from, const ost_pose *to, int *count, ost_pose *poses, ost_map *maps,
                            ost_error *err);
-ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
-ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                            ost_error *err);
+ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                             ost_error *err);
 
 #endif

@@ -8,12 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ost_status new_bone(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, plugin_bone **out, ost_error *err)
+static ost_status new_bone(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                           plugin_bone **out, ost_error *err)
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone");
-    (*out)->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
+    (*out)->base = (ost_bone){
+        .backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
     return OST_OK;
 }
 
@@ -29,20 +31,26 @@ static ost_status made_bone(plugin_bone *bone, const char *slot, ost_status stat
     return OST_OK;
 }
 
-ost_status ost_adapt_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
+ost_status ost_adapt_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                     ost_error *err)
 {
     const plugin_grid *from = (const plugin_grid *)cubic;
     plugin_backend *b = adapt_backend(cubic->backend);
     plugin_bone *bone;
     plugin_error_sink t;
-    ost_status status = from->lost ? ost_adapt_is_lost(b, err) : new_bone(cubic->backend, &cubic->geometry, chunk_size, threshold, &bone, err);
+    ost_status status = from->lost ? ost_adapt_is_lost(b, err)
+                                   : new_bone(cubic->backend, &cubic->geometry, chunk_size, threshold, &bone, err);
     if (status != OST_OK)
         return status;
-    status = ost_adapt_heard(b, "cubic_to_chunks", b->table.cubic_to_chunks(from->own, chunk_size, threshold, &bone->own, &adapt_listening(&t)->error), &t, NULL, err);
+    status = ost_adapt_heard(
+        b, "cubic_to_chunks",
+        b->table.cubic_to_chunks(from->own, chunk_size, threshold, &bone->own, &adapt_listening(&t)->error), &t, NULL,
+        err);
     return made_bone(bone, "cubic_to_chunks", status, out, err);
 }
 
-ost_status ost_adapt_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
+ost_status ost_adapt_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                                 ost_bone **out, ost_error *err)
 {
     plugin_backend *b = adapt_backend(backend);
     const ost_plugin_geometry g = ost_adapt_geometry(geometry);
@@ -51,7 +59,10 @@ ost_status ost_adapt_bone_create(ost_backend *backend, const ost_geometry *geome
     ost_status status = new_bone(backend, geometry, chunk_size, threshold, &bone, err);
     if (status != OST_OK)
         return status;
-    status = ost_adapt_heard(b, "bone_create", b->table.bone_create(b->self, &g, chunk_size, threshold, &bone->own, &adapt_listening(&t)->error), &t, NULL, err);
+    status = ost_adapt_heard(
+        b, "bone_create",
+        b->table.bone_create(b->self, &g, chunk_size, threshold, &bone->own, &adapt_listening(&t)->error), &t, NULL,
+        err);
     return made_bone(bone, "bone_create", status, out, err);
 }
 
@@ -69,10 +80,14 @@ ost_status ost_adapt_bone_stats(const ost_bone *base, ost_bone_info *info, ost_e
     ost_plugin_bone_stats s = {.size = sizeof s};
     plugin_error_sink t;
     ost_status status = bone->lost ? ost_adapt_is_lost(b, err)
-                                   : ost_adapt_heard(b, "bone_stats", b->table.bone_stats(bone->own, &s, &adapt_listening(&t)->error), &t, NULL, err);
+                                   : ost_adapt_heard(b, "bone_stats",
+                                                     b->table.bone_stats(bone->own, &s, &adapt_listening(&t)->error),
+                                                     &t, NULL, err);
     if (status == OST_OK && (s.active_chunks < 0 || s.active_chunks > info->chunks || s.active_voxels < 0 ||
                              s.active_voxels > ost_dims_count(info->geometry.dims)))
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: bone_stats: %lld active chunks with %lld active voxels; the bone has %lld chunks and %lld voxels",
+        status = ost_fail(err, OST_ERR_UNAVAILABLE,
+                          "plugin %s: bone_stats: %lld active chunks with %lld active voxels; the bone has %lld chunks "
+                          "and %lld voxels",
                           b->name, (long long)s.active_chunks, (long long)s.active_voxels, (long long)info->chunks,
                           (long long)ost_dims_count(info->geometry.dims));
     if (status != OST_OK)
@@ -91,7 +106,9 @@ ost_status ost_adapt_bone_upload(ost_bone *base, int32_t z0, int32_t count, cons
     plugin_error_sink t;
     if (bone->lost)
         return ost_adapt_is_lost(b, err);
-    return ost_adapt_heard(b, "bone_upload", b->table.bone_upload(bone->own, z0, count, voxels, &adapt_listening(&t)->error), &t, &bone->lost, err);
+    return ost_adapt_heard(b, "bone_upload",
+                           b->table.bone_upload(bone->own, z0, count, voxels, &adapt_listening(&t)->error), &t,
+                           &bone->lost, err);
 }
 
 ost_status ost_adapt_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
@@ -101,7 +118,9 @@ ost_status ost_adapt_bone_download(const ost_bone *base, int32_t z0, int32_t cou
     plugin_error_sink t;
     if (bone->lost)
         return ost_adapt_is_lost(b, err);
-    return ost_adapt_heard(b, "bone_download", b->table.bone_download(bone->own, z0, count, voxels, &adapt_listening(&t)->error), &t, NULL, err);
+    return ost_adapt_heard(b, "bone_download",
+                           b->table.bone_download(bone->own, z0, count, voxels, &adapt_listening(&t)->error), &t, NULL,
+                           err);
 }
 
 static int32_t least(int32_t a, int32_t b)
@@ -110,13 +129,15 @@ static int32_t least(int32_t a, int32_t b)
 }
 
 /* Copies the leaf at (x, y) from a slab that begins at the leaf's z; voxels beyond the grid are zero. */
-static void cut_leaf(const int16_t *slab, ost_dims d, int32_t depth, int32_t x, int32_t y, int16_t leaf[OST_LEAF * OST_LEAF * OST_LEAF])
+static void cut_leaf(const int16_t *slab, ost_dims d, int32_t depth, int32_t x, int32_t y,
+                     int16_t leaf[OST_LEAF * OST_LEAF * OST_LEAF])
 {
     const int32_t wide = least(OST_LEAF, d.x - x), high = least(OST_LEAF, d.y - y);
     memset(leaf, 0, OST_LEAF * OST_LEAF * OST_LEAF * sizeof *leaf);
     for (int32_t k = 0; k < depth; k++)
         for (int32_t j = 0; j < high; j++)
-            memcpy(leaf + OST_LEAF * (j + OST_LEAF * k), slab + (size_t)x + (size_t)d.x * ((size_t)(y + j) + (size_t)d.y * (size_t)k),
+            memcpy(leaf + OST_LEAF * (j + OST_LEAF * k),
+                   slab + (size_t)x + (size_t)d.x * ((size_t)(y + j) + (size_t)d.y * (size_t)k),
                    (size_t)wide * sizeof *leaf);
 }
 

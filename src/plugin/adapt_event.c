@@ -46,8 +46,10 @@ static int32_t add_chunk(void *user, int32_t chunk, const uint32_t *voxels, cons
     if (s->status != OST_OK)
         return OST_PLUGIN_FAILED;
     if (chunk < 0 || chunk >= s->chunks || chunk <= s->last || !voxels || !density) {
-        s->status = ost_fail(s->err, OST_ERR_UNAVAILABLE, "plugin %s: reported chunk %d after chunk %lld; the bone has %lld, and they come ascending",
-                             s->b->name, (int)chunk, (long long)s->last, (long long)s->chunks);
+        s->status = ost_fail(
+            s->err, OST_ERR_UNAVAILABLE,
+            "plugin %s: reported chunk %d after chunk %lld; the bone has %lld, and they come ascending", s->b->name,
+            (int)chunk, (long long)s->last, (long long)s->chunks);
         return OST_PLUGIN_FAILED;
     }
     for (int c = 0; c < s->classes; c++) {
@@ -56,7 +58,8 @@ static int32_t add_chunk(void *user, int32_t chunk, const uint32_t *voxels, cons
         total += voxels[c];
     }
     if (total < 1 || total > s->chunk_voxels) {
-        s->status = ost_fail(s->err, OST_ERR_UNAVAILABLE, "plugin %s: reported %lld voxels in chunk %d; a chunk has 1 to %lld to report", s->b->name,
+        s->status = ost_fail(s->err, OST_ERR_UNAVAILABLE,
+                             "plugin %s: reported %lld voxels in chunk %d; a chunk has 1 to %lld to report", s->b->name,
                              (long long)total, (int)chunk, (long long)s->chunk_voxels);
         return OST_PLUGIN_FAILED;
     }
@@ -65,7 +68,8 @@ static int32_t add_chunk(void *user, int32_t chunk, const uint32_t *voxels, cons
     return s->status == OST_OK ? OST_PLUGIN_OK : OST_PLUGIN_MEMORY;
 }
 
-static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_event *event, bool apply, ost_report *report, ost_error *err)
+static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_event *event, bool apply,
+                            ost_report *report, ost_error *err)
 {
     plugin_bone *bone = (plugin_bone *)base;
     plugin_backend *b = adapt_backend(base->backend);
@@ -75,14 +79,20 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_even
     if (bone->lost || !maps) {
         if (maps != &one)
             free(maps);
-        return bone->lost ? ost_adapt_is_lost(b, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for the maps of %d poses", event->pose_count);
+        return bone->lost ? ost_adapt_is_lost(b, err)
+                          : ost_fail(err, OST_ERR_MEMORY, "out of memory for the maps of %d poses", event->pose_count);
     }
     for (int p = 0; p < event->pose_count; p++)
         maps[p] = map_of(&event->maps[p], &event->boxes[p]);
     const ost_plugin_event e = {.size = sizeof e, .map_count = event->pose_count, .stride = sizeof *maps, .maps = maps,
                                 .class_count = event->classes->count, .class_from = event->classes->border};
-    sink s = {.b = b, .report = report, .chunks = (int64_t)((d.x + n - 1) / n) * ((d.y + n - 1) / n) * ((d.z + n - 1) / n), .last = -1,
-              .chunk_voxels = (int64_t)n * n * n, .classes = event->classes->count, .err = err};
+    sink s = {.b = b,
+              .report = report,
+              .chunks = (int64_t)((d.x + n - 1) / n) * ((d.y + n - 1) / n) * ((d.z + n - 1) / n),
+              .last = -1,
+              .chunk_voxels = (int64_t)n * n * n,
+              .classes = event->classes->count,
+              .err = err};
     ost_plugin_report r = {.size = sizeof r, .sink = &s, .add = add_chunk};
     plugin_error_sink t;
     adapt_listening(&t);
@@ -98,12 +108,14 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_even
     return ost_adapt_heard(b, apply ? "remove" : "collide", answer, &t, &bone->lost, err);
 }
 
-ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                            ost_error *err)
 {
     return run_event(bone, tool, event, true, report, err);
 }
 
-ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                             ost_error *err)
 {
     return run_event((ost_bone *)(uintptr_t)bone, tool, event, false, report, err);
 }

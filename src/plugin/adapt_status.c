@@ -2,11 +2,16 @@
 /* A plugin's statuses and error texts as the host's, and a geometry as the plugin's. */
 #include "plugin/adapt.h"
 
-ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost, ost_error *err)
+ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost,
+                           ost_error *err)
 {
-    static const ost_status statuses[] = {[OST_PLUGIN_OK] = OST_OK, [OST_PLUGIN_USAGE] = OST_ERR_USAGE, [OST_PLUGIN_RANGE] = OST_ERR_RANGE,
-                                          [OST_PLUGIN_MEMORY] = OST_ERR_MEMORY, [OST_PLUGIN_UNAVAILABLE] = OST_ERR_UNAVAILABLE,
-                                          [OST_PLUGIN_FAILED] = OST_ERR_UNAVAILABLE, [OST_PLUGIN_LOST] = OST_ERR_UNAVAILABLE};
+    static const ost_status statuses[] = {[OST_PLUGIN_OK] = OST_OK,
+                                          [OST_PLUGIN_USAGE] = OST_ERR_USAGE,
+                                          [OST_PLUGIN_RANGE] = OST_ERR_RANGE,
+                                          [OST_PLUGIN_MEMORY] = OST_ERR_MEMORY,
+                                          [OST_PLUGIN_UNAVAILABLE] = OST_ERR_UNAVAILABLE,
+                                          [OST_PLUGIN_FAILED] = OST_ERR_UNAVAILABLE,
+                                          [OST_PLUGIN_LOST] = OST_ERR_UNAVAILABLE};
     t->text[sizeof t->text - 1] = '\0';
     if (status == OST_PLUGIN_OK)
         return OST_OK;

@@ -33,7 +33,8 @@ ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_
     if (status == OST_OK) {
         made.vertices = out->vertices[0];
         made.triangles = out->triangles[0];
-        status = ost_adapt_heard(b, "snap", b->table.snap(b->self, &g, &raw, &made, &adapt_listening(&t)->error), &t, NULL, err);
+        status = ost_adapt_heard(b, "snap", b->table.snap(b->self, &g, &raw, &made, &adapt_listening(&t)->error), &t,
+                                 NULL, err);
     }
     if (status == OST_OK && made.triangle_count > mesh->triangle_count)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "plugin %s: snap kept %llu of %zu triangles", b->name,
@@ -100,7 +101,13 @@ ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const
     const ost_plugin_tool_geometry its = ost_adapt_tool_geometry(tool);
     const ost_plugin_pose first = from ? pose_of(from) : (ost_plugin_pose){.size = 0}, last = pose_of(to);
     pose_sink s = {.poses = poses, .maps = maps};
-    const ost_plugin_steps in = {.size = sizeof in, .bone = &grid, .tool = &its, .from = from ? &first : NULL, .to = &last, .sink = &s, .add = add_pose};
+    const ost_plugin_steps in = {.size = sizeof in,
+                                 .bone = &grid,
+                                 .tool = &its,
+                                 .from = from ? &first : NULL,
+                                 .to = &last,
+                                 .sink = &s,
+                                 .add = add_pose};
     plugin_error_sink t;
     const ost_status status =
         ost_adapt_heard(b, "steps", b->table.steps(b->self, &in, &adapt_listening(&t)->error), &t, NULL, err);

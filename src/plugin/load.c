@@ -12,12 +12,14 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#define SLOTS(X)                                                                                                              \
-    X(open) X(close) X(finish) X(grid_create) X(grid_free) X(grid_upload) X(grid_download) X(ct_to_rect) X(rect_to_cubic)     \
-    X(cubic_to_chunks) X(bone_create) X(bone_free) X(bone_stats) X(bone_upload) X(bone_download) X(voxelize) X(tool_upload)   \
-    X(tool_download) X(tool_free) X(remove) X(collide)
+#define SLOTS(X)                                                                                                       \
+    X(open)                                                                                                            \
+    X(close) X(finish) X(grid_create) X(grid_free) X(grid_upload) X(grid_download) X(ct_to_rect) X(rect_to_cubic)      \
+        X(cubic_to_chunks) X(bone_create) X(bone_free) X(bone_stats) X(bone_upload) X(bone_download) X(voxelize)       \
+            X(tool_upload) X(tool_download) X(tool_free) X(remove) X(collide)
 
-static ost_status check_table(const char *file, const ost_plugin *found, ost_plugin *table, char name[PLUGIN_NAME], ost_error *err)
+static ost_status check_table(const char *file, const ost_plugin *found, ost_plugin *table, char name[PLUGIN_NAME],
+                              ost_error *err)
 {
     /* The first two members exist in every version. */
     if (found->abi != OST_PLUGIN_ABI)
@@ -25,19 +27,21 @@ static ost_status check_table(const char *file, const ost_plugin *found, ost_plu
                         file, (unsigned)found->abi, (unsigned)OST_PLUGIN_ABI);
     const size_t least = offsetof(ost_plugin, snap); /* later members were added without a new ABI number */
     if (found->size < least)
-        return ost_fail(err, OST_ERR_USAGE, "%s: its table has %u bytes; version %u of the plugin interface has %zu", file, (unsigned)found->size,
-                        (unsigned)OST_PLUGIN_ABI, least);
+        return ost_fail(err, OST_ERR_USAGE, "%s: its table has %u bytes; version %u of the plugin interface has %zu",
+                        file, (unsigned)found->size, (unsigned)OST_PLUGIN_ABI, least);
     memset(table, 0, sizeof *table);
     memcpy(table, found, found->size < sizeof *table ? found->size : sizeof *table);
     if (!table->name || !table->name[0] || !table->description)
-        return ost_fail(err, OST_ERR_USAGE, "%s: its table has no %s", file, table->description ? "name" : "description");
+        return ost_fail(err, OST_ERR_USAGE, "%s: its table has no %s", file,
+                        table->description ? "name" : "description");
 #define CHECK_SLOT(slot) \
     if (!table->slot)    \
         return ost_fail(err, OST_ERR_USAGE, "%s: slot %s of its table is NULL; expected a function", file, #slot);
     SLOTS(CHECK_SLOT)
 #undef CHECK_SLOT
     if (table->arithmetic != 0 && table->arithmetic != OST_ARITHMETIC_VERSION)
-        return ost_fail(err, OST_ERR_USAGE, "%s: follows version %d of docs/arithmetic.md; this osteon compares with version %d", file,
+        return ost_fail(err, OST_ERR_USAGE,
+                        "%s: follows version %d of docs/arithmetic.md; this osteon compares with version %d", file,
                         (int)table->arithmetic, OST_ARITHMETIC_VERSION);
     snprintf(name, PLUGIN_NAME, "%.60s", table->name);
     return OST_OK;
@@ -64,7 +68,8 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
     void *symbol = dlsym(handle, OST_PLUGIN_ENTRY);
     ost_status status = OST_OK;
     if (!symbol) {
-        status = ost_fail(err, OST_ERR_INPUT, "plugin %s: has no symbol %s; see osteon/plugin.h", file, OST_PLUGIN_ENTRY);
+        status = ost_fail(err, OST_ERR_INPUT, "plugin %s: has no symbol %s; see osteon/plugin.h", file,
+                          OST_PLUGIN_ENTRY);
     } else {
         memcpy(&entry, &symbol, sizeof entry); /* POSIX: the address of a function fits into an object pointer */
         const ost_plugin *found = entry(OST_PLUGIN_ABI);

@@ -37,7 +37,8 @@ static void bar(page *p, const char *title, uint32_t (*colour)(int step), bool b
 
 static void tissues(page *p, bool plate)
 {
-    static const ost_tissue order[] = {OST_TISSUE_CARTILAGE, OST_TISSUE_PLATE, OST_TISSUE_CANCELLOUS, OST_TISSUE_CORTICAL};
+    static const ost_tissue order[] = {OST_TISSUE_CARTILAGE, OST_TISSUE_PLATE, OST_TISSUE_CANCELLOUS,
+                                       OST_TISSUE_CORTICAL};
     for (int i = 0; i < OST_TISSUES; i++) {
         if (order[i] == OST_TISSUE_PLATE && !plate)
             continue;
@@ -53,13 +54,15 @@ void ost_legend_size(const ost_legend *legend, double unit, int *width, int *hei
 {
     const page p = {NULL, NULL, 0, 0, unit};
     const bool by_class = legend->colouring == OST_COLOUR_CLASS;
-    const int bars = (legend->colouring == OST_COLOUR_DEPTH) + (legend->colouring == OST_COLOUR_DENSITY) + (legend->window && !by_class);
+    const int bars = (legend->colouring == OST_COLOUR_DEPTH) + (legend->colouring == OST_COLOUR_DENSITY) +
+                     (legend->window && !by_class);
     const int lines = by_class ? OST_TISSUES - !legend->plate : 0;
     *width = bars + lines ? px(&p, WIDTH + 2 * EDGE) : 0;
     *height = bars + lines ? px(&p, BAR_HEIGHT * bars + STEP * lines + EDGE) : 0;
 }
 
-void ost_legend_draw(const ost_legend *legend, const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, double unit)
+void ost_legend_draw(const ost_legend *legend, const ost_lettering *lettering, const ost_sheet *sheet, int x, int y,
+                     double unit)
 {
     page p = {lettering, sheet, x + (int)(EDGE * unit), y, unit};
     const bool by_class = legend->colouring == OST_COLOUR_CLASS;

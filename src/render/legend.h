@@ -19,6 +19,7 @@ void ost_legend_size(const ost_legend *legend, double unit, int *width, int *hei
  * Draws the legend with its lower left corner at x, y.  unit: number of pixels per 1/96 inch.
  * Draws nothing for plain bone without a clip plane.
  */
-void ost_legend_draw(const ost_legend *legend, const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, double unit);
+void ost_legend_draw(const ost_legend *legend, const ost_lettering *lettering, const ost_sheet *sheet, int x, int y,
+                     double unit);
 
 #endif

@@ -18,7 +18,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FIRST = 32, LAST = 126, DEGREE = 127, CUBED, GLYPHS = 129 - FIRST, POINTS = 16, SEGMENTS = 128, PIECES = 6, CAPITAL = 9 };
+enum {
+    FIRST = 32,
+    LAST = 126,
+    DEGREE = 127,
+    CUBED,
+    GLYPHS = 129 - FIRST,
+    POINTS = 16,
+    SEGMENTS = 128,
+    PIECES = 6,
+    CAPITAL = 9
+};
 /* distance between letters; half a stroke's width; both in units of the grid */
 static const double GAP = 2.7, WEIGHT = 0.62;
 
@@ -156,7 +166,8 @@ static void parabola(outline *o, const double a[2], const double pull[2], const 
     double x = a[0], y = a[1];
     for (int i = 1; i <= PIECES; i++) {
         const double t = (double)i / PIECES, u = 1 - t;
-        const double nx = u * u * a[0] + 2 * u * t * pull[0] + t * t * b[0], ny = u * u * a[1] + 2 * u * t * pull[1] + t * t * b[1];
+        const double nx = u * u * a[0] + 2 * u * t * pull[0] + t * t * b[0],
+                     ny = u * u * a[1] + 2 * u * t * pull[1] + t * t * b[1];
         add(o, x, y, nx, ny);
         x = nx;
         y = ny;
@@ -241,7 +252,8 @@ static bool draw_glyph(const drawing *d, double unit, glyph *g)
     for (int i = 0; i < o.count; i++) {
         const segment *e = &o.segment[i];
         const int x0 = (int)floor(fmin(e->ax, e->bx) - r - 1) - g->x, x1 = (int)ceil(fmax(e->ax, e->bx) + r + 1) - g->x;
-        const int y0 = (int)floor(-fmax(e->ay, e->by) - r - 1) - g->y, y1 = (int)ceil(-fmin(e->ay, e->by) + r + 1) - g->y;
+        const int y0 = (int)floor(-fmax(e->ay, e->by) - r - 1) - g->y,
+                  y1 = (int)ceil(-fmin(e->ay, e->by) + r + 1) - g->y;
         for (int y = y0; y < y1; y++)
             for (int x = x0; x < x1; x++) {
                 const double cover = fmax(0, fmin(1, r - distance(e, g->x + x + 0.5, -(g->y + y + 0.5)) + 0.5));
@@ -314,7 +326,8 @@ static four mixed_four(four a, four b, eight share)
 {
     const four even = {0xff00ff, 0xff00ff, 0xff00ff, 0xff00ff}, low = {0xff, 0xff, 0xff, 0xff};
     const eight complement = 256 - share;
-    const eight rb = ((eight)(a & even) * complement + (eight)(b & even) * share) >> 8, g = (eight)(a >> 8 & low) * complement + (eight)(b >> 8 & low) * share;
+    const eight rb = ((eight)(a & even) * complement + (eight)(b & even) * share) >> 8,
+                g = (eight)(a >> 8 & low) * complement + (eight)(b >> 8 & low) * share;
     return (four)rb | ((four)g & 0xff00);
 }
 
@@ -358,7 +371,8 @@ static void cover_row(uint32_t *row, const uint8_t *cover, int count, uint32_t c
             row[i] = mixed(row[i], colour, cover[i] + (cover[i] >> 7));
 }
 
-void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text, uint32_t colour)
+void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text,
+                        uint32_t colour)
 {
     double at = x;
     for (const glyph *g; (g = next(lettering, &text)) != NULL; at += g->advance) {
@@ -367,8 +381,8 @@ void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, 
             ost_cells_add(sheet->written, left, left + g->width, top, top + g->height);
         const int from = left < 0 ? -left : 0, to = left + g->width > sheet->width ? sheet->width - left : g->width;
         for (int j = top < 0 ? -top : 0; j < g->height && top + j < sheet->height && from < to; j++)
-            cover_row(sheet->pixels + (size_t)(top + j) * (size_t)sheet->stride + (size_t)(left + from), g->cover + from + (size_t)g->width * (size_t)j,
-                      to - from, colour);
+            cover_row(sheet->pixels + (size_t)(top + j) * (size_t)sheet->stride + (size_t)(left + from),
+                      g->cover + from + (size_t)g->width * (size_t)j, to - from, colour);
     }
 }
 

@@ -29,7 +29,8 @@ void ost_lettering_free(ost_lettering *lettering); /* NULL is allowed */
 
 int ost_lettering_width(const ost_lettering *lettering, const char *text);
 /* Draws a line of text, clipped to the sheet. x: left end, y: baseline. */
-void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text, uint32_t colour);
+void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text,
+                        uint32_t colour);
 
 /* Blends a box of one colour over the sheet; alpha in 256ths. */
 void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, uint32_t colour, unsigned alpha);

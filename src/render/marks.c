@@ -52,8 +52,8 @@ void ost_edge_letters(const double right[3], const double up[3], int edge, char 
     ost_orientation_letters(direction, letters);
 }
 
-void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest, double mm_per_pixel,
-                   double unit, uint32_t colour)
+void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest,
+                   double mm_per_pixel, double unit, uint32_t colour)
 {
     const double most = longest * mm_per_pixel, length = ost_round_down(most);
     char text[32];
@@ -81,8 +81,8 @@ void ost_marks_draw(const ost_marks *marks, const ost_lettering *letters, const 
     if (legend_width)
         ost_legend_draw(&marks->legend, letters, sheet, margin, height - margin, unit);
     if (marks->mm_per_pixel > 0)
-        ost_scale_bar(letters, sheet, width - margin, height - margin, false, (int)fmin(LONGEST * unit, width / 4.0), marks->mm_per_pixel, unit,
-                      WHITE);
+        ost_scale_bar(letters, sheet, width - margin, height - margin, false, (int)fmin(LONGEST * unit, width / 4.0),
+                      marks->mm_per_pixel, unit, WHITE);
     for (int edge = 0; edge < 4; edge++) {
         char text[4];
         ost_edge_letters(marks->right, marks->up, edge, text);

@@ -28,7 +28,8 @@ double ost_round_down(double most);
  * others that are large enough.  LPS+ frame; "S" and "I" for superior and inferior; "" for a zero vector.
  */
 void ost_orientation_letters(const double direction[3], char letters[4]);
-/* Does so for the edges of a picture: 0 left, 1 right, 2 upper, 3 lower. right, up: the picture's axes in the patient. */
+/* Does so for the edges of a picture: 0 left, 1 right, 2 upper, 3 lower. right, up: the
+   picture's axes in the patient. */
 void ost_edge_letters(const double right[3], const double up[3], int edge, char letters[4]);
 
 /*
@@ -36,8 +37,8 @@ void ost_edge_letters(const double right[3], const double up[3], int edge, char 
  * power of ten of millimetres that is at most `longest` pixels long.  x: the bar's right end, or its
  * left end if from_left is true.
  */
-void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest, double mm_per_pixel,
-                   double unit, uint32_t colour);
+void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest,
+                   double mm_per_pixel, double unit, uint32_t colour);
 
 typedef struct ost_marks {
     double right[3], up[3]; /* the picture's axes in the patient, unit vectors; zero if they are not known */

@@ -12,10 +12,20 @@
 #include "core/rotation.h"
 #include "render/points/extract.h"
 
-const char *const ost_overlay_names[OST_OVERLAY_COUNT] = {"chunks", "boxes", "hits", "tool-voxels", "bone-voxels", "axis"};
+const char *const ost_overlay_names[OST_OVERLAY_COUNT] = {"chunks",      "boxes",       "hits",
+                                                          "tool-voxels", "bone-voxels", "axis"};
 
-enum { RED = 0x4a4ae8, GREY = 0x8a8078, AMBER = 0x35b0f5, WHITE = 0xf0f0f0, GREEN = 0x66d860, CYAN = 0xe8c84a, FULL = 256 };
-static const float BEHIND = 0.75f; /* depth in voxels by which a line may lie below a surface and still count as in front */
+enum {
+    RED = 0x4a4ae8,
+    GREY = 0x8a8078,
+    AMBER = 0x35b0f5,
+    WHITE = 0xf0f0f0,
+    GREEN = 0x66d860,
+    CYAN = 0xe8c84a,
+    FULL = 256
+};
+/* depth in voxels by which a line may lie below a surface and still count as in front */
+static const float BEHIND = 0.75f;
 
 typedef struct point3 {
     float v[3];
@@ -26,7 +36,8 @@ typedef struct point3 {
 static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
 {
     const uint32_t complement = FULL - share;
-    return (((under & 0xff00ff) * complement + (over & 0xff00ff) * share) >> 8 & 0xff00ff) | (((under & 0xff00) * complement + (over & 0xff00) * share) >> 8 & 0xff00);
+    return (((under & 0xff00ff) * complement + (over & 0xff00ff) * share) >> 8 & 0xff00ff) |
+           (((under & 0xff00) * complement + (over & 0xff00) * share) >> 8 & 0xff00);
 }
 
 static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, uint32_t share)
@@ -87,14 +98,15 @@ static bool project(const ost_eye *e, const float from[3], const float to[3], fl
     return true;
 }
 
-void ost_overlay_line(const ost_frame *f, const ost_eye *eye, const float from[3], const float to[3], uint32_t colour, unsigned strength,
-                      int width)
+void ost_overlay_line(const ost_frame *f, const ost_eye *eye, const float from[3], const float to[3], uint32_t colour,
+                      unsigned strength, int width)
 {
     float p[2][3], first = 0, last = 1;
     if (!project(eye, from, to, p))
         return;
     const float d[3] = {p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2]};
-    if (!narrow(p[0][0], d[0], -1, (float)f->width + 1, &first, &last) || !narrow(p[0][1], d[1], -1, (float)f->height + 1, &first, &last))
+    if (!narrow(p[0][0], d[0], -1, (float)f->width + 1, &first, &last) ||
+        !narrow(p[0][1], d[1], -1, (float)f->height + 1, &first, &last))
         return;
     const bool flat = fabsf(d[0]) >= fabsf(d[1]);
     const float length = flat ? fabsf(d[0]) : fabsf(d[1]);
@@ -108,7 +120,10 @@ void ost_overlay_line(const ost_frame *f, const ost_eye *eye, const float from[3
         const int j = (int)floorf(side);
         const uint32_t share = (uint32_t)((side - (float)j) * (float)strength);
         for (int k = 0; k <= width; k++)
-            dot(f, flat ? i : j + k, flat ? j + k : i, depth, colour, k == 0 ? strength - share : k < width ? strength : share);
+            dot(f, flat ? i : j + k, flat ? j + k : i, depth, colour,
+                k == 0      ? strength - share
+                : k < width ? strength
+                            : share);
     }
 }
 
@@ -119,7 +134,8 @@ static int thin(const ost_frame *f)
 }
 
 /* Draws a box's edges. Bit a of a corner's index i selects the end of axis a. */
-static void box(const ost_frame *f, const ost_eye *e, const point3 corner[8], uint32_t colour, unsigned strength, int width)
+static void box(const ost_frame *f, const ost_eye *e, const point3 corner[8], uint32_t colour, unsigned strength,
+                int width)
 {
     for (int i = 0; i < 8; i++)
         for (int a = 0; a < 3; a++)
@@ -127,8 +143,8 @@ static void box(const ost_frame *f, const ost_eye *e, const point3 corner[8], ui
                 ost_overlay_line(f, e, corner[i].v, corner[i | 1 << a].v, colour, strength, width);
 }
 
-static void upright(const ost_frame *f, const ost_eye *e, const float lo[3], const float hi[3], uint32_t colour, unsigned strength,
-                    int width)
+static void upright(const ost_frame *f, const ost_eye *e, const float lo[3], const float hi[3], uint32_t colour,
+                    unsigned strength, int width)
 {
     point3 corner[8];
     for (int i = 0; i < 8; i++)
@@ -150,7 +166,8 @@ static void chunk_box(const ost_overlay_scene *s, const int32_t at[3], float in,
 /* Returns true if the chunk has an active voxel. */
 static bool is_active(const ost_overlay_scene *s, const int32_t at[3])
 {
-    const int blocks = s->chunk < OST_BLOCK ? 1 : s->chunk / OST_BLOCK, side = s->chunk < OST_BLOCK ? s->chunk : OST_BLOCK;
+    const int blocks = s->chunk < OST_BLOCK ? 1 : s->chunk / OST_BLOCK,
+              side = s->chunk < OST_BLOCK ? s->chunk : OST_BLOCK;
     for (int i = 0; i < blocks * blocks * blocks; i++) {
         const int part[3] = {i % blocks, i / blocks % blocks, i / blocks / blocks};
         int32_t first[3], block[3];
@@ -201,10 +218,13 @@ static void tool_corners(const ost_overlay_scene *s, point3 corner[8])
     const ost_tool_geometry *g = &s->tool_grid;
     const ost_geometry *bone = &s->bone->geometry;
     const double lo[3] = {(double)g->corner.x, (double)g->corner.y, (double)g->corner.z};
-    const double size[3] = {(double)g->dims.x * (double)g->voxel, (double)g->dims.y * (double)g->voxel, (double)g->dims.z * (double)g->voxel};
-    const double t[3] = {(double)(s->pose.t.x - bone->origin.x), (double)(s->pose.t.y - bone->origin.y), (double)(s->pose.t.z - bone->origin.z)};
+    const double size[3] = {(double)g->dims.x * (double)g->voxel, (double)g->dims.y * (double)g->voxel,
+                            (double)g->dims.z * (double)g->voxel};
+    const double t[3] = {(double)(s->pose.t.x - bone->origin.x), (double)(s->pose.t.y - bone->origin.y),
+                         (double)(s->pose.t.z - bone->origin.z)};
     for (int i = 0; i < 8; i++) {
-        const double p[3] = {lo[0] + (i & 1 ? size[0] : 0), lo[1] + (i >> 1 & 1 ? size[1] : 0), lo[2] + (i >> 2 ? size[2] : 0)};
+        const double p[3] = {lo[0] + (i & 1 ? size[0] : 0), lo[1] + (i >> 1 & 1 ? size[1] : 0),
+                             lo[2] + (i >> 2 ? size[2] : 0)};
         for (int a = 0; a < 3; a++) {
             double v = t[a];
             for (int b = 0; b < 3; b++)
@@ -289,11 +309,13 @@ static point3 placed(const turned_grid *g, const double at[3])
 {
     point3 p;
     for (int a = 0; a < 3; a++)
-        p.v[a] = (float)(g->origin[a] + ((g->column[0][a] * at[0] + g->column[1][a] * at[1]) + g->column[2][a] * at[2]));
+        p.v[a] = (float)(g->origin[a] +
+                         ((g->column[0][a] * at[0] + g->column[1][a] * at[1]) + g->column[2][a] * at[2]));
     return p;
 }
 
-static void face_edges(const ost_frame *f, const ost_eye *e, const turned_grid *g, const int at[3], int face, uint32_t colour, unsigned strength)
+static void face_edges(const ost_frame *f, const ost_eye *e, const turned_grid *g, const int at[3], int face,
+                       uint32_t colour, unsigned strength)
 {
     const int a = face / 2, b = (a + 1) % 3, c = (a + 2) % 3;
     double middle[3] = {at[0], at[1], at[2]};
@@ -315,8 +337,8 @@ static void face_edges(const ost_frame *f, const ost_eye *e, const turned_grid *
         ost_overlay_line(f, e, corner[i].v, corner[(i + 1) % 4].v, colour, strength, 1);
 }
 
-static void draw_voxels(const ost_frame *f, const ost_eye *e, const ost_surface *surface, const turned_grid *g, const float *lo, const float *hi,
-                        uint32_t colour)
+static void draw_voxels(const ost_frame *f, const ost_eye *e, const ost_surface *surface, const turned_grid *g,
+                        const float *lo, const float *hi, uint32_t colour)
 {
     for (int32_t i = 0; i < surface->used; i++) {
         const ost_surface_block *block = surface->slot[i];
@@ -363,7 +385,8 @@ static void draw_axis(const ost_frame *f, const ost_eye *e, const ost_overlay_sc
 {
     enum { BEFORE_MM = 40, PAST_MM = 12 };
     const ost_geometry *g = &s->bone->geometry;
-    const double mm = 1e-9 * (double)g->spacing.x, origin[3] = {1e-9 * (double)g->origin.x, 1e-9 * (double)g->origin.y, 1e-9 * (double)g->origin.z};
+    const double mm = 1e-9 * (double)g->spacing.x,
+                 origin[3] = {1e-9 * (double)g->origin.x, 1e-9 * (double)g->origin.y, 1e-9 * (double)g->origin.z};
     point3 end[2], side = {{e->right[0], e->right[1], e->right[2]}};
     for (int a = 0; a < 3; a++) {
         end[0].v[a] = (float)((s->face_mm[a] - BEFORE_MM * s->inward[a] - origin[a]) / mm);

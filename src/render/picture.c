@@ -11,7 +11,8 @@ ost_status ost_picture_init(ost_picture *picture, int width, int height, ost_err
 {
     memset(picture, 0, sizeof *picture);
     if (width < 1 || height < 1 || width > PICTURE_SIDE_MAX || height > PICTURE_SIDE_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a picture of %d x %d pixels: expected 1 to %d a side", width, height, PICTURE_SIDE_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "a picture of %d x %d pixels: expected 1 to %d a side", width, height,
+                        PICTURE_SIDE_MAX);
     size_t bytes = (size_t)width * (size_t)height * 3;
     picture->rgb = calloc(bytes, 1);
     if (!picture->rgb)

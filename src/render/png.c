@@ -51,13 +51,15 @@ static void sink_flush(png_structp png)
  * libpng leaves a failed call by longjmp; everything that is accessed after that is in *s and
  * the caller's frame.
  */
-static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s, ost_error *err)
+static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s,
+                         ost_error *err)
 {
     if (setjmp(png_jmpbuf(png)))
-        return ost_fail(err, OST_ERR_MEMORY, "a picture of %d x %d pixels could not be encoded", picture->width, picture->height);
+        return ost_fail(err, OST_ERR_MEMORY, "a picture of %d x %d pixels could not be encoded", picture->width,
+                        picture->height);
     png_set_write_fn(png, s, sink_write, sink_flush);
-    png_set_IHDR(png, info, (png_uint_32)picture->width, (png_uint_32)picture->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, (png_uint_32)picture->width, (png_uint_32)picture->height, 8, PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (effort == OST_PNG_FAST) {
         png_set_compression_level(png, 1);
         png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
@@ -69,7 +71,8 @@ static ost_status encode(png_structp png, png_infop info, const ost_picture *pic
     return OST_OK;
 }
 
-ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size, ost_error *err)
+ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size,
+                          ost_error *err)
 {
     *bytes = NULL;
     *size = 0;
@@ -129,7 +132,8 @@ static ost_status without_png(ost_error *err)
                     "install libpng-dev and build again");
 }
 
-ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size, ost_error *err)
+ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size,
+                          ost_error *err)
 {
     (void)picture;
     (void)effort;

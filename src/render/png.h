@@ -8,6 +8,7 @@
 typedef enum ost_png_effort { OST_PNG_SMALL, OST_PNG_FAST } ost_png_effort;
 
 /* Encodes a picture as ost_picture_encode_png does, but with a choice of effort. */
-ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size, ost_error *err);
+ost_status ost_png_encode(const ost_picture *picture, ost_png_effort effort, uint8_t **bytes, size_t *size,
+                          ost_error *err);
 
 #endif

@@ -57,19 +57,22 @@ static void add_sample(const source *s, const plane *p, int through, double a, d
         v[p->across] = i + (corner & 1);
         v[p->down] = j + (corner >> 1);
         v[p->through] = through;
-        s->paint->colour(s->paint->user, (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]), rgb);
+        s->paint->colour(s->paint->user,
+                         (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]), rgb);
         for (int c = 0; c < 3; c++)
             sum[c] += weight * rgb[c];
     }
 }
 
-static void panel(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height, const ost_sheet *sheet)
+static void panel(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height,
+                  const ost_sheet *sheet)
 {
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             double sum[3] = {0, 0, 0};
             for (int k = 0; k < OVER * OVER; k++) {
-                const double across = (x + (k % OVER + 0.5) / OVER) * mm_per_pixel, down = (y + (k / OVER + 0.5) / OVER) * mm_per_pixel;
+                const double across = (x + (k % OVER + 0.5) / OVER) * mm_per_pixel,
+                             down = (y + (k / OVER + 0.5) / OVER) * mm_per_pixel;
                 const double a = across / s->spacing[p->across] - 0.5, b = down / s->spacing[p->down] - 0.5;
                 add_sample(s, p, through, a, p->down_is_minus ? s->n[p->down] - 1 - b : b, sum);
             }
@@ -84,12 +87,13 @@ static void panel(const source *s, const plane *p, int through, double mm_per_pi
 static void word(const ost_sheet *sheet, const ost_lettering *letters, int x, int y, double unit, const char *text)
 {
     const int edge = (int)(3 * unit + 0.5), high = (int)(OST_MARKS_LETTER * unit);
-    ost_sheet_box(sheet, x - edge, y - high - edge, ost_lettering_width(letters, text) + edge, high + 2 * edge, BACK, 190);
+    ost_sheet_box(sheet, x - edge, y - high - edge, ost_lettering_width(letters, text) + edge, high + 2 * edge, BACK,
+                  190);
     ost_lettering_draw(letters, sheet, x, y, text, INK);
 }
 
-static void annotate(const plane *p, const ost_lettering *letters, const char *title, bool oriented, int x0, int width, int height, double unit,
-                     const ost_sheet *sheet)
+static void annotate(const plane *p, const ost_lettering *letters, const char *title, bool oriented, int x0, int width,
+                     int height, double unit, const ost_sheet *sheet)
 {
     double right[3] = {0, 0, 0}, up[3] = {0, 0, 0};
     const int margin = (int)(6 * unit), high = (int)(OST_MARKS_LETTER * unit);
@@ -107,7 +111,8 @@ static void annotate(const plane *p, const ost_lettering *letters, const char *t
 }
 
 /* Draws short ticks at the panel's edges where the other two planes cut it. */
-static void ticks(const source *s, const plane *p, const int at[3], double mm_per_pixel, int x0, int width, int height, const ost_sheet *sheet)
+static void ticks(const source *s, const plane *p, const int at[3], double mm_per_pixel, int x0, int width, int height,
+                  const ost_sheet *sheet)
 {
     int a = (int)((at[p->across] + 0.5) * s->spacing[p->across] / mm_per_pixel);
     double b = (at[p->down] + 0.5) * s->spacing[p->down];
@@ -119,15 +124,18 @@ static void ticks(const source *s, const plane *p, const int at[3], double mm_pe
     ost_sheet_box(sheet, x0 + width - length, down, length, 1, TICK, 230);
 }
 
-ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixels, const ost_slices_paint *paint, ost_picture *out,
-                           ost_error *err)
+ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixels, const ost_slices_paint *paint,
+                           ost_picture *out, ost_error *err)
 {
     static const char *const titles[3] = {"AXIAL", "CORONAL", "SAGITTAL"};
-    const source s = {paint, {g->dims.x, g->dims.y, g->dims.z}, {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)}};
+    const source s = {paint,
+                      {g->dims.x, g->dims.y, g->dims.z},
+                      {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)}};
     double longest = 0;
     for (int a = 0; a < 3; a++) {
         if (at[a] < 0 || at[a] >= s.n[a])
-            return ost_fail(err, OST_ERR_RANGE, "slice %d along %c: the volume has voxels 0 to %d", at[a], "xyz"[a], s.n[a] - 1);
+            return ost_fail(err, OST_ERR_RANGE, "slice %d along %c: the volume has voxels 0 to %d", at[a], "xyz"[a],
+                            s.n[a] - 1);
         longest = fmax(longest, s.n[a] * s.spacing[a]);
     }
     const double mm_per_pixel = longest / (pixels > 0 ? pixels : 480);
@@ -157,7 +165,8 @@ ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixel
                 annotate(&PLANES[i], letters, titles[i], !paint->unoriented, x0, width[i], height[i], unit, &sheet);
             if (roomy && i == 0) {
                 const int margin = (int)(6 * unit), high = (int)(26 * unit);
-                ost_sheet_box(&sheet, margin / 2, height[0] - margin / 2 - high, width[0] / 3 + margin, high, BACK, 190);
+                ost_sheet_box(&sheet, margin / 2, height[0] - margin / 2 - high, width[0] / 3 + margin, high, BACK,
+                              190);
                 ost_scale_bar(letters, &sheet, margin, height[0] - margin, true, width[0] / 3, mm_per_pixel, unit, INK);
             }
         }
@@ -213,14 +222,15 @@ static void middle(const densities *d, int32_t at[3])
         at[a] = hi[a] >= 0 ? (lo[a] + hi[a]) / 2 : size[a] / 2;
 }
 
-ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before, const ost_slices_options *options, ost_picture *out,
-                              ost_error *err)
+ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before, const ost_slices_options *options,
+                              ost_picture *out, ost_error *err)
 {
     static const ost_slices_options defaults = {.at = {-1, -1, -1}};
     const ost_slices_options *o = options ? options : &defaults;
     const bool usual = o->level == 0 && o->width == 0;
     const int level = usual ? 400 : o->level, window = usual ? 1800 : o->width;
-    const densities d = {volume, before, o->threshold > 0 ? o->threshold : 120, level - 0.5 * window, level + 0.5 * window};
+    const densities d = {volume, before, o->threshold > 0 ? o->threshold : 120, level - 0.5 * window,
+                         level + 0.5 * window};
     const ost_slices_paint paint = {.colour = colour_of, .user = &d, .unoriented = o->unoriented};
     int32_t at[3];
     *out = (ost_picture){0};

@@ -15,8 +15,9 @@ typedef struct ost_slices_paint {
     bool unoriented; /* the directions of the axes are not known: none are drawn */
 } ost_slices_paint;
 
-/* Draws the slices through the voxel at[]. pixels: the longest side of a slice; 0 = 480. Returns OST_ERR_RANGE if at is outside. */
-ost_status ost_slices_draw(const ost_geometry *geometry, const int32_t at[3], int pixels, const ost_slices_paint *paint, ost_picture *out,
-                           ost_error *err);
+/* Draws the slices through the voxel at[]. pixels: the longest side of a slice; 0 = 480. Returns
+   OST_ERR_RANGE if at is outside. */
+ost_status ost_slices_draw(const ost_geometry *geometry, const int32_t at[3], int pixels, const ost_slices_paint *paint,
+                           ost_picture *out, ost_error *err);
 
 #endif

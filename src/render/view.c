@@ -17,7 +17,8 @@
 #include "render/views.h"
 
 enum { THRESHOLD = 120, SIDE = 800 };
-static const double FILLED = 0.94; /* share of the picture's height or width that the box of the active voxels takes up */
+/* share of the picture's height or width that the box of the active voxels takes up */
+static const double FILLED = 0.94;
 
 /* The camera's axes, unit vectors in the patient, and the point that it is directed at. */
 typedef struct aim {
@@ -35,18 +36,20 @@ static ost_status find_axes(const ost_view_options *o, aim *a, ost_error *err)
     ost_vector_unit(up, 2);
     ost_vector_cross(a->forward, up, a->right);
     if (!(ost_vector_dot(a->right, a->right) > 1e-8))
-        return ost_fail(err, OST_ERR_USAGE, "the view's direction %g %g %g and its up %g %g %g are parallel", o->direction[0],
-                        o->direction[1], o->direction[2], o->up[0], o->up[1], o->up[2]);
+        return ost_fail(err, OST_ERR_USAGE, "the view's direction %g %g %g and its up %g %g %g are parallel",
+                        o->direction[0], o->direction[1], o->direction[2], o->up[0], o->up[1], o->up[2]);
     ost_vector_unit(a->right, 0);
     ost_vector_cross(a->right, a->forward, a->up);
     return OST_OK;
 }
 
-/* Directs the camera at the middle of the active voxels' box, from the distance at which all of it is in the picture. */
+/* Directs the camera at the middle of the active voxels' box, from the distance at which all of
+   it is in the picture. */
 static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim *a)
 {
     const ost_geometry *g = &volume->geometry;
-    const double mm = ost_pm_to_mm(g->spacing.x), origin[3] = {ost_pm_to_mm(g->origin.x), ost_pm_to_mm(g->origin.y), ost_pm_to_mm(g->origin.z)};
+    const double mm = ost_pm_to_mm(g->spacing.x),
+                 origin[3] = {ost_pm_to_mm(g->origin.x), ost_pm_to_mm(g->origin.y), ost_pm_to_mm(g->origin.z)};
     int32_t lo[3], hi[3];
     double half[3];
     ost_active_box(volume, threshold, lo, hi);
@@ -64,7 +67,8 @@ static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim 
     }
 }
 
-/* Replaces the frame's colours by means of 2 x 2 pixels, in place: a mean is written where its pixels have been read. */
+/* Replaces the frame's colours by means of 2 x 2 pixels, in place: a mean is written where its
+   pixels have been read. */
 static void halve(ost_sheet *sheet)
 {
     sheet->width /= 2;
@@ -78,11 +82,13 @@ static void halve(ost_sheet *sheet)
                 odd += four[i] & 0xff00ff;
                 green += four[i] & 0x00ff00;
             }
-            sheet->pixels[(size_t)y * (size_t)sheet->stride + (size_t)x] = (odd >> 2 & 0xff00ff) | (green >> 2 & 0x00ff00);
+            sheet->pixels[(size_t)y * (size_t)sheet->stride + (size_t)x] = (odd >> 2 & 0xff00ff) |
+                                                                           (green >> 2 & 0x00ff00);
         }
 }
 
-static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const aim *a, const ost_view_options *o, bool depths, ost_error *err)
+static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const aim *a, const ost_view_options *o,
+                       bool depths, ost_error *err)
 {
     const double unit = ost_marks_unit(sheet->height);
     ost_marks marks = {.mm_per_pixel = a->distance / (OST_VIEW_FOCAL * sheet->height)};
@@ -101,8 +107,8 @@ static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const a
     return OST_OK;
 }
 
-ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options, ost_picture *out,
-                            ost_error *err)
+ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
+                            ost_picture *out, ost_error *err)
 {
     static const ost_view_options defaults;
     const ost_view_options *o = options ? options : &defaults;

@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads, ost_error *err)
+ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads,
+                           ost_error *err)
 {
     memset(viewer, 0, sizeof *viewer);
     viewer->style = style;
@@ -73,8 +74,9 @@ ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume
     return status;
 }
 
-ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
-                                const ost_pm3 *at, const double *axis, ost_error *err)
+ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold,
+                                const ost_density_classes *classes, const ost_pm3 *at, const double *axis,
+                                ost_error *err)
 {
     ost_surface_set_uncut(&viewer->bone, NULL, NULL);
     ost_uncut_free(&viewer->reference);
@@ -167,7 +169,8 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
     ost_status status = OST_OK;
     if (viewer->frame.width != camera->width || viewer->frame.height != camera->height) {
         ost_frame_free(&viewer->frame);
-        status = ost_frame_init(&viewer->frame, camera->width, camera->height, viewer->style, viewer->isa, viewer->threads, err);
+        status = ost_frame_init(&viewer->frame, camera->width, camera->height, viewer->style, viewer->isa,
+                                viewer->threads, err);
         if (status == OST_OK)
             status = ost_frame_store(&viewer->frame, err);
     }
@@ -176,7 +179,8 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
     viewer->frame.style = viewer->style;
     ost_overlay_scene *scene = &viewer->scene;
     const ost_eye eye = ost_eye_make(camera, &viewer->bone.geometry);
-    ost_frame_thing things[2] = {{.surface = &viewer->bone, .eye = eye, .paint = viewer->paint, .palette = viewer->palette}};
+    ost_frame_thing things[2] = {
+        {.surface = &viewer->bone, .eye = eye, .paint = viewer->paint, .palette = viewer->palette}};
     int count = 1;
     const ost_live_state *s = &viewer->state;
     scene->bone = &viewer->bone;
@@ -186,8 +190,9 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
         scene->tool = &viewer->tool[s->tool];
         scene->tool_grid = viewer->tool_grid[s->tool];
         scene->pose = s->pose;
-        things[count++] = (ost_frame_thing){
-            .surface = scene->tool, .eye = ost_eye_make_from(camera, &scene->tool->geometry, &s->pose), .paint = OST_PAINT_STEEL};
+        things[count++] = (ost_frame_thing){.surface = scene->tool,
+                                            .eye = ost_eye_make_from(camera, &scene->tool->geometry, &s->pose),
+                                            .paint = OST_PAINT_STEEL};
     }
     if (draw_gl(viewer, things, count))
         ost_frame_overwritten(&viewer->frame);

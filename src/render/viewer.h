@@ -26,7 +26,8 @@
 #include "render/points/uncut.h"
 
 enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
-#define OST_VIEWER_FRESH_NS INT64_C(150000000) /* in operation time; removed bone is highlighted for one to two such intervals */
+#define OST_VIEWER_FRESH_NS                                                                                            \
+    INT64_C(150000000) /* in operation time; removed bone is highlighted for one to two such intervals */
 
 typedef struct ost_viewer {
     ost_live *live;      /* borrowed; NULL if the viewer follows no operation */
@@ -57,7 +58,8 @@ typedef struct ost_viewer {
 } ost_viewer;
 
 /* Makes a viewer of an empty bone. isa and threads are those of ost_points_options. */
-ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads, ost_error *err);
+ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads,
+                           ost_error *err);
 void ost_viewer_free(ost_viewer *viewer); /* a zeroed viewer is valid */
 
 /*
@@ -72,14 +74,16 @@ ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume
  * Sets the uncut bone and takes ownership of the volume, as ost_uncut_init does.
  * Must be called before the bone's surface is first set or taken from live.
  */
-ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold, const ost_density_classes *classes,
-                                const ost_pm3 *at, const double *axis, ost_error *err);
+ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold,
+                                const ost_density_classes *classes, const ost_pm3 *at, const double *axis,
+                                ost_error *err);
 /* Sets the colouring; all but OST_COLOUR_BONE need a reference. */
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
 /* Sets the clip plane; with NULL all of the bone is shown. */
 void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip);
 /* Sets the ghost, a translucent shape, and its pose. */
-ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volume, const ost_pose *pose, ost_error *err);
+ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volume, const ost_pose *pose,
+                                ost_error *err);
 /* Enables the highlight of places where bone was removed just now. */
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown);
 

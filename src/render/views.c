@@ -96,7 +96,8 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
         ost_pose_to_doubles(tool, t, q);
         const double w = q[0], x = q[1], y = q[2], z = q[3];
         /* The tool cuts toward its -z axis. */
-        return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}, 1.4 * near);
+        return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z},
+                    1.4 * near);
     }
     switch (view) {
     case OST_VIEW_EN_FACE: break;

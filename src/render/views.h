@@ -55,7 +55,8 @@ typedef struct ost_orbit {
 /* at, axis: position and axis of the glenoid; axis is NULL if they are not known. */
 ost_view_subject ost_view_subject_make(const ost_geometry *bone, const ost_pm3 *at, const double *axis, bool left);
 
-/* Computes the box lo <= v < hi of the voxels at or above the threshold; lo = hi = the grid's middle if there are none. */
+/* Computes the box lo <= v < hi of the voxels at or above the threshold; lo = hi = the grid's
+   middle if there are none. */
 void ost_active_box(const ost_volume *volume, int32_t threshold, int32_t lo[3], int32_t hi[3]);
 /* Sets middle and size from that box, so that views of the entire bone do not depend on the air around it. */
 void ost_view_subject_fit(ost_view_subject *subject, const ost_volume *volume, int32_t threshold);

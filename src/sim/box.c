@@ -63,7 +63,8 @@ static ost_i128 magnitude128(ost_i128 x)
  * Computes twice the centre of the tool's box in the bone's frame; each axis is rounded by RHE,
  * so off by at most 1/2.
  */
-static void centre_twice(const ost_box *tool, const ost_rotation *m, const ost_divider *by, const ost_pose *pose, int64_t out[3])
+static void centre_twice(const ost_box *tool, const ost_rotation *m, const ost_divider *by, const ost_pose *pose,
+                         int64_t out[3])
 {
     const int64_t c[3] = {tool->lo.x + tool->hi.x, tool->lo.y + tool->hi.y, tool->lo.z + tool->hi.z};
     const int64_t t[3] = {pose->t.x, pose->t.y, pose->t.z};

@@ -164,7 +164,8 @@ static ost_status unit_axis(const ost_glenoid *glenoid, vec *out, ost_error *err
 /* q has unit length, so no component times 2^30 exceeds int32; rint rounds half to even. */
 static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
 {
-    if (!ost_pm_from_binary(t.x, &out->t.x) || !ost_pm_from_binary(t.y, &out->t.y) || !ost_pm_from_binary(t.z, &out->t.z))
+    if (!ost_pm_from_binary(t.x, &out->t.x) || !ost_pm_from_binary(t.y, &out->t.y) ||
+        !ost_pm_from_binary(t.z, &out->t.z))
         return ost_fail(err, OST_ERR_RANGE, "the path leaves the range of 8 m around the bone's origin");
     out->qw = (int32_t)rint(q.w * OST_Q30_ONE);
     out->qx = (int32_t)rint(q.x * OST_Q30_ONE);
@@ -179,8 +180,8 @@ typedef struct start {
     quat face; /* takes -z to the axis */
 } start;
 
-static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, size_t ticks, start *s, ost_path *out,
-                        ost_error *err)
+static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, size_t ticks, start *s,
+                        ost_path *out, ost_error *err)
 {
     ost_status status = unit_axis(glenoid, &s->axis, err);
     if (status == OST_OK)
@@ -207,8 +208,8 @@ static ost_status make_pose(const start *s, quat q, double depth, vec sideways, 
     return quantised(t, q, out, err);
 }
 
-ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool, size_t ticks, ost_path *out,
-                             ost_error *err)
+ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool, size_t ticks,
+                             ost_path *out, ost_error *err)
 {
     start s;
     press_load load;
@@ -229,8 +230,8 @@ ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry
     return status;
 }
 
-ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
-                            ost_path *out, ost_error *err)
+ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry,
+                            int32_t tool, ost_path *out, ost_error *err)
 {
     start s;
     *out = (ost_path){0};
@@ -242,7 +243,8 @@ ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const
     ost_status status = begin(glenoid, geometry, (size_t)tick_count(p), &s, out, err);
     for (size_t k = 0; status == OST_OK && k < out->count; k++) {
         out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_OF_DEVICE};
-        status = make_pose(&s, normalised(s.face), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose, err);
+        status = make_pose(&s, normalised(s.face), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose,
+                           err);
     }
     if (status != OST_OK)
         ost_path_free(out);

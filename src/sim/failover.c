@@ -30,7 +30,8 @@ static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_t
     ost_status status = OST_OK;
     for (int i = 0; i < world->tool_count && status == OST_OK; i++) {
         /* ost_tool_upload reads only the geometry and the classes. */
-        const ost_tool_volume volume = {.geometry = world->tools[i].voxels.tool->geometry, .voxels = world->saved->tools[i]};
+        const ost_tool_volume volume = {.geometry = world->tools[i].voxels.tool->geometry,
+                                        .voxels = world->saved->tools[i]};
         status = ost_tool_upload(backend, &volume, &out[i], err);
     }
     return status;

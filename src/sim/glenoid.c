@@ -47,7 +47,8 @@ static ost_status point(const char *key, const char *text, ost_pm3 *out, ost_err
     ost_status status = three_decimals(key, text, p, err);
     if (status != OST_OK)
         return status;
-    if (!ost_decimal_to_pm(&p[0], &out->x, NULL) || !ost_decimal_to_pm(&p[1], &out->y, NULL) || !ost_decimal_to_pm(&p[2], &out->z, NULL))
+    if (!ost_decimal_to_pm(&p[0], &out->x, NULL) || !ost_decimal_to_pm(&p[1], &out->y, NULL) ||
+        !ost_decimal_to_pm(&p[2], &out->z, NULL))
         return ost_fail(err, OST_ERR_RANGE, "%s: '%s' is beyond 8 m", key, text);
     return OST_OK;
 }
@@ -78,7 +79,10 @@ ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there,
 ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err)
 {
     const char *text = ost_meta_get(meta, OST_META_SIDE);
-    *out = !text ? OST_SIDE_UNKNOWN : strcmp(text, "left") == 0 ? OST_SIDE_LEFT : strcmp(text, "right") == 0 ? OST_SIDE_RIGHT : OST_SIDE_UNKNOWN;
+    *out = !text                        ? OST_SIDE_UNKNOWN
+           : strcmp(text, "left") == 0  ? OST_SIDE_LEFT
+           : strcmp(text, "right") == 0 ? OST_SIDE_RIGHT
+                                        : OST_SIDE_UNKNOWN;
     if (text && *out == OST_SIDE_UNKNOWN)
         return ost_fail(err, OST_ERR_INPUT, "%s: '%s'; expected left or right", OST_META_SIDE, text);
     return OST_OK;
@@ -97,12 +101,18 @@ ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, o
 {
     const ost_side found = ost_side_of_axis(axis);
     if (stated == OST_SIDE_UNKNOWN && found == OST_SIDE_UNKNOWN)
-        return ost_fail(err, OST_ERR_USAGE, "the side is not set, and the axis (%.4g, %.4g, %.4g) does not determine it: pass --side left or "
-                        "--side right", axis[0], axis[1], axis[2]);
+        return ost_fail(
+            err, OST_ERR_USAGE,
+            "the side is not set, and the axis (%.4g, %.4g, %.4g) does not determine it: pass --side left or "
+            "--side right",
+            axis[0], axis[1], axis[2]);
     if (stated != OST_SIDE_UNKNOWN && found != OST_SIDE_UNKNOWN && stated != found)
-        return ost_fail(err, OST_ERR_INPUT, "the side is %s, but the axis (%.4g, %.4g, %.4g) into the bone is a %s glenoid's, which faces the "
-                        "patient's %s: one of the two is wrong", stated == OST_SIDE_LEFT ? "left" : "right", axis[0], axis[1], axis[2],
-                        found == OST_SIDE_LEFT ? "left" : "right", found == OST_SIDE_LEFT ? "left" : "right");
+        return ost_fail(
+            err, OST_ERR_INPUT,
+            "the side is %s, but the axis (%.4g, %.4g, %.4g) into the bone is a %s glenoid's, which faces the "
+            "patient's %s: one of the two is wrong",
+            stated == OST_SIDE_LEFT ? "left" : "right", axis[0], axis[1], axis[2],
+            found == OST_SIDE_LEFT ? "left" : "right", found == OST_SIDE_LEFT ? "left" : "right");
     *left = (stated == OST_SIDE_UNKNOWN ? found : stated) == OST_SIDE_LEFT;
     return OST_OK;
 }

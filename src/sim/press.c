@@ -25,7 +25,8 @@ static press_wheel wheel(double p)
 
 static void turn(press_wheel *w)
 {
-    const double c = w->c * w->step[0] - w->s * w->step[1], s = w->c * w->step[1] + w->s * w->step[0], length = sqrt(c * c + s * s);
+    const double c = w->c * w->step[0] - w->s * w->step[1], s = w->c * w->step[1] + w->s * w->step[0],
+                 length = sqrt(c * c + s * s);
     w->c = c / length;
     w->s = s / length;
 }
@@ -37,7 +38,8 @@ void press_begin(press_load *load)
 
 void press_go_on(press_load *load, int64_t k)
 {
-    load->depth = k < PRESS_TICKS ? BEGIN + (PRESSED - BEGIN) * (double)k / PRESS_TICKS : PRESSED + CREEP * (double)(k - PRESS_TICKS);
+    load->depth = k < PRESS_TICKS ? BEGIN + (PRESSED - BEGIN) * (double)k / PRESS_TICKS
+                                  : PRESSED + CREEP * (double)(k - PRESS_TICKS);
     if (k < PRESS_TICKS)
         return;
     if (load->depth > DEEPEST)

@@ -56,11 +56,12 @@ static ost_status unit(const ost_glenoid *glenoid, double out[3], ost_error *err
     return OST_OK;
 }
 
-static int64_t count_slab(const ost_geometry *g, const int16_t *slab, int32_t z0, int32_t slices, const double at[3], const double axis[3], zone *in,
-                          const double *limits)
+static int64_t count_slab(const ost_geometry *g, const int16_t *slab, int32_t z0, int32_t slices, const double at[3],
+                          const double axis[3], zone *in, const double *limits)
 {
     const double step[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
-    const double origin[3] = {ost_pm_to_mm(g->origin.x) - at[0], ost_pm_to_mm(g->origin.y) - at[1], ost_pm_to_mm(g->origin.z) - at[2]};
+    const double origin[3] = {ost_pm_to_mm(g->origin.x) - at[0], ost_pm_to_mm(g->origin.y) - at[1],
+                              ost_pm_to_mm(g->origin.z) - at[2]};
     int64_t count = 0;
     for (int32_t k = 0; k < slices; k++) {
         for (int32_t j = 0; j < g->dims.y; j++) {
@@ -78,8 +79,8 @@ static int64_t count_slab(const ost_geometry *g, const int16_t *slab, int32_t z0
 }
 
 /* Counts a zone's active voxels; none is farther than `far` mm from the glenoid. */
-static ost_status count_zone(const ost_bone *bone, const ost_glenoid *glenoid, double far, zone *in, const double *limits, int64_t *out,
-                             ost_error *err)
+static ost_status count_zone(const ost_bone *bone, const ost_glenoid *glenoid, double far, zone *in,
+                             const double *limits, int64_t *out, ost_error *err)
 {
     ost_bone_info info;
     double axis[3];
@@ -91,8 +92,10 @@ static ost_status count_zone(const ost_bone *bone, const ost_glenoid *glenoid, d
         return status;
     const ost_geometry *g = &info.geometry;
     const double at[3] = {ost_pm_to_mm(glenoid->at.x), ost_pm_to_mm(glenoid->at.y), ost_pm_to_mm(glenoid->at.z)};
-    const double middle = (at[2] - ost_pm_to_mm(g->origin.z)) / ost_pm_to_mm(g->spacing.z), reach = far / ost_pm_to_mm(g->spacing.z) + 1;
-    const int32_t from = (int32_t)fmin(fmax(middle - reach, 0), g->dims.z), to = (int32_t)fmin(fmax(middle + reach + 1, 0), g->dims.z);
+    const double middle = (at[2] - ost_pm_to_mm(g->origin.z)) / ost_pm_to_mm(g->spacing.z),
+                 reach = far / ost_pm_to_mm(g->spacing.z) + 1;
+    const int32_t from = (int32_t)fmin(fmax(middle - reach, 0), g->dims.z),
+                  to = (int32_t)fmin(fmax(middle + reach + 1, 0), g->dims.z);
     int16_t *slab = malloc((size_t)g->dims.x * (size_t)g->dims.y * SLAB * sizeof *slab);
     if (!slab)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d slices of the bone", SLAB);
@@ -106,13 +109,16 @@ static ost_status count_zone(const ost_bone *bone, const ost_glenoid *glenoid, d
     return status;
 }
 
-ost_status ost_bone_in_front(const ost_bone *bone, const ost_glenoid *glenoid, double radius_mm, double reach_mm, int64_t *voxels, ost_error *err)
+ost_status ost_bone_in_front(const ost_bone *bone, const ost_glenoid *glenoid, double radius_mm, double reach_mm,
+                             int64_t *voxels, ost_error *err)
 {
     const double limits[2] = {radius_mm > 0 ? radius_mm : INFINITY, reach_mm > 0 ? reach_mm : INFINITY};
-    return count_zone(bone, glenoid, sqrt(limits[0] * limits[0] + limits[1] * limits[1]), in_front, limits, voxels, err);
+    return count_zone(bone, glenoid, sqrt(limits[0] * limits[0] + limits[1] * limits[1]), in_front, limits, voxels,
+                      err);
 }
 
-ost_status ost_bone_along_axis(const ost_bone *bone, const ost_glenoid *glenoid, double *inward_percent, double *outward_percent, ost_error *err)
+ost_status ost_bone_along_axis(const ost_bone *bone, const ost_glenoid *glenoid, double *inward_percent,
+                               double *outward_percent, ost_error *err)
 {
     static const double inward[2] = {CORE_FROM_MM, CORE_TO_MM}, outward[2] = {-CORE_TO_MM, -CORE_FROM_MM};
     int64_t in = 0, out = 0;
@@ -125,13 +131,15 @@ ost_status ost_bone_along_axis(const ost_bone *bone, const ost_glenoid *glenoid,
     if (status != OST_OK)
         return status;
     const double s = ost_pm_to_mm(info.geometry.spacing.x);
-    const double voxels = 3.14159265358979323846 * CORE_RADIUS_MM * CORE_RADIUS_MM * (CORE_TO_MM - CORE_FROM_MM) / (s * s * s);
+    const double voxels = 3.14159265358979323846 * CORE_RADIUS_MM * CORE_RADIUS_MM * (CORE_TO_MM - CORE_FROM_MM) /
+                          (s * s * s);
     *inward_percent = fmin(100, 100 * (double)in / voxels);
     *outward_percent = fmin(100, 100 * (double)out / voxels);
     return OST_OK;
 }
 
-ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels, ost_error *err)
+ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels,
+                            ost_error *err)
 {
     ost_map map;
     ost_bone_info info;

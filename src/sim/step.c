@@ -24,11 +24,11 @@
 static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_error *err)
 {
     if (tick->tool < 0 || tick->tool >= world->tool_count)
-        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns uses tool %d; the world has %d", (long long)tick->t_ns, tick->tool,
-                        world->tool_count);
+        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns uses tool %d; the world has %d", (long long)tick->t_ns,
+                        tick->tool, world->tool_count);
     if (world->clock.totals.ticks > 0 && tick->t_ns <= world->clock.t_ns)
-        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns after one at %lld ns; time must increase", (long long)tick->t_ns,
-                        (long long)world->clock.t_ns);
+        return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns after one at %lld ns; time must increase",
+                        (long long)tick->t_ns, (long long)world->clock.t_ns);
     if (tick->rpm == OST_RPM_OF_DEVICE)
         return ost_fail(err, OST_ERR_USAGE, "a tick at %lld ns has the pose of a device and no motor speed; convert "
                         "the path with ost_motor_path", (long long)tick->t_ns);
@@ -45,7 +45,8 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
 static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
     const int64_t period = world->options.removal_period_ns;
-    return taken_up || !world->clock.running || period == 0 || ost_floor_div(tick->t_ns, period) != ost_floor_div(world->clock.removal_t, period);
+    return taken_up || !world->clock.running || period == 0 ||
+           ost_floor_div(tick->t_ns, period) != ost_floor_div(world->clock.removal_t, period);
 }
 
 /* AR-MOTOR-6: returns the motor's rotation, including this tick, since the first pose of the next sweep. */
@@ -62,17 +63,19 @@ static int64_t turned_by(const ost_world *world, const ost_tick *tick, bool take
     return ns > (uint64_t)(left / tick->rpm) ? OST_MOTOR_TURN : world->clock.turned + (int64_t)ns * tick->rpm;
 }
 
-static ost_status count_poses(const ost_world *world, const ost_entity *tool, const ost_tick *tick, bool taken_up, int *count,
-                              ost_error *err)
+static ost_status count_poses(const ost_world *world, const ost_entity *tool, const ost_tick *tick, bool taken_up,
+                              int *count, ost_error *err)
 {
     *count = 1;
     if (taken_up || world->options.sweep_off)
         return OST_OK;
     if (turned_by(world, tick, taken_up) > OST_MOTOR_TURN / 4)
-        return ost_fail(err, OST_ERR_RANGE, "the motor turns the tool by more than 90 degrees between two removals: %d rpm needs shorter ticks, a higher rate or a lower speed",
+        return ost_fail(err, OST_ERR_RANGE,
+                        "the motor turns the tool by more than 90 degrees between two removals: %d rpm needs shorter "
+                        "ticks, a higher rate or a lower speed",
                         tick->rpm);
-    return ost_sweep_count(&tool->input.event, &tick->pose, ost_tool_geometry_get(tool->voxels.tool), world->geometry.spacing.x,
-                           count, err);
+    return ost_sweep_count(&tool->input.event, &tick->pose, ost_tool_geometry_get(tool->voxels.tool),
+                           world->geometry.spacing.x, count, err);
 }
 
 /* Returns the voxels that the tool can hit at this pose; empty if its box does not meet the bone's. */
@@ -87,19 +90,22 @@ static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const
 }
 
 /* Makes the maps and boxes of the poses that can hit a voxel, in the sweep's order. */
-static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count, ost_event *event, ost_error *err)
+static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count, ost_event *event,
+                          ost_error *err)
 {
     ost_status status = ost_world_reserve_poses(world, count, err);
     int used = 0;
     for (int k = 1; k <= count && status == OST_OK; k++) {
         ost_pose pose = count == 1 ? tick->pose : ost_sweep_pose(&tool->input.event, &tick->pose, k, count);
-        status = ost_map_make(&pose, &world->geometry, ost_tool_geometry_get(tool->voxels.tool), &world->maps[used], err);
+        status = ost_map_make(&pose, &world->geometry, ost_tool_geometry_get(tool->voxels.tool), &world->maps[used],
+                              err);
         if (status != OST_OK)
             break;
         world->boxes[used] = reach(world, tool, &pose);
         used += ost_voxel_box_holds(&world->boxes[used]);
     }
-    *event = (ost_event){.pose_count = used, .maps = world->maps, .boxes = world->boxes, .classes = &world->options.classes};
+    *event = (ost_event){
+        .pose_count = used, .maps = world->maps, .boxes = world->boxes, .classes = &world->options.classes};
     return status;
 }
 
@@ -125,8 +131,8 @@ static void add_totals(ost_world_totals *totals, const ost_report *report, int p
     }
 }
 
-static ost_status run_event(ost_world *world, ost_entity *tool, const ost_tick *tick, bool taken_up, ost_step_result *result,
-                            ost_error *err)
+static ost_status run_event(ost_world *world, ost_entity *tool, const ost_tick *tick, bool taken_up,
+                            ost_step_result *result, ost_error *err)
 {
     int count;
     ost_event event;

@@ -126,11 +126,14 @@ ost_status ost_world_reserve(ost_world *world, ost_error *err)
     /* An event that may meet every chunk: the backend allocates now what any event can need. */
     const ost_voxel_box all = {{0, 0, 0}, {d.x, d.y, d.z}};
     for (int t = 0; t < world->tool_count && status == OST_OK; t++) {
-        const ost_event event = {.pose_count = 1, .maps = world->maps, .boxes = &all, .classes = &world->options.classes};
+        const ost_event event = {
+            .pose_count = 1, .maps = world->maps, .boxes = &all, .classes = &world->options.classes};
         const ost_pose identity = ost_pose_identity();
-        status = ost_map_make(&identity, &world->geometry, ost_tool_geometry_get(world->tools[t].voxels.tool), &world->maps[0], err);
+        status = ost_map_make(&identity, &world->geometry, ost_tool_geometry_get(world->tools[t].voxels.tool),
+                              &world->maps[0], err);
         if (status == OST_OK)
-            status = ost_bone_collide(world->bone.voxels.bone, world->tools[t].voxels.tool, &event, &world->report, err);
+            status = ost_bone_collide(world->bone.voxels.bone, world->tools[t].voxels.tool, &event, &world->report,
+                                      err);
     }
     if (status != OST_OK || world->report.capacity >= chunks)
         return status;

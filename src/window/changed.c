@@ -55,13 +55,15 @@ static void copy_row(const uint32_t *from, uint32_t *to, int begin, int end, int
 static range copy_band(const ost_window_picture *p, bool everything, int y, int rows, uint32_t *shared)
 {
     const int cells = (p->width + RUN - 1) / RUN;
-    const uint64_t *word = everything || !p->changed ? NULL : p->changed + (size_t)(y / BAND) * (size_t)p->changed_words;
+    const uint64_t *word = everything || !p->changed ? NULL
+                                                     : p->changed + (size_t)(y / BAND) * (size_t)p->changed_words;
     range r = {p->width, 0};
     int begin = 0, end = word ? 0 : cells;
     while (!word || ost_bits_run(word, p->changed_words, &begin, &end)) {
         const int right = end * RUN < p->width ? end * RUN : p->width;
         for (int k = y; k < y + rows; k++)
-            copy_row(p->pixels + (size_t)k * (size_t)p->stride, shared + (size_t)k * (size_t)p->width, begin * RUN, right, k + 1 < y + rows ? p->stride : 0, k + 1 < y + rows ? p->width : 0, &r);
+            copy_row(p->pixels + (size_t)k * (size_t)p->stride, shared + (size_t)k * (size_t)p->width, begin * RUN,
+                     right, k + 1 < y + rows ? p->stride : 0, k + 1 < y + rows ? p->width : 0, &r);
         if (!word)
             break;
     }
@@ -75,11 +77,13 @@ static int64_t area(const ost_changed_box *b)
 
 static ost_changed_box both(const ost_changed_box *a, const ost_changed_box *b)
 {
-    const int x = a->x < b->x ? a->x : b->x, right = a->x + a->width > b->x + b->width ? a->x + a->width : b->x + b->width;
+    const int x = a->x < b->x ? a->x : b->x,
+              right = a->x + a->width > b->x + b->width ? a->x + a->width : b->x + b->width;
     return (ost_changed_box){x, a->y, right - x, b->y + b->height - a->y};
 }
 
-int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared, ost_changed_box box[OST_CHANGED_BOXES])
+int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared,
+                     ost_changed_box box[OST_CHANGED_BOXES])
 {
     const int width = picture->width, height = picture->height;
     int count = 0;

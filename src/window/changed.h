@@ -27,6 +27,7 @@ typedef struct ost_changed_box {
  * shared: 0x00RRGGBB, in rows of the picture's width. everything: its contents are not the previous
  * picture, so everything is written.  Returns the number of boxes; they do not overlap.
  */
-int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared, ost_changed_box box[OST_CHANGED_BOXES]);
+int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared,
+                     ost_changed_box box[OST_CHANGED_BOXES]);
 
 #endif

@@ -65,14 +65,16 @@ static void on_key(GLFWwindow *handle, int key, int scancode, int action, int mo
     if (key == GLFW_KEY_LEFT_CONTROL || key == GLFW_KEY_RIGHT_CONTROL)
         w->mods = action == GLFW_RELEASE ? w->mods & ~(unsigned)OST_WINDOW_CONTROL : w->mods | OST_WINDOW_CONTROL;
     if (action != GLFW_REPEAT)
-        add(w, (ost_window_event){.kind = OST_WINDOW_KEY, .key = key_of(key), .pressed = action == GLFW_PRESS, .mods = w->mods});
+        add(w, (ost_window_event){
+                   .kind = OST_WINDOW_KEY, .key = key_of(key), .pressed = action == GLFW_PRESS, .mods = w->mods});
 }
 
 static void on_button(GLFWwindow *handle, int button, int action, int mods)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
     w->mods = mods_of(mods);
-    add(w, (ost_window_event){.kind = OST_WINDOW_BUTTON, .button = button, .pressed = action == GLFW_PRESS, .mods = w->mods});
+    add(w, (ost_window_event){
+               .kind = OST_WINDOW_BUTTON, .button = button, .pressed = action == GLFW_PRESS, .mods = w->mods});
 }
 
 /* Reduces the picture's size to what OpenGL and the renderer support, with the same aspect ratio. */

@@ -30,7 +30,8 @@ struct ost_window {
     int64_t looked_ns;
     /* OpenGL: */
     int side; /* side of the greatest texture, in pixels */
-    enum { NO_NOTIFICATION, BY_KHR, BY_ARB } reset_notification; /* extension that reports a driver's reset; MUTE: none */
+    /* extension that reports a driver's reset; MUTE: none */
+    enum { NO_NOTIFICATION, BY_KHR, BY_ARB } reset_notification;
     int64_t reset_ns[OST_WINDOW_RESETS];
     int resets;
     char title[OST_WINDOW_TITLE], renderer[128], version[64];

@@ -51,8 +51,8 @@ typedef struct calls {
     xcb_cookie (*free_gc)(void *, uint32_t);
     xcb_cookie (*attach)(void *, uint32_t, uint32_t, uint8_t);
     xcb_cookie (*detach)(void *, uint32_t);
-    xcb_cookie (*put)(void *, uint32_t, uint32_t, uint16_t, uint16_t, uint16_t, uint16_t, uint16_t, uint16_t, int16_t, int16_t, uint8_t, uint8_t,
-                      uint8_t, uint32_t, uint32_t);
+    xcb_cookie (*put)(void *, uint32_t, uint32_t, uint16_t, uint16_t, uint16_t, uint16_t, uint16_t, uint16_t, int16_t,
+                      int16_t, uint8_t, uint8_t, uint8_t, uint32_t, uint32_t);
 } calls;
 
 /*
@@ -88,11 +88,13 @@ static bool load(ost_shm *s)
         s->library[i] = dlopen(names[i], RTLD_LAZY);
     calls *x = &s->x;
     void *x11 = s->library[0], *xcb = s->library[2], *shm = s->library[3];
-    return find(RTLD_DEFAULT, "glfwGetX11Display", &x->glfw_display) && find(RTLD_DEFAULT, "glfwGetX11Window", &x->glfw_window) &&
-           find(x11, "XGetVisualInfo", &x->visuals) && find(x11, "XFree", &x->x_free) &&
-           find(s->library[1], "XGetXCBConnection", &x->connection) && find(xcb, "xcb_generate_id", &x->id) &&
-           find(xcb, "xcb_connection_has_error", &x->has_error) && find(xcb, "xcb_request_check", &x->check) && find(xcb, "xcb_flush", &x->flush) &&
-           find(xcb, "xcb_get_window_attributes", &x->get_attributes) && find(xcb, "xcb_get_window_attributes_reply", &x->attributes_reply) &&
+    return find(RTLD_DEFAULT, "glfwGetX11Display", &x->glfw_display) &&
+           find(RTLD_DEFAULT, "glfwGetX11Window", &x->glfw_window) && find(x11, "XGetVisualInfo", &x->visuals) &&
+           find(x11, "XFree", &x->x_free) && find(s->library[1], "XGetXCBConnection", &x->connection) &&
+           find(xcb, "xcb_generate_id", &x->id) && find(xcb, "xcb_connection_has_error", &x->has_error) &&
+           find(xcb, "xcb_request_check", &x->check) && find(xcb, "xcb_flush", &x->flush) &&
+           find(xcb, "xcb_get_window_attributes", &x->get_attributes) &&
+           find(xcb, "xcb_get_window_attributes_reply", &x->attributes_reply) &&
            find(xcb, "xcb_create_gc_checked", &x->create_gc) && find(xcb, "xcb_free_gc", &x->free_gc) &&
            find(shm, "xcb_shm_attach_checked", &x->attach) && find(shm, "xcb_shm_detach", &x->detach) &&
            find(shm, "xcb_shm_put_image", &x->put);
@@ -123,9 +125,11 @@ static bool learn_pixels(ost_shm *s)
     const uint32_t one = 1;
     int count = 0;
     attributes *a = wait_for(s, s->x.get_attributes(s->connection, s->window));
-    visual_info wanted = {.id = a ? a->visual : 0}, *found = a ? s->x.visuals(s->display, VISUAL_ID_MASK, &wanted, &count) : NULL;
-    const bool fine = found && count == 1 && found->class == TRUE_COLOR && (found->depth == 24 || found->depth == 32) && found->red == 0xff0000 &&
-                      found->green == 0xff00 && found->blue == 0xff && *(const uint8_t *)&one == 1;
+    visual_info wanted = {.id = a ? a->visual : 0},
+                *found = a ? s->x.visuals(s->display, VISUAL_ID_MASK, &wanted, &count) : NULL;
+    const bool fine = found && count == 1 && found->class == TRUE_COLOR && (found->depth == 24 || found->depth == 32) &&
+                      found->red == 0xff0000 && found->green == 0xff00 && found->blue == 0xff &&
+                      *(const uint8_t *)&one == 1;
     s->depth = fine ? (uint8_t)found->depth : 0;
     if (found)
         s->x.x_free(found);
@@ -176,7 +180,8 @@ ost_shm *ost_shm_open(void *glfw_window)
     ost_shm *s = calloc(1, sizeof *s);
     if (!s)
         return NULL;
-    if (load(s) && (s->display = s->x.glfw_display()) != NULL && (s->connection = s->x.connection(s->display)) != NULL) {
+    if (load(s) && (s->display = s->x.glfw_display()) != NULL &&
+        (s->connection = s->x.connection(s->display)) != NULL) {
         s->window = (uint32_t)s->x.glfw_window(glfw_window);
         if (learn_pixels(s) && reserve_memory(s, 1)) {
             s->gc = s->x.id(s->connection);
@@ -242,9 +247,10 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
     if (count == 0)
         return true;
     for (int i = 0; i < count; i++) {
-        const uint16_t x = (uint16_t)box[i].x, y = (uint16_t)box[i].y, w = (uint16_t)box[i].width, h = (uint16_t)box[i].height;
-        shm->x.put(shm->connection, shm->window, shm->gc, (uint16_t)width, (uint16_t)height, x, y, w, h, (int16_t)x, (int16_t)y, shm->depth, Z_PIXMAP, 0,
-                   shm->segment, 0);
+        const uint16_t x = (uint16_t)box[i].x, y = (uint16_t)box[i].y, w = (uint16_t)box[i].width,
+                       h = (uint16_t)box[i].height;
+        shm->x.put(shm->connection, shm->window, shm->gc, (uint16_t)width, (uint16_t)height, x, y, w, h, (int16_t)x,
+                   (int16_t)y, shm->depth, Z_PIXMAP, 0, shm->segment, 0);
     }
     shm->copied = shm->x.get_attributes(shm->connection, shm->window);
     shm->pending = true;

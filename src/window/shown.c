@@ -63,7 +63,8 @@ void ost_shown_free(ost_shown *shown)
     *shown = (ost_shown){0};
 }
 
-bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width, int frame_height)
+bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width,
+                    int frame_height)
 {
     glViewport(0, 0, frame_width, frame_height);
     glBindTexture(GL_TEXTURE_2D, shown->texture);

@@ -18,6 +18,7 @@ bool ost_shown_make(ost_shown *shown);
 /* Frees the OpenGL objects; a zeroed struct is valid. */
 void ost_shown_free(ost_shown *shown);
 /* Draws the pixels into a framebuffer of the given size. Returns false if there is no memory for the texture. */
-bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width, int frame_height);
+bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width,
+                    int frame_height);
 
 #endif

@@ -177,8 +177,10 @@ void ost_window_close(ost_window *window)
 ost_window_info ost_window_info_get(const ost_window *window)
 {
     static const char *const software[] = {"llvmpipe", "softpipe", "SWR", "swrast", "Software Rasterizer"};
-    ost_window_info info = {
-        .renderer = window->renderer, .version = window->version, .robust = window->reset_notification != NO_NOTIFICATION, .resets = window->resets};
+    ost_window_info info = {.renderer = window->renderer,
+                            .version = window->version,
+                            .robust = window->reset_notification != NO_NOTIFICATION,
+                            .resets = window->resets};
     for (size_t i = 0; i < sizeof software / sizeof *software; i++)
         info.software = info.software || strstr(window->renderer, software[i]);
     return info;
@@ -209,8 +211,10 @@ static GLFWmonitor *screen_of(const ost_window *w)
         glfwGetMonitorPos(all[i], &left, &top);
         if (!mode)
             continue;
-        const int64_t x0 = x > left ? x : left, x1 = x + w->width < left + mode->width ? x + w->width : left + mode->width;
-        const int64_t y0 = y > top ? y : top, y1 = y + w->height < top + mode->height ? y + w->height : top + mode->height;
+        const int64_t x0 = x > left ? x : left,
+                      x1 = x + w->width < left + mode->width ? x + w->width : left + mode->width;
+        const int64_t y0 = y > top ? y : top,
+                      y1 = y + w->height < top + mode->height ? y + w->height : top + mode->height;
         if (x1 > x0 && y1 > y0 && (x1 - x0) * (y1 - y0) > most) {
             most = (x1 - x0) * (y1 - y0);
             best = all[i];
@@ -330,7 +334,8 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
         return gone(err);
     if (shown)
         return OST_OK;
-    if (!ost_shown_draw(&window->shown, picture->pixels, picture->stride, width, height, window->frame_width, window->frame_height))
+    if (!ost_shown_draw(&window->shown, picture->pixels, picture->stride, width, height, window->frame_width,
+                        window->frame_height))
         return was_reset(window) ? restart(window, err)
                                  : ost_fail(err, OST_ERR_UNAVAILABLE,
                                             "OpenGL (%s): out of memory for a picture of %d x %d pixels",

@@ -33,8 +33,19 @@ enum { OST_WINDOW_SHIFT = 1, OST_WINDOW_CONTROL = 2, OST_WINDOW_ALT = 4 };
 
 /* Printable keys have the code of their capital letter or digit on a US layout.  The codes of other keys: */
 enum {
-    OST_KEY_ESCAPE = 256, OST_KEY_ENTER, OST_KEY_TAB, OST_KEY_LEFT, OST_KEY_RIGHT, OST_KEY_UP, OST_KEY_DOWN, OST_KEY_HOME,
-    OST_KEY_PAGE_UP, OST_KEY_PAGE_DOWN, OST_KEY_PLUS, OST_KEY_MINUS, OST_KEY_F1 = 300 /* and on to F12 */
+    OST_KEY_ESCAPE = 256,
+    OST_KEY_ENTER,
+    OST_KEY_TAB,
+    OST_KEY_LEFT,
+    OST_KEY_RIGHT,
+    OST_KEY_UP,
+    OST_KEY_DOWN,
+    OST_KEY_HOME,
+    OST_KEY_PAGE_UP,
+    OST_KEY_PAGE_DOWN,
+    OST_KEY_PLUS,
+    OST_KEY_MINUS,
+    OST_KEY_F1 = 300 /* and on to F12 */
 };
 
 typedef struct ost_window_event {
@@ -65,7 +76,8 @@ void ost_window_close(ost_window *window); /* NULL is allowed */
 ost_window_info ost_window_info_get(const ost_window *window);
 
 /*
- * Returns the size in pixels of the picture to present: the framebuffer's, limited to what can be shown; 0 x 0 while the
+ * Returns the size in pixels of the picture to present: the framebuffer's, limited to what can be
+ * shown; 0 x 0 while the
  * window is not visible.  scale: ratio of the display's resolution to 96 pixels an inch.
  */
 enum { OST_WINDOW_SIDE = 8192 }; /* greatest width and height */

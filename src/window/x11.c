@@ -67,7 +67,8 @@ void ost_x11_outlive(void *glfw_window)
         find(library, "XSetErrorHandler", &x.set_error) && (display = x.display()) != NULL) {
         ours = x.window(glfw_window);
         x.set_error(on_error);
-        if (find(library, "XSetIOErrorHandler", &x.set_io_error) && find(library, "XSetIOErrorExitHandler", &x.set_exit)) {
+        if (find(library, "XSetIOErrorHandler", &x.set_io_error) &&
+            find(library, "XSetIOErrorExitHandler", &x.set_exit)) {
             x.set_io_error(on_io_error);
             x.set_exit(display, on_exit_wish, NULL);
         }

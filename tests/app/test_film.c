@@ -76,7 +76,8 @@ static int files_that_contain(const char *where, const char *text)
     return count;
 }
 
-/* Stores the luma of each frame of a .y4m in got, checks that no frame has a chroma, and returns the number of frames. */
+/* Stores the luma of each frame of a .y4m in got, checks that no frame has a chroma, and returns
+   the number of frames. */
 static int levels(const char *name, int got[], int capacity)
 {
     char line[128];

@@ -23,7 +23,8 @@ static void assert_says(const moment *moments, size_t count)
     char text[RECORDER_WATCH_TEXT];
     for (size_t i = 0; i < count; i++) {
         const moment *m = &moments[i];
-        const ost_recorder_state state = {.put = m->put, .written = m->written, .lost = m->lost, .failing = m->failing, .reason = "the disk is full"};
+        const ost_recorder_state state = {
+            .put = m->put, .written = m->written, .lost = m->lost, .failing = m->failing, .reason = "the disk is full"};
         const char *line = recorder_watch_update(&watch, "a.session", &state, CAPACITY, m->ms, text);
         if (!m->says)
             assert_null(line);
@@ -39,21 +40,27 @@ static void assert_says(const moment *moments, size_t count)
 static void nothing_of_a_disk_that_is_well(void **state)
 {
     (void)state;
-    static const moment m[] = {{100, 0, 0, 0, false, NULL}, {200, 100, 75, 0, false, NULL}, {5000, 4900, 4875, 0, false, NULL},
+    static const moment m[] = {{100, 0, 0, 0, false, NULL},
+                               {200, 100, 75, 0, false, NULL},
+                               {5000, 4900, 4875, 0, false, NULL},
                                /* The disk pauses, and then there is nothing to write for a long time. */
-                               {6900, 6800, 4875, 0, false, NULL}, {7000, 6900, 6900, 0, false, NULL}, {60000, 6900, 6900, 0, false, NULL}};
+                               {6900, 6800, 4875, 0, false, NULL},
+                               {7000, 6900, 6900, 0, false, NULL},
+                               {60000, 6900, 6900, 0, false, NULL}};
     ASSERT_SAYS(m);
 }
 
 static void a_full_disk(void **state)
 {
     (void)state;
-    static const moment m[] = {{100, 100, 75, 0, false, NULL},
-                               {200, 200, 75, 0, true, "a.session: the disk is full; the operation goes on, and the recording waits: there is room for 65 s"},
-                               {300, 300, 75, 0, true, NULL},
-                               {9000, 9000, 75, 0, true, NULL},
-                               {9100, 9100, 9100, 0, false, "recording goes on; nothing was lost"},
-                               {9200, 9200, 9175, 0, false, NULL}};
+    static const moment m[] = {
+        {100, 100, 75, 0, false, NULL},
+        {200, 200, 75, 0, true,
+         "a.session: the disk is full; the operation goes on, and the recording waits: there is room for 65 s"},
+        {300, 300, 75, 0, true, NULL},
+        {9000, 9000, 75, 0, true, NULL},
+        {9100, 9100, 9100, 0, false, "recording goes on; nothing was lost"},
+        {9200, 9200, 9175, 0, false, NULL}};
     ASSERT_SAYS(m);
 }
 
@@ -71,11 +78,12 @@ static void a_disk_that_stays_full(void **state)
 static void a_recorder_that_stands_still(void **state)
 {
     (void)state;
-    static const moment m[] = {{100, 100, 75, 0, false, NULL},
-                               {2050, 2000, 75, 0, false, NULL},
-                               {2150, 2100, 75, 0, false, "nothing could be written for 2 s: the disk is slow, or the recorder was stopped"},
-                               {2250, 2200, 75, 0, false, NULL},
-                               {3000, 3000, 2900, 0, false, "recording goes on; nothing was lost"}};
+    static const moment m[] = {
+        {100, 100, 75, 0, false, NULL},
+        {2050, 2000, 75, 0, false, NULL},
+        {2150, 2100, 75, 0, false, "nothing could be written for 2 s: the disk is slow, or the recorder was stopped"},
+        {2250, 2200, 75, 0, false, NULL},
+        {3000, 3000, 2900, 0, false, "recording goes on; nothing was lost"}};
     ASSERT_SAYS(m);
 }
 

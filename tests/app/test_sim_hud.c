@@ -13,7 +13,14 @@
 
 static sim_hud_facts facts(bool much)
 {
-    sim_hud_facts f = {.tool = "reamer", .device = "mouse", .number = 1, .tools = 3, .running = true, .mm_per_pixel = 0.1, .right = {1, 0, 0}, .up = {0, 0, 1}};
+    sim_hud_facts f = {.tool = "reamer",
+                       .device = "mouse",
+                       .number = 1,
+                       .tools = 3,
+                       .running = true,
+                       .mm_per_pixel = 0.1,
+                       .right = {1, 0, 0},
+                       .up = {0, 0, 1}};
     if (!much)
         return f;
     f.legend = (ost_legend){.colouring = OST_COLOUR_CLASS, .plate = true, .window = true};
@@ -41,7 +48,8 @@ static sim_hud_facts facts(bool much)
 
 static const sim_hud_box *box_of(const sim_hud_layout *l, int i)
 {
-    const sim_hud_box *all[] = {&l->device, &l->rates, &l->foot, &l->scale, &l->legend, &l->help, &l->edge[0], &l->edge[1], &l->edge[2], &l->edge[3]};
+    const sim_hud_box *all[] = {&l->device, &l->rates,   &l->foot,    &l->scale,   &l->legend,
+                                &l->help,   &l->edge[0], &l->edge[1], &l->edge[2], &l->edge[3]};
     return i < 10 ? all[i] : NULL;
 }
 
@@ -65,10 +73,12 @@ static void look(int width, int height, double scale, const sim_hud_facts *f, bo
         const sim_hud_box *a = box_of(&l, i);
         if (!a->width)
             continue;
-        assert_true(a->x >= 0 && a->y >= 0 && a->width > 0 && a->height > 0 && a->x + a->width <= width && a->y + a->height <= height);
+        assert_true(a->x >= 0 && a->y >= 0 && a->width > 0 && a->height > 0 && a->x + a->width <= width &&
+                    a->y + a->height <= height);
         for (int j = 0; j < i; j++) {
             const sim_hud_box *b = box_of(&l, j);
-            assert_true(!b->width || a->x >= b->x + b->width || b->x >= a->x + a->width || a->y >= b->y + b->height || b->y >= a->y + a->height);
+            assert_true(!b->width || a->x >= b->x + b->width || b->x >= a->x + a->width || a->y >= b->y + b->height ||
+                        b->y >= a->y + a->height);
         }
     }
     if (draw) {
@@ -85,7 +95,8 @@ static void look(int width, int height, double scale, const sim_hud_facts *f, bo
                 for (int i = 0; box_of(&l, i) && !in; i++)
                     in = box_of(&l, i)->width && within(box_of(&l, i), x, y);
                 if (!in)
-                    fail_msg("%d x %d at %g: something is written at %d, %d, out of every panel", width, height, scale, x, y);
+                    fail_msg("%d x %d at %g: something is written at %d, %d, out of every panel", width, height, scale,
+                             x, y);
             }
         sim_hud_draw_message(hud, &sheet, "builtin:scapula: a moment");
         free(pixels);
@@ -180,8 +191,10 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     drawn(&f, b, W, H);
     assert_memory_equal(a, b, sizeof a);
     /* The colour changes where the depth exceeds the plan. */
-    const uint32_t within_plan = sim_hud_depth_colour(3, 3), beyond = sim_hud_depth_colour(3.1, 3), far = sim_hud_depth_colour(4.1, 3);
-    assert_true(within_plan == sim_hud_depth_colour(0, 3) && beyond == sim_hud_depth_colour(4, 3) && far == sim_hud_depth_colour(40, 3));
+    const uint32_t within_plan = sim_hud_depth_colour(3, 3), beyond = sim_hud_depth_colour(3.1, 3),
+                   far = sim_hud_depth_colour(4.1, 3);
+    assert_true(within_plan == sim_hud_depth_colour(0, 3) && beyond == sim_hud_depth_colour(4, 3) &&
+                far == sim_hud_depth_colour(40, 3));
     assert_true(within_plan != beyond && beyond != far && far != within_plan);
     assert_int_equal(sim_hud_depth_colour(40, 0), within_plan);
     sim_hud_free(hud);
@@ -250,7 +263,8 @@ static void letters_are_the_same_anywhere(void **state)
     for (int shift = -60; shift < 60; shift++) {
         for (int i = 0; i < W * H; i++)
             first[i] = pixels[i] = 0x406080;
-        const ost_sheet a = {.pixels = first, .stride = W, .width = W, .height = H}, b = {.pixels = pixels, .stride = W, .width = W, .height = H};
+        const ost_sheet a = {.pixels = first, .stride = W, .width = W, .height = H},
+                        b = {.pixels = pixels, .stride = W, .width = W, .height = H};
         ost_lettering_draw(l, &a, 0, 15, "Wg%8.", 0xf0e0d0);
         ost_lettering_draw(l, &b, shift, 15, "Wg%8.", 0xf0e0d0);
         int drawn = 0;

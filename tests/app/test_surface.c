@@ -15,7 +15,8 @@ static ost_volume volume_of(int32_t x, int32_t y, int32_t z)
 {
     ost_error err = {0};
     ost_volume volume = {0};
-    const ost_geometry geometry = {{x, y, z}, {OST_PM_PER_MM / 2, OST_PM_PER_MM, 700000000}, {-3 * OST_PM_PER_MM, 5, 7 * OST_PM_PER_MM}};
+    const ost_geometry geometry = {
+        {x, y, z}, {OST_PM_PER_MM / 2, OST_PM_PER_MM, 700000000}, {-3 * OST_PM_PER_MM, 5, 7 * OST_PM_PER_MM}};
     assert_ok(ost_volume_init(&volume, &geometry, &err));
     return volume;
 }
@@ -39,11 +40,13 @@ static void noise_is_closed(void **state)
     (void)state;
     test_rng rng = rng_seeded("surface of noise");
     for (int round = 0; round < 40; round++) {
-        ost_volume volume = volume_of((int32_t)rng_range(&rng, 1, 14), (int32_t)rng_range(&rng, 1, 14), (int32_t)rng_range(&rng, 1, 14));
+        ost_volume volume = volume_of((int32_t)rng_range(&rng, 1, 14), (int32_t)rng_range(&rng, 1, 14),
+                                      (int32_t)rng_range(&rng, 1, 14));
         int64_t n = ost_dims_count(volume.geometry.dims), share = rng_range(&rng, 2, 98);
         volume.voxels[0] = 500;
         for (int64_t v = 1; v < n; v++)
-            volume.voxels[v] = rng_range(&rng, 0, 99) < share ? (int16_t)rng_range(&rng, 120, 2000) : (int16_t)rng_range(&rng, -1000, 119);
+            volume.voxels[v] = rng_range(&rng, 0, 99) < share ? (int16_t)rng_range(&rng, 120, 2000)
+                                                              : (int16_t)rng_range(&rng, -1000, 119);
         double mm3;
         assert_closed(&volume, 120, OST_SURFACE_DENSITY, &mm3);
         assert_closed(&volume, 120, OST_SURFACE_SMOOTH, &mm3);
@@ -61,7 +64,8 @@ static void ball_has_its_volume(void **state)
         for (int32_t j = 0; j < 24; j++)
             for (int32_t i = 0; i < 44; i++) {
                 double x = (i - 21.7) * 0.5, y = j - 11.6, z = (k - 15.2) * 0.7;
-                volume.voxels[i + 44 * (j + 24 * k)] = (int16_t)lround(1000 + 100 * (radius - sqrt(x * x + y * y + z * z)));
+                volume.voxels[i + 44 * (j + 24 * k)] = (int16_t)lround(1000 +
+                                                                       100 * (radius - sqrt(x * x + y * y + z * z)));
             }
     double mm3, ball = 4.0 / 3 * pi * radius * radius * radius;
     assert_closed(&volume, 1000, OST_SURFACE_DENSITY, &mm3);

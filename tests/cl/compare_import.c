@@ -24,7 +24,8 @@ static void *zeros(size_t count, size_t size)
 
 /* -------------------------------------------------------------- scatter */
 
-_Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) && offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
+_Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) &&
+                   offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
                    offsetof(ost_sample, line) == offsetof(ost_cl_sample, line),
                "a batch goes to the device as it is");
 
@@ -34,7 +35,8 @@ static bool before(int64_t line, int64_t recorded)
 }
 
 /* Adds a batch's report as shared.h defines it. */
-static void add_report(ost_scatter_report *to, const ost_cl_scatter_report *part, const ost_sample *samples, size_t count, int64_t first_line)
+static void add_report(ost_scatter_report *to, const ost_cl_scatter_report *part, const ost_sample *samples,
+                       size_t count, int64_t first_line)
 {
     to->samples += count;
     to->duplicates += part->duplicates;
@@ -62,8 +64,8 @@ typedef struct scatter_grid {
     int16_t *density;
 } scatter_grid;
 
-static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *samples, size_t count, int64_t first_line,
-                          ost_duplicates duplicates, ost_scatter_report *report)
+static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *samples, size_t count,
+                          int64_t first_line, ost_duplicates duplicates, ost_scatter_report *report)
 {
     const ost_geometry *geometry = &g->geometry;
     const ost_cl_scatter scatter = {
@@ -73,8 +75,10 @@ static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *s
         .duplicates = (int)duplicates,
         .count = (uint32_t)count,
     };
-    ost_cl_scatter_report part = {
-        .worst_line = OST_CL_NONE, .rejected_line = OST_CL_NONE, .conflict_line = OST_CL_NONE, .conflict_index = OST_CL_NONE};
+    ost_cl_scatter_report part = {.worst_line = OST_CL_NONE,
+                                  .rejected_line = OST_CL_NONE,
+                                  .conflict_line = OST_CL_NONE,
+                                  .conflict_index = OST_CL_NONE};
     const kernel_arg s = ONE(&scatter), b = BUFFER(samples, count), seen = BUFFER(g->seen, (g->voxels + 31) / 32),
                      owner = BUFFER(g->owner, g->voxels), voxels = BUFFER(g->density, g->voxels), r = ONE(&part);
     LAUNCH(m, ost_ct_claim, count, 1, 1, s, b, seen, owner, r);
@@ -108,11 +112,12 @@ static int64_t some_coordinate(test_rng *rng, ost_pm origin, ost_pm spacing, int
 static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
 {
     ost_error err = {0};
-    scatter_grid g = {.geometry = {
-                          .dims = {(int32_t)rng_range(rng, 1, 12), (int32_t)rng_range(rng, 1, 12), (int32_t)rng_range(rng, 1, 9)},
-                          .spacing = {rng_range(rng, 1000000, 3000000), 470000000, rng_range(rng, 1, 80) * 1000000},
-                          .origin = {rng_range(rng, -8000, 6800) * OST_PM_PER_MM, -57340000000, rng_range(rng, -5, 5)},
-                      }};
+    scatter_grid g = {
+        .geometry = {
+            .dims = {(int32_t)rng_range(rng, 1, 12), (int32_t)rng_range(rng, 1, 12), (int32_t)rng_range(rng, 1, 9)},
+            .spacing = {rng_range(rng, 1000000, 3000000), 470000000, rng_range(rng, 1, 80) * 1000000},
+            .origin = {rng_range(rng, -8000, 6800) * OST_PM_PER_MM, -57340000000, rng_range(rng, -5, 5)},
+        }};
     if (rng_range(rng, 0, 9) == 0)
         g.geometry.spacing = (ost_pm3){OST_SPACING_MAX, OST_SPACING_MIN, 8};
     if (g.geometry.spacing.z < OST_SPACING_MIN)
@@ -184,7 +189,8 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
     const int32_t most = m->small ? 5 : 20;
     for (int i = 0; i < rounds; i++) {
         const ost_geometry geometry = {
-            .dims = {(int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most)},
+            .dims = {(int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most),
+                     (int32_t)rng_range(rng, 1, most)},
             .spacing = {steps[rng_range(rng, 0, 5)], steps[rng_range(rng, 0, 5)], steps[rng_range(rng, 0, 5)]},
         };
         const ost_pm cubic_spacing = steps[rng_range(rng, 0, rng_range(rng, 0, 9) ? 5 : 6)];
@@ -218,11 +224,11 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
             const size_t from = cubic.slab ? slice * (size_t)cubic.z0 : 0;
             const size_t size = cubic.slab ? slice * (size_t)(cubic.z1 - cubic.z0) : slice * (size_t)d.z;
             if (cubic.z1 > cubic.z0 && rule == OST_RESAMPLE_LINEAR)
-                LAUNCH(m, ost_cubic_linear, d.x, d.y, cubic.z1 - cubic.z0, ONE(&cubic), BUFFER(sources, 2 * axes), BUFFER(voxels, count),
-                       BUFFER(out + from, size));
+                LAUNCH(m, ost_cubic_linear, d.x, d.y, cubic.z1 - cubic.z0, ONE(&cubic), BUFFER(sources, 2 * axes),
+                       BUFFER(voxels, count), BUFFER(out + from, size));
             else if (cubic.z1 > cubic.z0)
-                LAUNCH(m, ost_cubic_gather, d.x, d.y, cubic.z1 - cubic.z0, ONE(&cubic), BUFFER(sources, 2 * axes), BUFFER(voxels, count),
-                       BUFFER(out + from, size));
+                LAUNCH(m, ost_cubic_gather, d.x, d.y, cubic.z1 - cubic.z0, ONE(&cubic), BUFFER(sources, 2 * axes),
+                       BUFFER(voxels, count), BUFFER(out + from, size));
         }
         if (memcmp(out, ((ref_grid *)expected)->voxels, slice * (size_t)d.z * 2) != 0)
             fail_msg("%s: the cubic grid differs", m->name);
@@ -255,7 +261,11 @@ typedef struct slab {
    with a list. */
 static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
-    slab s = {.z0 = z0, .z1 = z1, .first = first, .weights = -1, .layer_count = (size_t)(z1 - z0) + (size_t)(first < 0 ? 1 : first)};
+    slab s = {.z0 = z0,
+              .z1 = z1,
+              .first = first,
+              .weights = -1,
+              .layer_count = (size_t)(z1 - z0) + (size_t)(first < 0 ? 1 : first)};
     s.voxels = zeros(slice * (size_t)(z1 - z0) + 1, 2);
     s.layers = zeros(s.layer_count + 1, 4);
     int32_t kept = 0;
@@ -278,12 +288,17 @@ static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1,
 static slab slab_between(test_rng *rng, int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
     const int32_t count = z1 - z0, own = 2 + count / 2;
-    slab s = {.z0 = z0, .z1 = z1, .first = first, .weights = first + count + 1, .layer_count = (size_t)(first + 2 * count + 2)};
+    slab s = {.z0 = z0,
+              .z1 = z1,
+              .first = first,
+              .weights = first + count + 1,
+              .layer_count = (size_t)(first + 2 * count + 2)};
     s.count = slice * (size_t)own;
     s.voxels = zeros(s.count, 2);
     s.layers = zeros(s.layer_count, 4);
     for (size_t v = 0; v < s.count; v++)
-        s.voxels[v] = voxels[(size_t)rng_range(rng, 0, (int64_t)slice - 1) + slice * (size_t)rng_range(rng, z0, z1 - 1)];
+        s.voxels[v] =
+            voxels[(size_t)rng_range(rng, 0, (int64_t)slice - 1) + slice * (size_t)rng_range(rng, z0, z1 - 1)];
     int32_t at = 0;
     for (int32_t k = 0; k < count; k++) {
         at += (int32_t)rng_range(rng, 0, at + 1 < own);
@@ -304,7 +319,8 @@ static void chunks_round(machine *m, test_rng *rng)
 {
     ost_error err = {0};
     const int most = m->small ? 20 : rng_range(rng, 0, 5) ? 40 : 100;
-    const ost_dims d = {(int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most)};
+    const ost_dims d = {(int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most),
+                        (int32_t)rng_range(rng, 1, most)};
     const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
@@ -315,7 +331,9 @@ static void chunks_round(machine *m, test_rng *rng)
             left = (size_t)rng_range(rng, 1, 2000);
             kind = (size_t)rng_range(rng, 0, 2);
         }
-        voxels[v] = (int16_t)(kind == 0 ? 0 : rng_range(rng, 0, 20) < solid ? rng_range(rng, threshold, 32767) : rng_range(rng, -32768, threshold));
+        voxels[v] = (int16_t)(kind == 0                       ? 0
+                              : rng_range(rng, 0, 20) < solid ? rng_range(rng, threshold, 32767)
+                                                              : rng_range(rng, -32768, threshold));
     }
     ost_chunk_grid grid;
     for (int32_t k = 1; k < d.z; k++) /* some slices repeat the one before */
@@ -328,12 +346,14 @@ static void chunks_round(machine *m, test_rng *rng)
     const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* unused elements before the list */
     slab slabs[2];
     for (int part = 0; part < 2; part++)
-        slabs[part] = how == 2 && ends[part] < ends[part + 1] ? slab_between(rng, voxels, slice, ends[part], ends[part + 1], lead)
-                                                              : slab_of(voxels, slice, ends[part], ends[part + 1], how ? lead : -1);
+        slabs[part] = how == 2 && ends[part] < ends[part + 1]
+                          ? slab_between(rng, voxels, slice, ends[part], ends[part + 1], lead)
+                          : slab_of(voxels, slice, ends[part], ends[part + 1], how ? lead : -1);
     assert_ok(ost_chunk_grid_init(&grid, d, n, threshold, &err));
     assert_ok(ost_chunk_grid_upload(&grid, 0, d.z, voxels, &err));
 
-    pool p = {.bone = {.dims = {d.x, d.y, d.z}, .size = n, .threshold = threshold}, .voxels = (size_t)n * (size_t)n * (size_t)n};
+    pool p = {.bone = {.dims = {d.x, d.y, d.z}, .size = n, .threshold = threshold},
+              .voxels = (size_t)n * (size_t)n * (size_t)n};
     p.bone.chunk_dims[0] = grid.chunk_dims.x;
     p.bone.chunk_dims[1] = grid.chunk_dims.y;
     p.bone.chunk_dims[2] = grid.chunk_dims.z;
@@ -344,12 +364,19 @@ static void chunks_round(machine *m, test_rng *rng)
     const bool by_items = m->brief || rng_range(rng, 0, 1);
     for (int part = 0; part < 2; part++) {
         const slab *s = &slabs[part];
-        const kernel_arg args[] = {ONE(&p.bone), number_arg(s->z0), number_arg(s->z1), number_arg(s->first), number_arg(s->weights),
-                                   BUFFER(s->layers, s->layer_count), BUFFER(s->voxels, s->count), BUFFER(active, p.chunks)};
+        const kernel_arg args[] = {ONE(&p.bone),
+                                   number_arg(s->z0),
+                                   number_arg(s->z1),
+                                   number_arg(s->first),
+                                   number_arg(s->weights),
+                                   BUFFER(s->layers, s->layer_count),
+                                   BUFFER(s->voxels, s->count),
+                                   BUFFER(active, p.chunks)};
         if (s->z0 < s->z1 && by_items)
             m->launch(m, K_ost_chunk_scan, args, 8, (const size_t[3]){(size_t)(s->z1 - s->z0), (size_t)columns, 1});
         else if (s->z0 < s->z1)
-            m->launch(m, K_ost_chunk_scan_layers, args, 8, (const size_t[3]){(size_t)grid.chunk_dims.y, (size_t)grid.chunk_dims.z, 1});
+            m->launch(m, K_ost_chunk_scan_layers, args, 8,
+                      (const size_t[3]){(size_t)grid.chunk_dims.y, (size_t)grid.chunk_dims.z, 1});
     }
     for (size_t c = 0; c < p.chunks; c++)
         p.slots[c] = active[c] > 0 ? (uint32_t)p.used++ : OST_CL_NONE;
@@ -362,13 +389,22 @@ static void chunks_round(machine *m, test_rng *rng)
     }
     for (int part = 0; part < 2; part++) {
         const slab *s = &slabs[part];
-        const kernel_arg args[] = {ONE(&p.bone), number_arg(s->z0), number_arg(s->z1), number_arg(s->first), number_arg(s->weights),
-                                   BUFFER(s->layers, s->layer_count), BUFFER(s->voxels, s->count), BUFFER(p.slots, p.chunks),
-                                   BUFFER(p.density, capacity * p.voxels), BUFFER(p.words, capacity * p.voxels / 32)};
+        const kernel_arg args[] = {ONE(&p.bone),
+                                   number_arg(s->z0),
+                                   number_arg(s->z1),
+                                   number_arg(s->first),
+                                   number_arg(s->weights),
+                                   BUFFER(s->layers, s->layer_count),
+                                   BUFFER(s->voxels, s->count),
+                                   BUFFER(p.slots, p.chunks),
+                                   BUFFER(p.density, capacity * p.voxels),
+                                   BUFFER(p.words, capacity * p.voxels / 32)};
         if (s->z0 < s->z1 && by_items)
-            m->launch(m, K_ost_chunk_store, args, 10, (const size_t[3]){(size_t)(n * n / 32), (size_t)columns, (size_t)(s->z1 - s->z0)});
+            m->launch(m, K_ost_chunk_store, args, 10,
+                      (const size_t[3]){(size_t)(n * n / 32), (size_t)columns, (size_t)(s->z1 - s->z0)});
         else if (s->z0 < s->z1)
-            m->launch(m, K_ost_chunk_store_layers, args, 10, (const size_t[3]){(size_t)columns, (size_t)grid.chunk_dims.z, 1});
+            m->launch(m, K_ost_chunk_store_layers, args, 10,
+                      (const size_t[3]){(size_t)columns, (size_t)grid.chunk_dims.z, 1});
         free(s->voxels);
         free(s->layers);
     }
@@ -396,8 +432,12 @@ static void chunks_round(machine *m, test_rng *rng)
     memset(loaded, 0x5a, count * 2);
     for (int part = 0; part < 2; part++) {
         const size_t slices = (size_t)(ends[part + 1] - ends[part]);
-        const kernel_arg args[] = {ONE(&p.bone), number_arg(ends[part]), number_arg(ends[part + 1]), BUFFER(p.slots, p.chunks),
-                                   BUFFER(p.density, capacity * p.voxels), BUFFER(loaded + slice * (size_t)ends[part], slice * slices)};
+        const kernel_arg args[] = {ONE(&p.bone),
+                                   number_arg(ends[part]),
+                                   number_arg(ends[part + 1]),
+                                   BUFFER(p.slots, p.chunks),
+                                   BUFFER(p.density, capacity * p.voxels),
+                                   BUFFER(loaded + slice * (size_t)ends[part], slice * slices)};
         if (slices && by_items)
             m->launch(m, K_ost_chunk_load, args, 6, (const size_t[3]){(size_t)d.x, (size_t)d.y, slices});
         else if (slices)

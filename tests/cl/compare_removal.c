@@ -79,10 +79,13 @@ typedef struct plan {
 static plan plan_event(const bone_pool *p, const ost_event *event, const ost_tool_geometry *tool, test_rng *rng)
 {
     const ost_dims d = p->grid->dims;
-    const int32_t bx = (d.x + BLOCK - 1) / BLOCK, by = (d.y + BLOCK - 1) / BLOCK, bz = (d.z + BLOCK - 1) / BLOCK, n = p->grid->size;
+    const int32_t bx = (d.x + BLOCK - 1) / BLOCK, by = (d.y + BLOCK - 1) / BLOCK, bz = (d.z + BLOCK - 1) / BLOCK,
+                  n = p->grid->size;
     const size_t most = (size_t)bx * (size_t)by * (size_t)bz;
     plan e = {.pose_count = (size_t)event->pose_count,
-              .event = {.tool_dims = {tool->dims.x, tool->dims.y, tool->dims.z}, .size = n, .classes = event->classes->count}};
+              .event = {.tool_dims = {tool->dims.x, tool->dims.y, tool->dims.z},
+                        .size = n,
+                        .classes = event->classes->count}};
     for (int c = 0; c < event->classes->count; c++)
         e.event.border[c] = event->classes->border[c];
     e.blocks = zeros(most, sizeof *e.blocks);
@@ -102,8 +105,11 @@ static plan plan_event(const bone_pool *p, const ost_event *event, const ost_too
     for (size_t i = 0; i < most; i++) {
         const int32_t b = (int32_t)((i + (size_t)turn) % most);
         const ost_dims at = {b % bx, b / bx % by, b / bx / by};
-        const int32_t chunk = at.x * BLOCK / n + p->grid->chunk_dims.x * (at.y * BLOCK / n + p->grid->chunk_dims.y * (at.z * BLOCK / n));
-        ost_cl_block block = {.first = {BLOCK * at.x, BLOCK * at.y, BLOCK * at.z}, .slot = p->slots[chunk], .entry = (uint32_t)e.entry_count};
+        const int32_t chunk = at.x * BLOCK / n +
+                              p->grid->chunk_dims.x * (at.y * BLOCK / n + p->grid->chunk_dims.y * (at.z * BLOCK / n));
+        ost_cl_block block = {.first = {BLOCK * at.x, BLOCK * at.y, BLOCK * at.z},
+                              .slot = p->slots[chunk],
+                              .entry = (uint32_t)e.entry_count};
         if (block.slot == OST_CL_NONE)
             continue;
         for (int k = 0; k < event->pose_count; k++) {
@@ -146,15 +152,17 @@ static tool_tables tables_of(machine *m, const uint8_t *classes, ost_dims d)
     tool_tables t = {.cells = {zeros(voxels, 1), zeros(voxels, 1)}};
     ost_cl_tool shape = {.dims = {d.x, d.y, d.z}};
     for (shape.axis = 0; shape.axis < 3; shape.axis++)
-        LAUNCH(m, ost_tool_reach, d.x, d.y, d.z, ONE(&shape), BUFFER(shape.axis ? t.cells[(shape.axis + 1) % 2] : classes, voxels),
+        LAUNCH(m, ost_tool_reach, d.x, d.y, d.z, ONE(&shape),
+               BUFFER(shape.axis ? t.cells[(shape.axis + 1) % 2] : classes, voxels),
                BUFFER(t.cells[shape.axis % 2], voxels));
     t.touches = memchr(classes, OST_TOOL_NONCUTTING, voxels) != NULL;
     shape.axis = t.touches ? 2 : 1;
-    t.bytes = (size_t)shape.axis * (size_t)OST_CL_WINDOWS_X(d.x) * (size_t)OST_CL_WINDOWS_Y(d.y) * (size_t)OST_CL_WINDOWS_Z(d.z);
+    t.bytes = (size_t)shape.axis * (size_t)OST_CL_WINDOWS_X(d.x) * (size_t)OST_CL_WINDOWS_Y(d.y) *
+              (size_t)OST_CL_WINDOWS_Z(d.z);
     t.windows = zeros(t.bytes, 1);
     memset(t.windows, 0x55, t.bytes); /* the kernel writes every byte */
-    LAUNCH(m, ost_tool_windows, OST_CL_WINDOWS_Y(d.y), OST_CL_WINDOWS_Z(d.z), OST_CL_WINDOWS_X(d.x) * shape.axis, ONE(&shape),
-           BUFFER(classes, voxels), BUFFER(t.windows, t.bytes));
+    LAUNCH(m, ost_tool_windows, OST_CL_WINDOWS_Y(d.y), OST_CL_WINDOWS_Z(d.z), OST_CL_WINDOWS_X(d.x) * shape.axis,
+           ONE(&shape), BUFFER(classes, voxels), BUFFER(t.windows, t.bytes));
     return t;
 }
 
@@ -168,7 +176,8 @@ static void tables_free(tool_tables *t)
 /* Makes the event's buffer, with its arrays in another order than the backend's. */
 static uint8_t *input_of(plan *e, size_t *bytes)
 {
-    const size_t entries = e->entry_count * sizeof *e->entries, poses = e->pose_count * sizeof *e->poses, blocks = e->event.blocks * sizeof *e->blocks;
+    const size_t entries = e->entry_count * sizeof *e->entries, poses = e->pose_count * sizeof *e->poses,
+                 blocks = e->event.blocks * sizeof *e->blocks;
     e->event.entries_at = sizeof e->event;
     e->event.poses_at = (uint32_t)(e->event.entries_at + entries);
     e->event.blocks_at = (uint32_t)(e->event.poses_at + poses);
@@ -182,8 +191,8 @@ static uint8_t *input_of(plan *e, size_t *bytes)
 }
 
 /* Runs one launch, sums its blocks' reports by chunk and compares them with the reference's. */
-static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tables, const ost_tool_geometry *tool, bool apply,
-                const ost_report *expected)
+static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tables, const ost_tool_geometry *tool,
+                bool apply, const ost_report *expected)
 {
     const size_t blocks = e->event.blocks;
     ost_cl_block_report *reports = zeros(blocks, sizeof *reports);
@@ -194,12 +203,14 @@ static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tabl
     size_t bytes;
     uint8_t *input = input_of(e, &bytes);
     if (blocks > 0 && m->rows == 256)
-        LAUNCH(m, ost_remove_blocks, (blocks + OST_CL_BATCHES - 1) / OST_CL_BATCHES * OST_CL_BATCHES, 1, 1, BUFFER(input, bytes),
-               BUFFER(tables->cells[0], ost_dims_count(tool->dims)), BUFFER(tables->windows, tables->bytes),
-               BUFFER(p->density, p->used * p->voxels), BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
+        LAUNCH(m, ost_remove_blocks, (blocks + OST_CL_BATCHES - 1) / OST_CL_BATCHES * OST_CL_BATCHES, 1, 1,
+               BUFFER(input, bytes), BUFFER(tables->cells[0], ost_dims_count(tool->dims)),
+               BUFFER(tables->windows, tables->bytes), BUFFER(p->density, p->used * p->voxels),
+               BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
     else if (blocks > 0)
-        LAUNCH(m, ost_remove, blocks * 256 / (size_t)m->rows, 1, 1, BUFFER(input, bytes), BUFFER(tables->cells[0], ost_dims_count(tool->dims)),
-               BUFFER(p->density, p->used * p->voxels), BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
+        LAUNCH(m, ost_remove, blocks * 256 / (size_t)m->rows, 1, 1, BUFFER(input, bytes),
+               BUFFER(tables->cells[0], ost_dims_count(tool->dims)), BUFFER(p->density, p->used * p->voxels),
+               BUFFER(p->words, p->used * p->voxels / 32), BUFFER(reports, blocks));
     free(input);
     for (size_t b = 0; b < blocks; b++) {
         touched += reports[b].touched;
@@ -211,7 +222,8 @@ static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tabl
     }
     if (touched != expected->touched_voxels || total != expected->total_voxels)
         fail_msg("%s: %llu hit and %llu touched; the reference has %llu and %llu", m->name, (unsigned long long)total,
-                 (unsigned long long)touched, (unsigned long long)expected->total_voxels, (unsigned long long)expected->touched_voxels);
+                 (unsigned long long)touched, (unsigned long long)expected->total_voxels,
+                 (unsigned long long)expected->touched_voxels);
     size_t at = 0;
     for (int64_t c = 0; c < p->grid->count; c++) {
         uint64_t any = 0;
@@ -239,14 +251,23 @@ static uint8_t *some_classes(test_rng *rng, ost_dims d)
     for (int32_t z = 0; z < d.z; z++)
         for (int32_t y = 0; y < d.y; y++)
             for (int32_t x = 0; x < d.x; x++, v++) {
-                const int64_t cx = 2 * x + 1 - d.x, cy = 2 * y + 1 - d.y, cz = 2 * z + 1 - d.z, all = cx * cx + cy * cy + cz * cz;
+                const int64_t cx = 2 * x + 1 - d.x, cy = 2 * y + 1 - d.y, cz = 2 * z + 1 - d.z,
+                              all = cx * cx + cy * cy + cz * cz;
                 switch (form) {
                 case 0: *v = all <= (int64_t)d.x * d.x ? OST_TOOL_CUTTING : OST_TOOL_VOID; break;
-                case 1: *v = all > (int64_t)d.x * d.x ? OST_TOOL_VOID : all * 4 > (int64_t)d.x * d.x ? OST_TOOL_CUTTING : OST_TOOL_NONCUTTING; break;
+                case 1:
+                    *v = all > (int64_t)d.x * d.x       ? OST_TOOL_VOID
+                         : all * 4 > (int64_t)d.x * d.x ? OST_TOOL_CUTTING
+                                                        : OST_TOOL_NONCUTTING;
+                    break;
                 case 2: *v = z == d.z / 2 ? OST_TOOL_CUTTING : OST_TOOL_VOID; break;
                 case 3: *v = (uint8_t)rng_range(rng, 0, 2); break;
                 case 4: *v = OST_TOOL_CUTTING; break;
-                default: *v = x < d.x / 2 ? OST_TOOL_NONCUTTING : (x / 5 + y / 5) % 3 == 0 ? OST_TOOL_CUTTING : OST_TOOL_VOID; break;
+                default:
+                    *v = x < d.x / 2                ? OST_TOOL_NONCUTTING
+                         : (x / 5 + y / 5) % 3 == 0 ? OST_TOOL_CUTTING
+                                                    : OST_TOOL_VOID;
+                    break;
                 }
             }
     return classes;
@@ -256,11 +277,13 @@ static uint8_t *some_classes(test_rng *rng, ost_dims d)
 static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
-    ost_pose pose = random_pose(rng, (ost_pm3){-2 * s, -2 * s, -2 * s}, (ost_pm3){g->dims.x * s, g->dims.y * s, g->dims.z * s});
+    ost_pose pose = random_pose(rng, (ost_pm3){-2 * s, -2 * s, -2 * s},
+                                (ost_pm3){g->dims.x * s, g->dims.y * s, g->dims.z * s});
     const int64_t how = rng_range(rng, 0, 5);
     if (how < 2) {
         const int32_t c = 759250125;
-        const ost_pose quarters[] = {{{0}, OST_Q30_ONE, 0, 0, 0}, {{0}, c, c, 0, 0}, {{0}, c, 0, -c, 0}, {{0}, 0, 0, 0, OST_Q30_ONE}};
+        const ost_pose quarters[] = {
+            {{0}, OST_Q30_ONE, 0, 0, 0}, {{0}, c, c, 0, 0}, {{0}, c, 0, -c, 0}, {{0}, 0, 0, 0, OST_Q30_ONE}};
         const ost_pm3 at = pose.t;
         pose = quarters[rng_range(rng, 0, 3)];
         pose.t = at;
@@ -275,18 +298,22 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 
 static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
 {
-    static const int64_t shares[] = {3000, 2128, 1064, 1000, 900, 750, 400, 150, 63}; /* tool voxels in thousandths of a bone voxel */
+    /* tool voxels in thousandths of a bone voxel */
+    static const int64_t shares[] = {3000, 2128, 1064, 1000, 900, 750, 400, 150, 63};
     ost_error err = {0};
     const ost_pm s = 470 * UM;
     const int32_t most = m->small ? 14 : 50;
-    const ost_geometry g = cubic_geometry((int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most + most / 2), (int32_t)rng_range(rng, 1, most), s,
+    const ost_geometry g = cubic_geometry((int32_t)rng_range(rng, 1, most), (int32_t)rng_range(rng, 1, most + most / 2),
+                                          (int32_t)rng_range(rng, 1, most), s,
                                           (ost_pm3){rng_range(rng, -50000, 50000) * UM, 123456789, -s});
     const int64_t share = shares[rng_range(rng, 0, 8)];
     const int32_t wide = m->small ? 14 : share < 500 ? 80 : 30;
     ost_tool_volume volume;
-    const ost_dims d = {(int32_t)rng_range(rng, 1, wide), (int32_t)rng_range(rng, 1, wide), (int32_t)rng_range(rng, 1, wide)};
+    const ost_dims d = {(int32_t)rng_range(rng, 1, wide), (int32_t)rng_range(rng, 1, wide),
+                        (int32_t)rng_range(rng, 1, wide)};
     const ost_pm v = s * share / 1000;
-    assert_ok(ost_tool_volume_init(&volume, &(ost_tool_geometry){d, v, {-v * d.x / 2, -v * d.y / 2, -v * d.z / 2}}, &err));
+    assert_ok(
+        ost_tool_volume_init(&volume, &(ost_tool_geometry){d, v, {-v * d.x / 2, -v * d.y / 2, -v * d.z / 2}}, &err));
     free(volume.voxels);
     volume.voxels = some_classes(rng, d);
     int16_t *voxels = random_densities(rng, &g, (int)rng_range(rng, 1, 8));
@@ -339,7 +366,8 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
             const int16_t want = chunk->density ? chunk->density[i] : 0, found = p.density[p.slots[c] * p.voxels + i];
             const uint32_t bit = p.words[(p.slots[c] * p.voxels + i) / 32] >> (i % 32) & 1;
             if (want != found || bit != (want != 0))
-                fail_msg("%s: voxel %zu of chunk %d is %d, occupancy %u; the reference has %d", m->name, i, (int)c, found, bit, want);
+                fail_msg("%s: voxel %zu of chunk %d is %d, occupancy %u; the reference has %d", m->name, i, (int)c,
+                         found, bit, want);
         }
     }
     assert_ok(ost_bone_remove(bone, tool, &scene.event, &report, &err));

@@ -22,7 +22,8 @@ static ost_snapped_mesh soup(test_rng *rng, ost_dims dims)
     for (size_t i = 0; i < vertices; i++)
         make_random_vertex(&mesh, rng);
     while (mesh.triangle_count < triangles)
-        make_triangle(&mesh, (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1), (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1),
+        make_triangle(&mesh, (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1),
+                      (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1),
                       (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1));
     return mesh;
 }
@@ -50,11 +51,13 @@ static void stretch(ost_snapped_mesh *mesh, test_rng *rng)
     const int32_t n[3] = {mesh->grid.dims.x, mesh->grid.dims.y, mesh->grid.dims.z};
     for (size_t i = 0; i < mesh->vertex_count; i++)
         for (int a = 0; a < 3; a++)
-            mesh->vertices[i][a] = (int32_t)(rng_range(rng, 0, 1) ? n[a] * (1 << mesh->fraction_bits) - rng_range(rng, 0, 1) : rng_range(rng, 0, 1));
+            mesh->vertices[i][a] = (int32_t)(rng_range(rng, 0, 1)
+                                                 ? n[a] * (1 << mesh->fraction_bits) - rng_range(rng, 0, 1)
+                                                 : rng_range(rng, 0, 1));
 }
 
-static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class, uint8_t *classes,
-                          uint32_t *leaks)
+static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class,
+                          uint8_t *classes, uint32_t *leaks)
 {
     const ost_dims d = mesh->grid.dims;
     const int32_t cut = (int32_t)rng_range(rng, 0, d.z); /* one slab or two */
@@ -71,9 +74,11 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
         vox.k1 = part ? d.z : cut;
         if (vox.k0 == vox.k1)
             continue;
-        LAUNCH(m, ost_vox_steps, mesh->triangle_count, vox.bands, 1, ONE(&vox), BUFFER(&mesh->vertices[0][0], 3 * mesh->vertex_count),
+        LAUNCH(m, ost_vox_steps, mesh->triangle_count, vox.bands, 1, ONE(&vox),
+               BUFFER(&mesh->vertices[0][0], 3 * mesh->vertex_count),
                BUFFER(&mesh->triangles[0][0], 3 * mesh->triangle_count), BUFFER(steps, capacity));
-        LAUNCH(m, ost_vox_fill, d.y, vox.k1 - vox.k0, 1, ONE(&vox), BUFFER(steps, capacity), BUFFER(classes, ost_dims_count(d)), ONE(leaks));
+        LAUNCH(m, ost_vox_fill, d.y, vox.k1 - vox.k0, 1, ONE(&vox), BUFFER(steps, capacity),
+               BUFFER(classes, ost_dims_count(d)), ONE(leaks));
     }
     for (size_t i = 0; i < capacity; i++)
         assert_int_equal(steps[i], 0);
@@ -82,11 +87,15 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
 
 /* The same by tiles of any size, each with all triangles in a different order; counts are solid, cutting and
    leaking. */
-static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class, bool over,
-                           uint8_t *classes, uint64_t counts[3])
+static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class,
+                           bool over, uint8_t *classes, uint64_t counts[3])
 {
     const ost_dims d = mesh->grid.dims;
-    ost_cl_tiles tiles = {.dims = {d.x, d.y, d.z}, .fraction = mesh->fraction_bits, .rule = (int)rule, .tool_class = tool_class, .over = over};
+    ost_cl_tiles tiles = {.dims = {d.x, d.y, d.z},
+                          .fraction = mesh->fraction_bits,
+                          .rule = (int)rule,
+                          .tool_class = tool_class,
+                          .over = over};
     tiles.height = (int32_t)rng_range(rng, 1, d.y);
     tiles.depth = (int32_t)rng_range(rng, d.z > 100 ? 100 : 1, d.z);
     tiles.count[0] = (d.y + tiles.height - 1) / tiles.height;
@@ -94,7 +103,8 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     tiles.layer = (int32_t)rng_range(rng, d.z > 100 ? 100 : 1, d.z);
     tiles.pass = (int32_t)rng_range(rng, d.z > 100 ? 50 : 1, d.z);
     const size_t count = (size_t)tiles.count[0] * (size_t)tiles.count[1], n = mesh->triangle_count;
-    const size_t rows = count * (size_t)tiles.pass * (size_t)tiles.height, steps_capacity = rows * ((size_t)d.x + 1), marks_capacity = rows * ((size_t)d.x / 64 + 1);
+    const size_t rows = count * (size_t)tiles.pass * (size_t)tiles.height, steps_capacity = rows * ((size_t)d.x + 1),
+                 marks_capacity = rows * ((size_t)d.x / 64 + 1);
     const size_t lists = (size_t)tiles.count[0] * (size_t)((d.z + tiles.layer - 1) / tiles.layer);
     uint32_t *start = zeros(lists + 1, 4), *list = zeros(lists * n, 4);
     int32_t *steps = zeros(steps_capacity, 4);
@@ -107,8 +117,9 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
         for (size_t i = 0; i < n; i++)
             list[start[t] + i] = (uint32_t)((i + t) % n);
     }
-    LAUNCH(m, ost_vox_tiles, tiles.count[0], tiles.count[1], 1, ONE(&tiles), BUFFER(&mesh->vertices[0][0], 3 * mesh->vertex_count),
-           BUFFER(&mesh->triangles[0][0], 3 * n), BUFFER(start, lists + 1), BUFFER(list, lists * n), BUFFER(steps, steps_capacity),
+    LAUNCH(m, ost_vox_tiles, tiles.count[0], tiles.count[1], 1, ONE(&tiles),
+           BUFFER(&mesh->vertices[0][0], 3 * mesh->vertex_count), BUFFER(&mesh->triangles[0][0], 3 * n),
+           BUFFER(start, lists + 1), BUFFER(list, lists * n), BUFFER(steps, steps_capacity),
            BUFFER(marks, marks_capacity), BUFFER(classes, ost_dims_count(d)), BUFFER(of_tile, 3 * count));
     for (int c = 0; c < 3; c++) {
         counts[c] = 0;
@@ -127,7 +138,8 @@ static void voxelize_round(machine *m, test_rng *rng)
     ost_error err = {0};
     const bool wide = !m->small && rng_range(rng, 0, 29) == 0;
     const ost_dims dims = wide ? (ost_dims){(int32_t)rng_range(rng, 1000, 1024), (int32_t)rng_range(rng, 1, 3), 1024}
-                               : (ost_dims){(int32_t)rng_range(rng, 1, 40), (int32_t)rng_range(rng, 1, 14), (int32_t)rng_range(rng, 1, 14)};
+                               : (ost_dims){(int32_t)rng_range(rng, 1, 40), (int32_t)rng_range(rng, 1, 14),
+                                            (int32_t)rng_range(rng, 1, 14)};
     ost_snapped_mesh mesh[2];
     for (int i = 0; i < 2; i++) {
         mesh[i] = rng_range(rng, 0, 2) ? tetrahedra(rng, dims) : soup(rng, dims);
@@ -219,7 +231,8 @@ void compare_reach(machine *m, test_rng *rng, int rounds)
             classes[v] = (uint8_t)(rng_range(rng, 0, rare) == 0 ? rng_range(rng, 0, 2) : most);
         for (tool.axis = 0; tool.axis < 3; tool.axis++)
             LAUNCH(m, ost_tool_reach, tool.dims[0], tool.dims[1], tool.dims[2], ONE(&tool),
-                   BUFFER(tool.axis == 0 ? classes : cells[(tool.axis + 1) % 2], count), BUFFER(cells[tool.axis % 2], count));
+                   BUFFER(tool.axis == 0 ? classes : cells[(tool.axis + 1) % 2], count),
+                   BUFFER(cells[tool.axis % 2], count));
         for (int32_t z = 0; z < tool.dims[2]; z++)
             for (int32_t y = 0; y < tool.dims[1]; y++)
                 for (int32_t x = 0; x < tool.dims[0]; x++) {
@@ -227,8 +240,9 @@ void compare_reach(machine *m, test_rng *rng, int rounds)
                     const bool probe = count < 800 || rng_range(rng, 0, (int64_t)count / 100) == 0;
                     assert_int_equal(cells[0][v] & 3, classes[v]);
                     if (probe && cells[0][v] >> 2 != reach_at(classes, tool.dims, x, y, z))
-                        fail_msg("%s: cell (%d, %d, %d) of %d x %d x %d reaches %d, not %d", m->name, x, y, z, tool.dims[0], tool.dims[1],
-                                 tool.dims[2], cells[0][v] >> 2, reach_at(classes, tool.dims, x, y, z));
+                        fail_msg("%s: cell (%d, %d, %d) of %d x %d x %d reaches %d, not %d", m->name, x, y, z,
+                                 tool.dims[0], tool.dims[1], tool.dims[2], cells[0][v] >> 2,
+                                 reach_at(classes, tool.dims, x, y, z));
                 }
         free(classes);
         free(cells[0]);
@@ -272,18 +286,20 @@ void compare_fingerprint(machine *m, test_rng *rng, int rounds)
     for (int round = 0; round < rounds; round++) {
         for (size_t i = 0; i < 2 * words; i++)
             in[i] = some_word(rng);
-        LAUNCH(m, ost_fingerprint, words, 1, 1, number_arg((int64_t)words), BUFFER(in, 2 * words), BUFFER(out, words * OST_CL_FINGERPRINT));
+        LAUNCH(m, ost_fingerprint, words, 1, 1, number_arg((int64_t)words), BUFFER(in, 2 * words),
+               BUFFER(out, words * OST_CL_FINGERPRINT));
         for (size_t i = 0; i < words; i++) {
             ost_cl_fingerprint_expect(in[2 * i], in[2 * i + 1], expected);
             for (size_t k = 0; k < OST_CL_FINGERPRINT; k++)
                 if (out[i * OST_CL_FINGERPRINT + k] != expected[k])
-                    fail_msg("%s: word %zu of (%llx, %llx) is %llx, not %llx", m->name, k, (unsigned long long)in[2 * i],
-                             (unsigned long long)in[2 * i + 1], (unsigned long long)out[i * OST_CL_FINGERPRINT + k],
-                             (unsigned long long)expected[k]);
+                    fail_msg("%s: word %zu of (%llx, %llx) is %llx, not %llx", m->name, k,
+                             (unsigned long long)in[2 * i], (unsigned long long)in[2 * i + 1],
+                             (unsigned long long)out[i * OST_CL_FINGERPRINT + k], (unsigned long long)expected[k]);
         }
         uint32_t counters[OST_CL_FINGERPRINT_COUNTERS] = {0}, right[OST_CL_FINGERPRINT_COUNTERS];
         counters[5] = counters[7] = UINT32_MAX;
-        LAUNCH(m, ost_fingerprint_atomics, words, 1, 1, number_arg((int64_t)words), BUFFER(in, 2 * words), BUFFER(counters, OST_CL_FINGERPRINT_COUNTERS));
+        LAUNCH(m, ost_fingerprint_atomics, words, 1, 1, number_arg((int64_t)words), BUFFER(in, 2 * words),
+               BUFFER(counters, OST_CL_FINGERPRINT_COUNTERS));
         ost_cl_fingerprint_expect_atomics(in, (uint32_t)words, right);
         for (size_t k = 0; k < OST_CL_FINGERPRINT_COUNTERS; k++)
             if (counters[k] != right[k])

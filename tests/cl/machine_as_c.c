@@ -43,7 +43,9 @@ static void call(enum test_kernel kernel, const kernel_arg *args)
     case K_ost_chunk_scan: ost_chunk_scan(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7)); break;
     case K_ost_chunk_scan_layers: ost_chunk_scan_layers(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7)); break;
     case K_ost_chunk_store: ost_chunk_store(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7), B(8), B(9)); break;
-    case K_ost_chunk_store_layers: ost_chunk_store_layers(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7), B(8), B(9)); break;
+    case K_ost_chunk_store_layers:
+        ost_chunk_store_layers(B(0), I(1), I(2), I(3), I(4), B(5), B(6), B(7), B(8), B(9));
+        break;
     case K_ost_chunk_load: ost_chunk_load(B(0), I(1), I(2), B(3), B(4), B(5)); break;
     case K_ost_chunk_load_rows: ost_chunk_load_rows(B(0), I(1), I(2), B(3), B(4), B(5)); break;
     case K_ost_chunk_count: ost_chunk_count(B(0), U(1), U(2), B(3), B(4)); break;
@@ -83,7 +85,8 @@ static void run_items(machine *base, enum test_kernel kernel, const kernel_arg *
     test_rows = base->rows;
     uint64_t size[3], all = 1;
     for (int a = 0; a < 3; a++) {
-        size[a] = range[a] + (uint64_t)(range[a] > 1 ? rng_range(&m->rng, 0, 2) : 0); /* a dimension of 1 may be unused */
+        /* a dimension of 1 may be unused */
+        size[a] = range[a] + (uint64_t)(range[a] > 1 ? rng_range(&m->rng, 0, 2) : 0);
         all *= size[a];
     }
     if (all == 0)
@@ -101,7 +104,8 @@ static void run_items(machine *base, enum test_kernel kernel, const kernel_arg *
     }
 }
 
-static void launch(machine *base, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3])
+static void launch(machine *base, enum test_kernel kernel, const kernel_arg *args, unsigned count,
+                   const size_t range[3])
 {
     enum { ARGS = 12 };
     kernel_arg copies[ARGS];

@@ -30,7 +30,8 @@ static void check(const machine *m, cl_int code, const char *what)
         fail_msg("%s: %s gave %d", m->name, what, (int)code);
 }
 
-static void launch(machine *base, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3])
+static void launch(machine *base, enum test_kernel kernel, const kernel_arg *args, unsigned count,
+                   const size_t range[3])
 {
     machine_cl *m = (machine_cl *)base;
     enum { ARGS = 12 };
@@ -39,20 +40,25 @@ static void launch(machine *base, enum test_kernel kernel, const kernel_arg *arg
     assert_true(count <= ARGS);
     for (unsigned i = 0; i < count; i++) {
         if (args[i].bytes == 0) {
-            check(base, clSetKernelArg(m->kernel[kernel], i, sizeof args[i].number, &args[i].number), kernel_name[kernel]);
+            check(base, clSetKernelArg(m->kernel[kernel], i, sizeof args[i].number, &args[i].number),
+                  kernel_name[kernel]);
             continue;
         }
-        buffers[i] = clCreateBuffer(m->context, CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, args[i].bytes, args[i].data, &code);
+        buffers[i] = clCreateBuffer(m->context, CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, args[i].bytes, args[i].data,
+                                    &code);
         check(base, code, "clCreateBuffer");
         check(base, clSetKernelArg(m->kernel[kernel], i, sizeof buffers[i], &buffers[i]), kernel_name[kernel]);
     }
     const size_t local[3] = {m->group ? m->group : 1, 1, 1};
     const size_t global[3] = {(range[0] + local[0] - 1) / local[0] * local[0], range[1], range[2]};
-    check(base, clEnqueueNDRangeKernel(m->queue, m->kernel[kernel], 3, NULL, global, m->group ? local : NULL, 0, NULL, NULL),
+    check(base,
+          clEnqueueNDRangeKernel(m->queue, m->kernel[kernel], 3, NULL, global, m->group ? local : NULL, 0, NULL, NULL),
           kernel_name[kernel]);
     for (unsigned i = 0; i < count; i++)
         if (buffers[i]) {
-            check(base, clEnqueueReadBuffer(m->queue, buffers[i], CL_TRUE, 0, args[i].bytes, args[i].data, 0, NULL, NULL), kernel_name[kernel]);
+            check(base,
+                  clEnqueueReadBuffer(m->queue, buffers[i], CL_TRUE, 0, args[i].bytes, args[i].data, 0, NULL, NULL),
+                  kernel_name[kernel]);
             clReleaseMemObject(buffers[i]);
         }
 }
@@ -75,7 +81,8 @@ static char *source_of(const char *name)
     return text;
 }
 
-cl_program program_of(cl_context context, cl_device_id device, const char *const *names, unsigned count, const char *options)
+cl_program program_of(cl_context context, cl_device_id device, const char *const *names, unsigned count,
+                      const char *options)
 {
     char *sources[16], *log = calloc(1, 1 << 16);
     cl_int code;
@@ -97,7 +104,8 @@ cl_program program_of(cl_context context, cl_device_id device, const char *const
 
 machine *machine_on(cl_device_id device, int rows, size_t group)
 {
-    static const char *const names[] = {"shared.h", "common.h", "chunks.cl", "chunks_cpu.cl", "fingerprint.cl", "import.cl", "remove.cl", "remove_cpu.cl", "voxelize.cl", "voxelize_cpu.cl"};
+    static const char *const names[] = {"shared.h",  "common.h",  "chunks.cl",     "chunks_cpu.cl", "fingerprint.cl",
+                                        "import.cl", "remove.cl", "remove_cpu.cl", "voxelize.cl",   "voxelize_cpu.cl"};
     machine_cl *m = calloc(1, sizeof *m);
     char name[128] = "", options[64];
     cl_int code;

@@ -16,6 +16,7 @@ void machine_off(machine *m);
 
 /* Builds the given files of src/cl/kernels, in this order, as one program; on failure the test fails with the build
    log. */
-cl_program program_of(cl_context context, cl_device_id device, const char *const *names, unsigned count, const char *options);
+cl_program program_of(cl_context context, cl_device_id device, const char *const *names, unsigned count,
+                      const char *options);
 
 #endif

@@ -63,8 +63,9 @@ TEST_VECTOR(short16, short, 16)
 TEST_VECTOR(ushort16, ushort, 16)
 TEST_VECTOR(int16, int, 16)
 TEST_VECTOR(uint16, uint, 16)
-#define vload8(i, p) \
-    _Generic((p), uchar *: test_load_uchar8, const uchar *: test_load_uchar8, int *: test_load_int8, const int *: test_load_int8, \
+#define vload8(i, p)                                                                                                   \
+    _Generic((p), uchar *: test_load_uchar8, const uchar *: test_load_uchar8, int *: test_load_int8, \
+             const int *: test_load_int8, \
              const uint *: test_load_uint8, uint *: test_load_uint8)((p) + 8 * (i))
 #define vload16(i, p) \
     _Generic((p), short *: test_load_short16, const short *: test_load_short16, const ushort *: test_load_ushort16, \

@@ -92,7 +92,8 @@ static bool refuses(enum shim_call call)
     }
 
 STATUS(clGetPlatformIDs, (cl_uint capacity, cl_platform_id *ids, cl_uint *count), (capacity, ids, count))
-STATUS(clGetDeviceIDs, (cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *ids, cl_uint *count),
+STATUS(clGetDeviceIDs,
+       (cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *ids, cl_uint *count),
        (platform, type, capacity, ids, count))
 STATUS(clGetDeviceInfo, (cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size),
        (device, what, capacity, value, size))
@@ -101,44 +102,49 @@ OBJECT(cl_context, clCreateContext, SHIM_CONTEXT,
         void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *user, cl_int *code),
        (properties, count, devices, notify, user, code))
 OBJECT(cl_command_queue, clCreateCommandQueue, SHIM_QUEUE,
-       (cl_context context, cl_device_id device, cl_command_queue_properties properties, cl_int *code), (context, device, properties, code))
+       (cl_context context, cl_device_id device, cl_command_queue_properties properties, cl_int *code),
+       (context, device, properties, code))
 OBJECT(cl_program, clCreateProgramWithSource, SHIM_PROGRAM,
-       (cl_context context, cl_uint count, const char **texts, const size_t *lengths, cl_int *code), (context, count, texts, lengths, code))
+       (cl_context context, cl_uint count, const char **texts, const size_t *lengths, cl_int *code),
+       (context, count, texts, lengths, code))
 OBJECT(cl_program, clCreateProgramWithBinary, SHIM_PROGRAM,
-       (cl_context context, cl_uint count, const cl_device_id *devices, const size_t *lengths, const unsigned char **binaries,
-        cl_int *taken, cl_int *code),
+       (cl_context context, cl_uint count, const cl_device_id *devices, const size_t *lengths,
+        const unsigned char **binaries, cl_int *taken, cl_int *code),
        (context, count, devices, lengths, binaries, taken, code))
 STATUS(clBuildProgram,
        (cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
         void(CL_CALLBACK *notify)(cl_program, void *), void *user),
        (program, count, devices, options, notify, user))
-OBJECT(cl_kernel, clCreateKernel, SHIM_KERNEL, (cl_program program, const char *name, cl_int *code), (program, name, code))
+OBJECT(cl_kernel, clCreateKernel, SHIM_KERNEL, (cl_program program, const char *name, cl_int *code),
+       (program, name, code))
 STATUS(clGetKernelWorkGroupInfo,
-       (cl_kernel kernel, cl_device_id device, cl_kernel_work_group_info what, size_t capacity, void *value, size_t *size),
+       (cl_kernel kernel, cl_device_id device, cl_kernel_work_group_info what, size_t capacity, void *value,
+        size_t *size),
        (kernel, device, what, capacity, value, size))
 STATUS(clSetKernelArg, (cl_kernel kernel, cl_uint index, size_t size, const void *value), (kernel, index, size, value))
-OBJECT(cl_mem, clCreateBuffer, SHIM_BUFFER, (cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code),
+OBJECT(cl_mem, clCreateBuffer, SHIM_BUFFER,
+       (cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code),
        (context, flags, size, host, code))
 ENQUEUE(clEnqueueReadBuffer, wait,
-       (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to, cl_uint count, const cl_event *after,
-        cl_event *event),
-       (queue, buffer, wait, offset, size, to, count, after, event))
+        (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to, cl_uint count,
+         const cl_event *after, cl_event *event),
+        (queue, buffer, wait, offset, size, to, count, after, event))
 ENQUEUE(clEnqueueWriteBuffer, wait,
-       (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, const void *from, cl_uint count,
-        const cl_event *after, cl_event *event),
-       (queue, buffer, wait, offset, size, from, count, after, event))
+        (cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, const void *from,
+         cl_uint count, const cl_event *after, cl_event *event),
+        (queue, buffer, wait, offset, size, from, count, after, event))
 ENQUEUE(clEnqueueCopyBuffer, false,
-       (cl_command_queue queue, cl_mem from, cl_mem to, size_t from_offset, size_t to_offset, size_t size, cl_uint count,
-        const cl_event *after, cl_event *event),
-       (queue, from, to, from_offset, to_offset, size, count, after, event))
+        (cl_command_queue queue, cl_mem from, cl_mem to, size_t from_offset, size_t to_offset, size_t size,
+         cl_uint count, const cl_event *after, cl_event *event),
+        (queue, from, to, from_offset, to_offset, size, count, after, event))
 ENQUEUE(clEnqueueFillBuffer, false,
-       (cl_command_queue queue, cl_mem buffer, const void *pattern, size_t pattern_size, size_t offset, size_t size, cl_uint count,
-        const cl_event *after, cl_event *event),
-       (queue, buffer, pattern, pattern_size, offset, size, count, after, event))
+        (cl_command_queue queue, cl_mem buffer, const void *pattern, size_t pattern_size, size_t offset, size_t size,
+         cl_uint count, const cl_event *after, cl_event *event),
+        (queue, buffer, pattern, pattern_size, offset, size, count, after, event))
 ENQUEUE(clEnqueueNDRangeKernel, false,
-       (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset, const size_t *global, const size_t *local,
-        cl_uint count, const cl_event *after, cl_event *event),
-       (queue, kernel, dims, offset, global, local, count, after, event))
+        (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset, const size_t *global,
+         const size_t *local, cl_uint count, const cl_event *after, cl_event *event),
+        (queue, kernel, dims, offset, global, local, count, after, event))
 /* Waits in every case: a lost device must not access the host's memory after it has reported that it is lost. */
 static cl_int clFinish_shim(cl_command_queue queue)
 {

@@ -11,14 +11,16 @@
 
 /* clang-format off */
 #define SHIM_CALLS(X) \
-    X(clGetPlatformIDs, CL_OUT_OF_HOST_MEMORY) X(clGetDeviceIDs, CL_DEVICE_NOT_FOUND) X(clGetDeviceInfo, CL_INVALID_DEVICE) \
+    X(clGetPlatformIDs, CL_OUT_OF_HOST_MEMORY) X(clGetDeviceIDs, CL_DEVICE_NOT_FOUND) \
+    X(clGetDeviceInfo, CL_INVALID_DEVICE) \
     X(clCreateContext, CL_DEVICE_NOT_AVAILABLE) X(clCreateCommandQueue, CL_OUT_OF_RESOURCES) \
     X(clCreateProgramWithSource, CL_OUT_OF_HOST_MEMORY) X(clCreateProgramWithBinary, CL_INVALID_BINARY) \
     X(clBuildProgram, CL_BUILD_PROGRAM_FAILURE) X(clCreateKernel, CL_INVALID_KERNEL_NAME) \
     X(clGetKernelWorkGroupInfo, CL_INVALID_KERNEL) X(clSetKernelArg, CL_INVALID_ARG_VALUE) \
     X(clCreateBuffer, CL_MEM_OBJECT_ALLOCATION_FAILURE) X(clEnqueueReadBuffer, CL_OUT_OF_RESOURCES) \
     X(clEnqueueWriteBuffer, CL_OUT_OF_RESOURCES) X(clEnqueueCopyBuffer, CL_OUT_OF_RESOURCES) \
-    X(clEnqueueFillBuffer, CL_OUT_OF_HOST_MEMORY) X(clEnqueueNDRangeKernel, CL_OUT_OF_RESOURCES) X(clFinish, CL_DEVICE_NOT_AVAILABLE)
+    X(clEnqueueFillBuffer, CL_OUT_OF_HOST_MEMORY) X(clEnqueueNDRangeKernel, CL_OUT_OF_RESOURCES) \
+    X(clFinish, CL_DEVICE_NOT_AVAILABLE)
 /* clang-format on */
 
 enum shim_call {

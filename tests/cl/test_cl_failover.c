@@ -27,7 +27,8 @@ static plan make_plan(test_rng *rng)
     plan p = {.g = cubic_geometry(45, 40, 34, 600 * UM, (ost_pm3){0, 0, 0})};
     p.voxels = random_densities(rng, &p.g, 6);
     for (int t = 0; t < 2; t++) {
-        const ost_tool_geometry g = {.dims = {9 + t, 8, 10 - t}, .voxel = 600 * UM, .corner = {-2700 * UM, -2400 * UM, 0}};
+        const ost_tool_geometry g = {
+            .dims = {9 + t, 8, 10 - t}, .voxel = 600 * UM, .corner = {-2700 * UM, -2400 * UM, 0}};
         assert_ok(ost_tool_volume_init(&p.tool[t], &g, &err));
         for (int64_t v = 0; v < ost_dims_count(g.dims); v++)
             p.tool[t].voxels[v] = (uint8_t)rng_range(rng, 0, 2);
@@ -37,7 +38,8 @@ static plan make_plan(test_rng *rng)
         at.x += rng_range(rng, -800, 800) * UM;
         at.y += rng_range(rng, -800, 800) * UM;
         at.z += rng_range(rng, -800, 800) * UM;
-        p.ticks[i] = (ost_tick){.t_ns = i * INT64_C(1000000), .tool = i / 15 % 2, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
+        p.ticks[i] = (ost_tick){
+            .t_ns = i * INT64_C(1000000), .tool = i / 15 % 2, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
         p.ticks[i].pose.t = at;
     }
     return p;
@@ -91,8 +93,9 @@ static void any_call_may_fail(void **state)
     (void)state;
     test_rng rng = rng_seeded("failover");
     const char *options = strchr(device_spec(), ':') ? strchr(device_spec(), ':') + 1 : "";
-    static const enum shim_call calls[] = {SHIM_clEnqueueNDRangeKernel, SHIM_clEnqueueReadBuffer, SHIM_clEnqueueWriteBuffer,
-                                           SHIM_clEnqueueFillBuffer,    SHIM_clSetKernelArg,      SHIM_clCreateBuffer};
+    static const enum shim_call calls[] = {SHIM_clEnqueueNDRangeKernel, SHIM_clEnqueueReadBuffer,
+                                           SHIM_clEnqueueWriteBuffer,   SHIM_clEnqueueFillBuffer,
+                                           SHIM_clSetKernelArg,         SHIM_clCreateBuffer};
     enum { CALLS = sizeof calls / sizeof calls[0] };
     int failures[CALLS] = {0}, late = 0;
     const int rounds = getenv("OST_UNDER_VALGRIND") ? 3 : ROUNDS;

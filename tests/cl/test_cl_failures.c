@@ -39,12 +39,15 @@ static void make_session(session *s)
     s->voxels = random_densities(&rng, &s->g, 7);
     const ost_dims dims = {16, 15, 14};
     s->mesh = make_snapped(dims, 8, 12);
-    make_box(&s->mesh, (const int64_t[3]){MAKE_ONE, MAKE_ONE, MAKE_ONE}, (const int64_t[3]){14 * MAKE_ONE, 13 * MAKE_ONE, 12 * MAKE_ONE});
+    make_box(&s->mesh, (const int64_t[3]){MAKE_ONE, MAKE_ONE, MAKE_ONE},
+             (const int64_t[3]){14 * MAKE_ONE, 13 * MAKE_ONE, 12 * MAKE_ONE});
     for (int i = 0; i < 50; i++)
-        s->samples[i] = (ost_sample){.x = i % 10 * 500 * UM, .y = i / 10 * 500 * UM, .density = 200 + i, .line = (uint32_t)i};
+        s->samples[i] = (ost_sample){
+            .x = i % 10 * 500 * UM, .y = i / 10 * 500 * UM, .density = 200 + i, .line = (uint32_t)i};
     for (int e = 0; e < EVENTS; e++)
         for (int k = 0; k < 4; k++)
-            s->poses[e][k] = random_pose(&rng, (ost_pm3){2000 * UM, 2000 * UM, 2000 * UM}, (ost_pm3){12000 * UM, 12000 * UM, 12000 * UM});
+            s->poses[e][k] = random_pose(&rng, (ost_pm3){2000 * UM, 2000 * UM, 2000 * UM},
+                                         (ost_pm3){12000 * UM, 12000 * UM, 12000 * UM});
     assert_ok(ost_backend_open("ref", &s->ref, &err));
     assert_ok(ost_voxelize(s->ref, &s->mesh, NULL, OST_FILL_WINDING, NULL, &s->ref_tool, &err));
     ost_bone *bone = bone_of(s->ref, &s->g, 16, s->voxels);
@@ -303,7 +306,8 @@ static void late(void **state)
     scene_event *event = malloc(sizeof *event);
     assert_non_null(event);
     make_session(&s);
-    assert_ok(ost_cl_open_with(&shim, strchr(device_spec(), ':') ? strchr(device_spec(), ':') + 1 : "", &backend, &err));
+    assert_ok(
+        ost_cl_open_with(&shim, strchr(device_spec(), ':') ? strchr(device_spec(), ':') + 1 : "", &backend, &err));
     backend->ops = &ost_backend_cl;
     assert_ok(ost_tool_download(s.ref_tool, &volume, &err));
     assert_ok(ost_tool_upload(backend, &volume, &tool, &err));
@@ -338,6 +342,7 @@ int main(void)
     const int missing = device_missing();
     if (missing)
         return missing;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_once), cmocka_unit_test(lost_for_good), cmocka_unit_test(late)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_once), cmocka_unit_test(lost_for_good),
+                                       cmocka_unit_test(late)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -141,7 +141,10 @@ static void many_events(void **state)
         const ost_event *event = event_of(s.event, &s.g, s.tool[1], poses, count);
         for (int k = 0; k < count; k++) /* from the middle to a corner are 4.5 * sqrt(3) < 8 voxels */
             for (int a = 0; a < 3; a++) {
-                const int32_t at = (int32_t)((a == 0 ? poses[k].t.x : a == 1 ? poses[k].t.y : poses[k].t.z) / (500 * UM));
+                const int32_t at = (int32_t)((a == 0   ? poses[k].t.x
+                                              : a == 1 ? poses[k].t.y
+                                                       : poses[k].t.z) /
+                                             (500 * UM));
                 s.event->boxes[k].lo[a] = at - 9;
                 s.event->boxes[k].hi[a] = at + 10;
             }
@@ -160,7 +163,8 @@ static void many_events(void **state)
     const ost_digest expected = digest_of(s.bone[0]), got = digest_of(s.bone[1]);
     assert_memory_equal(&got, &expected, sizeof got);
     const long grown = resident_kib() - size;
-    printf("# %d events, %ld voxels, filled again %ld times; resident %ld KiB, grown by %ld KiB\n", events, removed, filled, size, grown);
+    printf("# %d events, %ld voxels, filled again %ld times; resident %ld KiB, grown by %ld KiB\n", events, removed,
+           filled, size, grown);
     assert_true(filled > 0 || events < 4000);
     assert_int_equal(shim_alive(), objects);
     if (size_tells() && grown > 4096)

@@ -42,15 +42,25 @@ static void options(void **state)
         if (ost_cl_options_read(wrong[i], &o, &err) != OST_ERR_USAGE)
             fail_msg("'%s' is taken", wrong[i]);
 
-    ost_cl_device d = {.platform_index = 1, .device_index = 2, .platform_name = "Portable Computing Language", .name = "pthread-Xeon"};
+    ost_cl_device d = {
+        .platform_index = 1, .device_index = 2, .platform_name = "Portable Computing Language", .name = "pthread-Xeon"};
     d.id = (cl_device_id)&d;
     static const struct {
         const char *text;
         bool fits;
     } words[] = {
-        {"", true}, {"platform=1", true}, {"platform=0", false}, {"platform=portable", true}, {"platform=LANGUAGE", true},
-        {"platform=rusticl", false}, {"device=2", true}, {"device=1", false}, {"device=xeon", true}, {"platform=1,device=xeon", true},
-        {"platform=0,device=xeon", false}, {"device=pthread-Xeon!", false},
+        {"", true},
+        {"platform=1", true},
+        {"platform=0", false},
+        {"platform=portable", true},
+        {"platform=LANGUAGE", true},
+        {"platform=rusticl", false},
+        {"device=2", true},
+        {"device=1", false},
+        {"device=xeon", true},
+        {"platform=1,device=xeon", true},
+        {"platform=0,device=xeon", false},
+        {"device=pthread-Xeon!", false},
     };
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         assert_ok(ost_cl_options_read(words[i].text, &o, &err));
@@ -185,7 +195,8 @@ static void no_platform(void **state)
     assert_true(strlen(reason) > 20);
 }
 
-static cl_int no_devices(cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *ids, cl_uint *count)
+static cl_int no_devices(cl_platform_id platform, cl_device_type type, cl_uint capacity, cl_device_id *ids,
+                         cl_uint *count)
 {
     (void)platform;
     (void)type;
@@ -223,8 +234,8 @@ static void no_device(void **state)
 static size_t flip_size, flip_at;
 
 /* Flips one bit of one result, as a driver with a wrong compiler would. */
-static cl_int flipping_read(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to, cl_uint count,
-                            const cl_event *after, cl_event *event)
+static cl_int flipping_read(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to,
+                            cl_uint count, const cl_event *after, cl_event *event)
 {
     cl_int code = clEnqueueReadBuffer(queue, buffer, wait, offset, size, to, count, after, event);
     if (size >= flip_size)
@@ -252,8 +263,8 @@ static void refused_for_what_it_computes(void **state)
 static uint32_t turns_given;
 
 /* Simulates a driver that ends loops early; no other read during opening has 8 bytes. */
-static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to,
-                                  cl_uint count, const cl_event *after, cl_event *event)
+static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size,
+                                  void *to, cl_uint count, const cl_event *after, cl_event *event)
 {
     cl_int code = clEnqueueReadBuffer(queue, buffer, wait, offset, size, to, count, after, event);
     uint32_t turns[2] = {turns_given, 0};
@@ -337,7 +348,8 @@ static void too_many_poses(void **state)
     for (size_t i = 0; i < voxel_count(&g); i++)
         voxels[i] = 500;
     ost_bone *bone = bone_of(backend, &g, 16, voxels);
-    ost_tool *tool = solid_tool(backend, (ost_tool_geometry){.dims = {2, 2, 2}, .voxel = s, .corner = {-s, -s, -s}}, OST_TOOL_CUTTING);
+    ost_tool *tool = solid_tool(backend, (ost_tool_geometry){.dims = {2, 2, 2}, .voxel = s, .corner = {-s, -s, -s}},
+                                OST_TOOL_CUTTING);
     const ost_pose pose = {.t = {4 * s, 4 * s, 4 * s}, .qw = OST_Q30_ONE};
     const ost_density_classes classes = ost_density_classes_default();
     ost_map *maps = calloc(MOST + 1, sizeof *maps);
@@ -373,7 +385,8 @@ static void too_many_poses(void **state)
     ost_backend_close(backend);
 }
 
-static cl_program broken_source(cl_context context, cl_uint count, const char **texts, const size_t *lengths, cl_int *code)
+static cl_program broken_source(cl_context context, cl_uint count, const char **texts, const size_t *lengths,
+                                cl_int *code)
 {
     const char *wrong = "\n#line 42 \"removal.cl\"\n__kernel void ost_remove(int x) { return nonsense; }\n";
     (void)count;
@@ -482,7 +495,8 @@ static void cache_damage(void **state)
     assert_true(size > 80);
 
     /* Where the entry is truncated, and which byte is changed: header, key, checksum, binary. */
-    const size_t cuts[] = {0, 1, 7, 79, 80, size / 2, size - 1}, flips[] = {0, 8, 15, 16, 47, 48, 79, 80, size / 2, size - 1};
+    const size_t cuts[] = {0, 1, 7, 79, 80, size / 2, size - 1},
+                 flips[] = {0, 8, 15, 16, 47, 48, 79, 80, size / 2, size - 1};
     for (size_t i = 0; i < sizeof cuts / sizeof cuts[0]; i++) {
         write_all(path, good, cuts[i]);
         assert_false(opened_from_cache());
@@ -536,7 +550,8 @@ static void cache_damage(void **state)
 static void cache_of_others(void **state)
 {
     (void)state;
-    char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64], elsewhere[64], path[5000], moved[5100], command[5100];
+    char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64], elsewhere[64], path[5000], moved[5100],
+                       command[5100];
     struct stat info;
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
     assert_non_null(mkdtemp(cache));
@@ -615,7 +630,8 @@ static ost_digest key_now(void)
 static void key_has_settings(void **state)
 {
     (void)state;
-    static const char *const matter[] = {"POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_METHOD", "RUSTICL_FEATURES", "GALLIVM_PERF", "CL_CONFIG_X"};
+    static const char *const matter[] = {"POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_METHOD", "RUSTICL_FEATURES",
+                                         "GALLIVM_PERF", "CL_CONFIG_X"};
     static const char *const do_not[] = {"POCL_CACHE_DIR", "MESA_SHADER_CACHE_DIR", "OST_ANYTHING", "XPOCL_X"};
     const ost_digest before = key_now();
     for (size_t i = 0; i < sizeof matter / sizeof matter[0]; i++) {
@@ -654,7 +670,8 @@ static void key_has_settings(void **state)
     unsetenv("POCL_A");
     unsetenv("POCL_B");
     const ost_digest after = key_now();
-    assert_true(ost_digest_equal(&first, &second) && !ost_digest_equal(&first, &before) && ost_digest_equal(&after, &before));
+    assert_true(ost_digest_equal(&first, &second) && !ost_digest_equal(&first, &before) &&
+                ost_digest_equal(&after, &before));
 }
 
 /* -------------------------------------------------------------- devices */

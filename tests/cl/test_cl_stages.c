@@ -4,7 +4,8 @@
  * API: grids, bones, tools, digests and reports, byte by byte, with both kernel
  * sets, several work-group sizes, another order of items, and large data in parts.
  * The tests of a kernel set together enter every path that core/paths.h lists.
- * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7, AR-REM-1, AR-REM-2, AR-REM-3,
+ * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7,
+ * AR-REM-1, AR-REM-2, AR-REM-3,
  * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL, REQ-CL-SETS
  */
 #include "cl/on_device.h"
@@ -16,7 +17,8 @@ typedef struct pair {
     ost_backend *ref, *cl;
 } pair;
 
-static const char *const workgroups[] = {NULL, "workgroup=1,order=3", "workgroup=7,staging=1024", "workgroup=256,staging=20000"};
+static const char *const workgroups[] = {NULL, "workgroup=1,order=3", "workgroup=7,staging=1024",
+                                         "workgroup=256,staging=20000"};
 
 /* The kernel set of the current group of tests. */
 static const char *set;
@@ -86,7 +88,8 @@ static void assert_same_grids(const ost_grid *a, const ost_grid *b)
 /* Makes samples at lattice points, some off the lattice by any amount, some outside the grid, many duplicates. */
 static void some_samples(test_rng *rng, const ost_geometry *g, ost_sample *samples, size_t count, bool clean)
 {
-    const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z}, spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z},
+                 spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     for (size_t i = 0; i < count; i++) {
         ost_pm at[3];
@@ -100,7 +103,8 @@ static void some_samples(test_rng *rng, const ost_geometry *g, ost_sample *sampl
             else if (kind == 2)
                 at[a] = origin[a] + rng_range(rng, -1, dims[a]) * spacing[a];
         }
-        samples[i] = (ost_sample){.x = at[0], .y = at[1], .z = at[2], .density = (int32_t)rng_range(rng, 100, 104), .line = (uint32_t)i};
+        samples[i] = (ost_sample){
+            .x = at[0], .y = at[1], .z = at[2], .density = (int32_t)rng_range(rng, 100, 104), .line = (uint32_t)i};
     }
 }
 
@@ -151,8 +155,10 @@ static void cubic(void **state)
         pair p = open_pair(workgroups[w]);
         for (int round = 0; round < 12; round++) {
             const ost_geometry g = {
-                .dims = {(int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 30), (int32_t)rng_range(&rng, 1, 30)},
-                .spacing = {rng_range(&rng, 100, 900) * UM, rng_range(&rng, 100, 900) * UM, rng_range(&rng, 100, 2000) * UM},
+                .dims = {(int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 30),
+                         (int32_t)rng_range(&rng, 1, 30)},
+                .spacing = {rng_range(&rng, 100, 900) * UM, rng_range(&rng, 100, 900) * UM,
+                            rng_range(&rng, 100, 2000) * UM},
             };
             int16_t *voxels = random_densities(&rng, &g, 5);
             ost_grid *rect[2], *out[2];
@@ -162,7 +168,8 @@ static void cubic(void **state)
                 const int32_t cut = g.dims.z / 2;
                 assert_ok(ost_grid_create(b ? p.cl : p.ref, &g, &rect[b], &err));
                 assert_ok(ost_grid_upload(rect[b], 0, cut, voxels, &err));
-                assert_ok(ost_grid_upload(rect[b], cut, g.dims.z - cut, voxels + (size_t)cut * (size_t)g.dims.x * (size_t)g.dims.y, &err));
+                assert_ok(ost_grid_upload(rect[b], cut, g.dims.z - cut,
+                                          voxels + (size_t)cut * (size_t)g.dims.x * (size_t)g.dims.y, &err));
                 assert_ok(ost_rect_to_cubic(rect[b], spacing, rule, &out[b], &err));
             }
             assert_same_grids(rect[0], rect[1]);
@@ -219,12 +226,15 @@ static void bones(void **state)
             assert_same_bones(bone[0], bone[1], &g);
             /* Uploads over existing slices add, remove and change chunks, in complete layers and parts of layers. */
             for (int part = 0; part < 6; part++) {
-                const int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z - 1), count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
+                const int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z - 1),
+                              count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
                 const size_t slice = (size_t)g.dims.x * (size_t)g.dims.y;
                 const bool empty = part % 2 == 0;
-                int16_t *slices = calloc(slice * (size_t)count + 1, sizeof *slices), *back = calloc(slice * (size_t)count + 1, sizeof *back);
+                int16_t *slices = calloc(slice * (size_t)count + 1, sizeof *slices),
+                        *back = calloc(slice * (size_t)count + 1, sizeof *back);
                 for (size_t i = 0; i < slice * (size_t)count; i++)
-                    slices[i] = (int16_t)(empty ? rng_range(&rng, 0, 1 << 14) / (1 << 14) * 500 : rng_range(&rng, 100, 300));
+                    slices[i] = (int16_t)(empty ? rng_range(&rng, 0, 1 << 14) / (1 << 14) * 500
+                                                : rng_range(&rng, 100, 300));
                 for (int b = 0; b < 2; b++)
                     assert_ok(ost_bone_upload(bone[b], z0, count, slices, &err));
                 assert_same_bones(bone[0], bone[1], &g);
@@ -254,7 +264,8 @@ static void shared(void **state)
         const bool large = round % 5 == 4; /* buffers of a megabyte and more are reused */
         const ost_pm side = rng_range(&rng, 100, 900) * UM;
         const ost_geometry g = {
-            .dims = {(int32_t)rng_range(&rng, 1, large ? 140 : 40), (int32_t)rng_range(&rng, large ? 110 : 1, large ? 120 : 30),
+            .dims = {(int32_t)rng_range(&rng, 1, large ? 140 : 40),
+                     (int32_t)rng_range(&rng, large ? 110 : 1, large ? 120 : 30),
                      (int32_t)rng_range(&rng, 1, large ? 70 : 30)},
             .spacing = {side, side, rng_range(&rng, 100, 2000) * UM},
         };
@@ -322,7 +333,8 @@ static void voxelizer(void **state)
             const int32_t depth = round == 24 ? 200 : 24; /* long triangles: in the lists of many slices */
             const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24),
                                    (int32_t)rng_range(&rng, round == 24 ? 150 : 2, depth)};
-            ost_snapped_mesh mesh = make_closed(&rng, dims, (uint32_t)rng_range(&rng, 3, 8), (uint32_t)rng_range(&rng, 3, 8));
+            ost_snapped_mesh mesh = make_closed(&rng, dims, (uint32_t)rng_range(&rng, 3, 8),
+                                                (uint32_t)rng_range(&rng, 3, 8));
             ost_snapped_mesh shaft = make_closed(&rng, dims, 3, 5);
             if (round % 4 == 1)
                 mesh.triangle_count--; /* a hole: rows leak */
@@ -377,7 +389,8 @@ static void removal(void **state)
                                                   (int32_t)rng_range(&rng, 8, 70), rng_range(&rng, 100, 900) * UM,
                                                   (ost_pm3){rng_range(&rng, -9, 9) * UM, 0, 5});
             const ost_tool_geometry tg = {
-                .dims = {(int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 30)},
+                .dims = {(int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 40),
+                         (int32_t)rng_range(&rng, 1, 30)},
                 .voxel = rng_range(&rng, 200, 900) * UM,
                 .corner = {-5000 * UM, -5000 * UM, -300 * UM},
             };
@@ -433,7 +446,8 @@ static void emptied(void **state)
     test_rng rng = rng_seeded("emptied");
     pair p = open_pair(NULL);
     const ost_geometry g = cubic_geometry(70, 50, 40, 500 * UM, (ost_pm3){0, 0, 0});
-    const ost_tool_geometry tg = {.dims = {100, 100, 100}, .voxel = 1000 * UM, .corner = {-50000 * UM, -50000 * UM, -50000 * UM}};
+    const ost_tool_geometry tg = {
+        .dims = {100, 100, 100}, .voxel = 1000 * UM, .corner = {-50000 * UM, -50000 * UM, -50000 * UM}};
     const ost_pose pose = {.qw = OST_Q30_ONE};
     int16_t *voxels = random_densities(&rng, &g, 8);
     for (int n = 16; n <= 64; n *= 2) {

@@ -29,8 +29,9 @@ static void fingerprint(void **state) { (void)state; with_machine("fingerprint",
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples), cmocka_unit_test(cubic),   cmocka_unit_test(chunks),      cmocka_unit_test(voxelizer),
-        cmocka_unit_test(reach),   cmocka_unit_test(removal), cmocka_unit_test(fingerprint),
+        cmocka_unit_test(samples),     cmocka_unit_test(cubic), cmocka_unit_test(chunks),
+        cmocka_unit_test(voxelizer),   cmocka_unit_test(reach), cmocka_unit_test(removal),
+        cmocka_unit_test(fingerprint),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

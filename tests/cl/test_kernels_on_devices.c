@@ -12,7 +12,8 @@
  *
  * (unoptimised, since that simulator lacks llvm.abs and other intrinsics that the optimiser generates)
  *
- * Covers: AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CHK-1, AR-CHK-4, AR-VOX-1..7, AR-MAP-4, AR-REM-1..6, AR-LAW-1, REQ-CL
+ * Covers: AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CHK-1, AR-CHK-4, AR-VOX-1..7, AR-MAP-4,
+ * AR-REM-1..6, AR-LAW-1, REQ-CL
  */
 #include "cl/machine_cl.h"
 
@@ -103,7 +104,8 @@ static void floats(void **state)
         cl_program program = program_of(context, devices[d], names, 2, "-cl-std=CL1.2 -Werror");
         cl_kernel kernel = clCreateKernel(program, "ost_fingerprint_float", &code);
         assert_int_equal(code, CL_SUCCESS);
-        cl_mem from = clCreateBuffer(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof in, (void *)(uintptr_t)in, &code);
+        cl_mem from = clCreateBuffer(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, sizeof in, (void *)(uintptr_t)in,
+                                     &code);
         cl_mem to = clCreateBuffer(context, CL_MEM_WRITE_ONLY, sizeof out, NULL, &code);
         const size_t range = count;
         assert_int_equal(clSetKernelArg(kernel, 0, sizeof count, &count), CL_SUCCESS);
@@ -133,8 +135,9 @@ int main(void)
         return 77;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples), cmocka_unit_test(cubic),   cmocka_unit_test(chunks),      cmocka_unit_test(voxelizer),
-        cmocka_unit_test(reach),   cmocka_unit_test(removal), cmocka_unit_test(fingerprint), cmocka_unit_test(floats),
+        cmocka_unit_test(samples),     cmocka_unit_test(cubic),  cmocka_unit_test(chunks),
+        cmocka_unit_test(voxelizer),   cmocka_unit_test(reach),  cmocka_unit_test(removal),
+        cmocka_unit_test(fingerprint), cmocka_unit_test(floats),
     };
     return cmocka_run_group_tests(tests, open_machines, close_machines);
 }

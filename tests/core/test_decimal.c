@@ -35,9 +35,18 @@ static void halves_go_to_even(void **state)
     static const struct {
         int64_t n, d, floor, rhe;
     } row[] = {
-        {7, 2, 3, 4}, {5, 2, 2, 2}, {-5, 2, -3, -2}, {-7, 2, -4, -4}, {1, 3, 0, 0}, {-1, 3, -1, 0}, {2, 3, 0, 1}, {-2, 3, -1, -1},
-        {INT64_MAX, 1, INT64_MAX, INT64_MAX}, {INT64_MIN, 1, INT64_MIN, INT64_MIN},
-        {INT64_MAX, INT64_MAX, 1, 1}, {INT64_MAX - 1, INT64_MAX, 0, 1},
+        {7, 2, 3, 4},
+        {5, 2, 2, 2},
+        {-5, 2, -3, -2},
+        {-7, 2, -4, -4},
+        {1, 3, 0, 0},
+        {-1, 3, -1, 0},
+        {2, 3, 0, 1},
+        {-2, 3, -1, -1},
+        {INT64_MAX, 1, INT64_MAX, INT64_MAX},
+        {INT64_MIN, 1, INT64_MIN, INT64_MIN},
+        {INT64_MAX, INT64_MAX, 1, 1},
+        {INT64_MAX - 1, INT64_MAX, 0, 1},
     };
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         assert_int_equal(ost_floor_div(row[i].n, row[i].d), row[i].floor);
@@ -57,13 +66,28 @@ static void integers_are_found_by_value(void **state)
         uint64_t magnitude;
         bool is;
     } row[] = {
-        {"0", 0, true}, {"-0.000", 0, true}, {"0e9999", 0, true}, {"0e-9999", 0, true}, {"7", 7, true}, {"-7.0", 7, true},
-        {"1.2e2", 120, true}, {"1200e-2", 12, true}, {"1205e-2", 0, false}, {"0.5", 0, false}, {"1e-1", 0, false},
-        {"9223372036854775807", INT64_MAX, true}, {"-9223372036854775808", UINT64_C(1) << 63, true},
-        {"18446744073709551615", UINT64_MAX, true}, {"18446744073709551616", 0, false}, {"184467440737095516150e-1", UINT64_MAX, true},
+        {"0", 0, true},
+        {"-0.000", 0, true},
+        {"0e9999", 0, true},
+        {"0e-9999", 0, true},
+        {"7", 7, true},
+        {"-7.0", 7, true},
+        {"1.2e2", 120, true},
+        {"1200e-2", 12, true},
+        {"1205e-2", 0, false},
+        {"0.5", 0, false},
+        {"1e-1", 0, false},
+        {"9223372036854775807", INT64_MAX, true},
+        {"-9223372036854775808", UINT64_C(1) << 63, true},
+        {"18446744073709551615", UINT64_MAX, true},
+        {"18446744073709551616", 0, false},
+        {"184467440737095516150e-1", UINT64_MAX, true},
         {"18446744073709551615.000000000000000000000000000000000", UINT64_MAX, true},
         {"18446744073709551615.000000000000000000000000000000001", 0, false},
-        {"1e19", UINT64_C(10000000000000000000), true}, {"1e20", 0, false}, {"1e9999", 0, false}, {"1e-9999", 0, false},
+        {"1e19", UINT64_C(10000000000000000000), true},
+        {"1e20", 0, false},
+        {"1e9999", 0, false},
+        {"1e-9999", 0, false},
         {"0.00000000000000000000000000000000000000000000000000012e53", 12, true},
         {"99999999999999999999999999999999999999999999", 0, false},
     };
@@ -250,8 +274,14 @@ static void long_ties_are_decided_exactly(void **state)
 static void any_decimal_sign_becomes_a_point(void **state)
 {
     (void)state;
-    static const char *const cases[][2] = {{"1,5e+00", "1.5e+00"}, {"-4,88281e-04", "-4.88281e-04"}, {"1\xd9\xab" "25e+01", "1.25e+01"},
-                                           {"7.0e-07", "7.0e-07"}, {"3e+02", "3e+02"}, {"-3e-308", "-3e-308"}};
+    static const char *const cases[][2] = {{"1,5e+00", "1.5e+00"},
+                                           {"-4,88281e-04", "-4.88281e-04"},
+                                           {"1\xd9\xab"
+                                            "25e+01",
+                                            "1.25e+01"},
+                                           {"7.0e-07", "7.0e-07"},
+                                           {"3e+02", "3e+02"},
+                                           {"-3e-308", "-3e-308"}};
     char text[32];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         snprintf(text, sizeof text, "%s", cases[i][0]);

@@ -15,7 +15,8 @@ static void bytes_are_plain_sha256(void **state)
     ost_digest digest;
     char hex[OST_DIGEST_HEX];
     assert_ok(ost_digest_bytes("abc", 3, &digest, &err)); /* FIPS 180-4, example */
-    assert_string_equal(ost_digest_hex(&digest, hex), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    assert_string_equal(ost_digest_hex(&digest, hex),
+                        "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 /* hashlib.sha256(bytes(65537)).hexdigest() */
@@ -27,7 +28,8 @@ static void the_empty_leaf_is_constant(void **state)
     ost_digest digest;
     char hex[OST_DIGEST_HEX];
     assert_ok(ost_digest_leaf16(zeros, &digest, &err));
-    assert_string_equal(ost_digest_hex(&digest, hex), "3266304f31be278d06c3bd3eb9aa3e00c59bedec0a890de466568b0b90b0e01f");
+    assert_string_equal(ost_digest_hex(&digest, hex),
+                        "3266304f31be278d06c3bd3eb9aa3e00c59bedec0a890de466568b0b90b0e01f");
 }
 
 /*
@@ -73,7 +75,8 @@ static void an_uneven_grid_has_its_root(void **state)
  *   h = bytearray(128); h[0:8] = b"OSTEONG1"; h[8:12] = (2).to_bytes(4, "little"); h[12:16] = (3).to_bytes(4, "little")
  *   for i: h[16+4*i:20+4*i] = dims[i].to_bytes(4, "little"); h[32+8*i:40+8*i] = spacing[i].to_bytes(8, "little")
  *          h[56+8*i:64+8*i] = origin[i].to_bytes(8, "little", signed=True)
- *   h[80:84] = threshold.to_bytes(4, "little"); h[84:88] = (32).to_bytes(4, "little"); h[88:96] = (6).to_bytes(8, "little")
+ *   h[80:84] = threshold.to_bytes(4, "little"); h[84:88] = (32).to_bytes(4, "little")
+ *   h[88:96] = (6).to_bytes(8, "little")
  *   root = hashlib.sha256(b"\x02" + h + tree).hexdigest()
  */
 static void every_field_of_the_header_has_its_place(void **state)
@@ -84,7 +87,9 @@ static void every_field_of_the_header_has_its_place(void **state)
         int32_t threshold;
         const char *root;
     } bones[] = {
-        {{470000000, 510000000, OST_PM_PER_MM}, 0x01020384, "d51aa1e763e94a4cafcc0f0129d0c865d0fc2a6caf6e3acd86583ed8f1e1c589"},
+        {{470000000, 510000000, OST_PM_PER_MM},
+         0x01020384,
+         "d51aa1e763e94a4cafcc0f0129d0c865d0fc2a6caf6e3acd86583ed8f1e1c589"},
         {{470000000, 470000000, 470000000}, 120, "0e5f372f0ede6877e908ac833f47e0de1e1659bc99ad71c9c7dd129477387e59"},
     };
     ost_error err = {0};

@@ -21,18 +21,23 @@ static const struct machine {
     /* AVX, XSAVE, OSXSAVE, but no leaf 7 */
     {"Sandy Bridge", OST_ISA_SCALAR, {.leaf1_c = BIT(23) | BIT(26) | BIT(27) | BIT(28), .xcr0 = 1 | XMM | YMM}},
     /* FMA (12), MOVBE (22); BMI1 (3), AVX2 (5), BMI2 (8) */
-    {"Haswell", OST_ISA_AVX2, {BIT(12) | BIT(22) | BIT(23) | BIT(26) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8), 0, BIT(5), 1 | XMM | YMM}},
+    {"Haswell",
+     OST_ISA_AVX2,
+     {BIT(12) | BIT(22) | BIT(23) | BIT(26) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8), 0, BIT(5), 1 | XMM | YMM}},
     /* AVX-512 F (16), PF (26), ER (27), CD (28), no DQ, BW, VL */
-    {"Knights Landing", OST_ISA_AVX2,
+    {"Knights Landing",
+     OST_ISA_AVX2,
      {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(26) | BIT(27) | BIT(28), 0, BIT(5),
       1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
     /* F (16), DQ (17), CD (28), BW (30), VL (31) */
-    {"Skylake server", OST_ISA_AVX512,
-     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(17) | BIT(28) | BIT(30) | BIT(31), BIT(11), BIT(5),
-      1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
-    {"Ice Lake", OST_ISA_AVX512VBMI,
-     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(17) | BIT(28) | BIT(30) | BIT(31), BIT(1) | BIT(11), BIT(5),
-      1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
+    {"Skylake server",
+     OST_ISA_AVX512,
+     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(17) | BIT(28) | BIT(30) | BIT(31), BIT(11),
+      BIT(5), 1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
+    {"Ice Lake",
+     OST_ISA_AVX512VBMI,
+     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(17) | BIT(28) | BIT(30) | BIT(31),
+      BIT(1) | BIT(11), BIT(5), 1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
 };
 enum { MACHINES = sizeof machines / sizeof *machines };
 
@@ -41,7 +46,8 @@ static void machines_of_the_manuals(void **state)
     (void)state;
     for (int i = 0; i < MACHINES; i++)
         if (ost_isa_decide(&machines[i].cpuid) != machines[i].level)
-            fail_msg("%s: %s, not %s", machines[i].name, ost_isa_name(ost_isa_decide(&machines[i].cpuid)), ost_isa_name(machines[i].level));
+            fail_msg("%s: %s, not %s", machines[i].name, ost_isa_name(ost_isa_decide(&machines[i].cpuid)),
+                     ost_isa_name(machines[i].level));
 }
 
 /* A set whose registers the system does not save must not be used, whatever the processor supports. */

@@ -12,7 +12,8 @@ static void make_box(ost_mesh *mesh, int64_t a, int64_t b, int64_t c)
     ost_error err = {0};
     assert_ok(ost_mesh_init(mesh, 8, 12, &err));
     for (int i = 0; i < 8; i++)
-        mesh->vertices[i] = (ost_pm3){i & 1 ? a * OST_PM_PER_MM : 0, i & 2 ? b * OST_PM_PER_MM : 0, i & 4 ? c * OST_PM_PER_MM : 0};
+        mesh->vertices[i] = (ost_pm3){i & 1 ? a * OST_PM_PER_MM : 0, i & 2 ? b * OST_PM_PER_MM : 0,
+                                      i & 4 ? c * OST_PM_PER_MM : 0};
     memcpy(mesh->triangles, faces, sizeof faces);
 }
 

@@ -50,14 +50,20 @@ static void a_pose_is_turned_about_its_own_axis(void **state)
         }
         if (n < 1)
             continue;
-        ost_pose handle = {.t = {i, -i, 7}, (int32_t)(q[0] / sqrt(n) * OST_Q30_ONE), (int32_t)(q[1] / sqrt(n) * OST_Q30_ONE), (int32_t)(q[2] / sqrt(n) * OST_Q30_ONE),
+        ost_pose handle = {.t = {i, -i, 7},
+                           (int32_t)(q[0] / sqrt(n) * OST_Q30_ONE),
+                           (int32_t)(q[1] / sqrt(n) * OST_Q30_ONE),
+                           (int32_t)(q[2] / sqrt(n) * OST_Q30_ONE),
                            (int32_t)(q[3] / sqrt(n) * OST_Q30_ONE)};
         const ost_motor motor = {.phase = rng_range(&rng, 0, OST_MOTOR_TURN - 1)};
-        const double angle = -3.14159265358979323846 * floor(4096.0 * (double)motor.phase / (double)OST_MOTOR_TURN) / 4096, c = cos(angle), s = sin(angle);
+        const double angle = -3.14159265358979323846 * floor(4096.0 * (double)motor.phase / (double)OST_MOTOR_TURN) /
+                             4096,
+                     c = cos(angle), s = sin(angle);
         const double w = handle.qw, x = handle.qx, y = handle.qy, z = handle.qz;
         const double expected[4] = {w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s};
         const ost_pose tool = ost_motor_pose(&motor, &handle), back = ost_motor_handle_pose(&motor, &tool);
-        const int32_t got[4] = {tool.qw, tool.qx, tool.qy, tool.qz}, again[4] = {back.qw, back.qx, back.qy, back.qz}, was[4] = {handle.qw, handle.qx, handle.qy, handle.qz};
+        const int32_t got[4] = {tool.qw, tool.qx, tool.qy, tool.qz}, again[4] = {back.qw, back.qx, back.qy, back.qz},
+                      was[4] = {handle.qw, handle.qx, handle.qy, handle.qz};
         assert_memory_equal(&tool.t, &handle.t, sizeof handle.t);
         assert_ok(ost_pose_check(&tool, &err));
         for (int a = 0; a < 4; a++) {
@@ -118,7 +124,8 @@ static void rows_become_ticks(void **state)
     path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));
     assert_int_equal(path.count, 9);
-    static const int64_t t_ns[] = {0, 33333333, 66666666, 100000000, 137000000, 1137000000, 2137000000, 3137000000, 3200000000};
+    static const int64_t t_ns[] = {0,          33333333,   66666666,   100000000, 137000000,
+                                   1137000000, 2137000000, 3137000000, 3200000000};
     static const int64_t x[] = {0, 10, 20, 30, 40, 50, 60, 70, 80};
     int64_t phase = 0;
     for (int i = 0; i < 9; i++) {

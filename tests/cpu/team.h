@@ -30,7 +30,8 @@ static inline int open_team(void **state)
     for (int isa = 0; isa < OST_ISA_COUNT; isa++)
         for (int i = 0; i < THREADS && ost_isa_available((ost_isa)isa); i++) {
             static const int threads[THREADS] = {1, 2, 3, 7};
-            snprintf(t->name[t->count], sizeof t->name[0], "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)isa), threads[i]);
+            snprintf(t->name[t->count], sizeof t->name[0], "cpu:isa=%s,threads=%d", ost_isa_name((ost_isa)isa),
+                     threads[i]);
             if (ost_backend_open(t->name[t->count], &t->cpu[t->count], NULL) != OST_OK)
                 return 1;
             ((cpu_backend *)t->cpu[t->count])->sharing->least[OST_PATH_REMOVAL] = 0;

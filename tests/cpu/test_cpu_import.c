@@ -53,7 +53,9 @@ static int16_t *random_voxels(test_rng *rng, int64_t count, int32_t threshold)
             left = rng_range(rng, 1, 9000);
             kind = (int)rng_range(rng, 0, 3);
         }
-        int64_t v = kind == 0 ? 0 : kind == 1 ? rng_range(rng, INT16_MIN, INT16_MAX) : rng_range(rng, threshold - 2, threshold + 1);
+        int64_t v = kind == 0   ? 0
+                    : kind == 1 ? rng_range(rng, INT16_MIN, INT16_MAX)
+                                : rng_range(rng, threshold - 2, threshold + 1);
         voxels[i] = (int16_t)(kind == 3 ? INT16_MIN : v);
     }
     return voxels;
@@ -139,7 +141,8 @@ static void rect_to_cubic_to_chunks(void **state)
         const ost_pm mm = OST_PM_PER_MM;
         const ost_pm steps[] = {mm * 47 / 100, mm, mm / 3, mm * 3 / 10, mm * 29 / 10};
         ost_geometry g = {
-            .dims = {(int32_t)rng_range(&rng, 1, most), (int32_t)rng_range(&rng, 1, most), (int32_t)rng_range(&rng, 1, most)},
+            .dims = {(int32_t)rng_range(&rng, 1, most), (int32_t)rng_range(&rng, 1, most),
+                     (int32_t)rng_range(&rng, 1, most)},
             .spacing = {steps[rng_range(&rng, 0, 3)], steps[rng_range(&rng, 0, 3)], steps[rng_range(&rng, 0, 3)]},
             .origin = {rng_range(&rng, -mm, mm), 0, 7},
         };
@@ -156,7 +159,8 @@ static void rect_to_cubic_to_chunks(void **state)
             assert_ok(ost_grid_upload(rect[b], 0, g.dims.z, voxels, &err));
             assert_ok(ost_rect_to_cubic(rect[b], cubic, rule, &cube[b], &err));
             /* A later change of the rect grid does not change the cubic grid. */
-            assert_ok(ost_grid_upload(rect[b], 0, 1, voxels + ost_dims_count(g.dims) / g.dims.z * (g.dims.z - 1), &err));
+            assert_ok(
+                ost_grid_upload(rect[b], 0, 1, voxels + ost_dims_count(g.dims) / g.dims.z * (g.dims.z - 1), &err));
             assert_ok(ost_cubic_to_chunks(cube[b], n, threshold, &bone[b], &err));
         }
         assert_equal_grids(rect[0], rect[1]);
@@ -200,7 +204,9 @@ static int16_t *lonely_voxels(test_rng *rng, int64_t count, int32_t threshold)
     assert_non_null(voxels);
     const int64_t one_in = rng_range(rng, 1, count + 1);
     for (int64_t i = 0; i < count; i++)
-        voxels[i] = (int16_t)(rng_range(rng, 1, one_in) > 1 ? rng_range(rng, -1, 1) : rng_range(rng, 0, 1) ? threshold : INT16_MAX);
+        voxels[i] = (int16_t)(rng_range(rng, 1, one_in) > 1 ? rng_range(rng, -1, 1)
+                              : rng_range(rng, 0, 1)        ? threshold
+                                                            : INT16_MAX);
     return voxels;
 }
 
@@ -223,10 +229,13 @@ static void interpolated_to_chunks(void **state)
             .dims = {(int32_t)rng_range(&rng, 1, 70), (int32_t)rng_range(&rng, 1, 70), (int32_t)rng_range(&rng, 1, 30)},
             .spacing = {x, round % 4 == 3 ? any : round % 4 == 2 ? nearly : x, round % 8 == 0 ? nearly : any},
         };
-        const ost_pm cubic = round % 2 ? x : round % 4 ? g.spacing.z : rng_range(&rng, 400, 4000) * (OST_PM_PER_MM / 1000);
+        const ost_pm cubic = round % 2   ? x
+                             : round % 4 ? g.spacing.z
+                                         : rng_range(&rng, 400, 4000) * (OST_PM_PER_MM / 1000);
         const int32_t threshold = round % 5 == 0 ? 1 : round % 5 == 1 ? INT16_MAX : (int32_t)rng_range(&rng, 1, 2000);
         const int n = chunk_of[rng_range(&rng, 0, 2)];
-        int16_t *voxels = round % 3 ? lonely_voxels(&rng, ost_dims_count(g.dims), threshold) : random_voxels(&rng, ost_dims_count(g.dims), threshold);
+        int16_t *voxels = round % 3 ? lonely_voxels(&rng, ost_dims_count(g.dims), threshold)
+                                    : random_voxels(&rng, ost_dims_count(g.dims), threshold);
         ost_backend *backends[2] = {ref, open_next(&turn)};
         ost_grid *rect[2], *cube[2];
         ost_bone *bone[2];
@@ -259,7 +268,8 @@ static void slabs_over_slabs(void **state)
     unsigned turn = 0;
     for (int round = 0; round < 48; round++) {
         ost_geometry g = {
-            .dims = {(int32_t)rng_range(&rng, 1, 150), (int32_t)rng_range(&rng, 1, 60), (int32_t)rng_range(&rng, 1, 90)},
+            .dims = {(int32_t)rng_range(&rng, 1, 150), (int32_t)rng_range(&rng, 1, 60),
+                     (int32_t)rng_range(&rng, 1, 90)},
             .spacing = {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM},
         };
         int32_t threshold = (int32_t)rng_range(&rng, 1, 500);
@@ -298,7 +308,8 @@ static void samples_to_rect(void **state)
     assert_non_null(samples);
     for (int round = 0; round < 32; round++) {
         const ost_pm spacings[] = {OST_SPACING_MIN, 470000000, OST_PM_PER_MM / 3, OST_SPACING_MAX};
-        const ost_pm s[3] = {spacings[rng_range(&rng, 0, 3)], spacings[rng_range(&rng, 0, 3)], spacings[rng_range(&rng, 0, 3)]};
+        const ost_pm s[3] = {spacings[rng_range(&rng, 0, 3)], spacings[rng_range(&rng, 0, 3)],
+                             spacings[rng_range(&rng, 0, 3)]};
         ost_geometry g = {
             .dims = {(int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 40)},
             .spacing = {s[0], s[1], s[2]},
@@ -325,7 +336,8 @@ static void samples_to_rect(void **state)
                      * most offsets are 0.
                      */
                     const int eighths[] = {0, 0, 0, 1, 1, wild ? 4 : 2, wild ? 3 : 1};
-                    p[a] += eighths[rng_range(&rng, 0, 6)] * s[a] / 8 * (rng_range(&rng, 0, 1) ? 1 : -1) + rng_range(&rng, -1, 1);
+                    p[a] += eighths[rng_range(&rng, 0, 6)] * s[a] / 8 * (rng_range(&rng, 0, 1) ? 1 : -1) +
+                            rng_range(&rng, -1, 1);
                 }
                 samples[i] = (ost_sample){.x = p[0], .y = p[1], .z = p[2], .density = (int32_t)rng_range(&rng, -3, 3)};
                 if (wild && i % 1000 == 999)

@@ -57,7 +57,8 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     int16_t *voxels = malloc(count * sizeof *voxels);
     assert_true(samples && voxels);
     for (size_t i = 0; i < count; i++) {
-        const int32_t x = (int32_t)(i % (size_t)side), y = (int32_t)(i / (size_t)side % (size_t)side), z = (int32_t)(i / (size_t)side / (size_t)side);
+        const int32_t x = (int32_t)(i % (size_t)side), y = (int32_t)(i / (size_t)side % (size_t)side),
+                      z = (int32_t)(i / (size_t)side / (size_t)side);
         voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* few high densities, some in every chunk */
         samples[i] = (ost_sample){x * s, y * s, z * s, voxels[i], (uint32_t)i};
     }
@@ -87,7 +88,8 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     ost_report report = {0};
     const ost_voxel_box box = {{0, 0, 0}, {side, side, side}};
     assert_ok(ost_map_make(&pose, &g, &grid, &map, &err));
-    assert_ok(ost_bone_remove(bone, tool, &(ost_event){.pose_count = 1, .maps = &map, .boxes = &box, .classes = &classes}, &report, &err));
+    assert_ok(ost_bone_remove(
+        bone, tool, &(ost_event){.pose_count = 1, .maps = &map, .boxes = &box, .classes = &classes}, &report, &err));
     assert_true(report.total_voxels > 0);
     assert_ok(ost_bone_digest(bone, NULL, &root, &err));
     *out = (seen){.count = 0};
@@ -195,8 +197,9 @@ static void many_chunks_share_a_removal(void **state)
     const ost_digest expected = run_all("ref", 130, 64, &none), root = run_all("cpu:threads=3", 130, 64, &large);
     assert_memory_equal(&root, &expected, sizeof root);
 #if defined _OPENMP
-    static const char *const shared[] = {"scatter",           "upload of a grid", "copy of a grid", "conversion to chunks",
-                                         "upload of a bone", "digest",           "removal and collision"};
+    static const char *const shared[] = {
+        "scatter",          "upload of a grid", "copy of a grid",       "conversion to chunks",
+        "upload of a bone", "digest",           "removal and collision"};
     for (size_t i = 0; i < sizeof shared / sizeof shared[0]; i++) {
         char name[OST_PATH_NAME];
         snprintf(name, sizeof name, "%s on 3 threads", shared[i]);

@@ -20,7 +20,10 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
     const int64_t how = rng_range(rng, 0, 5);
     if (how < 2) {
         const int32_t c = 759250125;
-        const ost_pose quarters[] = {{{0}, OST_Q30_ONE, 0, 0, 0}, {{0}, c, c, 0, 0}, {{0}, c, 0, -c, 0}, {{0}, 0, 0, 0, OST_Q30_ONE},
+        const ost_pose quarters[] = {{{0}, OST_Q30_ONE, 0, 0, 0},
+                                     {{0}, c, c, 0, 0},
+                                     {{0}, c, 0, -c, 0},
+                                     {{0}, 0, 0, 0, OST_Q30_ONE},
                                      {{0}, OST_Q30_ONE / 2, OST_Q30_ONE / 2, OST_Q30_ONE / 2, OST_Q30_ONE / 2}};
         const ost_pm3 at = pose.t;
         pose = quarters[rng_range(rng, 0, 4)];
@@ -66,13 +69,15 @@ static const ost_pm bone_voxels[] = {470 * UM, 300 * UM, 1000 * UM};
  * Sizes of tool voxels in thousandths of a bone voxel: all window steps of both edges, and
  * sizes without windows.
  */
-static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743, 650, 532, 400, 347, 320, 288, 260, 247, 150, 63};
+static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743,
+                                      650,  532,  400,  347,  320,  288,  260,  247, 150, 63};
 
 static void same_event(const team *t, test_rng *rng, int64_t poses_max)
 {
     ost_error err = {0};
     const ost_pm s = bone_voxels[rng_range(rng, 0, 2)];
-    const ost_geometry g = cubic_geometry((int32_t)rng_range(rng, 1, 50), (int32_t)rng_range(rng, 1, 70), (int32_t)rng_range(rng, 1, 50), s,
+    const ost_geometry g = cubic_geometry((int32_t)rng_range(rng, 1, 50), (int32_t)rng_range(rng, 1, 70),
+                                          (int32_t)rng_range(rng, 1, 50), s,
                                           (ost_pm3){rng_range(rng, -50000, 50000) * UM, 123456789, -s});
     const int n = 16 << rng_range(rng, 0, 2);
     const int64_t share = tool_voxels[rng_range(rng, 0, sizeof tool_voxels / sizeof tool_voxels[0] - 1)];
@@ -171,10 +176,12 @@ static void a_sequence(void **state)
     int16_t *voxels = random_densities(&rng, &g, 7);
     ost_tool_volume volume;
     const int32_t d[3] = {48, 48, 48};
-    assert_ok(ost_tool_volume_init(&volume, &(ost_tool_geometry){{48, 48, 48}, 500 * UM, {-12000 * UM, -12000 * UM, 0}}, &err));
+    assert_ok(ost_tool_volume_init(&volume, &(ost_tool_geometry){{48, 48, 48}, 500 * UM, {-12000 * UM, -12000 * UM, 0}},
+                                   &err));
     for (int32_t v = 0; v < 48 * 48 * 48; v++)
         volume.voxels[v] = form_at(HEMISPHERE, &rng, d, v % 48, v / 48 % 48, v / 48 / 48);
-    const ost_pose from = random_pose(&rng, (ost_pm3){15000 * UM, 14000 * UM, -9000 * UM}, (ost_pm3){20000 * UM, 18000 * UM, -2000 * UM});
+    const ost_pose from = random_pose(&rng, (ost_pm3){15000 * UM, 14000 * UM, -9000 * UM},
+                                      (ost_pm3){20000 * UM, 18000 * UM, -2000 * UM});
     for (int n = 16; n <= 64; n *= 2) {
         ost_bone *expected = bone_of(t->ref, &g, n, voxels);
         ost_tool *tool;
@@ -227,11 +234,16 @@ static void many_chunks(void **state)
     for (int v = 0; v < 2; v++) {
         const int32_t d[3] = {v ? 12 : 180, v ? 200 : 170, v ? 40 : 160};
         const ost_pm voxel = 500 * UM;
-        assert_ok(ost_tool_volume_init(&volume[v], &(ost_tool_geometry){{d[0], d[1], d[2]}, voxel, {-voxel * d[0] / 2, -voxel * d[1] / 2, -voxel * d[2] / 2}}, &err));
+        assert_ok(ost_tool_volume_init(
+            &volume[v],
+            &(ost_tool_geometry){{d[0], d[1], d[2]}, voxel, {-voxel * d[0] / 2, -voxel * d[1] / 2, -voxel * d[2] / 2}},
+            &err));
         for (int32_t i = 0; i < d[0] * d[1] * d[2]; i++)
-            volume[v].voxels[i] = form_at(v ? SOLID : TOOTHED_SHELL, &rng, d, i % d[0], i / d[0] % d[1], i / d[0] / d[1]);
+            volume[v].voxels[i] = form_at(v ? SOLID : TOOTHED_SHELL, &rng, d, i % d[0], i / d[0] % d[1],
+                                          i / d[0] / d[1]);
     }
-    const ost_pose from = random_pose(&rng, (ost_pm3){30000 * UM, 30000 * UM, 30000 * UM}, (ost_pm3){45000 * UM, 45000 * UM, 45000 * UM});
+    const ost_pose from = random_pose(&rng, (ost_pm3){30000 * UM, 30000 * UM, 30000 * UM},
+                                      (ost_pm3){45000 * UM, 45000 * UM, 45000 * UM});
     int turn = (int)rng_range(&rng, 0, THREADS - 1);
     for (int n = 16; n <= 64; n *= 2, turn++) {
         ost_bone *expected = bone_of(t->ref, &g, n, voxels);
@@ -282,8 +294,8 @@ static void slabs_of_slices(void **state)
     ost_error err = {0};
     test_rng rng = rng_seeded("slabs of slices");
     for (int round = 0; round < 60; round++) {
-        const ost_geometry g = cubic_geometry((int32_t)rng_range(&rng, 1, 70), (int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 70),
-                                              470 * UM, (ost_pm3){0});
+        const ost_geometry g = cubic_geometry((int32_t)rng_range(&rng, 1, 70), (int32_t)rng_range(&rng, 1, 40),
+                                              (int32_t)rng_range(&rng, 1, 70), 470 * UM, (ost_pm3){0});
         const int n = 16 << rng_range(&rng, 0, 2);
         const size_t slice = (size_t)g.dims.x * (size_t)g.dims.y;
         ost_bone *bone[BACKENDS_MAX + 1];
@@ -291,7 +303,8 @@ static void slabs_of_slices(void **state)
             assert_ok(ost_bone_create(i ? t->cpu[i - 1] : t->ref, &g, n, 120, &bone[i], &err));
         for (int slab = 0; slab < 5; slab++) {
             int16_t *voxels = some_bone(&rng, &g);
-            const int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z - 1), count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
+            const int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z - 1),
+                          count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
             for (int i = 0; i <= t->count; i++)
                 assert_ok(ost_bone_upload(bone[i], z0, count, voxels + slice * (size_t)z0, &err));
             free(voxels);

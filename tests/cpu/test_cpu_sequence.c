@@ -32,7 +32,8 @@ static plot make_plot(test_rng *rng)
     const ost_pm s = 470 * UM;
     plot p;
     for (int b = 0; b < BONES; b++) {
-        p.geometry[b] = cubic_geometry((int32_t)rng_range(rng, 20, 45), (int32_t)rng_range(rng, 20, 45), (int32_t)rng_range(rng, 20, 45), s,
+        p.geometry[b] = cubic_geometry((int32_t)rng_range(rng, 20, 45), (int32_t)rng_range(rng, 20, 45),
+                                       (int32_t)rng_range(rng, 20, 45), s,
                                        (ost_pm3){rng_range(rng, -20, 20) * s, 123456789, 0});
         p.voxels[b] = random_densities(rng, &p.geometry[b], (int)rng_range(rng, 5, 8));
         p.chunk_size[b] = 16 << rng_range(rng, 0, 2);
@@ -67,7 +68,8 @@ static void close_bench(bench *b)
 static ost_pose somewhere(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
-    ost_pose pose = random_pose(rng, (ost_pm3){-5 * s, -5 * s, -5 * s}, (ost_pm3){(g->dims.x + 5) * s, (g->dims.y + 5) * s, (g->dims.z + 5) * s});
+    ost_pose pose = random_pose(rng, (ost_pm3){-5 * s, -5 * s, -5 * s},
+                                (ost_pm3){(g->dims.x + 5) * s, (g->dims.y + 5) * s, (g->dims.z + 5) * s});
     pose.t.x += g->origin.x;
     pose.t.y += g->origin.y;
     pose.t.z += g->origin.z;
@@ -118,7 +120,8 @@ static void do_tick(const plot *p, const bench *b, const tick *k, ost_report *re
     const ost_geometry *g = &p->geometry[k->bone];
     scene_event e;
     if (k->upload)
-        assert_ok(ost_bone_upload(b->bone[k->bone], k->z0, k->slices, p->voxels[k->bone] + (size_t)k->z0 * (size_t)g->dims.x * (size_t)g->dims.y, &err));
+        assert_ok(ost_bone_upload(b->bone[k->bone], k->z0, k->slices,
+                                  p->voxels[k->bone] + (size_t)k->z0 * (size_t)g->dims.x * (size_t)g->dims.y, &err));
     event_of(&e, g, b->tool[k->tool], k->pose, k->poses);
     for (int i = 0; i < k->poses && k->tight; i++) {
         const ost_box box = ost_box_of_tool(&p->volume[k->tool].geometry);
@@ -222,14 +225,18 @@ static void borders_of_blocks(void **state)
     test_rng rng = rng_seeded("borders of blocks");
     int16_t *voxels = random_densities(&rng, &g, 8);
     const int32_t half = 759250125;
-    const ost_pose turns[] = {{{0}, OST_Q30_ONE, 0, 0, 0}, {{0}, half, half, 0, 0}, {{0}, half, 0, -half, 0},
-                              {{0}, 0, 0, 0, OST_Q30_ONE}, {{0}, OST_Q30_ONE / 2, OST_Q30_ONE / 2, OST_Q30_ONE / 2, OST_Q30_ONE / 2}};
+    const ost_pose turns[] = {{{0}, OST_Q30_ONE, 0, 0, 0},
+                              {{0}, half, half, 0, 0},
+                              {{0}, half, 0, -half, 0},
+                              {{0}, 0, 0, 0, OST_Q30_ONE},
+                              {{0}, OST_Q30_ONE / 2, OST_Q30_ONE / 2, OST_Q30_ONE / 2, OST_Q30_ONE / 2}};
     for (int turn = 0; turn < 5; turn++)
         for (int a = 0; a < 3; a++)
             for (int32_t at = -4; at <= 21; at++) {
                 ost_pose pose = turns[turn];
                 const ost_pm nudge = rng_range(&rng, -1, 1);
-                const ost_pm where[3] = {a == 0 ? at * s + s / 2 + nudge : 24 * s, a == 1 ? at * s + s / 2 + nudge : 24 * s,
+                const ost_pm where[3] = {a == 0 ? at * s + s / 2 + nudge : 24 * s,
+                                         a == 1 ? at * s + s / 2 + nudge : 24 * s,
                                          a == 2 ? at * s + s / 2 + nudge : 24 * s};
                 pose.t = (ost_pm3){where[0], where[1], where[2]};
                 ost_tool_geometry of = {{3, 3, 3}, s, {-s, -s, -s}};

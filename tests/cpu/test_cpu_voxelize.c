@@ -18,12 +18,14 @@
 /* --------------------------------------------------------------- compare */
 
 /* Compares the bits of one mesh or two, converted to classes. */
-static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                         ost_fill_rule rule, const uint8_t *expected, const char *what)
+static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cutting,
+                         const ost_snapped_mesh *noncutting, ost_fill_rule rule, const uint8_t *expected,
+                         const char *what)
 {
     ost_error err = {0};
     const ost_dims d = cutting->grid.dims;
-    const size_t words = (size_t)ost_vox_words(d.x), rows = (size_t)d.y * (size_t)d.z, size = (rows * words * 8 + 63) / 64 * 64;
+    const size_t words = (size_t)ost_vox_words(d.x), rows = (size_t)d.y * (size_t)d.z,
+                 size = (rows * words * 8 + 63) / 64 * 64;
     ost_voxelize_report report;
     uint64_t *bits[2] = {aligned_alloc(64, size), aligned_alloc(64, size)};
     assert_true(bits[0] && bits[1]);
@@ -35,9 +37,11 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
         for (size_t r = 0; r < rows; r++)
             for (size_t i = 0; i < 64 * words; i++) {
                 const int want = i < (size_t)d.x ? expected[r * (size_t)d.x + i] : 0;
-                const int cuts = bits[0][r * words + i / 64] >> (i % 64) & 1, touches = bits[1][r * words + i / 64] >> (i % 64) & 1;
+                const int cuts = bits[0][r * words + i / 64] >> (i % 64) & 1,
+                          touches = bits[1][r * words + i / 64] >> (i % 64) & 1;
                 if (cuts != (want == OST_TOOL_CUTTING) || (both && touches != (want == OST_TOOL_NONCUTTING)))
-                    fail_msg("%s, rule %d: bit %zu of row %zu is %d, %d; the reference says %d", what, (int)rule, i, r, cuts, touches, want);
+                    fail_msg("%s, rule %d: bit %zu of row %zu is %d, %d; the reference says %d", what, (int)rule, i, r,
+                             cuts, touches, want);
             }
     }
     free(bits[0]);
@@ -45,8 +49,9 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
 }
 
 /* With `tiny` tiles have a few rows, and all threads are used for meshes of any size. */
-static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
-                        const uint8_t *expected, const ost_voxelize_report *expected_report, const char *what)
+static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cutting,
+                        const ost_snapped_mesh *noncutting, ost_fill_rule rule, const uint8_t *expected,
+                        const ost_voxelize_report *expected_report, const char *what)
 {
     ost_error err = {0};
     ost_backend *backend;
@@ -63,15 +68,17 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
         const ost_dims d = cutting->grid.dims;
         for (size_t i = 0; i < (size_t)ost_dims_count(d); i++)
             if (volume.voxels[i] != expected[i])
-                fail_msg("%s, %s, rule %d: voxel (%d, %d, %d) of %d x %d x %d is %d, the reference says %d", what, spec, (int)rule,
-                         (int)(i % (size_t)d.x), (int)(i / (size_t)d.x % (size_t)d.y), (int)(i / (size_t)d.x / (size_t)d.y), d.x, d.y,
-                         d.z, volume.voxels[i], expected[i]);
-        if (report.solid_voxels != expected_report->solid_voxels || report.cutting_voxels != expected_report->cutting_voxels ||
+                fail_msg("%s, %s, rule %d: voxel (%d, %d, %d) of %d x %d x %d is %d, the reference says %d", what, spec,
+                         (int)rule, (int)(i % (size_t)d.x), (int)(i / (size_t)d.x % (size_t)d.y),
+                         (int)(i / (size_t)d.x / (size_t)d.y), d.x, d.y, d.z, volume.voxels[i], expected[i]);
+        if (report.solid_voxels != expected_report->solid_voxels ||
+            report.cutting_voxels != expected_report->cutting_voxels ||
             report.leaking_rows != expected_report->leaking_rows)
-            fail_msg("%s, %s, rule %d: %llu solid, %llu cutting, %llu leaking; the reference says %llu, %llu, %llu", what, spec, (int)rule,
-                     (unsigned long long)report.solid_voxels, (unsigned long long)report.cutting_voxels,
-                     (unsigned long long)report.leaking_rows, (unsigned long long)expected_report->solid_voxels,
-                     (unsigned long long)expected_report->cutting_voxels, (unsigned long long)expected_report->leaking_rows);
+            fail_msg(
+                "%s, %s, rule %d: %llu solid, %llu cutting, %llu leaking; the reference says %llu, %llu, %llu", what,
+                spec, (int)rule, (unsigned long long)report.solid_voxels, (unsigned long long)report.cutting_voxels,
+                (unsigned long long)report.leaking_rows, (unsigned long long)expected_report->solid_voxels,
+                (unsigned long long)expected_report->cutting_voxels, (unsigned long long)expected_report->leaking_rows);
         ost_tool_volume_free(&volume);
         ost_tool_free(tool);
     }
@@ -100,12 +107,13 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
                         continue;
                     if (v == 1 && !(all && t % 2 == 0) && (ost_isa)isa != ost_isa_best())
                         continue; /* opening a device of Embree takes longer than all of these grids */
-                    snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d,voxelizer=%s", ost_isa_name((ost_isa)isa), threads[t],
-                             voxelizers[v]);
+                    snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d,voxelizer=%s", ost_isa_name((ost_isa)isa),
+                             threads[t], voxelizers[v]);
                     if (ost_backend_open(spec, &backend, &err) == OST_ERR_UNAVAILABLE)
                         continue; /* built without Embree; "triangles" is always available, see `options` below */
                     ost_backend_close(backend);
-                    compare_one(spec, threads[t] > 1 || tiny_too++ % 2, cutting, noncutting, (ost_fill_rule)rule, expected, &report, what);
+                    compare_one(spec, threads[t] > 1 || tiny_too++ % 2, cutting, noncutting, (ost_fill_rule)rule,
+                                expected, &report, what);
                 }
     }
     free(expected);
@@ -125,9 +133,10 @@ static int rounds(int n)
 
 static ost_dims random_dims(test_rng *rng)
 {
-    static const int32_t widths[] = {1, 7, 8, 31, 32, 33, 63, 64, 65, 100, 127, 128, 129, 200, 256, 257, 300, 511, 512, 513, 700};
-    return (ost_dims){widths[rng_range(rng, 0, (int64_t)(sizeof widths / sizeof *widths) - 1)], (int32_t)rng_range(rng, 1, 20),
-                      (int32_t)rng_range(rng, 1, 20)};
+    static const int32_t widths[] = {1,   7,   8,   31,  32,  33,  63,  64,  65,  100, 127,
+                                     128, 129, 200, 256, 257, 300, 511, 512, 513, 700};
+    return (ost_dims){widths[rng_range(rng, 0, (int64_t)(sizeof widths / sizeof *widths) - 1)],
+                      (int32_t)rng_range(rng, 1, 20), (int32_t)rng_range(rng, 1, 20)};
 }
 
 static void on_centres(ost_snapped_mesh *mesh, test_rng *rng)
@@ -145,7 +154,8 @@ static ost_snapped_mesh make_soup(test_rng *rng, ost_dims dims, size_t vertices,
     for (size_t i = 0; i < vertices; i++)
         make_random_vertex(&mesh, rng);
     while (mesh.triangle_count < triangles)
-        make_triangle(&mesh, (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1), (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1),
+        make_triangle(&mesh, (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1),
+                      (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1),
                       (uint32_t)rng_range(rng, 0, (int64_t)vertices - 1));
     return mesh;
 }
@@ -158,8 +168,10 @@ static ost_snapped_mesh make_knot(ost_dims dims, uint32_t along, uint32_t around
     for (uint32_t i = 0; i < along; i++)
         for (uint32_t k = 0; k < around; k++) {
             const double t = two_pi * i / along, s = two_pi * k / around, ring = 0.3 + 0.1 * cos(q * t) + 0.06 * cos(s);
-            const double v[3] = {0.5 + ring * cos(p * t), 0.5 + ring * sin(p * t), 0.5 + 0.25 * sin(q * t) + 0.06 * sin(s)};
-            make_vertex(&mesh, (int64_t)(v[0] * n[0] * MAKE_ONE), (int64_t)(v[1] * n[1] * MAKE_ONE), (int64_t)(v[2] * n[2] * MAKE_ONE));
+            const double v[3] = {0.5 + ring * cos(p * t), 0.5 + ring * sin(p * t),
+                                 0.5 + 0.25 * sin(q * t) + 0.06 * sin(s)};
+            make_vertex(&mesh, (int64_t)(v[0] * n[0] * MAKE_ONE), (int64_t)(v[1] * n[1] * MAKE_ONE),
+                        (int64_t)(v[2] * n[2] * MAKE_ONE));
         }
     for (uint32_t i = 0; i < along; i++)
         for (uint32_t k = 0; k < around; k++) {
@@ -184,8 +196,8 @@ static ost_snapped_mesh make_sphere(ost_dims dims, uint32_t rings, uint32_t sect
         }
     for (uint32_t i = 0; i < rings; i++)
         for (uint32_t k = 0; k < sectors; k++) {
-            const uint32_t k1 = (k + 1) % sectors, a = i * sectors + k, b = (i + 1) * sectors + k, c = (i + 1) * sectors + k1,
-                           d = i * sectors + k1;
+            const uint32_t k1 = (k + 1) % sectors, a = i * sectors + k, b = (i + 1) * sectors + k,
+                           c = (i + 1) * sectors + k1, d = i * sectors + k1;
             make_triangle(&mesh, a, b, c); /* at the poles one of the two is degenerate */
             make_triangle(&mesh, a, c, d);
         }
@@ -317,7 +329,8 @@ static void shells_closer_than_a_voxel(void **state)
     const ost_dims dims = {90, 91, 92};
     for (int outward = 0; outward < 2; outward++) {
         ost_snapped_mesh a = make_sphere(dims, 40, 50, 0.48), b = make_sphere(dims, 40, 50, 0.477);
-        ost_snapped_mesh both = make_snapped(dims, a.vertex_count + b.vertex_count, a.triangle_count + b.triangle_count);
+        ost_snapped_mesh both = make_snapped(dims, a.vertex_count + b.vertex_count,
+                                             a.triangle_count + b.triangle_count);
         for (size_t i = 0; i < a.vertex_count; i++)
             make_vertex(&both, a.vertices[i][0], a.vertices[i][1], a.vertices[i][2]);
         for (size_t i = 0; i < b.vertex_count; i++)

@@ -367,12 +367,15 @@ OPENAT_WITH_MODE(openat)
 OPENAT_WITH_MODE(openat64)
 FUNCTION(int, __open_2, (const char *path, int flags), open_fails(path, CALLER), -1, (path, flags))
 FUNCTION(int, __open64_2, (const char *path, int flags), open_fails(path, CALLER), -1, (path, flags))
-FUNCTION(int, __openat_2, (int folder, const char *path, int flags), open_fails(path, CALLER), -1, (folder, path, flags))
-FUNCTION(int, __openat64_2, (int folder, const char *path, int flags), open_fails(path, CALLER), -1, (folder, path, flags))
+FUNCTION(int, __openat_2, (int folder, const char *path, int flags), open_fails(path, CALLER), -1,
+         (folder, path, flags))
+FUNCTION(int, __openat64_2, (int folder, const char *path, int flags), open_fails(path, CALLER), -1,
+         (folder, path, flags))
 FUNCTION(FILE *, fopen, (const char *path, const char *mode), open_fails(path, CALLER), NULL, (path, mode))
 FUNCTION(FILE *, fopen64, (const char *path, const char *mode), open_fails(path, CALLER), NULL, (path, mode))
 FUNCTION(DIR *, opendir, (const char *path), open_fails(path, CALLER), NULL, (path))
 FUNCTION(ssize_t, read, (int fd, void *to, size_t size), read_fails(CALLER), -1, (fd, to, size))
-FUNCTION(ssize_t, __read_chk, (int fd, void *to, size_t size, size_t capacity), read_fails(CALLER), -1, (fd, to, size, capacity))
+FUNCTION(ssize_t, __read_chk, (int fd, void *to, size_t size, size_t capacity), read_fails(CALLER), -1,
+         (fd, to, size, capacity))
 FUNCTION(ssize_t, pread, (int fd, void *to, size_t size, off_t at), read_fails(CALLER), -1, (fd, to, size, at))
 FUNCTION(ssize_t, pread64, (int fd, void *to, size_t size, off_t at), read_fails(CALLER), -1, (fd, to, size, at))

@@ -178,7 +178,8 @@ static long counted(void)
     return found;
 }
 
-/* Copies the first line of standard error that begins with "osteon", else the last; returns true if there is such a line. */
+/* Copies the first line of standard error that begins with "osteon", else the last; returns true
+   if there is such a line. */
 static bool message(char text[TEXT])
 {
     char line[TEXT];
@@ -210,7 +211,8 @@ static bool is_loose(const char *name)
     return false;
 }
 
-/* Compares the folder with the expected files, of which some may be absent unless `complete`. Returns what is wrong, or NULL. */
+/* Compares the folder with the expected files, of which some may be absent unless `complete`.
+   Returns what is wrong, or NULL. */
 static const char *compare(const folder_state *expected, bool complete, char text[TEXT])
 {
     folder_state now = {.count = 0};
@@ -225,7 +227,8 @@ static const char *compare(const folder_state *expected, bool complete, char tex
         else if (order > 0 && complete)
             snprintf(text, TEXT, "%.1000s is missing", b->name);
         else if (order == 0 && !is_loose(a->name) && (a->sum != b->sum || a->size != b->size))
-            snprintf(text, TEXT, "%.1000s has other bytes (%" PRIu64 ", expected %" PRIu64 ")", a->name, a->size, b->size);
+            snprintf(text, TEXT, "%.1000s has other bytes (%" PRIu64 ", expected %" PRIu64 ")", a->name, a->size,
+                     b->size);
         n += order <= 0;
         e += order >= 0;
     }
@@ -259,7 +262,8 @@ static void take_output(output *o)
 }
 
 /* Returns what is wrong after a run with a fault, or NULL. */
-static const char *judge(int status, int expected_status, const folder_state *expected, const output *printed, char text[TEXT])
+static const char *judge(int status, int expected_status, const folder_state *expected, const output *printed,
+                         char text[TEXT])
 {
     char text_out[TEXT];
     const bool has_message = message(text_out);
@@ -272,7 +276,8 @@ static const char *judge(int status, int expected_status, const folder_state *ex
         output now;
         take_output(&now);
         if (now.lines != printed->lines || memcmp(now.last, printed->last, sizeof now.last) != 0) {
-            snprintf(text, TEXT, "status %d, but standard output is another (%ld lines, expected %ld)", code, now.lines, printed->lines);
+            snprintf(text, TEXT, "status %d, but standard output is another (%ld lines, expected %ld)", code, now.lines,
+                     printed->lines);
             return text;
         }
         return compare(expected, true, text);
@@ -362,7 +367,10 @@ int main(int argc, char **argv)
     const long count = only ? 1 : all ? calls : runs;
     for (long r = 0; r < count; r++) {
         /* One value of each of `runs` equal parts. */
-        const long at = only ? only : all ? r + 1 : (long)((double)calls * (double)r / (double)runs) + 1 + (long)(next_random() % (uint64_t)(calls / runs));
+        const long at = only  ? only
+                        : all ? r + 1
+                              : (long)((double)calls * (double)r / (double)runs) + 1 +
+                                    (long)(next_random() % (uint64_t)(calls / runs));
         const int status = run(at, only != 0);
         const char *wrong = judge(status, WEXITSTATUS(clean), &expected, &printed, text);
         if (wrong && ++failures <= SHOWN)

@@ -34,14 +34,16 @@ static const char *long_text(void)
 
 static json_t *library(const char *soname, const char *package, const char *version, bool linked)
 {
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:b}", "soname", soname, "file", soname, "sha256", "01", "package", package, "version", version, "maintainer", long_text(), "linked", linked);
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:b}", "soname", soname, "file", soname, "sha256", "01", "package",
+                     package, "version", version, "maintainer", long_text(), "linked", linked);
 }
 
 static json_t *tools(void)
 {
     return json_pack("{s:{s:s, s:s, s:s}, s:{s:s, s:s, s:s, s:{s:s}}, s:[o, o]}", /**/
                      "program", "version", "1.0", "sha256", "00", "distribution", "debian", /**/
-                     "build", "compiler", "gcc 14", "commit", "0", "source_date", "2026-01-01T00:00:00Z", "headers", "embree", "4.3", /**/
+                     "build", "compiler", "gcc 14", "commit", "0", "source_date", "2026-01-01T00:00:00Z", "headers",
+                     "embree", "4.3", /**/
                      "libraries", library("libz.so.1", "zlib1g", "1:1.3", true), library("libnone.so", "", "", false));
 }
 
@@ -59,7 +61,8 @@ int main(void)
     json_set_alloc_funcs(ending_malloc, free);
     ost_error err = {0};
     json_t *input = tools();
-    const ost_status status = input ? software_write(input, write_file, NULL, &err) : ost_fail(&err, OST_ERR_MEMORY, "no memory for the input");
+    const ost_status status = input ? software_write(input, write_file, NULL, &err)
+                                    : ost_fail(&err, OST_ERR_MEMORY, "no memory for the input");
     json_decref(input);
     if (status != OST_OK)
         fprintf(stderr, "osteon: %s\n", err.text);

@@ -15,7 +15,8 @@
 enum { REFERENCE_HU = 1705 }; /* 1.95 g/cm3 with the default parameters, to a ten-thousandth */
 
 /* Makes a bone of one density in the lowest `solid_layers` layers; the grid's first centre is at 0. */
-static inline ost_bone *half_space(ost_backend *backend, int32_t nx, int32_t nz, ost_pm s, int32_t solid_layers, int16_t hu)
+static inline ost_bone *half_space(ost_backend *backend, int32_t nx, int32_t nz, ost_pm s, int32_t solid_layers,
+                                   int16_t hu)
 {
     const ost_geometry g = cubic_geometry(nx, nx, nz, s, (ost_pm3){0, 0, 0});
     int16_t *voxels = calloc(voxel_count(&g), sizeof *voxels);
@@ -27,7 +28,8 @@ static inline ost_bone *half_space(ost_backend *backend, int32_t nx, int32_t nz,
     return bone;
 }
 
-static inline ost_force *force_of(const ost_bone *bone, const ost_force_params *params, ost_shell_point *points, size_t count)
+static inline ost_force *force_of(const ost_bone *bone, const ost_force_params *params, ost_shell_point *points,
+                                  size_t count)
 {
     ost_error err = {0};
     ost_force *force;

@@ -56,7 +56,8 @@ static void a_sample_is_what_is_there(void **state)
             assert_ok(ost_bone_sample(bone, COUNT, at, got, &err));
             for (int i = 0; i < COUNT; i++) {
                 const ost_dims v = {x[i], y[i], z[i]};
-                const bool inside = v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < g.dims.x && v.y < g.dims.y && v.z < g.dims.z;
+                const bool inside = v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < g.dims.x && v.y < g.dims.y &&
+                                    v.z < g.dims.z;
                 assert_int_equal(got[i], inside ? expected[v.x + g.dims.x * (v.y + (int64_t)g.dims.y * v.z)] : 0);
             }
         }
@@ -145,9 +146,12 @@ static void planar_reaming(void **state)
     ost_bone *bone = half_space(*state, 60, 60, MM / 2, 50, REFERENCE_HU);
     for (int i = 0; i < RINGS * SPOKES; i++) {
         const int ring = i / SPOKES;
-        const double lo = radius * ring / RINGS, hi = lo + radius / RINGS, r = (lo + hi) / 2, angle = 2 * PI * (i % SPOKES) / SPOKES;
-        points[i] = (ost_shell_point){
-            .at = {r * cos(angle), r * sin(angle), 0}, .inward = {0, 0, 1}, .area = PI * (hi * hi - lo * lo) / SPOKES, .cutting = true};
+        const double lo = radius * ring / RINGS, hi = lo + radius / RINGS, r = (lo + hi) / 2,
+                     angle = 2 * PI * (i % SPOKES) / SPOKES;
+        points[i] = (ost_shell_point){.at = {r * cos(angle), r * sin(angle), 0},
+                                      .inward = {0, 0, 1},
+                                      .area = PI * (hi * hi - lo * lo) / SPOKES,
+                                      .cutting = true};
     }
     const ost_force_params params = ost_force_defaults();
     const double u = ost_force_energy(&params, REFERENCE_HU);
@@ -162,7 +166,8 @@ static void planar_reaming(void **state)
     assert_ok(ost_force_step(force, 0, &down, 1e-3, &r, &err));
     const double v = speed_of(&before, &r);
     assert_true(v > 0 && v < 0.1);
-    assert_near("planar reaming, N", r.axial_n, 2 * PI * u * v * (radius - r0 / 2) / (params.cutting_ratio * params.speed), 0.01);
+    assert_near("planar reaming, N", r.axial_n,
+                2 * PI * u * v * (radius - r0 / 2) / (params.cutting_ratio * params.speed), 0.01);
     assert_near("planar reaming, W", r.power_w, u * v * PI * radius * radius, 0.01);
     assert_near("planar reaming, N m", r.cutting_nm, u * v * PI * radius * radius / params.speed, 0.01);
     /* The scaled force acts on the hand, upward and symmetric. */
@@ -203,7 +208,8 @@ static void hemispherical_reaming(void **state)
     assert_ok(ost_force_step(force, 0, &down, 1e-3, &r, &err));
     const double v = speed_of(&before, &r);
     const double shape = PI / 4 - t0 / 2 - sin(2 * t0) / 4 + radius / r0 * (1 - pow(cos(t0), 3)) / 3;
-    assert_near("hemispherical reaming, N", r.axial_n, 2 * PI * u * radius * v / (params.cutting_ratio * params.speed) * shape, 0.02);
+    assert_near("hemispherical reaming, N", r.axial_n,
+                2 * PI * u * radius * v / (params.cutting_ratio * params.speed) * shape, 0.02);
     assert_near("hemispherical reaming, W", r.power_w, u * v * PI * radius * radius, 0.02);
     ost_force_free(force);
     ost_bone_free(bone);
@@ -226,11 +232,13 @@ static void what_does_not_cut_stops(void **state)
         const double surface_mm = 19.75 + 5;
         for (int i = 0; i < 400; i++) {
             /* Down to 4 mm inside, then along x. */
-            const ost_pose pose = at_mm(12 + (i < 200 ? 0 : 0.02 * (i - 200)), 15, surface_mm + 2 - (i < 200 ? 0.03 * i : 6));
+            const ost_pose pose = at_mm(12 + (i < 200 ? 0 : 0.02 * (i - 200)), 15,
+                                        surface_mm + 2 - (i < 200 ? 0.03 * i : 6));
             assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
             assert_true((double)r.tool.t.z * 1e-9 > surface_mm - 0.1);
         }
-        assert_near("felt 4 mm deep, N", r.force_n[2], params.stiffness * ((double)r.tool.t.z * 1e-12 - (surface_mm - 4) * 1e-3), 0.02);
+        assert_near("felt 4 mm deep, N", r.force_n[2],
+                    params.stiffness * ((double)r.tool.t.z * 1e-12 - (surface_mm - 4) * 1e-3), 0.02);
         assert_true(r.force_n[2] > 0.9);
         /* The voxels' steps hold a blunt tool back a little. */
         assert_near("slid by, mm", (double)r.tool.t.x * 1e-9 - 12, 0.02 * 199, 0.4);
@@ -302,7 +310,8 @@ static void a_shell_is_its_surface(void **state)
         const double s = 16e-3 / n, radius = 7e-3;
         ost_tool_volume tool;
         ost_shell shell;
-        assert_ok(ost_tool_volume_init(&tool, &(ost_tool_geometry){{n, n, n}, 16 * MM / n, {-8 * MM, -8 * MM, -8 * MM}}, &err));
+        assert_ok(ost_tool_volume_init(&tool, &(ost_tool_geometry){{n, n, n}, 16 * MM / n, {-8 * MM, -8 * MM, -8 * MM}},
+                                       &err));
         for (int z = 0, i = 0; z < n; z++)
             for (int y = 0; y < n; y++)
                 for (int x = 0; x < n; x++, i++) {
@@ -363,10 +372,11 @@ static void what_makes_no_sense_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sample_is_what_is_there),    cmocka_unit_test(a_sphere_in_a_plane),    cmocka_unit_test(stiffness_is_bounded),
-        cmocka_unit_test(planar_reaming),               cmocka_unit_test(hemispherical_reaming),  cmocka_unit_test(what_does_not_cut_stops),
+        cmocka_unit_test(a_sample_is_what_is_there),    cmocka_unit_test(a_sphere_in_a_plane),
+        cmocka_unit_test(stiffness_is_bounded),         cmocka_unit_test(planar_reaming),
+        cmocka_unit_test(hemispherical_reaming),        cmocka_unit_test(what_does_not_cut_stops),
         cmocka_unit_test(nothing_is_tunnelled_through), cmocka_unit_test(no_hand_presses_with_tons),
-        cmocka_unit_test(a_shell_is_its_surface), cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(a_shell_is_its_surface),       cmocka_unit_test(what_makes_no_sense_is_refused),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

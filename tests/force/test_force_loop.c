@@ -51,7 +51,8 @@ static ost_tool *builtin_tool(ost_backend *backend, ost_tool_kind kind)
 /* A block of bone, 60 x 60 x 20 mm of 800 HU at 0.5 mm, with its upper face at z = 0. */
 static ost_bone *block(ost_backend *backend)
 {
-    const ost_geometry g = cubic_geometry(120, 120, 40, MM / 2, (ost_pm3){-30 * MM + MM / 4, -30 * MM + MM / 4, -20 * MM + MM / 4});
+    const ost_geometry g = cubic_geometry(120, 120, 40, MM / 2,
+                                          (ost_pm3){-30 * MM + MM / 4, -30 * MM + MM / 4, -20 * MM + MM / 4});
     int16_t *voxels = malloc(voxel_count(&g) * sizeof *voxels);
     assert_non_null(voxels);
     for (size_t i = 0; i < voxel_count(&g); i++)
@@ -68,9 +69,12 @@ static ost_path plan(double lowest_mm, bool drag)
     ost_path path;
     assert_ok(ost_path_init(&path, TICKS, &err));
     for (int i = 0; i < TICKS; i++) {
-        const double down = i < REACH_MS ? 3 - 8.0 * i / REACH_MS : -5, along = drag && i > REACH_MS ? 6.0 * (i - REACH_MS) / HOLD_MS : 0;
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON,
-                                   .pose = {.t = {(ost_pm)(along * 1e9), 0, (ost_pm)((down - lowest_mm) * 1e9)}, .qw = OST_Q30_ONE}};
+        const double down = i < REACH_MS ? 3 - 8.0 * i / REACH_MS : -5,
+                     along = drag && i > REACH_MS ? 6.0 * (i - REACH_MS) / HOLD_MS : 0;
+        path.ticks[i] = (ost_tick){
+            .t_ns = (int64_t)i * 1000000,
+            .rpm = OST_RPM_ON,
+            .pose = {.t = {(ost_pm)(along * 1e9), 0, (ost_pm)((down - lowest_mm) * 1e9)}, .qw = OST_Q30_ONE}};
     }
     return path;
 }
@@ -102,7 +106,8 @@ static double swing(const double at[])
     enum { LAST = 800, SHORT = 5, LONG = 100 };
     double sum = 0;
     for (int i = TICKS - LAST; i < TICKS - LONG; i++) {
-        const double speed = (at[i + SHORT] - at[i - SHORT]) / (2 * SHORT) * 1e3, mean = (at[i + LONG] - at[i - LONG]) / (2 * LONG) * 1e3;
+        const double speed = (at[i + SHORT] - at[i - SHORT]) / (2 * SHORT) * 1e3,
+                     mean = (at[i + LONG] - at[i - LONG]) / (2 * LONG) * 1e3;
         sum += (speed - mean) * (speed - mean);
     }
     return sqrt(sum / (LAST - LONG)) * 1e3;
@@ -119,14 +124,14 @@ static void write_csv(const char *name, const ost_path *path, const run *r)
     assert_non_null(out);
     fprintf(out, "t_s,hand_x_mm,hand_z_mm,device_x_mm,device_z_mm,force_z_n\n");
     for (size_t i = 0; i < r->count; i++)
-        fprintf(out, "%.3f,%.4f,%.4f,%.4f,%.4f,%.4f\n", (double)i * 1e-3, (double)path->ticks[i].pose.t.x * 1e-9, (double)path->ticks[i].pose.t.z * 1e-9,
-                r->x[i] * 1e3, r->z[i] * 1e3, r->force[i]);
+        fprintf(out, "%.3f,%.4f,%.4f,%.4f,%.4f,%.4f\n", (double)i * 1e-3, (double)path->ticks[i].pose.t.x * 1e-9,
+                (double)path->ticks[i].pose.t.z * 1e-9, r->x[i] * 1e3, r->z[i] * 1e3, r->force[i]);
     fclose(out);
 }
 
 /* Runs an operation and returns the number of removed voxels. */
-static uint64_t operate(ost_backend *backend, ost_tool *tool, const char *device, const ost_path *path, const ost_force_params *params, const ost_safety_params *safety,
-                        const char *name, run *r)
+static uint64_t operate(ost_backend *backend, ost_tool *tool, const char *device, const ost_path *path,
+                        const ost_force_params *params, const ost_safety_params *safety, const char *name, run *r)
 {
     ost_error err = {0};
     static ost_servo_report report;
@@ -142,9 +147,10 @@ static uint64_t operate(ost_backend *backend, ost_tool *tool, const char *device
     }
     assert_ok(ost_haptic_open(device, &(ost_haptic_setup){.path = path}, &haptic, &err));
     *r = (run){0};
-    assert_ok(ost_operation_create(world, &(ost_operation_options){.force = force, .safety = safety}, &r->operation, &err));
-    assert_ok(ost_servo_run(haptic, &(ost_servo_options){.ticks = TICKS, .no_clock = true, .no_realtime = true}, watched, served, r, &report,
-                            &err));
+    assert_ok(
+        ost_operation_create(world, &(ost_operation_options){.force = force, .safety = safety}, &r->operation, &err));
+    assert_ok(ost_servo_run(haptic, &(ost_servo_options){.ticks = TICKS, .no_clock = true, .no_realtime = true},
+                            watched, served, r, &report, &err));
     ost_operation_report done;
     ost_operation_report_get(r->operation, &done);
     assert_int_equal(done.faults, 0);
@@ -167,7 +173,8 @@ static double lowest_mm(const ost_tool *tool)
 
 static void no_hand_swings(void **state)
 {
-    static const char *const grips[] = {"light", "normal", "firm"}, *const ways[] = {"press", "drag"}, *const modes[] = {"energy", "instant"};
+    static const char *const grips[] = {"light", "normal", "firm"}, *const ways[] = {"press", "drag"},
+                             *const modes[] = {"energy", "instant"};
     static const struct {
         const char *name;
         ost_tool_kind kind;
@@ -192,11 +199,13 @@ static void no_hand_swings(void **state)
             ost_force_params params = ost_force_defaults();
             params.mode = mode ? OST_FORCE_INSTANT : OST_FORCE_ENERGY;
             snprintf(device, sizeof device, "sim:grip=%s,friction=%d", grips[grip], friction ? 260 : 0);
-            snprintf(name, sizeof name, "%s-%s-%s-%s-friction%d", tools[t].name, ways[drag], modes[mode], grips[grip], friction ? 260 : 0);
+            snprintf(name, sizeof name, "%s-%s-%s-%s-friction%d", tools[t].name, ways[drag], modes[mode], grips[grip],
+                     friction ? 260 : 0);
             ost_path path = plan(lowest_mm(tool), drag);
             operate(*state, tool, device, &path, &params, NULL, name, &r);
             const double along = swing(r.x), down = swing(r.z);
-            print_message("%-42s %5.2f mm/s along, %5.2f down, felt %5.2f N at the end\n", name, along, down, r.force[TICKS - 1]);
+            print_message("%-42s %5.2f mm/s along, %5.2f down, felt %5.2f N at the end\n", name, along, down,
+                          r.force[TICKS - 1]);
             worst = fmax(worst, fmax(along, down));
             unstable += along >= 10 || down >= 10;
             assert_true(r.force[TICKS - 1] > -0.5 && r.force[TICKS - 1] <= 3);
@@ -237,7 +246,8 @@ static void bone_resists(void **state)
     const uint64_t free_hand = operate(*state, tool, "sim", &path, NULL, NULL, "free", &r);
     assert_true(r.force[TICKS - 1] == 0);
     const uint64_t resisted = operate(*state, tool, "sim", &path, &params, NULL, "resisted", &r);
-    print_message("removed: %llu voxels by a free hand, %llu against the force\n", (unsigned long long)free_hand, (unsigned long long)resisted);
+    print_message("removed: %llu voxels by a free hand, %llu against the force\n", (unsigned long long)free_hand,
+                  (unsigned long long)resisted);
     assert_true(resisted > 0 && resisted < free_hand * 9 / 10);
     assert_true(r.force[TICKS - 1] > 0.1);
     ost_path_free(&path);

@@ -48,7 +48,8 @@ static void a_torque_turns_the_tool(void **state)
     const double expected = h / (1 / params.stiffness + r * r / params.turn_stiffness);
     assert_near("felt, N", out.force_n[2], expected, 0.01);
     assert_near("felt, N m", fabs(out.torque_nm[1]), expected * r, 0.01);
-    assert_near("turned by, rad", 2 * fabs((double)out.tool.qy) / OST_Q30_ONE, expected * r / params.turn_stiffness, 0.01);
+    assert_near("turned by, rad", 2 * fabs((double)out.tool.qy) / OST_Q30_ONE, expected * r / params.turn_stiffness,
+                0.01);
     assert_near("sunk by, mm", top - (double)out.tool.t.z * 1e-9, (h - expected / params.stiffness) * 1e3, 0.02);
     assert_true(fabs(out.torque_nm[0]) < 1e-6 && abs(out.tool.qx) < 100);
     ost_force_free(force);
@@ -64,7 +65,8 @@ static void a_torque_turns_the_tool(void **state)
         assert_ok(ost_force_step(force, 0, &hand, 1e-3, &out, &err));
         assert_int_equal(out.tool.qy, hand.qy);
     }
-    assert_true(out.force_n[2] > 0.9 * params.stiffness * (h - r * 0.01) && out.force_n[2] < 1.2 * params.stiffness * h);
+    assert_true(out.force_n[2] > 0.9 * params.stiffness * (h - r * 0.01) &&
+                out.force_n[2] < 1.2 * params.stiffness * h);
     ost_force_free(force);
     ost_bone_free(bone);
 }
@@ -103,9 +105,11 @@ static void a_turning_handle_rests(void **state)
     skip_without_samples(*state);
     ost_error err = {0};
     ost_bone *bone = half_space_30mm(*state, 800);
-    ost_shell_point points[2] = {{.at = {8e-3, 0, 0}, .inward = {0, 0, 1}, .area = 1e-6}, {.at = {-8e-3, 0, 0}, .inward = {0, 0, 1}, .area = 1e-6}};
+    ost_shell_point points[2] = {{.at = {8e-3, 0, 0}, .inward = {0, 0, 1}, .area = 1e-6},
+                                 {.at = {-8e-3, 0, 0}, .inward = {0, 0, 1}, .area = 1e-6}};
     for (int grip = 0; grip < 3; grip++) {
-        const double inertia = 1.5e-4, hand_k = (double[]){0.2, 0.3, 0.8}[grip], hand_d = (double[]){1e-3, 3e-3, 8e-3}[grip], wish = 0.2;
+        const double inertia = 1.5e-4, hand_k = (double[]){0.2, 0.3, 0.8}[grip],
+                     hand_d = (double[]){1e-3, 3e-3, 8e-3}[grip], wish = 0.2;
         ost_force_params params = ost_force_defaults();
         params.turn_stiffness = 0.5;
         ost_force *force = force_of(bone, &params, points, 2);
@@ -121,7 +125,8 @@ static void a_turning_handle_rests(void **state)
             }
             const ost_pose hand = turned_mm(15, 15, 19.75, rint(at / 5e-4) * 5e-4);
             assert_ok(ost_force_step(force, 0, &hand, 1e-3, &out, &err));
-            assert_int_equal(ost_safety_step(&safety, &hand, true, 0, 1e-3, out.force_n, out.torque_nm), OST_SAFETY_GIVEN);
+            assert_int_equal(ost_safety_step(&safety, &hand, true, 0, 1e-3, out.force_n, out.torque_nm),
+                             OST_SAFETY_GIVEN);
             torque = out.torque_nm[1];
             swing = i >= 2000 ? fmax(swing, fabs(speed)) : 0;
         }
@@ -144,9 +149,12 @@ static void vibration_is_its_formula(void **state)
     ost_error err = {0};
     const double radius = 8e-3;
     for (int i = 0; i < SPOKES * RINGS; i++) {
-        const double lo = radius * (i / SPOKES) / RINGS, hi = lo + radius / RINGS, r = (lo + hi) / 2, angle = 2 * PI * (i % SPOKES) / SPOKES;
-        points[i] = (ost_shell_point){
-            .at = {r * cos(angle), r * sin(angle), 0}, .inward = {0, 0, 1}, .area = PI * (hi * hi - lo * lo) / SPOKES, .cutting = true};
+        const double lo = radius * (i / SPOKES) / RINGS, hi = lo + radius / RINGS, r = (lo + hi) / 2,
+                     angle = 2 * PI * (i % SPOKES) / SPOKES;
+        points[i] = (ost_shell_point){.at = {r * cos(angle), r * sin(angle), 0},
+                                      .inward = {0, 0, 1},
+                                      .area = PI * (hi * hi - lo * lo) / SPOKES,
+                                      .cutting = true};
     }
     for (int soft = 0; soft < 2; soft++) {
         const int hu = soft ? 500 : REFERENCE_HU;
@@ -155,7 +163,8 @@ static void vibration_is_its_formula(void **state)
         loud.vibration = 0.2;
         loud.runout = 0.1;
         loud.teeth = 12;
-        ost_force *a = force_of(bone, &quiet, points, SPOKES * RINGS), *b = force_of(bone, &loud, points, SPOKES * RINGS);
+        ost_force *a = force_of(bone, &quiet, points, SPOKES * RINGS),
+                  *b = force_of(bone, &loud, points, SPOKES * RINGS);
         double most = 0;
         for (int i = 0; i < 300; i++) {
             ost_force_result without, with;
@@ -163,11 +172,15 @@ static void vibration_is_its_formula(void **state)
             assert_ok(ost_force_step(a, 0, &hand, 1e-3, &without, &err));
             assert_ok(ost_force_step(b, 0, &hand, 1e-3, &with, &err));
             assert_memory_equal(&with.tool, &without.tool, sizeof with.tool);
-            const double amplitude = quiet.scale * without.axial_n * ost_force_density(&quiet, hu) / quiet.reference_density;
+            const double amplitude = quiet.scale * without.axial_n * ost_force_density(&quiet, hu) /
+                                     quiet.reference_density;
             const double phi = quiet.speed * 1e-3 * (i + 1);
-            assert_true(fabs(with.force_n[0] - without.force_n[0] - amplitude * loud.runout * cos(phi)) < 1e-6 * (1 + amplitude));
-            assert_true(fabs(with.force_n[1] - without.force_n[1] - amplitude * loud.runout * sin(phi)) < 1e-6 * (1 + amplitude));
-            assert_true(fabs(with.force_n[2] - without.force_n[2] - amplitude * loud.vibration * sin(12 * phi)) < 1e-6 * (1 + amplitude));
+            assert_true(fabs(with.force_n[0] - without.force_n[0] - amplitude * loud.runout * cos(phi)) <
+                        1e-6 * (1 + amplitude));
+            assert_true(fabs(with.force_n[1] - without.force_n[1] - amplitude * loud.runout * sin(phi)) <
+                        1e-6 * (1 + amplitude));
+            assert_true(fabs(with.force_n[2] - without.force_n[2] - amplitude * loud.vibration * sin(12 * phi)) <
+                        1e-6 * (1 + amplitude));
             most = fmax(most, amplitude);
         }
         print_message("%d HU: what it is a share of, %.3f N at most\n", hu, most);
@@ -223,9 +236,11 @@ static void a_file_says_what_is_other(void **state)
     snprintf(path, sizeof path, "force_%ld.params", (long)getpid());
     ost_force_params f = ost_force_defaults();
     ost_safety_params s = ost_safety_defaults();
-    write_text(path, "# a light reamer\n\n  stiffness: 250   # N/m\nenergy: 4.5e7\r\nmax_force: 2\nstale_ticks: 3\ndead_man: 3\ndensity_per_hu: 0.001067");
+    write_text(path, "# a light reamer\n\n  stiffness: 250   # N/m\nenergy: 4.5e7\r\nmax_force: 2\nstale_ticks: "
+                     "3\ndead_man: 3\ndensity_per_hu: 0.001067");
     assert_ok(ost_force_params_read(path, &f, &s, &err));
-    assert_true(f.stiffness == 250 && f.energy == 4.5e7 && s.max_n == 2 && s.max_ticks_without_sample == 3 && s.dead_man == 3 && f.density_per_hu == 0.001067);
+    assert_true(f.stiffness == 250 && f.energy == 4.5e7 && s.max_n == 2 && s.max_ticks_without_sample == 3 &&
+                s.dead_man == 3 && f.density_per_hu == 0.001067);
     assert_true(f.damping == 0.5 && s.slew_n == 0.3);
     /* All parameters can be set, printed and read again. */
     FILE *out = fopen(path, "w");
@@ -233,7 +248,8 @@ static void a_file_says_what_is_other(void **state)
     char value[OST_FORCE_VALUE];
     for (int i = 0; i < ost_force_key_count(); i++) {
         assert_true(ost_force_key_at(i)->about[0] && ost_force_key_at(i)->unit[0]);
-        fprintf(out, "%s: %s\n", ost_force_key_at(i)->name, ost_force_value_text(ost_force_key_value(i, &f, &s), value));
+        fprintf(out, "%s: %s\n", ost_force_key_at(i)->name,
+                ost_force_value_text(ost_force_key_value(i, &f, &s), value));
     }
     fclose(out);
     assert_null(ost_force_key_at(ost_force_key_count()));
@@ -278,8 +294,9 @@ static void a_file_says_what_is_other(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_torque_turns_the_tool),    cmocka_unit_test(in_air_the_tool_follows),      cmocka_unit_test(a_turning_handle_rests),
-        cmocka_unit_test(vibration_is_its_formula),   cmocka_unit_test(vibration_is_within_the_rules), cmocka_unit_test(a_file_says_what_is_other),
+        cmocka_unit_test(a_torque_turns_the_tool),       cmocka_unit_test(in_air_the_tool_follows),
+        cmocka_unit_test(a_turning_handle_rests),        cmocka_unit_test(vibration_is_its_formula),
+        cmocka_unit_test(vibration_is_within_the_rules), cmocka_unit_test(a_file_says_what_is_other),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -20,7 +20,8 @@ static ost_pose at_mm(double z)
 /* All rules off. */
 static ost_safety_params open_params(void)
 {
-    return (ost_safety_params){.max_n = 1e6, .max_nm = 1e6, .slew_n = 1e6, .ramp_s = 0, .max_ticks_without_sample = 1 << 30, .stored_j = 1};
+    return (ost_safety_params){
+        .max_n = 1e6, .max_nm = 1e6, .slew_n = 1e6, .ramp_s = 0, .max_ticks_without_sample = 1 << 30, .stored_j = 1};
 }
 
 static ost_safety_answer give(ost_safety *s, double z_mm, bool fresh, uint32_t buttons, double n, double *out)

@@ -34,8 +34,12 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     if (index >= 6 || capacity < LINK_STATE_BYTES)
         return 0;
-    const link_packet p = {.type = (uint8_t)(1 + index % 3), .flags = index % 3 == 1 ? LINK_SEEN : 0, .bridge = 5, .simulation = index % 3 ? 6 : 0,
-                           .sequence = 7, .pose = {.t = {1, -2, 3}, .qw = OST_Q30_ONE}};
+    const link_packet p = {.type = (uint8_t)(1 + index % 3),
+                           .flags = index % 3 == 1 ? LINK_SEEN : 0,
+                           .bridge = 5,
+                           .simulation = index % 3 ? 6 : 0,
+                           .sequence = 7,
+                           .pose = {.t = {1, -2, 3}, .qw = OST_Q30_ONE}};
     const size_t size = link_encode(&p, bytes);
     memset(bytes + size, 0x55, LINK_STATE_BYTES - size);
     return index < 3 ? size : size + LINK_MAC;

@@ -10,9 +10,10 @@
 
 #include "cpu/ref/voxelize.h"
 
-const char *const fuzz_words[] = {"solid ",   "endsolid\n", "facet normal 0 0 1\n", "outer loop\n",   "vertex 1 2 3\n", "endloop\n", "endfacet\n",
-                                  "v 1 2 3\n", "f 1 2 3\n",  "f -1 -2 -3 -4\n",      "o part\n",       "\\\n",           "1e38",      "nan",
-                                  "element ",  "property ",  "list uchar int ",      "vertex_indices", "double",         "comment\n", NULL};
+const char *const fuzz_words[] = {
+    "solid ",    "endsolid\n", "facet normal 0 0 1\n", "outer loop\n",   "vertex 1 2 3\n", "endloop\n", "endfacet\n",
+    "v 1 2 3\n", "f 1 2 3\n",  "f -1 -2 -3 -4\n",      "o part\n",       "\\\n",           "1e38",      "nan",
+    "element ",  "property ",  "list uchar int ",      "vertex_indices", "double",         "comment\n", NULL};
 
 static const float corners[4][3] = {{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, {0, 0, 9}};
 static const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
@@ -71,8 +72,9 @@ static size_t ply(uint8_t *bytes, bool text)
 
 static size_t three_ds(uint8_t *bytes)
 {
-    static const uint8_t head[] = {'3',  0x4d, 0x4d, 0x7e, 0, 0, 0, 0x3d, 0x3d, 0x78, 0, 0, 0, 0x00, 0x40, 0x72, 0,
-                                   0,    0,    'a',  0,    0, 0x41, 0x6a, 0,    0,    0,    0x10, 0x41, 0x38, 0, 0, 0, 4, 0};
+    static const uint8_t head[] = {'3', 0x4d, 0x4d, 0x7e, 0,    0,    0, 0x3d, 0x3d, 0x78, 0,    0,
+                                   0,   0x00, 0x40, 0x72, 0,    0,    0, 'a',  0,    0,    0x41, 0x6a,
+                                   0,   0,    0,    0x10, 0x41, 0x38, 0, 0,    0,    4,    0};
     size_t at = put(bytes, 0, head, sizeof head);
     at = put(bytes, at, corners, sizeof corners);
     at = put(bytes, at, "\x20\x41\x28\0\0\0\4\0", 8);
@@ -91,7 +93,10 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
     switch (index) {
     case 0: return binary_stl(bytes);
     case 1: return ascii_stl(bytes);
-    case 2: return put_text(bytes, 0, "o# t\no t\nv 0 0 0\nv 9 0 0 1.0\nv 0 9 0 .5 .5 .5\nv 0 0 9e0\nf 1 3 2\nf 1/1 2/2 4/4\nf 1//1 4//2 3//3\nf -3 -2 -1\n");
+    case 2:
+        return put_text(bytes, 0,
+                        "o# t\no t\nv 0 0 0\nv 9 0 0 1.0\nv 0 9 0 .5 .5 .5\nv 0 0 9e0\nf 1 3 2\nf 1/1 2/2 4/4\nf 1//1 "
+                        "4//2 3//3\nf -3 -2 -1\n");
     case 3: return ply(bytes, true);
     case 4: return ply(bytes, false);
     case 5: return three_ds(bytes);
@@ -126,7 +131,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0)
         return 0;
-    const char *name = data[0] == 'o' ? "mesh.obj" : data[0] == 'p' ? "mesh.ply" : data[0] == '3' ? "mesh.3ds" : "mesh.stl";
+    const char *name = data[0] == 'o'   ? "mesh.obj"
+                       : data[0] == 'p' ? "mesh.ply"
+                       : data[0] == '3' ? "mesh.3ds"
+                                        : "mesh.stl";
     const char *path = fuzz_file(name, data + 1, size - 1);
     ost_error err = {0};
     ost_mesh mesh;

@@ -7,8 +7,16 @@
 
 #include <osteon/io.h>
 
-const char *const fuzz_words[] = {"n+1", "ni1", "n+2", "ni2", "\x5c\x01", "\x1c\x02", "\x1f\x8b\x08", "osteon spacing_mm: 1 1 1\n",
-                                  "osteon origin_mm: 0 0 0\n", NULL};
+const char *const fuzz_words[] = {"n+1",
+                                  "ni1",
+                                  "n+2",
+                                  "ni2",
+                                  "\x5c\x01",
+                                  "\x1c\x02",
+                                  "\x1f\x8b\x08",
+                                  "osteon spacing_mm: 1 1 1\n",
+                                  "osteon origin_mm: 0 0 0\n",
+                                  NULL};
 
 /* Stores `size` little-endian bytes; callers take the offsets from the format's description. */
 static void put(uint8_t *at, uint64_t bits, size_t size)

@@ -48,7 +48,8 @@ static void repair(ost_session *session, uint64_t records)
     fuzz_require(ost_session_open(out, &again, &err) == OST_OK);
     fuzz_require(count_records(again, &ticks) == records);
     fuzz_require(ost_session_summary_of(again)->damaged_bytes == 0 && ost_session_summary_of(again)->cut_bytes == 0);
-    fuzz_require(ost_session_header_count(ost_session_header_of(again)) == ost_session_header_count(ost_session_header_of(session)));
+    fuzz_require(ost_session_header_count(ost_session_header_of(again)) ==
+                 ost_session_header_count(ost_session_header_of(session)));
     ost_session_close(again);
 }
 
@@ -119,8 +120,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     return 0;
 }
 
-const char *const fuzz_words[] = {"\x89OSTSES\n", "format: osteon session 2\n", "bone: ", "\\x0a", "\\x", ": ", "\n", "plan.axis: 0,0,1\n",
-                                  "bone_spacing_mm: 0.47,0.47,0.47\n", "\x01", "\x02", "\x03", "\xff\xff\xff\xff\xff\xff\xff\x7f", NULL};
+const char *const fuzz_words[] = {"\x89OSTSES\n",
+                                  "format: osteon session 2\n",
+                                  "bone: ",
+                                  "\\x0a",
+                                  "\\x",
+                                  ": ",
+                                  "\n",
+                                  "plan.axis: 0,0,1\n",
+                                  "bone_spacing_mm: 0.47,0.47,0.47\n",
+                                  "\x01",
+                                  "\x02",
+                                  "\x03",
+                                  "\xff\xff\xff\xff\xff\xff\xff\x7f",
+                                  NULL};
 
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
@@ -133,14 +146,17 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
     snprintf(path, sizeof path, "%s/seed.session", fuzz_folder());
     fuzz_require(ost_session_header_create(&header, &err) == OST_OK);
     fuzz_require(ost_session_header_set(header, "format", "osteon session 2", &err) == OST_OK);
-    fuzz_require(ost_session_header_set(header, "bone", index ? "a\\b\n\xc3\xa4.nrrd" : "builtin:scapula", &err) == OST_OK);
+    fuzz_require(ost_session_header_set(header, "bone", index ? "a\\b\n\xc3\xa4.nrrd" : "builtin:scapula", &err) ==
+                 OST_OK);
     fuzz_require(ost_session_header_set(header, "bone_spacing_mm", "0.47,0.47,1", &err) == OST_OK);
-    fuzz_require(ost_recorder_open(path, header, &(ost_recorder_options){.no_sync = true, .capacity = 1024}, &recorder, &err) == OST_OK);
+    fuzz_require(ost_recorder_open(path, header, &(ost_recorder_options){.no_sync = true, .capacity = 1024}, &recorder,
+                                   &err) == OST_OK);
     const uint64_t ticks = index == 2 ? 0 : 30;
     for (uint64_t n = 0; n < ticks; n++) {
         const ost_record tick = {.kind = OST_RECORD_TICK,
                                  .as.tick = {.number = n + (index == 1 && n > 20),
-                                             .tick = {.t_ns = (int64_t)n * 1000000 - (index == 1 ? 5000000 : 0), .pose = ost_pose_identity()},
+                                             .tick = {.t_ns = (int64_t)n * 1000000 - (index == 1 ? 5000000 : 0),
+                                                      .pose = ost_pose_identity()},
                                              .digest = n * UINT64_C(0x9e3779b97f4a7c15),
                                              .removed = (uint32_t)n,
                                              .force_un = {(int32_t)n, -1, 0}}};

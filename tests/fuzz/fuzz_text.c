@@ -40,9 +40,29 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     return 0;
 }
 
-const char *const fuzz_words[] = {"# osteon spacing_mm: 1 1 1\n", "# osteon dims: 2 2 2\n", "# osteon origin_mm: 0 0 0\n", "# osteon ",
-                                  "spacing_mm: ", "nan", "inf", "1e999", "1e-999", "e", "-", "32768", "8000.0000000001", "0.0000000005",
-                                  "99999999999999999999", "\n", "\r\n", ",", ";", "\t", "\xef\xbb\xbf", "x y z density\n", NULL};
+const char *const fuzz_words[] = {"# osteon spacing_mm: 1 1 1\n",
+                                  "# osteon dims: 2 2 2\n",
+                                  "# osteon origin_mm: 0 0 0\n",
+                                  "# osteon ",
+                                  "spacing_mm: ",
+                                  "nan",
+                                  "inf",
+                                  "1e999",
+                                  "1e-999",
+                                  "e",
+                                  "-",
+                                  "32768",
+                                  "8000.0000000001",
+                                  "0.0000000005",
+                                  "99999999999999999999",
+                                  "\n",
+                                  "\r\n",
+                                  ",",
+                                  ";",
+                                  "\t",
+                                  "\xef\xbb\xbf",
+                                  "x y z density\n",
+                                  NULL};
 
 static int put_row(char *to, size_t capacity, unsigned style, const double p[3], int density)
 {

@@ -23,7 +23,9 @@ static ost_path straight(size_t count, ost_pm step)
     ost_path path;
     assert_ok(ost_path_init(&path, count, &err));
     for (size_t i = 0; i < count; i++)
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {(int64_t)i * step, MM, -MM}, .qw = OST_Q30_ONE}};
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
+                                   .rpm = OST_RPM_ON,
+                                   .pose = {.t = {(int64_t)i * step, MM, -MM}, .qw = OST_Q30_ONE}};
     return path;
 }
 
@@ -52,7 +54,8 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
     static const struct {
         const char *spec, *says;
     } cases[] = {
-        {"omni", "unknown device 'omni'; expected null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, inverse3 or udp"},
+        {"omni", "unknown device 'omni'; expected null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, "
+                 "inverse3 or udp"},
         {"", "unknown device ''"},
         {"si", "unknown device"},
         {"null:x=1", "unknown option 'x'"},
@@ -258,7 +261,8 @@ static void stiff_walls_swing_and_soft_ones_rest(void **state)
     assert_true(unrest("sim:grip=light", 300) <= rest_mm && unrest("sim:grip=light,friction=0", 300) <= rest_mm);
     assert_true(unrest("sim", 400) <= rest_mm && unrest("sim:friction=0", 400) <= rest_mm);
     assert_true(unrest("sim:grip=firm", 400) <= rest_mm && unrest("sim:grip=firm,friction=0", 2400) <= rest_mm);
-    assert_true(unrest("sim:grip=light", 9000) <= rest_mm && unrest("sim", 9000) <= rest_mm && unrest("sim:grip=firm", 9000) <= rest_mm);
+    assert_true(unrest("sim:grip=light", 9000) <= rest_mm && unrest("sim", 9000) <= rest_mm &&
+                unrest("sim:grip=firm", 9000) <= rest_mm);
     assert_true(unrest("sim:grip=light,friction=0", 2400) > swing);
     assert_true(unrest("sim:friction=0", 5000) > swing);
 }
@@ -311,7 +315,8 @@ static void buttons_have_a_table(void **state)
         assert_ok(ost_buttons_parse(&info, NULL, of, &err));
         for (int i = 0; i < info.button_count; i++) {
             const size_t used = strlen(text);
-            snprintf(text + used, sizeof text - used, "%s%s=%s", used ? "," : "", info.buttons[i].name, ost_action_name(of[i]));
+            snprintf(text + used, sizeof text - used, "%s%s=%s", used ? "," : "", info.buttons[i].name,
+                     ost_action_name(of[i]));
         }
         assert_string_equal(text, known[k].buttons);
         if (info.button_count == 0) {

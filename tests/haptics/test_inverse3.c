@@ -72,7 +72,10 @@ static bool shake_hands(service *s, int fd)
     snprintf(key, sizeof key, "%.*s%s", (int)strcspn(found, "\r"), found, magic);
     EVP_Digest(key, strlen(key), digest, &length, EVP_sha1(), NULL);
     EVP_EncodeBlock((unsigned char *)accept, digest, (int)length);
-    snprintf(answer, sizeof answer, "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: %s\r\n\r\n", accept);
+    snprintf(answer, sizeof answer,
+             "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: "
+             "%s\r\n\r\n",
+             accept);
     return write(fd, answer, strlen(answer)) == (ssize_t)strlen(answer);
 }
 
@@ -115,15 +118,19 @@ static void put_state(const service *s, char text[TEXT])
     const double x = atomic_load(&s->x_um) * 1e-6;
     if (s->wired)
         snprintf(text, TEXT,
-                 "{\"inverse3\":[{\"device_id\":\"other\"},{\"device_id\":\"A-1\",\"cursor_position\":{\"x\":%.6f,\"y\":0,\"z\":0}}],"
+                 "{\"inverse3\":[{\"device_id\":\"other\"},{\"device_id\":\"A-1\",\"cursor_position\":{\"x\":%.6f,"
+                 "\"y\":0,\"z\":0}}],"
                  "\"verse_grip\":[{\"orientation\":{\"w\":%.6f,\"x\":0,\"y\":0,\"z\":%.6f},\"button\":true}]}",
                  x, cos(x), sin(x));
     else
-        snprintf(text, TEXT,
-                 "{\"inverse3\":[{\"device_id\":\"04EA\",\"config\":{},\"state\":{\"cursor_position\":{\"x\":%.6f,\"y\":%.6f,\"z\":%.6f},"
-                 "\"cursor_velocity\":{\"x\":0,\"y\":0,\"z\":0}}}],\"wireless_verse_grip\":[{\"device_id\":\"615\",\"state\":{"
-                 "\"orientation\":{\"w\":1,\"x\":0,\"y\":0,\"z\":0},\"buttons\":{\"a\":true,\"b\":false,\"c\":true}}}]}",
-                 x, 2 * x, 3 * x);
+        snprintf(
+            text, TEXT,
+            "{\"inverse3\":[{\"device_id\":\"04EA\",\"config\":{},\"state\":{\"cursor_position\":{\"x\":%.6f,\"y\":%."
+            "6f,\"z\":%.6f},"
+            "\"cursor_velocity\":{\"x\":0,\"y\":0,\"z\":0}}}],\"wireless_verse_grip\":[{\"device_id\":\"615\","
+            "\"state\":{"
+            "\"orientation\":{\"w\":1,\"x\":0,\"y\":0,\"z\":0},\"buttons\":{\"a\":true,\"b\":false,\"c\":true}}}]}",
+            x, 2 * x, 3 * x);
 }
 
 /* Answers one message. Returns false if the connection is over. */
@@ -139,7 +146,10 @@ static bool answer(service *s, int fd)
     }
     switch (s->fault) {
     case GARBAGE: write_text(fd, number % 2 ? "{\"inverse3\":[{" : "\xff\xfe no json"); return true;
-    case WRONG: write_text(fd, "{\"inverse3\":[{\"device_id\":\"04EA\",\"state\":{\"cursor_position\":{\"x\":\"0\",\"y\":1e400,\"z\":null}}}]}"); return true;
+    case WRONG:
+        write_text(fd, "{\"inverse3\":[{\"device_id\":\"04EA\",\"state\":{\"cursor_position\":{\"x\":\"0\",\"y\":1e400,"
+                       "\"z\":null}}}]}");
+        return true;
     case CLOSE: return write(fd, closing, sizeof closing) < 0;
     case SILENCE: return true;
     case HUGE_FRAME: return write(fd, endless, sizeof endless) > 0 && write(fd, text, strlen(text)) > 0;
@@ -210,7 +220,8 @@ static ost_status open_at(const service *s, const char *more, ost_haptic **devic
 {
     char spec[200];
     snprintf(spec, sizeof spec, "inverse3:port=%d%s", s->port, more);
-    return ost_haptic_open(spec, &(ost_haptic_setup){.start = {.t = {10 * MM, 20 * MM, 30 * MM}, .qw = OST_Q30_ONE}}, device, err);
+    return ost_haptic_open(spec, &(ost_haptic_setup){.start = {.t = {10 * MM, 20 * MM, 30 * MM}, .qw = OST_Q30_ONE}},
+                           device, err);
 }
 
 /* Skips the test if the driver was built without libwebsockets. */
@@ -315,10 +326,12 @@ static void poses_in_and_forces_out(void **state)
     /* 1 mm right, 2 mm away, 3 mm up, at scale 2: x, -z and y of the tool. */
     ost_pose from, to;
     move(s, device, 1000, 2000, &from, &to);
-    assert_true(llabs(to.t.x - from.t.x - 2 * MM) < 1000 && llabs(to.t.z - from.t.z + 4 * MM) < 1000 && llabs(to.t.y - from.t.y - 6 * MM) < 1000);
+    assert_true(llabs(to.t.x - from.t.x - 2 * MM) < 1000 && llabs(to.t.z - from.t.z + 4 * MM) < 1000 &&
+                llabs(to.t.y - from.t.y - 6 * MM) < 1000);
     /* Forces are mapped back in the same way. */
     ost_haptic_write(device, &(ost_wrench){{1.5, 0.25, -2}, {0}});
-    heard(s, "\"device_id\":\"04EA\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":1500000e-6,\"y\":2000000e-6,\"z\":250000e-6}}}");
+    heard(s, "\"device_id\":\"04EA\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":1500000e-6,\"y\":2000000e-6,"
+             "\"z\":250000e-6}}}");
     ost_haptic_tally tally[OST_HAPTIC_COUNTS];
     assert_int_equal(ost_haptic_counts(device, tally), 2);
     assert_true(tally[0].value >= 3 && tally[1].value == 0);
@@ -366,8 +379,8 @@ static void a_service_that_fails(void **state)
         fault what;
         const char *says; /* the message if it fails before the first state */
     } cases[] = {
-        {CLOSE, "closed the connection"}, {END, "closed the connection"}, {HUGE_FRAME, "offers no device"}, {LONG_MESSAGE, "too long"},
-        {GARBAGE, "reports no Inverse3"}, {WRONG, "reports no Inverse3"},
+        {CLOSE, "closed the connection"}, {END, "closed the connection"},   {HUGE_FRAME, "offers no device"},
+        {LONG_MESSAGE, "too long"},       {GARBAGE, "reports no Inverse3"}, {WRONG, "reports no Inverse3"},
     };
     ost_error err = {0};
     ost_haptic *device;
@@ -422,7 +435,8 @@ static void silence(void **state)
     const int port = s->port;
     end_service(s);
     snprintf(spec, sizeof spec, "inverse3:port=%d", port);
-    assert_int_equal(ost_haptic_open(spec, &(ost_haptic_setup){.start = {.qw = OST_Q30_ONE}}, &device, &err), OST_ERR_UNAVAILABLE);
+    assert_int_equal(ost_haptic_open(spec, &(ost_haptic_setup){.start = {.qw = OST_Q30_ONE}}, &device, &err),
+                     OST_ERR_UNAVAILABLE);
     assert_int_equal(ost_haptic_open("inverse3:port=0", NULL, &device, &err), OST_ERR_USAGE);
     assert_int_equal(ost_haptic_open("inverse3:id=a\"b", NULL, &device, &err), OST_ERR_USAGE);
     assert_int_equal(ost_haptic_open("inverse3:size=3", NULL, &device, &err), OST_ERR_USAGE);

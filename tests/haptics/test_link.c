@@ -14,12 +14,14 @@
 #include "haptics/driver.h"
 #include "io/io_scratch.h"
 
-static const char pose_hex[] = "4f53544c01020100887766554433221101ffeeddccbbaa99070000000000000015cd5b0700000000003665c4ffffffff00f9029500000000"
-                               "f9ffffffffffffff0000004000000000fbffffff0300000001000080ffffffff"
-                               "6cbfd0e7851e60ed629f33b768bedc1253bce7f29be74569379a515e86de2dae";
-static const char state_hex[] = "4f53544c01030400887766554433221101ffeeddccbbaa9909000000000000000700000000000000003665c4ffffffff00f9029500000000"
-                                "f9ffffffffffffff0000004000000000fbffffff0300000060e31600feffffff00000000010000006079feff03000000e0930400f4010000"
-                                "6f4d3b4954a9721edb8a64d0f6ef2f56f1f65b6385e3019c55e09f71c60e4484";
+static const char pose_hex[] =
+    "4f53544c01020100887766554433221101ffeeddccbbaa99070000000000000015cd5b0700000000003665c4ffffffff00f9029500000000"
+    "f9ffffffffffffff0000004000000000fbffffff0300000001000080ffffffff"
+    "6cbfd0e7851e60ed629f33b768bedc1253bce7f29be74569379a515e86de2dae";
+static const char state_hex[] =
+    "4f53544c01030400887766554433221101ffeeddccbbaa9909000000000000000700000000000000003665c4ffffffff00f9029500000000"
+    "f9ffffffffffffff0000004000000000fbffffff0300000060e31600feffffff00000000010000006079feff03000000e0930400f4010000"
+    "6f4d3b4954a9721edb8a64d0f6ef2f56f1f65b6385e3019c55e09f71c60e4484";
 
 static link_packet golden(uint8_t type)
 {
@@ -217,7 +219,11 @@ static double swing_with(int delay, bool plane)
     memset(states, 0, sizeof states);
     assert_ok(ost_path_init(&path, TICKS, &err));
     for (int i = 0; i < TICKS; i++) /* 5 mm into the wall at z = 0, within a second */
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {0, 0, 2 * OST_PM_PER_MM - (i < 1000 ? i : 1000) * 7 * OST_PM_PER_MM / 1000}, .qw = OST_Q30_ONE}};
+        path.ticks[i] = (ost_tick){
+            .t_ns = (int64_t)i * 1000000,
+            .rpm = OST_RPM_ON,
+            .pose = {.t = {0, 0, 2 * OST_PM_PER_MM - (i < 1000 ? i : 1000) * 7 * OST_PM_PER_MM / 1000},
+                     .qw = OST_Q30_ONE}};
     assert_ok(ost_haptic_open("sim:grip=light,friction=0", &(ost_haptic_setup){.path = &path}, &device, &err));
     ost_safety_begin(&safety, NULL);
     double last = 0, speed = 0, low = 1, high = -1;

@@ -69,7 +69,8 @@ static size_t write_motion(char *text, size_t capacity)
         body_at(row_time(row), at, q);
         if (row > 300 && row < 330)
             continue;
-        used += (size_t)snprintf(text + used, capacity - used, "%.4f,%.6f,%.6f,%.6f,", row_time(row), at[0], at[1], at[2]);
+        used += (size_t)snprintf(text + used, capacity - used, "%.4f,%.6f,%.6f,%.6f,", row_time(row), at[0], at[1],
+                                 at[2]);
         if (is_seen(row))
             used += (size_t)snprintf(text + used, capacity - used, "%.8f,%.8f,%.8f,%.8f,1\n", q[0], q[1], q[2], q[3]);
         else
@@ -128,7 +129,8 @@ static void check_motion(const char *file)
             /* The clutch engages where the tool is, up to the rounding of a pose. */
             base = last.pose;
             in_segment = 0;
-            assert_true(llabs(s.pose.t.x - base.t.x) <= 2 && llabs(s.pose.t.y - base.t.y) <= 2 && llabs(s.pose.t.z - base.t.z) <= 2);
+            assert_true(llabs(s.pose.t.x - base.t.x) <= 2 && llabs(s.pose.t.y - base.t.y) <= 2 &&
+                        llabs(s.pose.t.z - base.t.z) <= 2);
             assert_true(angle_between(&s.pose, &base) < 1e-6);
         }
         /* A tenth of the body's motion, and all of its rotation. */
@@ -143,7 +145,8 @@ static void check_motion(const char *file)
          */
         double at[3], q[4];
         body_at(row_time(20), at, q);
-        const double x = 2 * (q[1] * q[2] + q[0] * q[3]), y = 1 - 2 * (q[1] * q[1] + q[3] * q[3]), z = 2 * (q[2] * q[3] - q[0] * q[1]);
+        const double x = 2 * (q[1] * q[2] + q[0] * q[3]), y = 1 - 2 * (q[1] * q[1] + q[3] * q[3]),
+                     z = 2 * (q[2] * q[3] - q[0] * q[1]);
         const double expected[3] = {-y, x, z}; /* the start pose rotates x to y */
         for (int a = 0; a < 3; a++)
             assert_true(fabs(moved[a] - way * expected[a]) < 1e-6);
@@ -201,7 +204,8 @@ static void with_longer_gaps_allowed(void **state)
     int tracking_lost = 0;
     while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
         tracking_lost += answer == OST_HAPTIC_NOT_TRACKED;
-    assert_int_equal(tracking_lost, 70 + 353 + 35); /* missing rows are bridged; rows that declare lost tracking are not */
+    /* missing rows are bridged; rows that declare lost tracking are not */
+    assert_int_equal(tracking_lost, 70 + 353 + 35);
     ost_haptic_close(device);
 }
 
@@ -216,8 +220,13 @@ static void a_jump_is_a_gap(void **state)
         const char *options;
         ost_path_options gaps;
         int tracking_lost;
-    } cases[] = {{"", {0}, 1}, {",jump=30", {0}, 0}, {"", {0, 30 * MM}, 0}, {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 0}, {",jump=1", {0, 30 * MM}, 1}};
-    static const char text[] = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0.001,0.1,0,0,1,0,0,0\n0.0025,20.1,0,0,1,0,0,0\n0.003,20.2,0,0,1,0,0,0\n";
+    } cases[] = {{"", {0}, 1},
+                 {",jump=30", {0}, 0},
+                 {"", {0, 30 * MM}, 0},
+                 {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 0},
+                 {",jump=1", {0, 30 * MM}, 1}};
+    static const char text[] = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0.001,0.1,0,0,1,0,0,0\n0.0025,20.1,0,"
+                               "0,1,0,0,0\n0.003,20.2,0,0,1,0,0,0\n";
     const char *file = scratch_write(folder, "jump.csv", text, sizeof text - 1);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char spec[4300];
@@ -227,7 +236,8 @@ static void a_jump_is_a_gap(void **state)
         ost_haptic_answer answer;
         int tracking_lost = 0;
         snprintf(spec, sizeof spec, "motion:%s%s", file, cases[i].options);
-        assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.start = ost_pose_identity(), .gaps = cases[i].gaps}, &device, &err));
+        assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.start = ost_pose_identity(), .gaps = cases[i].gaps},
+                                  &device, &err));
         while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
             tracking_lost += answer == OST_HAPTIC_NOT_TRACKED;
         assert_int_equal(tracking_lost, cases[i].tracking_lost);
@@ -253,7 +263,8 @@ static void files_that_are_no_motion(void **state)
         {"0,0,0,0,1,0,0,inf\n", "", "column 8 (qz) is 'inf'", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,99999999999999999999\n", "", "bad.csv:1: quaternion component 3", OST_ERR_RANGE},
         {"0,0,0,0,1,0,0,0x1\n", "", "column 8 (qz) is '0x1'", OST_ERR_INPUT},
-        {"0,0,0,0,1,0,0,0\n86400.1,0,0,0,1,0,0,0\n", "", "bad.csv: lasts from 0 to 86400.1 s; device motion plays a day at most", OST_ERR_RANGE},
+        {"0,0,0,0,1,0,0,0\n86400.1,0,0,0,1,0,0,0\n", "",
+         "bad.csv: lasts from 0 to 86400.1 s; device motion plays a day at most", OST_ERR_RANGE},
         {"\x01\x02\x03\n", "", "bad.csv:1: binary data", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n", ",scale=0", "scale=0; expected a number from 0.1 to 1000", OST_ERR_USAGE},
         {"0,0,0,0,1,0,0,0\n", ",scale=nan", "scale=nan", OST_ERR_USAGE},
@@ -329,9 +340,10 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
     assert_ok(ost_recorder_open(session_name, header, NULL, &recorder, &err));
     ost_session_header_free(header);
     ost_haptic *device = open_motion(file, "", &(ost_pose){.t = {20 * MM, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE});
-    assert_ok(ost_operation_create(worlds[0], &(ost_operation_options){.recorder = recorder, .rpm = OST_RPM_ON}, &operation, &err));
-    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, ost_operation_tick, ost_operation_done, operation,
-                            &report, &err));
+    assert_ok(ost_operation_create(worlds[0], &(ost_operation_options){.recorder = recorder, .rpm = OST_RPM_ON},
+                                   &operation, &err));
+    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, ost_operation_tick,
+                            ost_operation_done, operation, &report, &err));
     ost_operation_report_get(operation, &done);
     ost_operation_free(operation);
     ost_haptic_close(device);
@@ -367,13 +379,15 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
         if (!more)
             break;
         if (record.kind == OST_RECORD_NOTE)
-            assert_non_null(strstr(record.as.note.text, notes++ % 2 ? "sees the hand again after" : "does not see the hand"));
+            assert_non_null(
+                strstr(record.as.note.text, notes++ % 2 ? "sees the hand again after" : "does not see the hand"));
         if (record.kind != OST_RECORD_TICK)
             continue;
         const ost_tick *t = &record.as.tick.tick;
         if (t->t_ns - last_t > 1000000 && record.as.tick.number > 0) {
             dark += t->t_ns - last_t - 1000000;
-            assert_true(llabs(t->pose.t.x - last.t.x) <= 2 && llabs(t->pose.t.y - last.t.y) <= 2 && llabs(t->pose.t.z - last.t.z) <= 2);
+            assert_true(llabs(t->pose.t.x - last.t.x) <= 2 && llabs(t->pose.t.y - last.t.y) <= 2 &&
+                        llabs(t->pose.t.z - last.t.z) <= 2);
         }
         last_t = t->t_ns;
         last = t->pose;
@@ -400,7 +414,8 @@ static struct haptic_instance {
 
 enum { PRESS = 300, DARK = 100, TICKS = 700 };
 
-static ost_status blinking_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
+static ost_status blinking_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out,
+                                ost_error *err)
 {
     (void)options;
     (void)setup;
@@ -421,7 +436,8 @@ static ost_haptic_answer blinking_read(haptic_instance *b, ost_haptic_state *sta
     if (t >= PRESS && t < PRESS + DARK)
         return OST_HAPTIC_NOT_TRACKED;
     /* 2 mm into the bone's side, and staying there. */
-    *state = (ost_haptic_state){.pose = {.t = {-2 * MM + (t < 200 ? t : 200) * MM / 100, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE}, .tool = -1};
+    *state = (ost_haptic_state){
+        .pose = {.t = {-2 * MM + (t < 200 ? t : 200) * MM / 100, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE}, .tool = -1};
     return OST_HAPTIC_FRESH;
 }
 
@@ -431,8 +447,12 @@ static void blinking_write(haptic_instance *b, const ost_wrench *wrench)
     (void)wrench;
 }
 
-static const haptic_driver blinker = {.name = "blinker", .caps = OST_HAPTIC_FORCE | OST_HAPTIC_LOGICAL, .open = blinking_open,
-                                      .close = blinking_close, .read = blinking_read, .write = blinking_write};
+static const haptic_driver blinker = {.name = "blinker",
+                                      .caps = OST_HAPTIC_FORCE | OST_HAPTIC_LOGICAL,
+                                      .open = blinking_open,
+                                      .close = blinking_close,
+                                      .read = blinking_read,
+                                      .write = blinking_write};
 
 typedef struct felt {
     ost_operation *operation;
@@ -474,8 +494,10 @@ static void the_force_goes_with_the_hand_and_comes_back_softly(void **state)
     assert_ok(ost_force_create(bone, &params, &force, &err));
     assert_ok(ost_force_add_tool(force, tool, &err));
     assert_ok(ost_haptic_open_driver(&blinker, "", NULL, &device, &err));
-    assert_ok(ost_operation_create(world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
-    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true, .ticks = TICKS}, feeling, NULL, &f, &report, &err));
+    assert_ok(
+        ost_operation_create(world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
+    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true, .ticks = TICKS},
+                            feeling, NULL, &f, &report, &err));
     assert_int_equal(f.count, TICKS);
     const double full_n = f.n[PRESS - 1];
     assert_true(full_n > 0.1);

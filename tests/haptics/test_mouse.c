@@ -41,7 +41,8 @@ static double distance_mm(const ost_pose *a, const ost_pose *b)
 static double angle(const ost_pose *a, const ost_pose *b)
 {
     const double one = (double)OST_Q30_ONE;
-    const double c = ((double)a->qw * b->qw + (double)a->qx * b->qx + (double)a->qy * b->qy + (double)a->qz * b->qz) / (one * one);
+    const double c = ((double)a->qw * b->qw + (double)a->qx * b->qx + (double)a->qy * b->qy + (double)a->qz * b->qz) /
+                     (one * one);
     return 2 * acos(fmin(1, fabs(c)));
 }
 
@@ -137,8 +138,10 @@ static void what_is_wrong_is_said(void **state)
     assert_int_equal(ost_haptic_open("mouse", NULL, &device, &err), OST_ERR_USAGE);
     assert_non_null(strstr(err.text, "needs a window"));
     assert_ok(ost_mouse_input_create(&start, &input, &err));
-    assert_int_equal(ost_haptic_open("mouse:speed=3", &(ost_haptic_setup){.mouse = input}, &device, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_haptic_open("mouse:spin=120", &(ost_haptic_setup){.mouse = input}, &device, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_haptic_open("mouse:speed=3", &(ost_haptic_setup){.mouse = input}, &device, &err),
+                     OST_ERR_USAGE);
+    assert_int_equal(ost_haptic_open("mouse:spin=120", &(ost_haptic_setup){.mouse = input}, &device, &err),
+                     OST_ERR_USAGE);
     ost_mouse_input_free(input);
     assert_int_equal(ost_mouse_input_create(&none, &input, &err), OST_ERR_RANGE);
     ost_mouse_input_free(NULL);
@@ -177,8 +180,8 @@ static void states_are_whole(void **state)
         seen++;
         const ost_haptic_state complete = at(now.tool, -now.tool, 2 * now.tool, now.tool);
         if (tick > 0 && now.tool > 3 && distance_mm(&now.pose, &complete.pose) > 0.001)
-            fail_msg("tool %d is at %g, %g, %g mm", (int)now.tool, (double)now.pose.t.x * 1e-9, (double)now.pose.t.y * 1e-9,
-                     (double)now.pose.t.z * 1e-9);
+            fail_msg("tool %d is at %g, %g, %g mm", (int)now.tool, (double)now.pose.t.x * 1e-9,
+                     (double)now.pose.t.y * 1e-9, (double)now.pose.t.z * 1e-9);
     }
     atomic_store(&p.stop, true);
     pthread_join(thread, NULL);

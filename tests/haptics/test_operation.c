@@ -57,7 +57,9 @@ static ost_path into_bone(size_t count)
     ost_path path;
     assert_ok(ost_path_init(&path, count, &err));
     for (size_t i = 0; i < count; i++)
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {-5 * MM + (int64_t)i * MM / 10, 10 * MM, 5 * MM}, .qw = OST_Q30_ONE}};
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
+                                   .rpm = OST_RPM_ON,
+                                   .pose = {.t = {-5 * MM + (int64_t)i * MM / 10, 10 * MM, 5 * MM}, .qw = OST_Q30_ONE}};
     return path;
 }
 
@@ -206,8 +208,10 @@ static void a_fault_lets_the_hand_alone(void **state)
     assert_ok(ost_force_add_tool(force, r.tool, &err));
     assert_ok(ost_force_add_tool(force, r.tool, &err));
     assert_ok(ost_haptic_open("script", &(ost_haptic_setup){.path = &path}, &device, &err));
-    assert_ok(ost_operation_create(r.world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
-    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, feeling, NULL, &f, &report, &err));
+    assert_ok(
+        ost_operation_create(r.world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
+    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, feeling, NULL, &f,
+                            &report, &err));
     ost_operation_report done;
     ost_operation_report_get(f.operation, &done);
     assert_int_equal(done.faults, 2);
@@ -253,9 +257,11 @@ static void a_rehearsal_leaves_no_trace(void **state)
         ost_operation *operation;
         assert_ok(ost_force_create(it.bone, &params, &force, &err));
         assert_ok(ost_force_add_tool(force, it.tool, &err));
-        assert_ok(ost_operation_create(it.world, &(ost_operation_options){.force = force, .rpm = OST_RPM_ON}, &operation, &err));
+        assert_ok(ost_operation_create(it.world, &(ost_operation_options){.force = force, .rpm = OST_RPM_ON},
+                                       &operation, &err));
         for (size_t i = 0; i < TICKS; i++) {
-            const ost_servo_sample sample = {.number = i, .t_ns = path.ticks[i].t_ns, .state = {.pose = path.ticks[i].pose, .tool = -1}};
+            const ost_servo_sample sample = {
+                .number = i, .t_ns = path.ticks[i].t_ns, .state = {.pose = path.ticks[i].pose, .tool = -1}};
             wrenches[r][i] = (ost_wrench){{0}, {0}};
             for (size_t n = 0; r == 1 && n < i % 3 + 1; n++)
                 ost_operation_rehearse(operation);
@@ -397,7 +403,8 @@ static void it_does_not_wait_for_its_recorder(void **state)
         fixture r = make_fixture(*state);
         assert_ok(ost_session_header_create(&header, &err));
         assert_ok(ost_session_header_set(header, "format", "osteon session 2", &err));
-        assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.capacity = cases[c].capacity}, &recorder, &err));
+        assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.capacity = cases[c].capacity},
+                                         &recorder, &err));
         atomic_store(&d.full, cases[c].full);
         pthread_mutex_lock(&d.held);
         const ost_operation_report done = operate(&r, "script", &path, recorder);
@@ -431,10 +438,12 @@ static void it_does_not_wait_for_its_recorder(void **state)
  * Executes a tick of an operation: a device that selects no tool, with buttons, and the live
  * state afterwards.
  */
-static void tick_of(ost_operation *o, int64_t t_ms, ost_pose pose, uint32_t buttons, ost_live *live, ost_live_state *state)
+static void tick_of(ost_operation *o, int64_t t_ms, ost_pose pose, uint32_t buttons, ost_live *live,
+                    ost_live_state *state)
 {
     ost_wrench wrench = {{0}, {0}};
-    const ost_servo_sample sample = {.number = (uint64_t)t_ms, .t_ns = t_ms * 1000000, .state = {.pose = pose, .tool = -1, .buttons = buttons}};
+    const ost_servo_sample sample = {
+        .number = (uint64_t)t_ms, .t_ns = t_ms * 1000000, .state = {.pose = pose, .tool = -1, .buttons = buttons}};
     assert_true(ost_operation_tick(o, &sample, &wrench));
     ost_operation_done(o, (uint64_t)t_ms, 0);
     assert_true(ost_live_state_get(live, state));
@@ -458,7 +467,10 @@ static void a_motor_belongs_to_the_operation(void **state)
     ost_operation *operation;
     ost_world_totals totals;
     assert_ok(ost_live_create(live_fixture.bone, &live, &err));
-    const ost_operation_options options = {.live = live, .rpm = 300, .motor_waits = true, .buttons = {OST_ACTION_NONE, OST_ACTION_MOTOR, OST_ACTION_SWITCH}};
+    const ost_operation_options options = {.live = live,
+                                           .rpm = 300,
+                                           .motor_waits = true,
+                                           .buttons = {OST_ACTION_NONE, OST_ACTION_MOTOR, OST_ACTION_SWITCH}};
     assert_ok(ost_operation_create(live_fixture.world, &options, &operation, &err));
     ost_motor motor = {0};
     for (int i = 0; i < 100; i++) {
@@ -484,7 +496,8 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_int_equal(s.rpm, 300);
     ost_operation_free(operation);
     /* With speed 0 the motor is off whatever is held; a speed beyond the limit is refused. */
-    assert_int_equal(ost_operation_create(live_fixture.world, &(ost_operation_options){.rpm = 3001}, &operation, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_operation_create(live_fixture.world, &(ost_operation_options){.rpm = 3001}, &operation, &err),
+                     OST_ERR_USAGE);
     ost_live_free(live);
     free_fixture(&live_fixture);
     free_fixture(&by_hand);
@@ -502,10 +515,12 @@ static void buttons_do_what_their_table_says(void **state)
         assert_ok(ost_world_add_tool(r.world, "another", r.tool, NULL, &err));
         assert_ok(ost_live_create(r.bone, &live, &err));
         ost_operation_options options = {.live = live, .rpm = 200, .tools = 2, .home = pose_at(-20 * MM, 0, 0)};
-        const uint32_t tool = by_key ? UINT32_C(1) << OST_ACTION_TOOL : 1, clutch = by_key ? UINT32_C(1) << OST_ACTION_CLUTCH : 2,
+        const uint32_t tool = by_key ? UINT32_C(1) << OST_ACTION_TOOL : 1,
+                       clutch = by_key ? UINT32_C(1) << OST_ACTION_CLUTCH : 2,
                        home = by_key ? UINT32_C(1) << OST_ACTION_HOME : 4;
         if (!by_key)
-            memcpy(options.buttons, (ost_action[3]){OST_ACTION_TOOL, OST_ACTION_CLUTCH, OST_ACTION_HOME}, 3 * sizeof(ost_action));
+            memcpy(options.buttons, (ost_action[3]){OST_ACTION_TOOL, OST_ACTION_CLUTCH, OST_ACTION_HOME},
+                   3 * sizeof(ost_action));
         assert_ok(ost_operation_create(r.world, &options, &o, &err));
         int64_t t = 0;
         ost_pm x = -10 * MM;

@@ -89,12 +89,25 @@ static ost_status fake_run(haptic_instance *instance, haptic_beat *beat, void *u
     return OST_OK;
 }
 
-static const haptic_driver polled = {.name = "polled", .caps = OST_HAPTIC_FORCE | OST_HAPTIC_LOGICAL, .open = fake_open, .close = fake_close,
-                                     .read = fake_read, .write = fake_write};
-static const haptic_driver timed = {.name = "timed", .caps = OST_HAPTIC_FORCE, .open = fake_open, .close = fake_close, .read = fake_read,
+static const haptic_driver polled = {.name = "polled",
+                                     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_LOGICAL,
+                                     .open = fake_open,
+                                     .close = fake_close,
+                                     .read = fake_read,
+                                     .write = fake_write};
+static const haptic_driver timed = {.name = "timed",
+                                    .caps = OST_HAPTIC_FORCE,
+                                    .open = fake_open,
+                                    .close = fake_close,
+                                    .read = fake_read,
                                     .write = fake_write};
-static const haptic_driver own = {.name = "own", .caps = OST_HAPTIC_FORCE | OST_HAPTIC_OWN_CLOCK, .open = fake_open, .close = fake_close,
-                                  .read = fake_read, .write = fake_write, .run = fake_run};
+static const haptic_driver own = {.name = "own",
+                                  .caps = OST_HAPTIC_FORCE | OST_HAPTIC_OWN_CLOCK,
+                                  .open = fake_open,
+                                  .close = fake_close,
+                                  .read = fake_read,
+                                  .write = fake_write,
+                                  .run = fake_run};
 
 static bool never(char reason[256])
 {
@@ -167,7 +180,8 @@ static seen run_with(const haptic_driver *driver, const char *answers, const ost
 static void a_loop_ends_as_it_says(void **state)
 {
     (void)state;
-    const ost_servo_options fast = {.no_clock = true, .no_realtime = true}, hundred = {.no_clock = true, .no_realtime = true, .ticks = 100};
+    const ost_servo_options fast = {.no_clock = true, .no_realtime = true},
+                            hundred = {.no_clock = true, .no_realtime = true, .ticks = 100};
     assert_int_equal(run_with(&polled, "F", &hundred, (seen){0}).ticks, 100);
     assert_int_equal(report.end, OST_SERVO_TICKS);
     assert_string_equal(report.realtime.scheduling, "as it was");
@@ -205,7 +219,8 @@ static void a_silent_device_gets_no_force(void **state)
 static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
 {
     (void)state;
-    const ost_servo_options fast = {.no_clock = true, .no_realtime = true}, hundred = {.no_clock = true, .no_realtime = true, .ticks = 100};
+    const ost_servo_options fast = {.no_clock = true, .no_realtime = true},
+                            hundred = {.no_clock = true, .no_realtime = true, .ticks = 100};
     seen s = run_with(&polled, "FUUUUUUUUUUFSSSSUSSSSFE", &fast, (seen){0});
     assert_int_equal(s.ticks, 22);
     assert_int_equal(s.tracking_lost, 11);
@@ -245,8 +260,10 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
 static void who_is_to_blame(void **state)
 {
     (void)state;
-    const thread_time from = {.wall_ns = 5000, .cpu_ns = 700, .waits = 3}, taken = {.wall_ns = 9000, .cpu_ns = 800, .waits = 3},
-                   waited = {.wall_ns = 9000, .cpu_ns = 800, .waits = 4}, coarse = {.wall_ns = 9000, .cpu_ns = 9700, .waits = 3};
+    const thread_time from = {.wall_ns = 5000, .cpu_ns = 700, .waits = 3},
+                      taken = {.wall_ns = 9000, .cpu_ns = 800, .waits = 3},
+                      waited = {.wall_ns = 9000, .cpu_ns = 800, .waits = 4},
+                      coarse = {.wall_ns = 9000, .cpu_ns = 9700, .waits = 3};
     assert_int_equal(thread_time_between(&from, &taken), 100);
     assert_int_equal(thread_time_between(&from, &waited), 4000);
     /* processor time and wall time come from different clocks */
@@ -305,7 +322,11 @@ static void every_tick_is_rehearsed(void **state)
     s = run_with(&own, "F", &options, (seen){0});
     assert_int_equal(s.rehearsals, 0);
     assert_int_equal(report.lead_ns, 0);
-    const ost_servo_options at_once = {.ticks = 20, .no_realtime = true, .no_clock = true, .lead_ns = 250000, .rehearse = on_rehearsal},
+    const ost_servo_options at_once = {.ticks = 20,
+                                       .no_realtime = true,
+                                       .no_clock = true,
+                                       .lead_ns = 250000,
+                                       .rehearse = on_rehearsal},
                             never = {.ticks = 20, .no_realtime = true, .rehearse = on_rehearsal},
                             nothing = {.ticks = 20, .no_realtime = true, .lead_ns = 250000};
     assert_int_equal(run_with(&polled, "F", &at_once, (seen){0}).rehearsals, 0);
@@ -324,10 +345,14 @@ static void what_cannot_be_is_refused(void **state)
     assert_string_equal(err.text, "device absent: its library is not here");
     fake = (struct haptic_instance){.answers = "F"};
     assert_ok(ost_haptic_open_driver(&timed, "", NULL, &device, &err));
-    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.no_clock = true}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.period_ns = 9999}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.lead_ns = 500001}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.lead_ns = -1}, on_tick, NULL, &s, &report, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.no_clock = true}, on_tick, NULL, &s, &report, &err),
+                     OST_ERR_USAGE);
+    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.period_ns = 9999}, on_tick, NULL, &s, &report, &err),
+                     OST_ERR_USAGE);
+    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.lead_ns = 500001}, on_tick, NULL, &s, &report, &err),
+                     OST_ERR_USAGE);
+    assert_int_equal(ost_servo_run(device, &(ost_servo_options){.lead_ns = -1}, on_tick, NULL, &s, &report, &err),
+                     OST_ERR_USAGE);
     assert_int_equal(s.ticks, 0);
     ost_haptic_close(device);
 }
@@ -389,14 +414,16 @@ static void the_loop_has_a_core_of_its_own(void **state)
     assert_true(p.apart);
     fake = (struct haptic_instance){.answers = "F"};
     assert_ok(ost_haptic_open_driver(&polled, "", NULL, &device, &err));
-    const ost_servo_options options = {.ticks = 20, .no_clock = true, .no_realtime = true, .pinned = true, .core = p.core};
+    const ost_servo_options options = {
+        .ticks = 20, .no_clock = true, .no_realtime = true, .pinned = true, .core = p.core};
     assert_ok(ost_servo_run(device, &options, on_placed_tick, NULL, &p, &report, &err));
     assert_int_equal(p.away, 0);
     assert_int_equal(sched_getaffinity(0, sizeof set, &set), 0);
     assert_false(CPU_ISSET(p.core, &set));
     printf("# on %s\n", report.realtime.core);
     /* A core that does not exist does not prevent the loop from running. */
-    const ost_servo_options elsewhere = {.ticks = 2, .no_clock = true, .no_realtime = true, .pinned = true, .core = CPU_SETSIZE};
+    const ost_servo_options elsewhere = {
+        .ticks = 2, .no_clock = true, .no_realtime = true, .pinned = true, .core = CPU_SETSIZE};
     assert_ok(ost_servo_run(device, &elsewhere, on_placed_tick, NULL, &p, &report, &err));
     assert_non_null(strstr(report.realtime.core, "any, not core"));
     assert_false(ost_servo_core_leave(-1));

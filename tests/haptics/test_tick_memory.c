@@ -122,12 +122,16 @@ static scene make_scene(ost_backend *backend)
     int16_t *voxels = random_densities(&rng, &g, 6);
     s.bone = bone_of(backend, &g, 32, voxels);
     free(voxels);
-    s.tool = solid_tool(backend, (ost_tool_geometry){{40, 40, 20}, 500 * UM, {-10000 * UM, -10000 * UM, 0}}, OST_TOOL_CUTTING);
+    s.tool = solid_tool(backend, (ost_tool_geometry){{40, 40, 20}, 500 * UM, {-10000 * UM, -10000 * UM, 0}},
+                        OST_TOOL_CUTTING);
     assert_ok(ost_world_create(s.bone, NULL, &s.world, &err));
     assert_ok(ost_world_add_tool(s.world, "tool", s.tool, NULL, &err));
     assert_ok(ost_path_init(&s.path, TICKS, &err));
     for (size_t i = 0; i < s.path.count; i++)
-        s.path.ticks[i] = (ost_tick){.rpm = OST_RPM_ON, .pose = {.t = {(int64_t)(10000 + 50 * i) * UM, 20000 * UM, 15000 * UM}, .qw = OST_Q30_ONE, .qz = (int32_t)i * 20000}};
+        s.path.ticks[i] = (ost_tick){.rpm = OST_RPM_ON,
+                                     .pose = {.t = {(int64_t)(10000 + 50 * i) * UM, 20000 * UM, 15000 * UM},
+                                              .qw = OST_Q30_ONE,
+                                              .qz = (int32_t)i * 20000}};
     assert_ok(ost_force_create(s.bone, NULL, &s.force, &err));
     assert_ok(ost_force_add_tool(s.force, s.tool, &err));
     return s;
@@ -142,7 +146,8 @@ static void begin(scene *s)
     assert_ok(ost_session_header_create(&s->header, &err));
     assert_ok(ost_recorder_open(name, s->header, NULL, &s->recorder, &err));
     assert_ok(ost_haptic_open("sim", &(ost_haptic_setup){.path = &s->path}, &s->device, &err));
-    assert_ok(ost_operation_create(s->world, &(ost_operation_options){.recorder = s->recorder, .force = s->force}, &s->operation, &err));
+    assert_ok(ost_operation_create(s->world, &(ost_operation_options){.recorder = s->recorder, .force = s->force},
+                                   &s->operation, &err));
 }
 
 static void free_scene(scene *s)
@@ -288,6 +293,7 @@ static void a_tick_calls_the_system_for_times_alone(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_tick_allocates_nothing), cmocka_unit_test(a_tick_calls_the_system_for_times_alone)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_tick_allocates_nothing),
+                                       cmocka_unit_test(a_tick_calls_the_system_for_times_alone)};
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

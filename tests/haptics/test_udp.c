@@ -58,7 +58,8 @@ static ost_haptic *listen_at(char where[64], const char *options)
     ost_error err = {0};
     ost_haptic *device;
     snprintf(spec, sizeof spec, "udp:port=0,key=%s%s", key_file, options);
-    assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.start = {.t = {MM, 2 * MM, 3 * MM}, .qw = OST_Q30_ONE}}, &device, &err));
+    assert_ok(ost_haptic_open(spec, &(ost_haptic_setup){.start = {.t = {MM, 2 * MM, 3 * MM}, .qw = OST_Q30_ONE}},
+                              &device, &err));
     assert_int_equal(strncmp(ost_haptic_about(device, text), "waits for a bridge at 127.0.0.1:", 32), 0);
     snprintf(where, 64, "%s", strrchr(text, ' ') + 1);
     return device;
@@ -86,7 +87,9 @@ static void await_count(const ost_haptic *device, const char *name, uint64_t val
 
 static int connect_to(const char *where)
 {
-    struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons((uint16_t)atoi(strrchr(where, ':') + 1)), .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    struct sockaddr_in to = {.sin_family = AF_INET,
+                             .sin_port = htons((uint16_t)atoi(strrchr(where, ':') + 1)),
+                             .sin_addr = {htonl(INADDR_LOOPBACK)}};
     const int s = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     assert_true(s >= 0);
     assert_int_equal(connect(s, (struct sockaddr *)&to, sizeof to), 0);
@@ -120,7 +123,8 @@ typedef struct client {
 
 static client greet(const char *where, uint64_t number)
 {
-    client c = {.socket = connect_to(where), .pose = {.type = LINK_POSE, .bridge = number, .tool = -1, .pose = {.qw = OST_Q30_ONE}}};
+    client c = {.socket = connect_to(where),
+                .pose = {.type = LINK_POSE, .bridge = number, .tool = -1, .pose = {.qw = OST_Q30_ONE}}};
     send_sealed(c.socket, key, &(link_packet){.type = LINK_HELLO, .bridge = number, .sequence = 1, .tool = -1});
     const link_packet state = answer(c.socket);
     assert_int_equal(state.bridge, number);
@@ -162,7 +166,8 @@ static void poses_in_and_states_out(void **state)
     assert_true(hand.pose.t.x == MM + 1000 && hand.pose.t.y == 2 * MM && hand.buttons == 6 && hand.tool == 1);
     ost_haptic_write(device, &(ost_wrench){{0, -1.25, 2e-6}, {0, 0, 0.5}});
     const link_packet s = send_pose_packet(&c, MM + 2000, LINK_SEEN);
-    assert_true(s.pose.t.x == MM + 1000 && s.force_un[1] == -1250000 && s.force_un[2] == 2 && s.torque_unm[2] == 500000);
+    assert_true(s.pose.t.x == MM + 1000 && s.force_un[1] == -1250000 && s.force_un[2] == 2 &&
+                s.torque_unm[2] == 500000);
     assert_true(s.stiffness == 300000 && s.damping == 500 && s.flags == 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     /* The bridge's last packet. */
@@ -420,8 +425,16 @@ static void *stand_in_serves(void *user)
         if (s->silent_from && s->poses >= s->silent_from && s->poses < s->silent_to)
             continue;
         const bool over = s->end_at && s->poses >= s->end_at;
-        link_packet state = {.type = LINK_STATE, .flags = over ? LINK_ENDED : 0, .bridge = p.bridge, .simulation = 99, .sequence = ++sequence,
-                             .answers = answers, .pose = tool, .force_un = {0, 0, 1500000}, .stiffness = 300000, .damping = 500};
+        link_packet state = {.type = LINK_STATE,
+                             .flags = over ? LINK_ENDED : 0,
+                             .bridge = p.bridge,
+                             .simulation = 99,
+                             .sequence = ++sequence,
+                             .answers = answers,
+                             .pose = tool,
+                             .force_un = {0, 0, 1500000},
+                             .stiffness = 300000,
+                             .damping = 500};
         const size_t length = link_seal(key, &state, bytes);
         if (sendto(s->socket, bytes, length, 0, (struct sockaddr *)&from, from_size) < 0)
             break;
@@ -461,7 +474,9 @@ static ost_haptic *a_hand(ost_path *path)
     ost_haptic *device;
     assert_ok(ost_path_init(path, 100000, &err));
     for (size_t i = 0; i < path->count; i++) /* 0.1 m/s down, from far away */
-        path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};
+        path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
+                                    .rpm = OST_RPM_ON,
+                                    .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};
     assert_ok(ost_haptic_open("sim", &(ost_haptic_setup){.path = path}, &device, &err));
     return device;
 }
@@ -472,7 +487,8 @@ static ost_status cross(const char *to, const char *with, uint64_t ticks, ost_er
 {
     ost_path path;
     ost_haptic *device = a_hand(&path);
-    const bridge_options options = {.to = to, .key = with, .ticks = ticks, .patience_ms = with == key_file ? 0 : 300, .no_realtime = true};
+    const bridge_options options = {
+        .to = to, .key = with, .ticks = ticks, .patience_ms = with == key_file ? 0 : 300, .no_realtime = true};
     const ost_status status = bridge_run(device, &options, &report, err);
     ost_haptic_close(device);
     ost_path_free(&path);

@@ -123,13 +123,15 @@ static void dhd_frames_and_forces(void **state)
     note->position[2] = 0.003;
     note->buttons = 5;
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
-    assert_true(llabs(s.pose.t.x - (10 - 2) * MM) < 100 && llabs(s.pose.t.y - (20 + 6) * MM) < 100 && llabs(s.pose.t.z - (30 - 4) * MM) < 100);
+    assert_true(llabs(s.pose.t.x - (10 - 2) * MM) < 100 && llabs(s.pose.t.y - (20 + 6) * MM) < 100 &&
+                llabs(s.pose.t.z - (30 - 4) * MM) < 100);
     assert_int_equal(s.buttons, 5);
     /* A force along the bone's x pulls the device toward the operator. */
     const ost_wrench wrench = {{1, 2, 3}, {0.1, 0.2, 0.3}};
     ost_haptic_write(device, &wrench);
     assert_true(fabs(note->force[0] - 1) < 1e-8 && fabs(note->force[1] + 3) < 1e-8 && fabs(note->force[2] - 2) < 1e-8);
-    assert_true(fabs(note->torque[0] - 0.1) < 1e-9 && fabs(note->torque[1] + 0.3) < 1e-9 && fabs(note->torque[2] - 0.2) < 1e-9);
+    assert_true(fabs(note->torque[0] - 0.1) < 1e-9 && fabs(note->torque[1] + 0.3) < 1e-9 &&
+                fabs(note->torque[2] - 0.2) < 1e-9);
     ost_haptic_close(device);
     assert_string_equal(note->calls, "oeppffdc");
     assert_int_equal(note->forces_on, 0);
@@ -326,8 +328,9 @@ static void dhd_has_the_limits_of_its_type(void **state)
         int type;
         double force, torque;
         const char *from;
-    } cases[] = {{33, 12, 0, "an omega.3"}, {35, 12, 0, "an omega.7"}, {104, 12, 0.2, "a sigma.7"},     {63, 20, 0, "a delta.3"},
-                 {60, 8, 0, "a Falcon"},    {0, 0, 0, "type 0 of the SDK"}, {-1, 0, 0, "type -1 of the SDK"}};
+    } cases[] = {{33, 12, 0, "an omega.3"},       {35, 12, 0, "an omega.7"}, {104, 12, 0.2, "a sigma.7"},
+                 {63, 20, 0, "a delta.3"},        {60, 8, 0, "a Falcon"},    {0, 0, 0, "type 0 of the SDK"},
+                 {-1, 0, 0, "type -1 of the SDK"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         take_place(DHD, "fake_dhd", "fake_dhd")->type = cases[i].type;
         const ost_haptic_limits l = limits_of("dhd");
@@ -346,7 +349,15 @@ static void dhd_has_the_limits_of_its_type(void **state)
 
 /* ----------------------------------------------------------- an operation */
 
-enum { MOTOR_FROM = 80, MOTOR_TO = 110, TOOL_FROM = 130, TOOL_TO = 140, SECOND_FROM = 150, SECOND_TO = 180, TICKS = 200 };
+enum {
+    MOTOR_FROM = 80,
+    MOTOR_TO = 110,
+    TOOL_FROM = 130,
+    TOOL_TO = 140,
+    SECOND_FROM = 150,
+    SECOND_TO = 180,
+    TICKS = 200
+};
 
 typedef struct course {
     ost_operation *operation;
@@ -507,7 +518,8 @@ static void spnav_moves_while_it_is_pushed(void **state)
     /* Rotated about its y for a second: a quarter turn more about the bone's y. */
     put_event(feed, 1, 0, 0, 0, 0, 350, 0);
     read_on(device, 1000, &s);
-    assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 && abs(s.pose.qz) < 1 << 10);
+    assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 &&
+                abs(s.pose.qz) < 1 << 10);
     /* Buttons are reported while they are pressed; 32 at most. */
     put_event(feed, 1, 0, 0, 0, 0, 0, 0);
     put_event(feed, 2, 1, 1, 0, 0, 0, 0);
@@ -580,11 +592,17 @@ static void spnav_only_while_held_and_lost(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(absent_and_short_libraries), cmocka_unit_test(dhd_frames_and_forces), cmocka_unit_test(dhd_turns),
-        cmocka_unit_test(dhd_fails),                  cmocka_unit_test(openhaptics_frames),    cmocka_unit_test(openhaptics_fails),
-        cmocka_unit_test(openhaptics_reports_its_limits), cmocka_unit_test(dhd_has_the_limits_of_its_type),
+        cmocka_unit_test(absent_and_short_libraries),
+        cmocka_unit_test(dhd_frames_and_forces),
+        cmocka_unit_test(dhd_turns),
+        cmocka_unit_test(dhd_fails),
+        cmocka_unit_test(openhaptics_frames),
+        cmocka_unit_test(openhaptics_fails),
+        cmocka_unit_test(openhaptics_reports_its_limits),
+        cmocka_unit_test(dhd_has_the_limits_of_its_type),
         cmocka_unit_test(buttons_of_devices_switch_motor_and_tool),
-        cmocka_unit_test(spnav_moves_while_it_is_pushed), cmocka_unit_test(spnav_only_while_held_and_lost),
+        cmocka_unit_test(spnav_moves_while_it_is_pushed),
+        cmocka_unit_test(spnav_only_while_held_and_lost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

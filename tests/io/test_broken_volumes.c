@@ -9,7 +9,8 @@
 
 #include <math.h>
 
-static const char good_fields[] = "type: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: raw\nendian: little\n";
+static const char good_fields[] =
+    "type: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: raw\nendian: little\n";
 static const char sixteen[] = "\1\0\2\0\3\0\4\0\5\0\6\0\7\0\10\0";
 
 /* Writes the valid header with `field` replaced by line (or omitted if line is ""). */
@@ -56,7 +57,8 @@ static void nrrd_fields(void **state)
         {"sizes", "sizes: 2 2 16385\n", "at most 16384", OST_ERR_RANGE},
         {"sizes", "sizes: 2 2 99999999999999999999999\n", "three whole numbers", OST_ERR_INPUT},
         {"sizes", "sizes: 16384 16384 16384\n", "2^36", OST_ERR_RANGE},
-        {"sizes", "sizes: 16000 8000 256\nspace units: \"um\" \"um\" \"um\"\nspace dimension: 3\n", "need 65536000000", OST_ERR_INPUT},
+        {"sizes", "sizes: 16000 8000 256\nspace units: \"um\" \"um\" \"um\"\nspace dimension: 3\n", "need 65536000000",
+         OST_ERR_INPUT},
         {"sizes", "sizes: 2 2 3\n", "need 24", OST_ERR_INPUT},
         {"sizes", "sizes: 2 2 1\n", "8 bytes too many", OST_ERR_INPUT},
         {"sizes", "sizes: 2 2 2\nsizes: 2 2 2\n", "duplicate 'sizes'; the first one", OST_ERR_INPUT},
@@ -75,7 +77,8 @@ static void nrrd_fields(void **state)
         {"spacings", "spacings: 1 1 1\nunits: \"mm\" \"mm\" \"inch\"\n", "not known", OST_ERR_INPUT},
         {"spacings", "spacings: 1 1 1\nunits: \"mm\" \"mm\"\n", "double quotes", OST_ERR_INPUT},
         {"spacings", "spacings: 1 1 1\nunits: \"mm\" \"mm\" \"mm\n", "double quotes", OST_ERR_INPUT},
-        {"spacings", "spacings: 1 1 1\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n", "already", OST_ERR_INPUT},
+        {"spacings", "spacings: 1 1 1\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n", "already",
+         OST_ERR_INPUT},
         {"spacings", "space: LPS\nspace directions: (1,0,0) (0,1,0)\n", "three vectors", OST_ERR_INPUT},
         {"spacings", "space: LPS\nspace directions: (1,0,0) (0,1,0) none\n", "three vectors", OST_ERR_INPUT},
         {"spacings", "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1) (0,0,1)\n", "three vectors", OST_ERR_INPUT},
@@ -209,7 +212,8 @@ static void files_cut_at_every_byte(void **state)
     put_bytes(&file, sixteen, 16);
     cut_everywhere("cut.nrrd", &file);
     file.size = 0;
-    put_text(&file, "NRRD0005\ntype: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: gzip\nendian: little\n\n");
+    put_text(&file,
+             "NRRD0005\ntype: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: gzip\nendian: little\n\n");
     put_gzip(&file, sixteen, 16);
     cut_everywhere("cutgz.nrrd", &file);
     for (int version = 1; HAS_NIFTI && version <= 2; version++) {
@@ -236,7 +240,8 @@ static void packed_bits_turned(void **state)
     (void)state;
     static bytes file;
     file.size = 0;
-    put_text(&file, "NRRD0005\ntype: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: gzip\nendian: little\n\n");
+    put_text(&file,
+             "NRRD0005\ntype: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: gzip\nendian: little\n\n");
     size_t start = file.size;
     int padding = 0;
     put_gzip(&file, sixteen, 16);
@@ -276,12 +281,15 @@ static void small_files_with_huge_sizes(void **state)
     write_nifti("huge.nii.gz", &s, sixteen, 8);
     assert_refused(at("huge.nii.gz"), NULL, OST_ERR_INPUT, "cannot unpack to");
     file.size = 0;
-    put_text(&file, "NRRD0005\ntype: uint8\ndimension: 3\nsizes: 16384 16384 256\nspacings: 0.1 0.1 1\nencoding: gzip\n\n");
+    put_text(&file,
+             "NRRD0005\ntype: uint8\ndimension: 3\nsizes: 16384 16384 256\nspacings: 0.1 0.1 1\nencoding: gzip\n\n");
     put_gzip(&file, sixteen, 16);
     write_file("huge.nrrd", file.data, file.size);
     assert_refused(at("huge.nrrd"), NULL, OST_ERR_INPUT, "cannot unpack to");
     file.size = 0;
-    put_text(&file, "NRRD0005\ntype: uint8\ndimension: 3\nsizes: 16384 16384 256\nspacings: 0.1 0.1 1\nencoding: text\n\n1 2 3");
+    put_text(
+        &file,
+        "NRRD0005\ntype: uint8\ndimension: 3\nsizes: 16384 16384 256\nspacings: 0.1 0.1 1\nencoding: text\n\n1 2 3");
     write_file("huge.nrrd", file.data, file.size);
     assert_refused(at("huge.nrrd"), NULL, OST_ERR_INPUT, "at least 137438953471");
 }
@@ -315,14 +323,16 @@ static void nrrd_values(void **state)
     };
     char fields[200];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        snprintf(fields, sizeof fields, "NRRD0005\ntype: %s\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: text\n\n%s", cases[i].type,
+        snprintf(fields, sizeof fields,
+                 "NRRD0005\ntype: %s\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: text\n\n%s", cases[i].type,
                  cases[i].values);
         write_file("v.nrrd", fields, strlen(fields));
         assert_refused(at("v.nrrd"), NULL, OST_ERR_INPUT, cases[i].words);
     }
     static bytes file;
     file.size = 0;
-    put_text(&file, "NRRD0005\ntype: float\ndimension: 3\nsizes: 2 1 1\nspacings: 1 1 1\nencoding: raw\nendian: big\n\n");
+    put_text(&file,
+             "NRRD0005\ntype: float\ndimension: 3\nsizes: 2 1 1\nspacings: 1 1 1\nencoding: raw\nendian: big\n\n");
     size_t start = file.size;
     put_bits(&file, float_bits(1), 4, true);
     put_bits(&file, float_bits(NAN), 4, true);
@@ -422,8 +432,14 @@ static void nifti_extensions(void **state)
         const char *text;
         int metas; /* -1: the file is refused */
     } cases[] = {
-        {32, 6, "osteon side: left\n", 1},   {32, 4, "osteon side: left\n", 0}, {0, 6, "", 0},       {-16, 6, "", 0},
-        {1 << 30, 6, "osteon side: left", 0}, {15, 6, "", 0},                    {32, 6, "osteon ", 0}, {32, 6, "osteon A: b\n", -1},
+        {32, 6, "osteon side: left\n", 1},
+        {32, 4, "osteon side: left\n", 0},
+        {0, 6, "", 0},
+        {-16, 6, "", 0},
+        {1 << 30, 6, "osteon side: left", 0},
+        {15, 6, "", 0},
+        {32, 6, "osteon ", 0},
+        {32, 6, "osteon A: b\n", -1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         static bytes file;

@@ -62,13 +62,16 @@ static void floats_round_half_to_even(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("floats");
-    static const double fixed[] = {0.0,     -0.0,     0.5,      1.5,       2.5,       -0.5,      -1.5,     0.49999999999999994, 32767.4,
-                                   32767.5, -32768.5, -32768.6, 5e-324,    -1e-300,   1e300,     4503599627370497.5, 2147483648.0, -2147483649.0,
-                                   1023.5,  -1023.5,  1e9,      -32769.0,  32766.5,   0.1,       -0.0001,  32768.0};
+    static const double fixed[] = {
+        0.0,          -0.0,          0.5,      1.5,      2.5,    -0.5,     -1.5,    0.49999999999999994,
+        32767.4,      32767.5,       -32768.5, -32768.6, 5e-324, -1e-300,  1e300,   4503599627370497.5,
+        2147483648.0, -2147483649.0, 1023.5,   -1023.5,  1e9,    -32769.0, 32766.5, 0.1,
+        -0.0001,      32768.0};
     for (int i = 0; i < 200000; i++) {
         double value = i < (int)(sizeof fixed / sizeof fixed[0]) ? fixed[i]
-                       : i % 2 ? (double)rng_range(&rng, -140000, 140000) / 4
-                               : ldexp((double)rng_range(&rng, -(1LL << 52), 1LL << 52), (int)rng_range(&rng, -120, 10));
+                       : i % 2
+                           ? (double)rng_range(&rng, -140000, 140000) / 4
+                           : ldexp((double)rng_range(&rng, -(1LL << 52), 1LL << 52), (int)rng_range(&rng, -120, 10));
         for (int single = 0; single < 2; single++) {
             float f = (float)value;
             double exact = single ? (double)f : value;

@@ -44,7 +44,8 @@ static const char *in_folder(const char *name)
 /* ---------------------------------------------------------- no layer is lost */
 
 /* Makes the rect grid of a text by the two passes only. */
-static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **voxels, ost_scatter_report *report, ost_error *err)
+static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **voxels, ost_scatter_report *report,
+                          ost_error *err)
 {
     ost_text_source source;
     ost_text_summary summary = {0};
@@ -108,8 +109,10 @@ static void no_layer_is_empty_or_doubled(void **state)
                         for (int j = 0; j < ct.dims[1]; j++)
                             for (int i = 0; i < ct.dims[0]; i++, v++)
                                 if (*v != ct_density(i, j, k))
-                                    fail_msg("spacing %lld origin %lld decimals %d: voxel (%d, %d, %d) has %d, expected %d",
-                                             (long long)spacings[s], (long long)origins[o], decimals, i, j, k, *v, ct_density(i, j, k));
+                                    fail_msg(
+                                        "spacing %lld origin %lld decimals %d: voxel (%d, %d, %d) has %d, expected %d",
+                                        (long long)spacings[s], (long long)origins[o], decimals, i, j, k, *v,
+                                        ct_density(i, j, k));
                     /* The exact spacing, where four decimals determine it. */
                     if (decimals == 6 || spacings[s] % 100000 == 0) {
                         assert_true(g.spacing.x == spacings[s]);
@@ -199,7 +202,8 @@ static void a_written_bone_reads_back_the_same(void **state)
     (void)state;
     static const char *const names[] = {"bone.nrrd", "bone.nii.gz", "bone.txt"};
     ost_error err = {0};
-    ost_volume volume = make_volume((ost_geometry){{33, 20, 17}, {470000000, 470000000, 1000000000}, {-57340000000, 0, 5}});
+    ost_volume volume = make_volume(
+        (ost_geometry){{33, 20, 17}, {470000000, 470000000, 1000000000}, {-57340000000, 0, 5}});
     assert_ok(ost_volume_write(in_folder("ct.nrrd"), &volume, NULL, &err));
     ost_volume_free(&volume);
     ost_bone *bone;
@@ -236,12 +240,14 @@ static void the_result_tells_all(void **state)
     ost_bone *bone;
     ost_import_result result;
     const char *path = scratch_write(folder, "tell.txt", text, sizeof text - 1);
-    assert_ok(ost_import(backend, path, &(ost_import_options){.digests = true, .chunk_size = 16}, &bone, &result, &err));
+    assert_ok(
+        ost_import(backend, path, &(ost_import_options){.digests = true, .chunk_size = 16}, &bone, &result, &err));
     assert_int_equal(result.kind, OST_FILE_CT_TEXT);
     assert_int_equal(result.rect.dims.x, 3);
     assert_int_equal(result.rect.dims.y, 2);
     assert_int_equal(result.rect.dims.z, 2);
-    assert_true(result.rect.spacing.x == 470000000 && result.rect.spacing.y == 470000000 && result.rect.spacing.z == 1000000000);
+    assert_true(result.rect.spacing.x == 470000000 && result.rect.spacing.y == 470000000 &&
+                result.rect.spacing.z == 1000000000);
     assert_int_equal(result.cubic.dims.z, 5); /* ceil(2 / 0.47) */
     assert_true(result.spacing_inferred[0] && result.spacing_inferred[1] && result.spacing_inferred[2]);
     assert_int_equal(result.rounded_positions, 1);
@@ -303,10 +309,12 @@ static ost_resample rule_of(const char *path, const ost_import_options *options,
 static void labels_take_the_nearest(void **state)
 {
     (void)state;
-    static const char nrrd[] = "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 1 1 2\n"
-                               "space directions: (1,0,0) (0,1,0) (0,0,1.5)\nkinds: domain domain domain\nendian: little\n"
-                               "encoding: text\nspace origin: (0,0,0)\n%s\n200 300\n";
-    const ost_import_options thesis = {.has_resample = true, .resample = OST_RESAMPLE_THESIS}, linear = {.has_resample = true};
+    static const char nrrd[] =
+        "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 1 1 2\n"
+        "space directions: (1,0,0) (0,1,0) (0,0,1.5)\nkinds: domain domain domain\nendian: little\n"
+        "encoding: text\nspace origin: (0,0,0)\n%s\n200 300\n";
+    const ost_import_options thesis = {.has_resample = true, .resample = OST_RESAMPLE_THESIS},
+                             linear = {.has_resample = true};
     ost_error err = {0};
     char text[400];
     snprintf(text, sizeof text, nrrd, "");
@@ -346,11 +354,13 @@ static void a_kept_bone_keeps_its_rule(void **state)
 {
     (void)state;
     static const char text[] = "0 0 0 200\n0 0 1 300\n0 0 2 300\n0.5 0 0 200\n0 0.5 0 200\n";
-    const ost_import_options nearest = {.has_resample = true, .resample = OST_RESAMPLE_NEAREST}, finer = {.cubic = 400000000};
+    const ost_import_options nearest = {.has_resample = true, .resample = OST_RESAMPLE_NEAREST},
+                             finer = {.cubic = 400000000};
     ost_error err = {0};
     ost_import_result result;
     ost_bone *bone;
-    assert_ok(ost_import(backend, scratch_write(folder, "ct.txt", text, sizeof text - 1), &nearest, &bone, &result, &err));
+    assert_ok(
+        ost_import(backend, scratch_write(folder, "ct.txt", text, sizeof text - 1), &nearest, &bone, &result, &err));
     const char *path = in_folder("kept.nrrd");
     assert_ok(ost_bone_write(path, bone, &result.meta, NULL, &err));
     ost_bone_free(bone);
@@ -382,7 +392,8 @@ static void given_spacings_win(void **state)
 static void duplicates_follow_the_option(void **state)
 {
     (void)state;
-    static const char text[] = "# osteon spacing_mm: 1 1 1\n0 0 0 200\n1 0 0 300\n0 0 0 200\n0 0 0 150\n0 0 0 900\n0 0 0 600\n";
+    static const char text[] =
+        "# osteon spacing_mm: 1 1 1\n0 0 0 200\n1 0 0 300\n0 0 0 200\n0 0 0 150\n0 0 0 900\n0 0 0 600\n";
     static const int expected[] = {0, 200, 600, 900};
     static const char *const names[] = {"", "first", "last", "max"};
     const char *path = scratch_write(folder, "double.txt", text, sizeof text - 1);
@@ -395,8 +406,9 @@ static void duplicates_follow_the_option(void **state)
         if (rule == OST_DUPLICATES_ERROR) {
             assert_int_equal(status, OST_ERR_INPUT);
             assert_null(bone);
-            assert_non_null(strstr(err.text, "double.txt:5: density 150 at (0, 0, 0), where an earlier line has 200; choose with "
-                                             "--duplicates first, last or max"));
+            assert_non_null(strstr(err.text,
+                                   "double.txt:5: density 150 at (0, 0, 0), where an earlier line has 200; choose with "
+                                   "--duplicates first, last or max"));
             continue;
         }
         assert_int_equal(status, OST_OK);
@@ -422,8 +434,11 @@ static void positions_off_the_lattice(void **state)
     assert_int_equal(result.scatter.worst_line, 2);
     assert_int_equal(result.scatter.worst_offset_ppm, 200000);
     static const char refused[] = "0 0 0 1\n1 0 0 2\n\n2 1.376 0 3\n3 0 0 4\n";
-    assert_int_equal(import(scratch_write(folder, "refused.txt", refused, sizeof refused - 1), &options, &result, &err), OST_ERR_INPUT);
-    assert_non_null(strstr(err.text, "refused.txt:4: y = 1.376 lies 0.376 voxels off the lattice of 1 mm from 0 mm; expected at most 3/8"));
+    assert_int_equal(import(scratch_write(folder, "refused.txt", refused, sizeof refused - 1), &options, &result, &err),
+                     OST_ERR_INPUT);
+    assert_non_null(
+        strstr(err.text,
+               "refused.txt:4: y = 1.376 lies 0.376 voxels off the lattice of 1 mm from 0 mm; expected at most 3/8"));
 }
 
 /* A few samples that are far apart must not allocate the complete memory. */
@@ -435,9 +450,12 @@ static void sparse_texts_are_refused(void **state)
     const ost_import_options options = {.spacing = {1000000, 1000000, 1000000}};
     static const char sparse[] = "0 0 0 1\n1 1 1 2\n";
     static const char enormous[] = "0 0 0 1\n100 100 100 2\n";
-    assert_int_equal(import(scratch_write(folder, "sparse.txt", sparse, sizeof sparse - 1), &options, &result, &err), OST_ERR_INPUT);
-    assert_non_null(strstr(err.text, "sparse.txt: 2 samples span 1001 x 1001 x 1001 voxels, of which all but one in 501501500"));
-    assert_int_equal(import(scratch_write(folder, "big.txt", enormous, sizeof enormous - 1), &options, &result, &err), OST_ERR_RANGE);
+    assert_int_equal(import(scratch_write(folder, "sparse.txt", sparse, sizeof sparse - 1), &options, &result, &err),
+                     OST_ERR_INPUT);
+    assert_non_null(
+        strstr(err.text, "sparse.txt: 2 samples span 1001 x 1001 x 1001 voxels, of which all but one in 501501500"));
+    assert_int_equal(import(scratch_write(folder, "big.txt", enormous, sizeof enormous - 1), &options, &result, &err),
+                     OST_ERR_RANGE);
     assert_non_null(strstr(err.text, "big.txt"));
     assert_non_null(strstr(err.text, "100001 voxels along x"));
 }
@@ -448,7 +466,8 @@ static void a_crop_is_a_part_of_the_whole(void **state)
 {
     (void)state;
     ost_error err = {0};
-    ost_volume volume = make_volume((ost_geometry){{20, 18, 16}, {500000000, 500000000, 500000000}, {-1000000000, 0, 0}});
+    ost_volume volume = make_volume(
+        (ost_geometry){{20, 18, 16}, {500000000, 500000000, 500000000}, {-1000000000, 0, 0}});
     assert_ok(ost_volume_write(in_folder("crop.txt"), &volume, NULL, &err));
     assert_ok(ost_volume_write(in_folder("crop.nrrd"), &volume, NULL, &err));
     ost_volume_free(&volume);
@@ -461,7 +480,8 @@ static void a_crop_is_a_part_of_the_whole(void **state)
         assert_int_equal(result.rect.dims.x, 10);
         assert_int_equal(result.rect.dims.y, 6);
         assert_int_equal(result.rect.dims.z, 11);
-        assert_true(result.rect.origin.x == 500000000 && result.rect.origin.y == 2000000000 && result.rect.origin.z == 2500000000);
+        assert_true(result.rect.origin.x == 500000000 && result.rect.origin.y == 2000000000 &&
+                    result.rect.origin.z == 2500000000);
         int16_t voxels[10 * 6 * 11], *v = voxels;
         assert_ok(ost_bone_download(bone, 0, 11, voxels, &err));
         for (int k = 5; k < 16; k++)
@@ -495,7 +515,8 @@ static void the_rest_of_a_crop_is_checked(void **state)
     scratch_write(folder, "long.txt", text, (size_t)size);
     static const char *const names[] = {"long.txt", "long.nrrd"};
     for (int n = 0; n < 2; n++) {
-        ost_import_options options = {.crop = true, .crop_box = {{0, 0, 0}, {10, 1, 1}}, .spacing = {1000000000, 1000000000, 1000000000}};
+        ost_import_options options = {
+            .crop = true, .crop_box = {{0, 0, 0}, {10, 1, 1}}, .spacing = {1000000000, 1000000000, 1000000000}};
         assert_ok(import(in_folder(names[n]), &options, &result, &err));
         assert_int_equal(result.rect.dims.x, 10);
         options.spacing.x = 100000000000; /* 199 voxels are 19.9 m */
@@ -573,15 +594,18 @@ static void other_files_are_refused(void **state)
         {"path.csv", "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n", "is a tool's path, not a CT", OST_ERR_INPUT},
         {"what.bin", "\x01\x02\x03", "not a CT", OST_ERR_INPUT},
         {"page.html", "<html>\n", "not a CT", OST_ERR_INPUT},
-        {"tool.txt", "# osteon kind: tool\n0 0 0 1\n1 1 1 1\n", "is a tool grid; expected a bone or a CT", OST_ERR_INPUT},
+        {"tool.txt", "# osteon kind: tool\n0 0 0 1\n1 1 1 1\n", "is a tool grid; expected a bone or a CT",
+         OST_ERR_INPUT},
         {"bone.txt", "# osteon kind: bone\n# osteon threshold: 0\n0 0 0 1\n1 1 1 1\n", "threshold '0'", OST_ERR_INPUT},
         {"layer.txt", "0 0 5 1\n1 1 5 2\n", "all samples lie in one layer, z = 5", OST_ERR_INPUT},
         {"twice.txt", "# osteon dims: 2 1 1\n# osteon spacing_mm: 1 1 1\n0 0 0 7\n0 0 0 7\n# osteon dims: 2 1 1\n",
          "the declared dims are 2 voxels along x, but its positions make 1", OST_ERR_INPUT},
         {"twice.txt", "# osteon dims: 2 2 1\n# osteon spacing_mm: 1 1 1\n0 0 0 7\n1 1 0 7\n1 0 0 7\n1 0 0 7\n",
          "twice.txt:1: this line declares one sample per voxel, but 1 samples repeat a voxel", OST_ERR_INPUT},
-        {"dims.txt", "# osteon dims: 1 2 1\n0 0 0 1\n1 1 1 2\n", "the declared dims are 1 voxels along x", OST_ERR_INPUT},
-        {"origin.txt", "# osteon origin_mm: 0.5 0 0\n0 0 0 1\n1 1 1 2\n", "origin.txt:1: the declared origin is x = 0.5", OST_ERR_INPUT},
+        {"dims.txt", "# osteon dims: 1 2 1\n0 0 0 1\n1 1 1 2\n", "the declared dims are 1 voxels along x",
+         OST_ERR_INPUT},
+        {"origin.txt", "# osteon origin_mm: 0.5 0 0\n0 0 0 1\n1 1 1 2\n",
+         "origin.txt:1: the declared origin is x = 0.5", OST_ERR_INPUT},
     };
     ost_error err = {0};
     ost_import_result result;
@@ -685,7 +709,8 @@ static void a_bone_beyond_the_memory_is_refused(void **state)
         skip();
     char text[64 * 24] = "";
     for (int i = 0; i < 64; i++)
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%d %d %d 1000\n", i % 4 * 16, i / 4 % 4 * 16, i / 16 * 16);
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%d %d %d 1000\n", i % 4 * 16, i / 4 % 4 * 16,
+                 i / 16 * 16);
     const char *path = scratch_write(folder, "fine.txt", text, strlen(text));
     const ost_import_options options = {.cubic = 16 * OST_PM_PER_MM / 1024, .digests = true};
     ost_error err = {0};

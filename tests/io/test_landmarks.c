@@ -134,10 +134,16 @@ static void labels(void **state)
     static const struct {
         const char *label;
         ost_landmark_role role;
-    } cases[] = {{"GLENOID-CENTRE", OST_LANDMARK_GLENOID},  {"gc", OST_LANDMARK_GLENOID},          {"Axis", OST_LANDMARK_AXIS_POINT},
-                 {"Trigonum spinae", OST_LANDMARK_TRIGONUM}, {"root of Spine", OST_LANDMARK_TRIGONUM}, {"TS", OST_LANDMARK_TRIGONUM},
-                 {"AI", OST_LANDMARK_INFERIOR_ANGLE},        {"inferior_angle", OST_LANDMARK_INFERIOR_ANGLE},
-                 {"", OST_LANDMARK_OTHER},                   {"glenoid 2", OST_LANDMARK_OTHER},
+    } cases[] = {{"GLENOID-CENTRE", OST_LANDMARK_GLENOID},
+                 {"gc", OST_LANDMARK_GLENOID},
+                 {"Axis", OST_LANDMARK_AXIS_POINT},
+                 {"Trigonum spinae", OST_LANDMARK_TRIGONUM},
+                 {"root of Spine", OST_LANDMARK_TRIGONUM},
+                 {"TS", OST_LANDMARK_TRIGONUM},
+                 {"AI", OST_LANDMARK_INFERIOR_ANGLE},
+                 {"inferior_angle", OST_LANDMARK_INFERIOR_ANGLE},
+                 {"", OST_LANDMARK_OTHER},
+                 {"glenoid 2", OST_LANDMARK_OTHER},
                  {"a label that is longer than any that has a meaning", OST_LANDMARK_OTHER}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
         assert_int_equal(ost_landmark_role_of(cases[i].label), cases[i].role);
@@ -164,9 +170,12 @@ static void what_is_refused(void **state)
         {"e.json", "{\"markups\": []}", "no landmarks in the file"},
         {"e.json", "{\"markups\": [{\"coordinateSystem\": \"IJK\"}]}", "coordinateSystem is 'IJK'"},
         {"e.json", "{\"markups\": [{\"coordinateUnits\": \"m\"}]}", "coordinateUnits is 'm'"},
-        {"e.json", "{\"markups\": [{\"controlPoints\": [{\"position\": [1, 2]}]}]}", "control point 1: the position is not an array of three"},
-        {"e.json", "{\"markups\": [{\"controlPoints\": [{\"position\": [1, 2, \"3\"]}]}]}", "coordinate 3 of the position"},
-        {"e.json", "{\"markups\": [{\"controlPoints\": [{\"position\": [1, 1e300, 3]}]}]}", "coordinate 2 of the position"},
+        {"e.json", "{\"markups\": [{\"controlPoints\": [{\"position\": [1, 2]}]}]}",
+         "control point 1: the position is not an array of three"},
+        {"e.json", "{\"markups\": [{\"controlPoints\": [{\"position\": [1, 2, \"3\"]}]}]}",
+         "coordinate 3 of the position"},
+        {"e.json", "{\"markups\": [{\"controlPoints\": [{\"position\": [1, 1e300, 3]}]}]}",
+         "coordinate 2 of the position"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         ost_error err = {0};
@@ -204,7 +213,8 @@ static void damage(void **state)
         ost_landmarks all;
         b = complete[n % 2];
         for (int64_t k = rng_range(&rng, 0, 5); k >= 0; k--)
-            b.data[rng_range(&rng, 0, (int64_t)b.size - 1)] = (unsigned char)"{}[]\",:#\n\r=-e9\xff "[rng_range(&rng, 0, 16)];
+            b.data[rng_range(&rng, 0, (int64_t)b.size - 1)] =
+                (unsigned char)"{}[]\",:#\n\r=-e9\xff "[rng_range(&rng, 0, 16)];
         if (n % 5 == 0)
             b.size = (size_t)rng_range(&rng, 0, (int64_t)b.size - 1);
         write_file(n % 2 ? "d.fcsv" : "d.json", b.data, b.size);

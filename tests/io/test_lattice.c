@@ -51,7 +51,8 @@ static void fill(axis_text *a, ost_pm origin, ost_pm spacing, int count, int pla
         a->line[n] = (int64_t)n + 1;
         n++;
     }
-    a->axis = (ost_lattice_axis){.name = 'x', .count = n, .value = a->value, .line = a->line, .units = units_bit(places)};
+    a->axis = (ost_lattice_axis){
+        .name = 'x', .count = n, .value = a->value, .line = a->line, .units = units_bit(places)};
 }
 
 static ost_status find_one(const axis_text *a, ost_pm *spacing, ost_error *err)
@@ -154,8 +155,12 @@ static void trailing_zeros_may_be_dropped(void **state)
     /* Six significant digits, as %g prints them: fewer places from 100 on. */
     fill(&a, 0, 488281250, 400, 6, NULL);
     for (size_t i = 0; i < a.axis.count; i++)
-        a.value[i] = rounded((ost_pm)i * 488281250, unit_of(a.value[i] >= 100000000000 ? 3 : a.value[i] >= 10000000000 ? 4 : a.value[i] >= 1000000000 ? 5 : 6));
-    a.axis.units = units_bit(0) | units_bit(1) | units_bit(2) | units_bit(3) | units_bit(4) | units_bit(5) | units_bit(6);
+        a.value[i] = rounded((ost_pm)i * 488281250, unit_of(a.value[i] >= 100000000000  ? 3
+                                                            : a.value[i] >= 10000000000 ? 4
+                                                            : a.value[i] >= 1000000000  ? 5
+                                                                                        : 6));
+    a.axis.units = units_bit(0) | units_bit(1) | units_bit(2) | units_bit(3) | units_bit(4) | units_bit(5) |
+                   units_bit(6);
     assert_ok(find_one(&a, &found, &err));
     /* Three places over 400 layers leave an uncertainty of 10^6 / 400 pm. */
     assert_true(found >= 488281250 - 2500 && found <= 488281250 + 2500);
@@ -215,13 +220,16 @@ static void what_cannot_be_found_is_asked_for(void **state)
 
     fill(&a, 0, 470000000, 1, 4, NULL);
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_INPUT);
-    assert_string_equal(err.text, "ct.txt: all samples lie in one layer, x = 0, so the spacing along x cannot be found; give the spacing (--spacing)");
+    assert_string_equal(err.text, "ct.txt: all samples lie in one layer, x = 0, so the spacing along x cannot be "
+                                  "found; give the spacing (--spacing)");
 
     fill(&a, 0, 470000000, 50, 4, NULL);
     a.value[30] += 100000000;
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_INPUT);
-    assert_string_equal(err.text, "ct.txt:2: x = 0.47 is not a whole number of steps from the lowest; the smallest step is 0.37 mm, from 14.2 "
-                                  "(lines 31 and 32); give the spacing (--spacing)");
+    assert_string_equal(
+        err.text,
+        "ct.txt:2: x = 0.47 is not a whole number of steps from the lowest; the smallest step is 0.37 mm, from 14.2 "
+        "(lines 31 and 32); give the spacing (--spacing)");
 
     /* 1.3 mm without digits: 0 1 3 4 5 6 8 ... must not be read as 1 mm with absent layers. */
     fill(&a, 0, 1300000000, 50, 0, NULL);
@@ -298,7 +306,8 @@ static void the_same_as_a_plain_search(void **state)
         int digits = (int)rng_range(&rng, 1, 9);
         /* At least eight units, so that the steps are certain; few digits as in files of scanners, or many. */
         int64_t least = 8 * unit > OST_SPACING_MIN ? 8 * unit : OST_SPACING_MIN;
-        ost_pm spacing = rounded(rng_range(&rng, least, least * 20 < 2000000000 ? 2000000000 : least * 20), unit_of(digits));
+        ost_pm spacing = rounded(rng_range(&rng, least, least * 20 < 2000000000 ? 2000000000 : least * 20),
+                                 unit_of(digits));
         if (spacing < least)
             continue;
         ost_pm origin = rng_range(&rng, -200000000000, 200000000000);
@@ -311,8 +320,8 @@ static void the_same_as_a_plain_search(void **state)
             continue;
         found_some++;
         if (found != expected)
-            fail_msg("round %d: found %lld, plain search %lld (spacing %lld, %d places, %zu layers)", round, (long long)found,
-                     (long long)expected, (long long)spacing, places, a.axis.count);
+            fail_msg("round %d: found %lld, plain search %lld (spacing %lld, %d places, %zu layers)", round,
+                     (long long)found, (long long)expected, (long long)spacing, places, a.axis.count);
     }
     assert_true(found_some > 2000);
 }

@@ -21,9 +21,9 @@ static void assert_grid(const ost_volume *v, ost_pm sx, ost_pm sy, ost_pm sz, os
 {
     const ost_geometry expected = {v->geometry.dims, {sx, sy, sz}, {ox, oy, oz}};
     if (!ost_geometry_equal(&v->geometry, &expected))
-        fail_msg("spacing %lld %lld %lld origin %lld %lld %lld pm", (long long)v->geometry.spacing.x, (long long)v->geometry.spacing.y,
-                 (long long)v->geometry.spacing.z, (long long)v->geometry.origin.x, (long long)v->geometry.origin.y,
-                 (long long)v->geometry.origin.z);
+        fail_msg("spacing %lld %lld %lld origin %lld %lld %lld pm", (long long)v->geometry.spacing.x,
+                 (long long)v->geometry.spacing.y, (long long)v->geometry.spacing.z, (long long)v->geometry.origin.x,
+                 (long long)v->geometry.origin.y, (long long)v->geometry.origin.z);
 }
 
 static void every_type_version_and_order(void **state)
@@ -32,8 +32,9 @@ static void every_type_version_and_order(void **state)
     static const struct {
         int code, bits, kind; /* kind 1 float, 2 double */
         const char *name;
-    } types[] = {{2, 8, 0, "uint8"},     {256, 8, 0, "int8"},    {4, 16, 0, "int16"},   {512, 16, 0, "uint16"},  {8, 32, 0, "int32"},
-                 {768, 32, 0, "uint32"}, {1024, 64, 0, "int64"}, {1280, 64, 0, "uint64"}, {16, 32, 1, "float32"}, {64, 64, 2, "float64"}};
+    } types[] = {{2, 8, 0, "uint8"},     {256, 8, 0, "int8"},    {4, 16, 0, "int16"},    {512, 16, 0, "uint16"},
+                 {8, 32, 0, "int32"},    {768, 32, 0, "uint32"}, {1024, 64, 0, "int64"}, {1280, 64, 0, "uint64"},
+                 {16, 32, 1, "float32"}, {64, 64, 2, "float64"}};
     for (size_t t = 0; t < sizeof types / sizeof types[0]; t++) {
         for (int variant = 0; variant < 8; variant++) {
             nifti_spec s = nifti_plain(variant & 1 ? 1 : 2);
@@ -43,7 +44,10 @@ static void every_type_version_and_order(void **state)
             static bytes data;
             data.size = 0;
             for (int i = 0; i < 8; i++)
-                put_bits(&data, types[t].kind == 1 ? float_bits((float)(i * 15)) : types[t].kind == 2 ? double_bits(i * 15) : (uint64_t)(i * 15),
+                put_bits(&data,
+                         types[t].kind == 1   ? float_bits((float)(i * 15))
+                         : types[t].kind == 2 ? double_bits(i * 15)
+                                              : (uint64_t)(i * 15),
                          (size_t)types[t].bits / 8, s.big);
             const char *name = variant & 4 ? "t.nii.gz" : "t.nii";
             write_nifti(name, &s, data.data, data.size);
@@ -182,7 +186,8 @@ static void forms_that_disagree(void **state)
     static const struct {
         double moved, z_step;
         bool refused;
-    } cases[] = {{0, 1, false}, {1, 1, false}, {1.001, 1, true}, {-1.001, 1, true}, {0, 2, false}, {0, 2.001, true}, {-4, 1, true}};
+    } cases[] = {{0, 1, false}, {1, 1, false},    {1.001, 1, true}, {-1.001, 1, true},
+                 {0, 2, false}, {0, 2.001, true}, {-4, 1, true}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         nifti_spec s = nifti_plain(1 + (int)(i % 2));
         s.qform_code = 1;
@@ -200,7 +205,8 @@ static void forms_that_disagree(void **state)
             assert_ok(ost_volume_read(at("f.nii"), NULL, &v, NULL, &err));
             ost_volume_free(&v);
         }
-        const ost_pm mm = OST_PM_PER_MM, moved = llround(cases[i].moved * 1000) * (mm / 1000), z = llround(cases[i].z_step * 1000) * (mm / 1000);
+        const ost_pm mm = OST_PM_PER_MM, moved = llround(cases[i].moved * 1000) * (mm / 1000),
+                     z = llround(cases[i].z_step * 1000) * (mm / 1000);
         assert_ok(ost_volume_read(at("f.nii"), &(ost_volume_options){.form = OST_FORM_SFORM}, &v, NULL, &err));
         assert_grid(&v, mm, mm, z, -moved - mm, -mm, 0);
         ost_volume_free(&v);
@@ -211,7 +217,8 @@ static void forms_that_disagree(void **state)
         write_nifti("f.nii", &s, eight, 8);
         assert_ok(ost_volume_read(at("f.nii"), NULL, &v, NULL, &err));
         ost_volume_free(&v);
-        assert_refused(at("f.nii"), &(ost_volume_options){.form = OST_FORM_QFORM}, OST_ERR_USAGE, "--form qform: not in the header");
+        assert_refused(at("f.nii"), &(ost_volume_options){.form = OST_FORM_QFORM}, OST_ERR_USAGE,
+                       "--form qform: not in the header");
     }
 }
 
@@ -268,7 +275,8 @@ static void without_forms(void **state)
     for (int w = 0; w < 3; w++)
         s.srow[w][w] = w + 1;
     write_nifti("n.nii", &s, eight, 8);
-    assert_refused(at("n.nii"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE, "its header states where its axes point");
+    assert_refused(at("n.nii"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE,
+                   "its header states where its axes point");
 }
 
 /*
@@ -281,8 +289,10 @@ static void quarter_turns(void **state)
     static const struct {
         double b, c, d;
         const char *code;
-    } cases[] = {{0, 0, 0, "RAS"},      {1, 0, 0, "RPI"},        {0, 1, 0, "LAI"},         {0, 0, 1, "LPS"},
-                 {0.5, 0.5, 0.5, "ASR"}, {0, 0, 0.70710678, "ALS"}, {0.70710678, 0, 0, "RSP"}, {0.70710678, 0.70710678, 0, "ARI"}};
+    } cases[] = {{0, 0, 0, "RAS"},          {1, 0, 0, "RPI"},
+                 {0, 1, 0, "LAI"},          {0, 0, 1, "LPS"},
+                 {0.5, 0.5, 0.5, "ASR"},    {0, 0, 0.70710678, "ALS"},
+                 {0.70710678, 0, 0, "RSP"}, {0.70710678, 0.70710678, 0, "ARI"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         for (int flip = 0; flip < 2; flip++) {
             nifti_spec s = nifti_plain(1);
@@ -301,7 +311,12 @@ static void quarter_turns(void **state)
             char code[4];
             strcpy(code, cases[i].code);
             if (flip)
-                code[2] = code[2] == 'S' ? 'I' : code[2] == 'I' ? 'S' : code[2] == 'R' ? 'L' : code[2] == 'L' ? 'R' : code[2] == 'P' ? 'A' : 'P';
+                code[2] = code[2] == 'S'   ? 'I'
+                          : code[2] == 'I' ? 'S'
+                          : code[2] == 'R' ? 'L'
+                          : code[2] == 'L' ? 'R'
+                          : code[2] == 'P' ? 'A'
+                                           : 'P';
             assert_string_equal(report.orientation, code);
             const ost_pm spacing[3] = {v.geometry.spacing.x, v.geometry.spacing.y, v.geometry.spacing.z};
             const ost_pm expected[3] = {470000000, 488281000, 300000000};
@@ -400,10 +415,16 @@ int main(void)
     if (!HAS_NIFTI)
         return cmocka_run_group_tests(absent, make_scratch, drop_scratch);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_type_version_and_order), cmocka_unit_test(pairs),         cmocka_unit_test(slope_and_intercept),
-        cmocka_unit_test(sform_qform_or_pixdim),        cmocka_unit_test(quarter_turns), cmocka_unit_test(units_and_float32),
-        cmocka_unit_test(four_axes_and_more),           cmocka_unit_test(oblique),
-        cmocka_unit_test(forms_that_disagree),          cmocka_unit_test(without_forms),
+        cmocka_unit_test(every_type_version_and_order),
+        cmocka_unit_test(pairs),
+        cmocka_unit_test(slope_and_intercept),
+        cmocka_unit_test(sform_qform_or_pixdim),
+        cmocka_unit_test(quarter_turns),
+        cmocka_unit_test(units_and_float32),
+        cmocka_unit_test(four_axes_and_more),
+        cmocka_unit_test(oblique),
+        cmocka_unit_test(forms_that_disagree),
+        cmocka_unit_test(without_forms),
     };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }

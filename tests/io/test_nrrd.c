@@ -82,11 +82,15 @@ static void every_type_order_and_encoding(void **state)
         for (int variant = 0; variant < 6; variant++) {
             /* raw and gzip in both orders, text, and gzip in two members */
             bool big = variant & 1;
-            const char *encoding = variant < 2 ? "raw" : variant < 4 ? (big ? "gz" : "gzip") : variant == 4 ? "ascii" : "GZIP";
+            const char *encoding = variant < 2    ? "raw"
+                                   : variant < 4  ? (big ? "gz" : "gzip")
+                                   : variant == 4 ? "ascii"
+                                                  : "GZIP";
             char header[300];
             file.size = raw.size = 0;
             snprintf(header, sizeof header,
-                     "NRRD000%d\n# made by a test\ntype: %s\ndimension: 3\nsizes: 4 3 5\nspacings: 0.47 0.47 1\nencoding: %s\nendian: %s\n\n",
+                     "NRRD000%d\n# made by a test\ntype: %s\ndimension: 3\nsizes: 4 3 5\nspacings: 0.47 0.47 "
+                     "1\nencoding: %s\nendian: %s\n\n",
                      variant % 5 + 1, type_cases[t].name, encoding, big ? "big" : "little");
             put_text(&file, header);
             put_voxels(&raw, &type_cases[t], big, 0, COUNT);
@@ -113,7 +117,8 @@ static void every_type_order_and_encoding(void **state)
 static void floats_are_rounded_and_counted(void **state)
 {
     (void)state;
-    static const char header[] = "NRRD0004\ntype: float\ndimension: 3\nsizes: 4 1 1\nspacings: 1 1 1\nencoding: %s\nendian: little\n\n";
+    static const char header[] =
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 4 1 1\nspacings: 1 1 1\nencoding: %s\nendian: little\n\n";
     static bytes file;
     char text[300];
     ost_error err = {0};
@@ -184,8 +189,10 @@ static void ends_of_types_are_values(void **state)
         ost_error err = {0};
         ost_volume v;
         char text[256];
-        int size = snprintf(text, sizeof text, "NRRD0004\ntype: %s\ndimension: 3\nsizes: 2 1 1\nspacings: 1 1 1\nencoding: text\n\n%s %s\n",
-                            cases[i].type, cases[i].least, cases[i].greatest);
+        int size = snprintf(
+            text, sizeof text,
+            "NRRD0004\ntype: %s\ndimension: 3\nsizes: 2 1 1\nspacings: 1 1 1\nencoding: text\n\n%s %s\n", cases[i].type,
+            cases[i].least, cases[i].greatest);
         write_file("e.nrrd", text, (size_t)size);
         assert_ok(ost_volume_read(at("e.nrrd"), &(ost_volume_options){.clamp = true}, &v, NULL, &err));
         assert_int_equal(v.voxels[0], cases[i].low);
@@ -282,7 +289,8 @@ static void detached_in_many_files(void **state)
 static void data_files_stay_in_the_folder(void **state)
 {
     (void)state;
-    static const char *const names[] = {"/etc/passwd", "../v.raw", "below/../../v.raw", "..", "LIST\nv.raw/../x\nb\nc\nd\ne"};
+    static const char *const names[] = {"/etc/passwd", "../v.raw", "below/../../v.raw", "..",
+                                        "LIST\nv.raw/../x\nb\nc\nd\ne"};
     char fields[200];
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         snprintf(fields, sizeof fields, "encoding: raw\ndata file: %s\n", names[i]);
@@ -326,8 +334,9 @@ static void spaces_and_units(void **state)
     ost_volume_report report;
     int16_t v[8];
     const ost_pm mm = OST_PM_PER_MM;
-    read_grid("space: left-posterior-superior\nspace directions: (0.48828125,0,0) (0,.47e0,0) (0,0,1)\nspace origin: (-57.34,0,1e1)\n", &g,
-              &report, v);
+    read_grid("space: left-posterior-superior\nspace directions: (0.48828125,0,0) (0,.47e0,0) (0,0,1)\nspace origin: "
+              "(-57.34,0,1e1)\n",
+              &g, &report, v);
     assert_grid(&g, 488281250, 470000000, mm, -57340000000, 0, 10 * mm);
     assert_string_equal(report.orientation, "LPS");
     assert_int_equal(v[1], 1);
@@ -352,15 +361,18 @@ static void spaces_and_units(void **state)
     read_grid("space dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n", &g, &report, v);
     assert_grid(&g, mm, mm, mm, 0, 0, 0);
     /* Off-diagonal values below a picometre, and a long decimal. */
-    read_grid("space: LPS\nspace directions: (0.46999999999999997,1e-17,0) (0,0.47000000000000003,0) (0,0,1)\n", &g, &report, v);
+    read_grid("space: LPS\nspace directions: (0.46999999999999997,1e-17,0) (0,0.47000000000000003,0) (0,0,1)\n", &g,
+              &report, v);
     assert_grid(&g, 470000000, 470000000, mm, 0, 0, 0);
 
-    read_grid("space: LPS\nspace units: \"um\" \"cm\" \"m\"\nspace directions: (32,0,0) (0,.1,0) (0,0,0.001)\nspace origin: (1,1,1)\n", &g,
-              &report, v);
+    read_grid("space: LPS\nspace units: \"um\" \"cm\" \"m\"\nspace directions: (32,0,0) (0,.1,0) (0,0,0.001)\nspace "
+              "origin: (1,1,1)\n",
+              &g, &report, v);
     assert_grid(&g, 32000000, mm, mm, 1000000, 10 * mm, 1000 * mm);
     read_grid("spacings: 500 0.5 2\nunits: \"microns\" \"mm\" \"\"\n", &g, &report, v);
     assert_grid(&g, 500000000, 500000000, 2 * mm, 0, 0, 0);
-    read_grid("spacings: 1 1 1\nkinds: domain space ???\ncenterings: cell cell node\nlabels: \"a\" \"b\" \"c\"\n", &g, &report, v);
+    read_grid("spacings: 1 1 1\nkinds: domain space ???\ncenterings: cell cell node\nlabels: \"a\" \"b\" \"c\"\n", &g,
+              &report, v);
     assert_grid(&g, mm, mm, mm, 0, 0, 0);
 }
 
@@ -371,7 +383,8 @@ static void spaces_and_units(void **state)
 static void a_space_without_a_patient(void **state)
 {
     (void)state;
-    static const char *const spaces[] = {"space: scanner-xyz\n", "space: 3D-right-handed\n", "space: 3D-left-handed\n", "space dimension: 3\n"};
+    static const char *const spaces[] = {"space: scanner-xyz\n", "space: 3D-right-handed\n", "space: 3D-left-handed\n",
+                                         "space dimension: 3\n"};
     static bytes file;
     const ost_pm mm = OST_PM_PER_MM;
     for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
@@ -394,7 +407,8 @@ static void a_space_without_a_patient(void **state)
         assert_ok(ost_volume_read(at("again.nrrd"), NULL, &v, &report, &err));
         assert_true(report.assumed);
         ost_volume_free(&v);
-        assert_refused(at("again.nrrd"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE, "import the CT itself with --orientation RAS");
+        assert_refused(at("again.nrrd"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE,
+                       "import the CT itself with --orientation RAS");
         /* RAS, as in spaces_and_units. */
         assert_ok(ost_volume_read(at("space.nrrd"), &(ost_volume_options){.orientation = "RAS"}, &v, &report, &err));
         assert_false(report.assumed);

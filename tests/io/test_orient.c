@@ -49,7 +49,8 @@ static void all_48_ways(void **state)
                     seen[e] = true;
                     const int64_t index[3] = {e % g->dims.x, e / g->dims.x % g->dims.y, e / g->dims.x / g->dims.y};
                     for (int w = 0; w < 3; w++) {
-                        ost_pm in_file = affine.origin[w] + i * affine.column[0][w] + j * affine.column[1][w] + k * affine.column[2][w];
+                        ost_pm in_file = affine.origin[w] + i * affine.column[0][w] + j * affine.column[1][w] +
+                                         k * affine.column[2][w];
                         assert_int_equal(in_file, at_axis(g->origin, w) + index[w] * at_axis(g->spacing, w));
                     }
                 }
@@ -73,8 +74,9 @@ static void tilted_axes_flip_about_their_ends(void **state)
             sizes[a] = (int32_t)rng_range(&rng, 1, 60);
             affine.origin[a] = rng_range(&rng, -100000000000, 100000000000);
             for (int w = 0; w < 3; w++) /* 2 * 64 * 500,000 is below an eighth of 0.6 mm */
-                affine.column[a][w] = w == to[a] ? rng_range(&rng, 600000000, 900000000) * (rng_range(&rng, 0, 1) ? 1 : -1)
-                                                 : rng_range(&rng, -500000, 500000);
+                affine.column[a][w] = w == to[a]
+                                          ? rng_range(&rng, 600000000, 900000000) * (rng_range(&rng, 0, 1) ? 1 : -1)
+                                          : rng_range(&rng, -500000, 500000);
         }
         ost_error err = {0};
         ost_placement p, again;
@@ -172,7 +174,8 @@ static void resampling_finds_the_nearest(void **state)
     ost_resample_nearest(&affine, sizes, file, &out);
     int inside = 0;
     for (int e = 0; e < 9 * 9 * 3; e++) {
-        const int64_t q[3] = {g.origin.x + e % 9 * 1000000000LL, g.origin.y + e / 9 % 9 * 1000000000LL, g.origin.z + e / 81 * 1000000000LL};
+        const int64_t q[3] = {g.origin.x + e % 9 * 1000000000LL, g.origin.y + e / 9 % 9 * 1000000000LL,
+                              g.origin.z + e / 81 * 1000000000LL};
         int64_t best = INT64_MAX, second = INT64_MAX;
         int found = 0;
         for (int f = 0; f < 126; f++) {

@@ -32,7 +32,8 @@ static void rows_are_exact(void **state)
                         &path, &err));
     assert_int_equal(path.count, 3);
     assert_true(path.ticks[0].t_ns == 0 && path.ticks[1].t_ns == 1000000 && path.ticks[2].t_ns == 1000000000);
-    assert_true(path.ticks[0].pose.t.x == 1500000000 && path.ticks[0].pose.t.y == -57340000000 && path.ticks[0].pose.t.z == 1);
+    assert_true(path.ticks[0].pose.t.x == 1500000000 && path.ticks[0].pose.t.y == -57340000000 &&
+                path.ticks[0].pose.t.z == 1);
     assert_int_equal(path.ticks[0].pose.qw, OST_Q30_ONE);
     assert_int_equal(path.ticks[1].pose.qx, -OST_Q30_ONE / 2);
     assert_int_equal(path.ticks[1].tool, 3);
@@ -67,7 +68,8 @@ static void what_is_written_reads_back(void **state)
                 .tool = round ? (int32_t)rng_range(&rng, 0, 3) : 0,
                 .rpm = (int32_t)rng_range(&rng, OST_RPM_ON, OST_RPM_MAX),
                 .lifted = i > 0 && rng_range(&rng, 0, 9) == 0,
-                .pose = {{rng_range(&rng, -OST_LENGTH_MAX, OST_LENGTH_MAX), rng_range(&rng, -1000, 1000), rng_range(&rng, -1000000000, 1000000000)},
+                .pose = {{rng_range(&rng, -OST_LENGTH_MAX, OST_LENGTH_MAX), rng_range(&rng, -1000, 1000),
+                          rng_range(&rng, -1000000000, 1000000000)},
                          (int32_t)(q[0] / root * OST_Q30_ONE),
                          (int32_t)(q[1] / root * OST_Q30_ONE),
                          (int32_t)(q[2] / root * OST_Q30_ONE),
@@ -81,10 +83,15 @@ static void what_is_written_reads_back(void **state)
             const ost_tick *a = &path.ticks[i], *b = &back.ticks[i];
             assert_true(a->t_ns == b->t_ns && a->tool == b->tool && a->lifted == b->lifted && a->rpm == b->rpm);
             assert_true(a->pose.t.x == b->pose.t.x && a->pose.t.y == b->pose.t.y && a->pose.t.z == b->pose.t.z);
-            assert_true(a->pose.qw == b->pose.qw && a->pose.qx == b->pose.qx && a->pose.qy == b->pose.qy && a->pose.qz == b->pose.qz);
+            assert_true(a->pose.qw == b->pose.qw && a->pose.qx == b->pose.qx && a->pose.qy == b->pose.qy &&
+                        a->pose.qz == b->pose.qz);
         }
         char *text = scratch_read(name, NULL);
-        assert_int_equal(strncmp(text, round ? "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted,rpm\n" : "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted,rpm\n", 42 + (round ? 5 : 0)), 0);
+        assert_int_equal(strncmp(text,
+                                 round ? "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted,rpm\n"
+                                       : "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted,rpm\n",
+                                 42 + (round ? 5 : 0)),
+                         0);
         free(text);
         ost_path_free(&path);
         ost_path_free(&back);
@@ -102,7 +109,8 @@ static void a_tools_number_and_the_longest_times(void **state)
     assert_int_equal(path.count, 5);
     for (int i = 0; i < 5; i++)
         assert_int_equal(path.ticks[i].tool, tools[i]);
-    assert_true(path.ticks[0].t_ns == INT64_C(-4000000000000000000) && path.ticks[4].t_ns == INT64_C(4000000000000000000));
+    assert_true(path.ticks[0].t_ns == INT64_C(-4000000000000000000) &&
+                path.ticks[4].t_ns == INT64_C(4000000000000000000));
     ost_path_free(&path);
 }
 
@@ -131,7 +139,8 @@ static void a_trackers_file_is_a_path(void **state)
     for (int packed = 0; packed < 2; packed++) {
         ost_path path;
         ost_path_report report;
-        assert_ok(ost_path_read(packed ? name : scratch_write(folder, "t.csv", rows, sizeof rows - 1), NULL, &path, &report, &err));
+        assert_ok(ost_path_read(packed ? name : scratch_write(folder, "t.csv", rows, sizeof rows - 1), NULL, &path,
+                                &report, &err));
         assert_int_equal(path.count, 4);
         static const bool lifted[] = {false, true, false, true};
         for (int i = 0; i < 4; i++) {
@@ -148,7 +157,8 @@ static void a_trackers_file_is_a_path(void **state)
     size_t size;
     char *bytes = scratch_read(name, &size);
     ost_path path;
-    assert_int_equal(ost_path_read_csv(scratch_write(folder, "cut.csv.gz", bytes, size - 12), &path, &err), OST_ERR_INPUT);
+    assert_int_equal(ost_path_read_csv(scratch_write(folder, "cut.csv.gz", bytes, size - 12), &path, &err),
+                     OST_ERR_INPUT);
     assert_non_null(strstr(err.text, "cut.csv.gz: the gzip data are damaged or cut off"));
     free(bytes);
 }
@@ -184,14 +194,20 @@ static void rows_far_apart_are_a_gap(void **state)
         {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
         /* A file that contains the column `lifted`. */
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {100000000, 0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {[3] = true}},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n",
+         {100000000, 0},
+         4,
+         {0, 1, 2, 900},
+         {0, 1, 2, 3000},
+         {[3] = true}},
     };
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
         const gap_case *g = &cases[c];
         char text[1000];
         size_t used = (size_t)snprintf(text, sizeof text, "%s", g->header), gaps = 0;
         for (int i = 0; i < g->count; i++)
-            used += (size_t)snprintf(text + used, sizeof text - used, "%.6f,%.4f,0,0,1,0,0,0%s\n", g->ms[i] * 1e-3, g->mm[i], *g->header ? ",0,0" : "");
+            used += (size_t)snprintf(text + used, sizeof text - used, "%.6f,%.4f,0,0,1,0,0,0%s\n", g->ms[i] * 1e-3,
+                                     g->mm[i], *g->header ? ",0,0" : "");
         ost_error err = {0};
         ost_path path;
         ost_path_report report;
@@ -223,25 +239,37 @@ static void broken_paths_are_refused(void **state)
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", ": no row in 1 lines", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0\n", ":1: 7 columns; expected t_s,x_mm", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0,0,0\n", ":1: 10 columns; expected t_s,x_mm", OST_ERR_INPUT},
-        {"0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0,1\n", ":2: 9 columns, or an empty one; the rows above have 8", OST_ERR_INPUT},
+        {"0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0,1\n", ":2: 9 columns, or an empty one; the rows above have 8",
+         OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0\n", ":2: 7 columns, or an empty one; the rows above have 8", OST_ERR_INPUT},
         {"0,0,,0,1,0,0,0\n", ":1: 2 columns", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n", ":1: column 5 is named 'qx'; expected t_s,x_mm,y_mm,z_mm,qw", OST_ERR_INPUT},
-        {"t_s,x_m,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n", ":1: column 3 is named 'y_mm'; expected t_s", OST_ERR_INPUT},
-        {"T_S,X_MM,Y_MM,Z_MM,QW,QX,QY,QZ\n0,0,0,0,1,0,0,0\n", ":1: column 1 is named 'T_S'; expected t_s", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,more,tool\n0,0,0,0,1,0,0,0,1,2,3\n", ":1: column 11 is a second 'tool'", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,more,tool\n0,0,0,0,1,0,0,0,1\n", ":2: 9 columns, or an empty one; the header has 10", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted\n0,0,0,0,1,0,0,0,2\n", ":2: column 9 (lifted) is '2'; expected 0 or 1", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted\n0,0,0,0,1,0,0,0,0.5\n", ":2: column 9 (lifted) is '0.5'; expected 0 or 1", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,rpm\n0,0,0,0,1,0,0,0,3001\n", ":2: column 9 (rpm) is '3001'; expected turns a minute", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n",
+         ":1: column 5 is named 'qx'; expected t_s,x_mm,y_mm,z_mm,qw", OST_ERR_INPUT},
+        {"t_s,x_m,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n", ":1: column 3 is named 'y_mm'; expected t_s",
+         OST_ERR_INPUT},
+        {"T_S,X_MM,Y_MM,Z_MM,QW,QX,QY,QZ\n0,0,0,0,1,0,0,0\n", ":1: column 1 is named 'T_S'; expected t_s",
+         OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,more,tool\n0,0,0,0,1,0,0,0,1,2,3\n", ":1: column 11 is a second 'tool'",
+         OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,more,tool\n0,0,0,0,1,0,0,0,1\n",
+         ":2: 9 columns, or an empty one; the header has 10", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted\n0,0,0,0,1,0,0,0,2\n", ":2: column 9 (lifted) is '2'; expected 0 or 1",
+         OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,lifted\n0,0,0,0,1,0,0,0,0.5\n",
+         ":2: column 9 (lifted) is '0.5'; expected 0 or 1", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,rpm\n0,0,0,0,1,0,0,0,3001\n",
+         ":2: column 9 (rpm) is '3001'; expected turns a minute", OST_ERR_INPUT},
         {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,8.0001,0,0,1,0,0,0\n", ":2: position x", OST_ERR_RANGE},
         {"nan,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is 'nan'; expected a decimal number", OST_ERR_INPUT},
         {"0,nan,0,0,1,0,0,0\n1,0,0,0,nan,0,0,0\n", ": 2 rows without a pose", OST_ERR_INPUT},
         {"1,nan,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n", ":2: t_s is 1.000000000, not after the row above", OST_ERR_INPUT},
         {"0,-nan,0,0,1,0,0,0\n", ":1: column 2 (x_mm) is '-nan'; expected a decimal number or nan", OST_ERR_INPUT},
-        {"4000000000.000000001,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '4000000000.000000001'; expected a time", OST_ERR_INPUT},
-        {"9223372036.854775807,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '9223372036.854775807'; expected a time", OST_ERR_INPUT},
-        {"-9223372036.854775808,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '-9223372036.854775808'; expected a time", OST_ERR_INPUT},
+        {"4000000000.000000001,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '4000000000.000000001'; expected a time",
+         OST_ERR_INPUT},
+        {"9223372036.854775807,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '9223372036.854775807'; expected a time",
+         OST_ERR_INPUT},
+        {"-9223372036.854775808,0,0,0,1,0,0,0\n", ":1: column 1 (t_s) is '-9223372036.854775808'; expected a time",
+         OST_ERR_INPUT},
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy\n", ":1: missing columns in the header", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n1,0,0,0,inf,0,0,0\n", ":2: column 5 (qw) is 'inf'", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,1e\n", ":2: column 8 (qz) is '1e'", OST_ERR_INPUT},
@@ -249,14 +277,17 @@ static void broken_paths_are_refused(void **state)
         {"0,0,0,0,1,0,0,0,1.5\n", ":1: column 9 (tool) is '1.5'; expected a tool's number", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0,-1\n", ":1: column 9 (tool) is '-1'; expected a tool's number", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n", ":2: t_s is 0.000000000, not after the row above", OST_ERR_INPUT},
-        {"5,0,0,0,1,0,0,0\n4.9999999999,0,0,0,1,0,0,0\n", ":2: t_s is 5.000000000, not after the row above", OST_ERR_INPUT},
+        {"5,0,0,0,1,0,0,0\n4.9999999999,0,0,0,1,0,0,0\n", ":2: t_s is 5.000000000, not after the row above",
+         OST_ERR_INPUT},
         {"0,8000.1,0,0,1,0,0,0\n", ":1: position x", OST_ERR_RANGE},
         {"0,0,0,0,1,0.1,0,0\n", ":1: quaternion", OST_ERR_RANGE},
         {"0,0,0,0,0,0,0,0\n", ":1: quaternion", OST_ERR_RANGE},
         {"0,0,0,0,1e9,0,0,0\n", ":1: quaternion component 0", OST_ERR_RANGE},
         {"0 0 0 1200\n", ":1: 4 columns; expected t_s,x_mm", OST_ERR_INPUT},
         {"\x01\x02\x03\n", ":1: binary data", OST_ERR_INPUT},
-        {"\xff\xfe" "0\n", ":1: the text is UTF-16", OST_ERR_INPUT},
+        {"\xff\xfe"
+         "0\n",
+         ":1: the text is UTF-16", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\r1,0,0,0,1,0,0,0\r", ":1: line ends are CR alone; LF or CR LF expected", OST_ERR_INPUT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -68,7 +68,8 @@ static void put_position(text *t, int64_t units, int places, const recipe *r)
     for (int i = 0; i < places; i++)
         one *= 10;
     char number[64];
-    int n = snprintf(number, sizeof number, "%s%lld%s", units < 0 ? "-" : "", (long long)(magnitude / one), places > 0 ? "." : "");
+    int n = snprintf(number, sizeof number, "%s%lld%s", units < 0 ? "-" : "", (long long)(magnitude / one),
+                     places > 0 ? "." : "");
     for (int i = 0; i < places; i++) {
         magnitude %= one;
         one /= 10;
@@ -105,7 +106,8 @@ static text make(const recipe *r, test_rng *rng)
                     put_position(&t, value[a], r->places, r);
                     put(&t, "%s", r->separator);
                 }
-                int density = (int)(rng_range(rng, 0, 30) == 0 ? rng_range(rng, INT16_MIN, INT16_MAX) : rng_range(rng, -1024, 3071));
+                int density = (int)(rng_range(rng, 0, 30) == 0 ? rng_range(rng, INT16_MIN, INT16_MAX)
+                                                               : rng_range(rng, -1024, 3071));
                 put(&t, r->widths ? "%6d" : "%d", density);
                 put(&t, "%s", r->ending);
             }
@@ -197,7 +199,8 @@ static outcome two_passes(ost_backend *backend, const char *path, ost_pm3 given,
     return o;
 }
 
-static outcome one_pass(ost_backend *backend, const char *path, ost_pm3 given, const ost_voxel_box *crop, int threads, bool *found)
+static outcome one_pass(ost_backend *backend, const char *path, ost_pm3 given, const ost_voxel_box *crop, int threads,
+                        bool *found)
 {
     outcome o = {.status = OST_OK};
     ost_text_raster raster;
@@ -312,7 +315,8 @@ static recipe random_recipe(test_rng *rng, bool large)
 {
     static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     static const char *const separators[] = {" ", " ", "\t", ",", " ; ", "  "};
-    static const char *const heads[] = {"", "", "x y z density\n", "# made by a test\n\n# osteon side: left\n", "\xef\xbb\xbf# first\r\nX,Y,Z,HU\r\n"};
+    static const char *const heads[] = {"", "", "x y z density\n", "# made by a test\n\n# osteon side: left\n",
+                                        "\xef\xbb\xbf# first\r\nX,Y,Z,HU\r\n"};
     recipe r = {
         .places = (int)rng_range(rng, 1, 4), /* the least step is 4 um */
         .separator = separators[rng_range(rng, 0, 5)],
@@ -365,7 +369,8 @@ static void scans_are_read_in_one_pass(void **state)
 static void what_is_done_to_a_scan_shows(void **state)
 {
     test_rng rng = rng_seeded("broken scans");
-    static const char *const densities[] = {"32768", "-32769", "+5", "7.0", "7.5", "1e2", "", "-", "--3", "12a", "000012", "-0", "99999999", "1 2", "5 # five", " 5"};
+    static const char *const densities[] = {"32768", "-32769", "+5",     "7.0", "7.5",      "1e2", "",         "-",
+                                            "--3",   "12a",    "000012", "-0",  "99999999", "1 2", "5 # five", " 5"};
     for (int round = 0; round < test_rounds(260); round++) {
         recipe r = random_recipe(&rng, round % 40 == 0);
         r.widths = false;
@@ -391,10 +396,14 @@ static void what_is_done_to_a_scan_shows(void **state)
             break;
         }
         case 4: /* change one byte of the line */
-            t.bytes[at + (size_t)rng_range(&rng, 0, (int64_t)length - 1)] = "0123456789.-+ ,e#x\n"[rng_range(&rng, 0, 18)];
+            t.bytes[at + (size_t)rng_range(&rng, 0, (int64_t)length - 1)] =
+                "0123456789.-+ ,e#x\n"[rng_range(&rng, 0, 18)];
             break;
         case 5: /* insert a comment, a fact or an empty line */
-            replace(&t, at, 0, round / 13 % 3 == 0 ? "# here\n" : round / 13 % 3 == 1 ? "# osteon spacing_mm: 1 1 1\n" : "\n");
+            replace(&t, at, 0,
+                    round / 13 % 3 == 0   ? "# here\n"
+                    : round / 13 % 3 == 1 ? "# osteon spacing_mm: 1 1 1\n"
+                                          : "\n");
             break;
         case 6: /* cut the text off at any position */
             t.size = at + (size_t)rng_range(&rng, 0, (int64_t)length - 1);
@@ -405,7 +414,8 @@ static void what_is_done_to_a_scan_shows(void **state)
                 replace(&t, at, 2, "-0");
             break;
         case 8: /* insert a blank before or after the line */
-            replace(&t, rng_range(&rng, 0, 1) ? at : end - strlen(r.ending) * (n + 1 < t.lines || r.last_newline), 0, " ");
+            replace(&t, rng_range(&rng, 0, 1) ? at : end - strlen(r.ending) * (n + 1 < t.lines || r.last_newline), 0,
+                    " ");
             break;
         case 9: { /* exchange two neighbouring lines */
             if (n + 2 < t.lines) {
@@ -420,7 +430,8 @@ static void what_is_done_to_a_scan_shows(void **state)
         case 10: /* insert a fact with the number of voxels, right or wrong */
         {
             char fact[128];
-            snprintf(fact, sizeof fact, "# osteon dims: %d %d %d\n", r.dims[0], r.dims[1], r.dims[2] + (int)rng_range(&rng, 0, 1));
+            snprintf(fact, sizeof fact, "# osteon dims: %d %d %d\n", r.dims[0], r.dims[1],
+                     r.dims[2] + (int)rng_range(&rng, 0, 1));
             replace(&t, 0, 0, fact);
             break;
         }
@@ -471,7 +482,14 @@ static void reading_can_be_cancelled(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("cancelled");
-    recipe r = {.dims = {60, 60, 20}, .order = {0, 1, 2}, .step = {50, 50, 50}, .places = 2, .separator = " ", .ending = "\n", .head = "", .last_newline = true};
+    recipe r = {.dims = {60, 60, 20},
+                .order = {0, 1, 2},
+                .step = {50, 50, 50},
+                .places = 2,
+                .separator = " ",
+                .ending = "\n",
+                .head = "",
+                .last_newline = true};
     text t = make(&r, &rng);
     const char *path = scratch_write(folder, "ct.txt", t.bytes, t.size);
     for (int threads = 1; threads < 4; threads++) {
@@ -510,7 +528,8 @@ static void kernels_agree(void **state)
         uint8_t lengths[LINES];
         ost_text_around *around[2] = {&pattern.before, &pattern.after};
         for (int i = 0; i < 2; i++) {
-            around[i]->length = (uint32_t)(i == 0 && rng_range(&rng, 0, 1) ? 0 : rng_range(&rng, 1, OST_TEXT_AROUND_MAX));
+            around[i]->length = (uint32_t)(i == 0 && rng_range(&rng, 0, 1) ? 0
+                                                                           : rng_range(&rng, 1, OST_TEXT_AROUND_MAX));
             for (uint32_t k = 0; k < around[i]->length; k++) {
                 around[i]->text[k] = (unsigned char)"0123456789.- "[rng_range(&rng, 0, 12)];
                 around[i]->mask[k] = 0xff;
@@ -529,13 +548,15 @@ static void kernels_agree(void **state)
             }
             char density[32];
             snprintf(density, sizeof density, rng_range(&rng, 0, 20) ? "%lld" : "%05lld",
-                     (long long)(rng_range(&rng, 0, 9) ? rng_range(&rng, INT16_MIN, INT16_MAX) : rng_range(&rng, -200000, 200000)));
+                     (long long)(rng_range(&rng, 0, 9) ? rng_range(&rng, INT16_MIN, INT16_MAX)
+                                                       : rng_range(&rng, -200000, 200000)));
             size_t begin = begins[i] = size;
-            size += (size_t)snprintf(text_at + size, CAPACITY - size, "%.*s%.*s%.*s%s%s", (int)pattern.before.length, pattern.before.text,
-                                     (int)lengths[i], columns[i].text, (int)pattern.after.length, pattern.after.text, density,
-                                     pattern.carriage ? "\r" : "");
+            size += (size_t)snprintf(text_at + size, CAPACITY - size, "%.*s%.*s%.*s%s%s", (int)pattern.before.length,
+                                     pattern.before.text, (int)lengths[i], columns[i].text, (int)pattern.after.length,
+                                     pattern.after.text, density, pattern.carriage ? "\r" : "");
             if (rng_range(&rng, 0, 15) == 0) /* replace a byte by a random one, which may be equal */
-                text_at[begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin) - 1)] = "0159.- /:\r"[rng_range(&rng, 0, 9)];
+                text_at[begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin) - 1)] =
+                    "0159.- /:\r"[rng_range(&rng, 0, 9)];
             if (rng_range(&rng, 0, 30) == 0) /* a shorter line, which may be empty */
                 size = begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin));
             text_at[size++] = '\n';
@@ -557,9 +578,11 @@ static void kernels_agree(void **state)
                 const char *want_next, *have_next;
                 for (size_t i = 0; i <= most; i++)
                     want[i] = have[i] = 12345;
-                size_t good = scalar(&pattern, columns + from, lengths + from, copy + begins[from], copy + behind, most, want, &want_next);
-                assert_int_equal(ost_text_match_for((ost_isa)isa)(&pattern, columns + from, lengths + from, copy + begins[from], copy + behind,
-                                                                  most, have, &have_next),
+                size_t good = scalar(&pattern, columns + from, lengths + from, copy + begins[from], copy + behind, most,
+                                     want, &want_next);
+                assert_int_equal(ost_text_match_for((ost_isa)isa)(&pattern, columns + from, lengths + from,
+                                                                  copy + begins[from], copy + behind, most, have,
+                                                                  &have_next),
                                  good);
                 assert_memory_equal(want, have, (most + 1) * sizeof *want);
                 for (size_t i = good; i <= most; i++) /* these elements may belong to another thread */
@@ -587,8 +610,11 @@ static int close_backend(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scans_are_read_in_one_pass), cmocka_unit_test(what_is_done_to_a_scan_shows), cmocka_unit_test(small_texts),
-        cmocka_unit_test(reading_can_be_cancelled),   cmocka_unit_test(kernels_agree),
+        cmocka_unit_test(scans_are_read_in_one_pass),
+        cmocka_unit_test(what_is_done_to_a_scan_shows),
+        cmocka_unit_test(small_texts),
+        cmocka_unit_test(reading_can_be_cancelled),
+        cmocka_unit_test(kernels_agree),
     };
     return run_on_backends(tests, open_backend, close_backend);
 }

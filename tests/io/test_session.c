@@ -56,7 +56,11 @@ static ost_record tick_record(uint64_t number)
                     .tick = {.t_ns = -5 + (int64_t)number * 1000000,
                              .tool = n % 3,
                              .rpm = n - 1,
-                             .pose = {.t = {-1 - n, INT64_C(7999999999999), n}, .qw = OST_Q30_ONE, .qx = -n, .qy = n + 1, .qz = INT32_MIN + n},
+                             .pose = {.t = {-1 - n, INT64_C(7999999999999), n},
+                                      .qw = OST_Q30_ONE,
+                                      .qx = -n,
+                                      .qy = n + 1,
+                                      .qz = INT32_MIN + n},
                              .lifted = n % 2 == 0},
                     .flags = OST_TICK_REMOVAL | OST_TICK_DECLARED,
                     .buttons = 0x80000001u,
@@ -116,7 +120,9 @@ static void make_sample(sample *s)
         s->begin[2 + i] = s->b.size;
         s->first[i] = number;
         for (uint32_t k = 0; k < block_records[i]; k++) {
-            const ost_record end = {.kind = OST_RECORD_END, .as.end = {.ticks = number, .removals = 2, .removed_voxels = 3, .has_root = true, .root = {{9}}}};
+            const ost_record end = {
+                .kind = OST_RECORD_END,
+                .as.end = {.ticks = number, .removals = 2, .removed_voxels = 3, .has_root = true, .root = {{9}}}};
             const ost_record tick = tick_record(number);
             const bool last = i == BLOCKS - 1 && k == block_records[i] - 1;
             ost_session_record_encode(last ? &end : &tick, block + SESSION_BLOCK + k * SESSION_RECORD);
@@ -237,9 +243,11 @@ static void bytes_are_as_documented(void **state)
     const ost_record record = tick_record(258);
     unsigned char r[SESSION_RECORD];
     ost_session_record_encode(&record, r);
-    static const unsigned char first[24] = {1, 0, 3, 0, 25, 0, 0, 0, 2, 1, 0, 0, 0, 0, 0, 0, 0x7b, 0xc4, 0x60, 0x0f, 0, 0, 0, 0};
+    static const unsigned char first[24] = {1, 0, 3, 0, 25,   0,    0,    0,    2, 1, 0, 0,
+                                            0, 0, 0, 0, 0x7b, 0xc4, 0x60, 0x0f, 0, 0, 0, 0};
     assert_memory_equal(r, first, sizeof first);
-    static const unsigned char pose_y[8] = {0xff, 0x7f, 0x28, 0xa5, 0x46, 0x07, 0, 0}; /* 7,999,999,999,999 is 0x746a5287fff */
+    /* 7,999,999,999,999 is 0x746a5287fff */
+    static const unsigned char pose_y[8] = {0xff, 0x7f, 0x28, 0xa5, 0x46, 0x07, 0, 0};
     assert_memory_equal(r + 32, pose_y, 8);
     assert_int_equal(r[51], 0x40);  /* qw = 2^30 */
     assert_int_equal(r[63], 0x80);  /* qz */
@@ -391,7 +399,8 @@ static void repair_keeps_what_is_whole(void **state)
     assert_int_equal(sum->damaged_bytes + sum->cut_bytes, 0);
     assert_false(sum->header_damaged || sum->ended);
     assert_int_equal(check_ticks(fixed), 4);
-    assert_string_equal(ost_session_header_get(ost_session_header_of(fixed), "bone"), ost_session_header_get(ost_session_header_of(session), "bone"));
+    assert_string_equal(ost_session_header_get(ost_session_header_of(fixed), "bone"),
+                        ost_session_header_get(ost_session_header_of(session), "bone"));
     assert_string_not_equal(ost_session_missing(session, before), ost_session_missing(fixed, after));
     assert_string_equal(after, "it has no end: the recording was cut off after tick 3");
     ost_session_close(fixed);
@@ -458,8 +467,10 @@ static void a_table_for_others(void **state)
     char *text = scratch_read(out, NULL);
     char *second = strchr(text, '\n') + 1;
     *strchr(second, '\n') = '\0';
-    assert_string_equal(second, "-0.000000005,-0.000000001,7999.999999999,0,1,0,0.0000000009,-2,0,0,1,0,4096,4000000000,7,fedcba9876543210,"
-                                "0,1,2147483649,3,-2147483648,0,2147483647,1,-2,3,11,12,13,1,-1");
+    assert_string_equal(
+        second,
+        "-0.000000005,-0.000000001,7999.999999999,0,1,0,0.0000000009,-2,0,0,1,0,4096,4000000000,7,fedcba9876543210,"
+        "0,1,2147483649,3,-2147483648,0,2147483647,1,-2,3,11,12,13,1,-1");
     free(text);
 }
 
@@ -504,7 +515,8 @@ static ost_recorder *record_on(disk *d, uint32_t capacity)
     pthread_mutex_init(&d->held, NULL);
     d->b.size = 0;
     d->fails = 0;
-    assert_ok(ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.capacity = capacity}, &recorder, &err));
+    assert_ok(
+        ost_recorder_open_sink("disk", &sink, header, &(ost_recorder_options){.capacity = capacity}, &recorder, &err));
     ost_session_header_free(header);
     return recorder;
 }
@@ -708,7 +720,8 @@ static void a_disk_that_stays_full_is_an_error_at_the_end(void **state)
         assert_non_null(strstr(err.text, "/dev/full: cannot start the recording: the disk is full"));
     }
     assert_int_equal(ost_recorder_open("/nowhere/x.session", header, NULL, &recorder, &err), OST_ERR_IO);
-    assert_int_equal(ost_recorder_open("x", header, &(ost_recorder_options){.capacity = 3}, &recorder, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_recorder_open("x", header, &(ost_recorder_options){.capacity = 3}, &recorder, &err),
+                     OST_ERR_USAGE);
     ost_session_header_free(header);
 }
 

@@ -48,7 +48,8 @@ static void record_until_killed(const char *path, shared *s)
 {
     ost_session_header *header;
     ost_recorder *recorder;
-    if (ost_session_header_create(&header, NULL) != OST_OK || ost_recorder_open(path, header, NULL, &recorder, NULL) != OST_OK)
+    if (ost_session_header_create(&header, NULL) != OST_OK ||
+        ost_recorder_open(path, header, NULL, &recorder, NULL) != OST_OK)
         _exit(1);
     atomic_store(&s->ready, 1);
     struct timespec next;

@@ -10,7 +10,8 @@
 #include "io/scratch_group.h"
 
 /* Reads all rows of a text, at most `capacity`. */
-static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t capacity, size_t *count, ost_error *err)
+static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t capacity, size_t *count,
+                            ost_error *err)
 {
     const char *path = scratch_write(folder, "ct.txt", text, size);
     ost_text_source source;
@@ -54,7 +55,10 @@ static void values_are_exact(void **state)
             ost_text_row row[2];
             size_t count;
             char text[256];
-            int size = snprintf(text, sizeof text, "%s%s", cases[i].line, ending == 0 ? "\n" : ending == 1 ? "\r\n" : "");
+            int size = snprintf(text, sizeof text, "%s%s", cases[i].line,
+                                ending == 0   ? "\n"
+                                : ending == 1 ? "\r\n"
+                                              : "");
             assert_ok(read_rows(text, (size_t)size, row, 2, &count, &err));
             assert_int_equal(count, 1);
             assert_true(row[0].position[0] == cases[i].x);
@@ -120,9 +124,13 @@ static void broken_texts_are_refused(void **state)
         {"1 2 3 4\nx y z density\n", ":2: column 1 (x) is 'x'"},
         {"x y z d\na b c d\n", ":2: column 1 (x) is 'a'"},
         {"1 2 3 '4'\n", ":1: column 4 (density) is ''4''"},
-        {"1 2 3 \xe2\x88\x92" "4\n", ":1: column 4 (density) is '\xe2\x88\x92" "4'"}, /* a typographic minus */
+        {"1 2 3 \xe2\x88\x92"
+         "4\n",
+         ":1: column 4 (density) is '\xe2\x88\x92"
+         "4'"}, /* a typographic minus */
         /* out of range */
-        {"1 2 3 4\n8000.000000001 2 3 4\n", ":2: column 1 (x) is '8000.000000001'; expected a position within 8000 mm of 0"},
+        {"1 2 3 4\n8000.000000001 2 3 4\n",
+         ":2: column 1 (x) is '8000.000000001'; expected a position within 8000 mm of 0"},
         {"1 -1e9 3 4\n", ":1: column 2 (y) is '-1e9'; expected a position"},
         {"1 2 1e9999 4\n", ":1: column 3 (z) is '1e9999'; expected a position"},
         {"1 2 1e99999 4\n", ":1: column 3 (z) is '1e99999'; expected a decimal number"},
@@ -146,13 +154,17 @@ static void broken_texts_are_refused(void **state)
         {"# only a comment\n", ": no sample in 1 lines"},
         {"x y z density\n", ": no sample in 1 lines"},
         {"<html><body>404</body></html>\n1 2 3 4 5\n", ":2: 5 values"},
-        {"\xff\xfe" "1\n", ":1: the text is UTF-16"},
+        {"\xff\xfe"
+         "1\n",
+         ":1: the text is UTF-16"},
         {"1 2 3 4\r5 6 7 8\r", ":1: line ends are CR alone; LF or CR LF expected"},
         {"\xef\xbb\xbfx y z d\r1 2 3 4", ":1: line ends are CR alone"},
         {"1 2 3 4\r5 6 7 8\n", ":1: binary bytes"},
         {"\x01\r1 2 3 4\r", ":1: binary bytes"},
         {"1 2 3 4\n\x01\x02\x03\n", ":2: binary bytes"},
-        {"\x7f" "ELF\x02\n", ":1: binary bytes"},
+        {"\x7f"
+         "ELF\x02\n",
+         ":1: binary bytes"},
         /* facts of the text */
         {"# osteon spacing_mm: 1 1\n1 2 3 4\n", ":1: fact 'spacing_mm' is '1 1'; expected three lengths"},
         {"# osteon spacing_mm: 1 1 0\n1 2 3 4\n", ":1: fact 'spacing_mm'"},
@@ -163,10 +175,12 @@ static void broken_texts_are_refused(void **state)
         {"# osteon dims: 2 1 1\n1 2 3 4\n", ":2: ends after 1 samples; line 1 says 2 x 1 x 1, which are 2"},
         {"# osteon dims: 1 1 1\n1 2 3 4", ":2: the last line has no line end: the file is truncated"},
         {"# osteon KIND: bone\n1 2 3 4\n", ":1: 'KIND' is not a key"},
-        {"# osteon dims: 1 1 1\n1 2 3 4\n# osteon dims: 1 1 2\n", ":3: fact 'dims' is '1 1 2', but line 1 gives another"},
+        {"# osteon dims: 1 1 1\n1 2 3 4\n# osteon dims: 1 1 2\n",
+         ":3: fact 'dims' is '1 1 2', but line 1 gives another"},
         {"# osteon spacing_mm: 1 1 1\n# osteon spacing_mm: 1 1 1.000000001\n1 2 3 4\n",
          ":2: fact 'spacing_mm' is '1 1 1.000000001', but line 1 gives another"},
-        {"# osteon origin_mm: 1 2 3\n#osteon\torigin_mm: 1 2 3.5\n1 2 3 4\n", ":2: fact 'origin_mm' is '1 2 3.5', but line 1"},
+        {"# osteon origin_mm: 1 2 3\n#osteon\torigin_mm: 1 2 3.5\n1 2 3 4\n",
+         ":2: fact 'origin_mm' is '1 2 3.5', but line 1"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         ost_error err = {0};
@@ -190,9 +204,10 @@ static void broken_texts_are_refused(void **state)
 static void facts_may_be_repeated(void **state)
 {
     (void)state;
-    static const char text[] = "# osteon dims: 1 1 1\n# osteon spacing_mm: 0.5 1 2\n# osteon note: first\n# osteon made: 1998\n"
-                               "#osteon dims:\t1.0,10e-1;1 \n1 2 3 4\n\t# osteon spacing_mm: 0.50 1.0,2e0\n# osteon origin_mm: 1 2 3\n"
-                               "# osteon note: last\n# osteon origin_mm: 1.0 2.0 3.0\n# osteon was here: 1998\n# osteon ab : 3\n";
+    static const char text[] =
+        "# osteon dims: 1 1 1\n# osteon spacing_mm: 0.5 1 2\n# osteon note: first\n# osteon made: 1998\n"
+        "#osteon dims:\t1.0,10e-1;1 \n1 2 3 4\n\t# osteon spacing_mm: 0.50 1.0,2e0\n# osteon origin_mm: 1 2 3\n"
+        "# osteon note: last\n# osteon origin_mm: 1.0 2.0 3.0\n# osteon was here: 1998\n# osteon ab : 3\n";
     ost_error err = {0};
     ost_text_source source;
     ost_text_summary summary;

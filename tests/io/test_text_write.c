@@ -90,7 +90,8 @@ static void what_is_written_reads_back(void **state)
     for (int round = 0; round < 60; round++) {
         ost_geometry g = {
             .dims = {(int32_t)rng_range(&rng, 1, 20), (int32_t)rng_range(&rng, 1, 20), (int32_t)rng_range(&rng, 1, 20)},
-            .spacing = {rng_range(&rng, 50000000, 3000000000), rng_range(&rng, 50000000, 3000000000), rng_range(&rng, 50000000, 3000000000)},
+            .spacing = {rng_range(&rng, 50000000, 3000000000), rng_range(&rng, 50000000, 3000000000),
+                        rng_range(&rng, 50000000, 3000000000)},
             .origin = {rng_range(&rng, -500000000000, 500000000000), rng_range(&rng, -500000000000, 500000000000),
                        rng_range(&rng, -500000000000, 500000000000)},
         };
@@ -128,7 +129,8 @@ static void a_cut_text_is_refused(void **state)
     int16_t voxels[12];
     for (int i = 0; i < 12; i++)
         voxels[i] = (int16_t)(100 + i * 37);
-    ost_volume volume = {.geometry = {{3, 2, 2}, {470000000, 470000000, 1000000000}, {-57340000000, 0, 0}}, .voxels = voxels};
+    ost_volume volume = {.geometry = {{3, 2, 2}, {470000000, 470000000, 1000000000}, {-57340000000, 0, 0}},
+                         .voxels = voxels};
     assert_ok(ost_text_write_volume(path, &volume, 4, &err));
     size_t size;
     char *text = scratch_read(path, &size);
@@ -148,7 +150,8 @@ static ost_volume large_volume(void)
 {
     ost_error err = {0};
     ost_volume volume;
-    assert_ok(ost_volume_init(&volume, &(ost_geometry){{64, 64, 16}, {470000000, 470000000, 1000000000}, {0, 0, 0}}, &err));
+    assert_ok(
+        ost_volume_init(&volume, &(ost_geometry){{64, 64, 16}, {470000000, 470000000, 1000000000}, {0, 0, 0}}, &err));
     return volume;
 }
 

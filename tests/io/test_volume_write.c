@@ -94,13 +94,15 @@ static void facts_keep_their_order(void **state)
 {
     (void)state;
     static const char *const keys[] = {"zebra", "dims", "note", "spacing_mm", "a", "origin_mm", "uml", "empty", "nine"};
-    static const char *const values[] = {"first", "5 5 5", "a:=b \\ c\\n: d", "3 3 3", "1", "7 7 7", "T\xc3\xbcr \xff", "", "# x"};
+    static const char *const values[] = {"first", "5 5 5", "a:=b \\ c\\n: d", "3 3 3", "1", "7 7 7", "T\xc3\xbcr \xff",
+                                         "",      "# x"};
     static const char *const kept[] = {"zebra", "note", "a", "uml", "empty", "nine"};
     static const char *const formats[] = {"f.nrrd", "f.nii", "f.nii.gz"};
     test_rng rng = rng_seeded("facts");
     ost_error err = {0};
     ost_volume v;
-    const ost_geometry g = {.dims = {2, 1, 3}, .spacing = {pm("0.123456789"), pm("0.5"), pm("1")}, .origin = {pm("-0.000000001"), 0, 0}};
+    const ost_geometry g = {
+        .dims = {2, 1, 3}, .spacing = {pm("0.123456789"), pm("0.5"), pm("1")}, .origin = {pm("-0.000000001"), 0, 0}};
     make_volume(&v, &g, &rng);
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
         assert_ok(ost_meta_set(&v.meta, keys[k], values[k], &err));
@@ -126,7 +128,8 @@ static void facts_keep_their_order(void **state)
 static void facts_of_a_nrrd(void **state)
 {
     (void)state;
-    static const char text[] = "NRRD0005\ntype: int8\ndimension: 3\nsizes: 1 1 1\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: text\nosteon_b:=1\n"
+    static const char text[] = "NRRD0005\ntype: int8\ndimension: 3\nsizes: 1 1 1\nspace: LPS\nspace directions: "
+                               "(1,0,0) (0,1,0) (0,0,1)\nencoding: text\nosteon_b:=1\n"
                                "osteon_a:=  two\\\\ \\nlines \nother:=x\nosteon_b:=3\n\n5\n";
     ost_error err = {0};
     ost_volume v;
@@ -154,7 +157,8 @@ static void nifti_without_its_comment(void **state)
     for (size_t l = 0; l < sizeof lengths / sizeof lengths[0]; l++) {
         ost_volume v, back;
         ost_pm length = pm(lengths[l]);
-        const ost_geometry g = {.dims = {2, 3, 2}, .spacing = {length, length, length}, .origin = {-length, length, -length}};
+        const ost_geometry g = {
+            .dims = {2, 3, 2}, .spacing = {length, length, length}, .origin = {-length, length, -length}};
         size_t size;
         make_volume(&v, &g, &rng);
         assert_ok(ost_volume_write(at("n.nii"), &v, NULL, &err));
@@ -215,7 +219,8 @@ static void the_nrrd_header_to_the_byte(void **state)
                                    "\x01\x02\xff\xff";
     ost_error err = {0};
     int16_t voxels[2] = {0x0201, -1};
-    ost_volume v = {.geometry = {{2, 1, 1}, {pm("0.47"), pm("0.47"), pm("1")}, {pm("-57.34"), 0, pm("0.5")}}, .voxels = voxels};
+    ost_volume v = {.geometry = {{2, 1, 1}, {pm("0.47"), pm("0.47"), pm("1")}, {pm("-57.34"), 0, pm("0.5")}},
+                    .voxels = voxels};
     size_t size;
     assert_ok(ost_meta_set(&v.meta, "side", "left", &err));
     assert_ok(ost_volume_write(at("b.nrrd"), &v, NULL, &err));
@@ -287,8 +292,8 @@ static void every_format_imports_to_the_same_bone(void **state)
         const char *name;
         int decimals;
         bool compress;
-    } ways[] = {{"i.nrrd", 0, false}, {"j.nrrd", 0, true}, {"i.nii", 0, false}, {"i.nii.gz", 0, false}, {"i.txt", 0, false},
-                {"j.txt", 6, false}, {"k.txt", 4, false}};
+    } ways[] = {{"i.nrrd", 0, false}, {"j.nrrd", 0, true}, {"i.nii", 0, false}, {"i.nii.gz", 0, false},
+                {"i.txt", 0, false},  {"j.txt", 6, false}, {"k.txt", 4, false}};
     test_rng rng = rng_seeded("import");
     ost_error err = {0};
     ost_backend *backend;
@@ -337,7 +342,8 @@ static void tools(void **state)
     ost_error err = {0};
     for (size_t i = 0; i < sizeof voxels / sizeof voxels[0]; i++) {
         ost_tool_volume tool, back;
-        const ost_tool_geometry g = {.dims = {3, 4, 2}, .voxel = pm(voxels[i]), .corner = {pm("-18.5"), pm("0.123456789"), 0}};
+        const ost_tool_geometry g = {
+            .dims = {3, 4, 2}, .voxel = pm(voxels[i]), .corner = {pm("-18.5"), pm("0.123456789"), 0}};
         if (g.voxel < OST_TOOL_VOXEL_MIN)
             continue;
         assert_ok(ost_tool_volume_init(&tool, &g, &err));
@@ -360,7 +366,8 @@ static void a_tool_of_an_odd_voxel(void **state)
     ost_error err = {0};
     uint8_t voxel = 1;
     size_t size;
-    const ost_tool_volume tool = {.geometry = {.dims = {1, 1, 1}, .voxel = 1000001, .corner = {-1000000, 0, 2000000000}}, .voxels = &voxel};
+    const ost_tool_volume tool = {
+        .geometry = {.dims = {1, 1, 1}, .voxel = 1000001, .corner = {-1000000, 0, 2000000000}}, .voxels = &voxel};
     assert_ok(ost_tool_volume_write(at("odd.nrrd"), &tool, &err));
     char *file = read_all(at("odd.nrrd"), &size);
     assert_non_null(strstr(file, "space origin: (-0.0004999995,0.0005000005,2.0005000005)\n"));
@@ -424,7 +431,8 @@ static void bones_come_down_in_slabs(void **state)
     ost_bone *bone;
     ost_volume v, back;
     /* More than one slab of 8 MiB: 1200 x 900 x 9 int16 is 19 MB. */
-    const ost_geometry g = {.dims = {1200, 900, 9}, .spacing = {pm("0.47"), pm("0.47"), pm("0.47")}, .origin = {pm("-57.34"), 0, 0}};
+    const ost_geometry g = {
+        .dims = {1200, 900, 9}, .spacing = {pm("0.47"), pm("0.47"), pm("0.47")}, .origin = {pm("-57.34"), 0, 0}};
     test_rng rng = rng_seeded("bones");
     make_volume(&v, &g, &rng);
     assert_ok(ost_backend_open(test_backend, &backend, &err));
@@ -451,11 +459,18 @@ static void bones_come_down_in_slabs(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(facts_keep_their_order),        cmocka_unit_test(facts_of_a_nrrd),
-        cmocka_unit_test(every_format_keeps_the_volume), cmocka_unit_test(nifti_without_its_comment),
-        cmocka_unit_test(a_changed_nifti_header_counts), cmocka_unit_test(the_nrrd_header_to_the_byte),
-        cmocka_unit_test(names_decide_and_nothing_is_left), cmocka_unit_test(tools), cmocka_unit_test(every_format_imports_to_the_same_bone),
-        cmocka_unit_test(a_tool_of_an_odd_voxel),        cmocka_unit_test(foreign_tools),                 cmocka_unit_test(bones_come_down_in_slabs),
+        cmocka_unit_test(facts_keep_their_order),
+        cmocka_unit_test(facts_of_a_nrrd),
+        cmocka_unit_test(every_format_keeps_the_volume),
+        cmocka_unit_test(nifti_without_its_comment),
+        cmocka_unit_test(a_changed_nifti_header_counts),
+        cmocka_unit_test(the_nrrd_header_to_the_byte),
+        cmocka_unit_test(names_decide_and_nothing_is_left),
+        cmocka_unit_test(tools),
+        cmocka_unit_test(every_format_imports_to_the_same_bone),
+        cmocka_unit_test(a_tool_of_an_odd_voxel),
+        cmocka_unit_test(foreign_tools),
+        cmocka_unit_test(bones_come_down_in_slabs),
     };
     return run_on_backends(tests, make_scratch, drop_scratch);
 }

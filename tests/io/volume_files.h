@@ -119,7 +119,8 @@ static inline uint64_t double_bits(double value)
 }
 
 /* Checks that reading fails with this status and that the error has the file's name and these words. */
-static inline void assert_refused(const char *path, const ost_volume_options *options, ost_status expected, const char *words)
+static inline void assert_refused(const char *path, const ost_volume_options *options, ost_status expected,
+                                  const char *words)
 {
     ost_error err = {0};
     ost_volume volume;
@@ -127,7 +128,8 @@ static inline void assert_refused(const char *path, const ost_volume_options *op
     if (status == OST_OK)
         fail_msg("%s was read, though it should say '%s'", path, words);
     if (status != expected || !strstr(err.text, words))
-        fail_msg("%s: %s (%s), but %s with '%s' was expected", path, ost_status_name(status), err.text, ost_status_name(expected), words);
+        fail_msg("%s: %s (%s), but %s with '%s' was expected", path, ost_status_name(status), err.text,
+                 ost_status_name(expected), words);
     assert_null(volume.voxels);
     assert_int_equal(err.status, status);
     assert_null(strchr(err.text, '\n'));

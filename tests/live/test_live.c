@@ -93,12 +93,14 @@ static void occupancy_is_what_is_active(void **state)
         assert_ok(ost_bone_occupancy(bone, (size_t)info.chunks, chunks, words, &err));
         for (int32_t i = 0; i < info.chunks; i++)
             for (int v = 0; v < n * n * n; v++) {
-                const int32_t c = chunks[i], x = c % info.chunk_dims.x * n + v % n, y = c / info.chunk_dims.x % info.chunk_dims.y * n + v / n % n;
+                const int32_t c = chunks[i], x = c % info.chunk_dims.x * n + v % n,
+                              y = c / info.chunk_dims.x % info.chunk_dims.y * n + v / n % n;
                 const int32_t z = c / info.chunk_dims.x / info.chunk_dims.y * n + v / n / n;
                 const bool inside = x < g.dims.x && y < g.dims.y && z < g.dims.z;
                 const bool active = inside && voxels[x + (size_t)g.dims.x * (size_t)(y + g.dims.y * z)] >= 120;
                 if ((words[(size_t)i * size + (size_t)v / 32] >> (v % 32) & 1) != active)
-                    fail_msg("chunks of %d: voxel (%d, %d, %d) should be %s", n, (int)x, (int)y, (int)z, active ? "active" : "void");
+                    fail_msg("chunks of %d: voxel (%d, %d, %d) should be %s", n, (int)x, (int)y, (int)z,
+                             active ? "active" : "void");
             }
         chunks[0] = (int32_t)info.chunks;
         assert_int_equal(ost_bone_occupancy(bone, 1, chunks, words, &err), OST_ERR_USAGE);
@@ -125,7 +127,8 @@ typedef struct viewer_thread {
 /* All fields of a state follow from its number. */
 static ost_live_state state_of(uint64_t tick)
 {
-    ost_live_state s = {.ticks = tick, .t_ns = (int64_t)tick * 1000000, .removed_voxels = 7 * tick, .fault = (int32_t)(tick % 5)};
+    ost_live_state s = {
+        .ticks = tick, .t_ns = (int64_t)tick * 1000000, .removed_voxels = 7 * tick, .fault = (int32_t)(tick % 5)};
     s.pose = (ost_pose){.t = {(int64_t)tick, -(int64_t)tick, 3 * (int64_t)tick}, .qw = OST_Q30_ONE};
     for (int a = 0; a < 3; a++)
         s.force_n[a] = (double)tick * (a + 1);
@@ -137,7 +140,8 @@ static void view(viewer_thread *l)
     ost_live_state s;
     if (ost_live_state_get(l->live, &s)) {
         const ost_live_state expected = state_of(s.ticks);
-        l->torn = l->torn || s.ticks < l->ticks || s.t_ns != expected.t_ns || s.removed_voxels != expected.removed_voxels || s.fault != expected.fault ||
+        l->torn = l->torn || s.ticks < l->ticks || s.t_ns != expected.t_ns ||
+                  s.removed_voxels != expected.removed_voxels || s.fault != expected.fault ||
                   s.pose.t.z != expected.pose.t.z || s.force_n[2] != expected.force_n[2];
         l->ticks = s.ticks;
     }
@@ -153,7 +157,8 @@ static void *work(void *user)
     viewer_thread *l = user;
     while (!atomic_load(&l->stop)) {
         view(l);
-        const struct timespec nap = {.tv_nsec = rng_range(&l->rng, 0, 9) ? rng_range(&l->rng, 0, 50000) : rng_range(&l->rng, 0, 1000000)};
+        const struct timespec nap = {.tv_nsec = rng_range(&l->rng, 0, 9) ? rng_range(&l->rng, 0, 50000)
+                                                                         : rng_range(&l->rng, 0, 1000000)};
         nanosleep(&nap, NULL);
     }
     return NULL;
@@ -203,8 +208,8 @@ static void a_viewer_ends_with_the_bone(void **state)
         assert_int_equal(l.ticks, rounds);
         surface_of_bone(bone, &g, &expected);
         assert_same_surface(&seen, &expected);
-        print_message("# chunks of %d: %llu takes beside %d removals, %llu surface voxels\n", n, (unsigned long long)l.takes, rounds,
-                      (unsigned long long)expected.points);
+        print_message("# chunks of %d: %llu takes beside %d removals, %llu surface voxels\n", n,
+                      (unsigned long long)l.takes, rounds, (unsigned long long)expected.points);
         ost_surface_free(&expected);
         ost_surface_free(&seen);
         ost_live_free(l.live);
@@ -300,7 +305,9 @@ static void an_operation_shows_itself(void **state)
     assert_ok(ost_live_create(bone, &live, &err));
     assert_ok(ost_path_init(&path, 300, &err));
     for (size_t i = 0; i < path.count; i++)
-        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .rpm = OST_RPM_ON, .pose = {.t = {30 * MM, 30 * MM, (55 - (int64_t)i / 6) * MM}, .qw = OST_Q30_ONE}};
+        path.ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
+                                   .rpm = OST_RPM_ON,
+                                   .pose = {.t = {30 * MM, 30 * MM, (55 - (int64_t)i / 6) * MM}, .qw = OST_Q30_ONE}};
     assert_ok(ost_haptic_open("script", &(ost_haptic_setup){.path = &path}, &device, &err));
     assert_ok(ost_operation_create(world, &(ost_operation_options){.live = live}, &operation, &err));
     const ost_servo_options options = {.no_clock = true, .no_realtime = true};

@@ -100,8 +100,8 @@ static inline void make_inside_out(ost_snapped_mesh *m, size_t t)
 }
 
 /* Returns the grid made by the group's backend; owned by the caller. noncutting and report may be NULL. */
-static inline uint8_t *make_grid_of_two(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
-                                 ost_voxelize_report *report)
+static inline uint8_t *make_grid_of_two(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                                        ost_fill_rule rule, ost_voxelize_report *report)
 {
     ost_error err = {0};
     ost_backend *backend;

@@ -43,7 +43,8 @@ static void add_float(bytes *b, float value)
 }
 
 /* The box [0, 10] x [0, 20] x [-5, 25]: its faces as quads, outward. */
-static const float corners[8][3] = {{0, 0, -5}, {10, 0, -5}, {0, 20, -5}, {10, 20, -5}, {0, 0, 25}, {10, 0, 25}, {0, 20, 25}, {10, 20, 25}};
+static const float corners[8][3] = {{0, 0, -5}, {10, 0, -5}, {0, 20, -5}, {10, 20, -5},
+                                    {0, 0, 25}, {10, 0, 25}, {0, 20, 25}, {10, 20, 25}};
 static const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
 
 /* Returns the vertex of corner c of triangle t of the twelve. */
@@ -88,14 +89,17 @@ static void obj(bytes *b)
     char line[128];
     add_text(b, "# a box\nmtllib /etc/passwd\no box\n");
     for (int i = 0; i < 8; i++) {
-        snprintf(line, sizeof line, "  v %.2f %.0f %.1f%s\n", (double)corners[i][0], (double)corners[i][1], (double)corners[i][2],
-                 i == 5 ? " 0.5 0.5 0.5" : i == 6 ? " 1.0" : "");
+        snprintf(line, sizeof line, "  v %.2f %.0f %.1f%s\n", (double)corners[i][0], (double)corners[i][1],
+                 (double)corners[i][2],
+                 i == 5   ? " 0.5 0.5 0.5"
+                 : i == 6 ? " 1.0"
+                          : "");
         add_text(b, line);
     }
     add_text(b, "vn 0 0 1\nvt 0 0\nusemtl none\ns off\np 1\nl 1 2\n");
     for (int q = 0; q < 6; q++) {
-        snprintf(line, sizeof line, q == 1 ? "f %d/1/1 %d//1 \\\n %d %d\n" : "f %d %d %d %d\n", quads[q][0] + 1, quads[q][1] + 1,
-                 quads[q][2] + 1, quads[q][3] - (q == 2 ? 8 : -1));
+        snprintf(line, sizeof line, q == 1 ? "f %d/1/1 %d//1 \\\n %d %d\n" : "f %d %d %d %d\n", quads[q][0] + 1,
+                 quads[q][1] + 1, quads[q][2] + 1, quads[q][3] - (q == 2 ? 8 : -1));
         add_text(b, line);
     }
 }
@@ -104,11 +108,12 @@ static void ply(bytes *b, const char *format, bool wide)
 {
     const bool text = strcmp(format, "ascii") == 0, big = strcmp(format, "binary_big_endian") == 0;
     char line[256];
-    snprintf(line, sizeof line, "ply\nformat %s 1.0\ncomment made by a test\nelement vertex 8\nproperty %s x\nproperty uchar red\n", format,
-             wide ? "double" : "float");
+    snprintf(line, sizeof line,
+             "ply\nformat %s 1.0\ncomment made by a test\nelement vertex 8\nproperty %s x\nproperty uchar red\n",
+             format, wide ? "double" : "float");
     add_text(b, line);
-    snprintf(line, sizeof line, "property %s y\nproperty %s z\nelement face 6\nproperty list uchar int vertex_index\n", wide ? "double" : "float",
-             wide ? "float64" : "float32");
+    snprintf(line, sizeof line, "property %s y\nproperty %s z\nelement face 6\nproperty list uchar int vertex_index\n",
+             wide ? "double" : "float", wide ? "float64" : "float32");
     add_text(b, line);
     add_text(b, "property list uchar float weights\nend_header\n");
     for (int i = 0; i < 8; i++)
@@ -128,7 +133,8 @@ static void ply(bytes *b, const char *format, bool wide)
         text ? add_text(b, "4") : add_number(b, 4, 1);
         for (int c = 0; c < 4; c++) {
             snprintf(line, sizeof line, " %d", quads[q][c]);
-            text ? add_text(b, line) : add_number(b, big ? __builtin_bswap32((uint32_t)quads[q][c]) : (uint32_t)quads[q][c], 4);
+            text ? add_text(b, line)
+                 : add_number(b, big ? __builtin_bswap32((uint32_t)quads[q][c]) : (uint32_t)quads[q][c], 4);
         }
         text ? add_text(b, " 0\n") : add_number(b, 0, 1);
     }
@@ -137,7 +143,8 @@ static void ply(bytes *b, const char *format, bool wide)
 /* A 3DS file with a material, a local frame and a keyframer, all of which are skipped. */
 static void three_ds(bytes *b)
 {
-    const uint32_t vertices = 2 + 8 * 12, faces = 2 + 12 * 8, frame = 48, mesh = 6 + (6 + vertices) + (6 + frame) + (6 + faces);
+    const uint32_t vertices = 2 + 8 * 12, faces = 2 + 12 * 8, frame = 48,
+                   mesh = 6 + (6 + vertices) + (6 + frame) + (6 + faces);
     const uint32_t editor = 6 + 6 + 4 + mesh, key = 6 + 6;
     add_number(b, 0x4d4d, 2), add_number(b, 6 + editor + key, 4);
     add_number(b, 0x3d3d, 2), add_number(b, editor, 4);
@@ -175,7 +182,8 @@ static void make_file(int which, bytes *b)
 }
 
 enum { FILES = 11 };
-static const char *const names[FILES] = {"a.stl", "b.STL", "c.stl", "d.stl", "e.obj", "f.ply", "g.ply", "h.ply", "i.PLY", "j.obj", "k.3ds"};
+static const char *const names[FILES] = {"a.stl", "b.STL", "c.stl", "d.stl", "e.obj", "f.ply",
+                                         "g.ply", "h.ply", "i.PLY", "j.obj", "k.3ds"};
 
 #ifdef HAVE_ASSIMP
 
@@ -188,7 +196,8 @@ static void every_format_reads_the_same_box(void **state)
         ost_mesh mesh;
         ost_mesh_report report;
         make_file(which, &b);
-        assert_ok(ost_mesh_read(scratch_write(folder, names[which], b.at, b.size), OST_UNIT_AUTO, &mesh, &report, &err));
+        assert_ok(
+            ost_mesh_read(scratch_write(folder, names[which], b.at, b.size), OST_UNIT_AUTO, &mesh, &report, &err));
         assert_int_equal(mesh.triangle_count, 12);
         assert_int_equal(mesh.vertex_count, 8);
         assert_int_equal(report.file_triangles, which < 4 || which == 10 ? 12 : which == 4 ? 8 : 6);
@@ -286,7 +295,8 @@ static void units_are_believed_or_guessed(void **state)
         snprintf(text, sizeof text, "v 0 0 0\nv %s 0 0\nv 0 %s -0\nf 1 2 3\n", rows[i].scale, rows[i].scale);
         b.size = 0;
         add_text(&b, text);
-        ost_status status = ost_mesh_read(scratch_write(folder, "unit.obj", b.at, b.size), rows[i].unit, &mesh, NULL, &err);
+        ost_status status = ost_mesh_read(scratch_write(folder, "unit.obj", b.at, b.size), rows[i].unit, &mesh, NULL,
+                                          &err);
         if (rows[i].pm) {
             if (status != OST_OK)
                 fail_msg("row %zu: %s", i, err.text);
@@ -320,9 +330,11 @@ static void broken_text_is_told_where(void **state)
         {"x.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 1,5 0\n", ":4: expected a number, found '1,5'"},
         {"x.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 1e39 0\n", ":4: expected a number, found '1e39'"},
         {"x.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0x1 0\n", ":4: expected a number"},
-        {"x.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", ":6: expected 'vertex', found 'endloop'"},
+        {"x.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n",
+         ":6: expected 'vertex', found 'endloop'"},
         {"x.stl", "solid a\n" FACET, ":9: expected 'facet' or 'endsolid', found the end"},
-        {"x.stl", "solid a\n" FACET "endsolid\nsolid b\n" FACET "junk\n", ":18: expected 'facet' or 'endsolid', found 'junk'"},
+        {"x.stl", "solid a\n" FACET "endsolid\nsolid b\n" FACET "junk\n",
+         ":18: expected 'facet' or 'endsolid', found 'junk'"},
         {"x.stl", "solid a\n" FACET "endsolid\nmore\n", ":10: expected 'solid', found 'more'"},
         {"x.obj", "", "the file is empty"},
         {"x.obj", "v 0 0 0\n", "has no face"},
@@ -342,7 +354,8 @@ static void broken_text_is_told_where(void **state)
         {"x.ply", "ply\nformat ascii 1.0\nelement vertex -3\n", ":3: expected a count"},
         {"x.ply", "ply\nformat ascii 1.0\nproperty float x\n", ":3: a property before any element"},
         {"x.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty half x\n", ":4: expected a type"},
-        {"x.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list float int x\n", ":4: expected an integer type"},
+        {"x.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty list float int x\n",
+         ":4: expected an integer type"},
         {"x.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n", "x, y and z"},
         {"x.ply", PLY_HEAD "element vertex 3\n", ":7: duplicate name of an element"},
         {"x.ply", PLY_HEAD "property float x\n" PLY_FACE, "x, y and z"},
@@ -393,7 +406,8 @@ static void broken_bytes_are_told_where(void **state)
         make_file(rows[i].which, &b);
         const bool number = strstr(rows[i].says, "coordinate") != NULL;
         memcpy(b.at + rows[i].at, number ? (const void *)&nan_value : (const void *)&huge, 4);
-        ost_status status = ost_mesh_read(scratch_write(folder, names[rows[i].which], b.at, b.size), OST_UNIT_AUTO, &mesh, NULL, &err);
+        ost_status status = ost_mesh_read(scratch_write(folder, names[rows[i].which], b.at, b.size), OST_UNIT_AUTO,
+                                          &mesh, NULL, &err);
         assert_int_equal(status, OST_ERR_INPUT);
         if (!strstr(err.text, rows[i].says))
             fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].says);
@@ -412,15 +426,18 @@ static void bodies_are_joined_and_counted(void **state)
     ost_mesh mesh;
     ost_mesh_report report;
     static const char two_solids[] = "solid a\n" FACET "endsolid\nsolid\nendsolid\nsolid b\n" FACET
-        "facet\nnormal 0\n0\n1 outer\nloop vertex\n0 .0 -.0 vertex 9.\n0 0\nvertex 0 9e0 0 endloop endfacet\nendsolid b\n";
-    assert_ok(ost_mesh_read(scratch_write(folder, "two.stl", two_solids, sizeof two_solids - 1), OST_UNIT_AUTO, &mesh, &report, &err));
+                                     "facet\nnormal 0\n0\n1 outer\nloop vertex\n0 .0 -.0 vertex 9.\n0 0\nvertex 0 9e0 "
+                                     "0 endloop endfacet\nendsolid b\n";
+    assert_ok(ost_mesh_read(scratch_write(folder, "two.stl", two_solids, sizeof two_solids - 1), OST_UNIT_AUTO, &mesh,
+                            &report, &err));
     assert_int_equal(mesh.triangle_count, 3);
     assert_int_equal(mesh.vertex_count, 3);
     assert_int_equal(report.bodies, 2); /* one is empty */
     assert_string_equal(report.format, "STL (ASCII)");
     ost_mesh_free(&mesh);
     static const char two_objects[] = "o a\nv 0 0 0\nv 9 0 0\nv .0 9. +0\nf 1 2 3\no empty\no b\nv 0 0 9\nf 1 2 -1\n";
-    assert_ok(ost_mesh_read(scratch_write(folder, "two.obj", two_objects, sizeof two_objects - 1), OST_UNIT_AUTO, &mesh, &report, &err));
+    assert_ok(ost_mesh_read(scratch_write(folder, "two.obj", two_objects, sizeof two_objects - 1), OST_UNIT_AUTO, &mesh,
+                            &report, &err));
     assert_int_equal(mesh.triangle_count, 2);
     assert_int_equal(mesh.vertex_count, 4);
     assert_int_equal(report.bodies, 2);

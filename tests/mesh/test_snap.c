@@ -27,8 +27,8 @@ static void the_reamer_has_the_thesis_grids(void **state)
     for (size_t i = 0; i < 3; i++) {
         ost_error err = {0};
         ost_tool_geometry g;
-        assert_ok(ost_tool_geometry_from_bounds((ost_pm3){mm(-18), mm(-18), 0}, (ost_pm3){mm(17.4), mm(18), mm(20.3)}, mm(rows[i].voxel), &g,
-                                                &err));
+        assert_ok(ost_tool_geometry_from_bounds((ost_pm3){mm(-18), mm(-18), 0}, (ost_pm3){mm(17.4), mm(18), mm(20.3)},
+                                                mm(rows[i].voxel), &g, &err));
         assert_int_equal(g.dims.x, rows[i].dims.x);
         assert_int_equal(g.dims.y, rows[i].dims.y);
         assert_int_equal(g.dims.z, rows[i].dims.z);
@@ -45,14 +45,16 @@ static void every_grid_has_its_margin(void **state)
     test_rng rng = rng_seeded("margin");
     for (int round = 0; round < 20000; round++) {
         ost_error err = {0};
-        const ost_pm voxel = rng_range(&rng, 0, 1) ? rng_range(&rng, 1, 340) * 25 * 1000 * 1000 : rng_range(&rng, OST_TOOL_VOXEL_MIN, mm(9));
+        const ost_pm voxel = rng_range(&rng, 0, 1) ? rng_range(&rng, 1, 340) * 25 * 1000 * 1000
+                                                   : rng_range(&rng, OST_TOOL_VOXEL_MIN, mm(9));
         ost_pm lo[3], hi[3];
         for (int a = 0; a < 3; a++) {
             lo[a] = rng_range(&rng, 0, 1) ? rng_range(&rng, -700, 700) * voxel / 2 : rng_range(&rng, mm(-900), mm(900));
             hi[a] = lo[a] + rng_range(&rng, 0, 500) * voxel / rng_range(&rng, 1, 3);
         }
         ost_tool_geometry g;
-        assert_ok(ost_tool_geometry_from_bounds((ost_pm3){lo[0], lo[1], lo[2]}, (ost_pm3){hi[0], hi[1], hi[2]}, voxel, &g, &err));
+        assert_ok(ost_tool_geometry_from_bounds((ost_pm3){lo[0], lo[1], lo[2]}, (ost_pm3){hi[0], hi[1], hi[2]}, voxel,
+                                                &g, &err));
         const ost_pm corner[3] = {g.corner.x, g.corner.y, g.corner.z};
         const int32_t dims[3] = {g.dims.x, g.dims.y, g.dims.z};
         for (int a = 0; a < 3; a++) {
@@ -71,15 +73,17 @@ static void limits_are_said(void **state)
         double size[3], voxel;
         const char *says;
     } rows[] = {
-        {{10, 10, 10}, 0.0009, "0.0009 mm"},      {{10, 10, 10}, 100.1, "100.1 mm"},     {{10, 10, 10}, 0, "0 mm"},
-        {{4095, 1, 1}, 1, "4098 voxels long in x"}, {{1, 1, 7000}, 0.5, "long in z"},      {{2100, 2100, 2100}, 1, "2^33"},
-        {{8001, 1, 1}, 100, "8000 mm"},            {{10, -10, 10}, 1, "y runs"},
+        {{10, 10, 10}, 0.0009, "0.0009 mm"}, {{10, 10, 10}, 100.1, "100.1 mm"},
+        {{10, 10, 10}, 0, "0 mm"},           {{4095, 1, 1}, 1, "4098 voxels long in x"},
+        {{1, 1, 7000}, 0.5, "long in z"},    {{2100, 2100, 2100}, 1, "2^33"},
+        {{8001, 1, 1}, 100, "8000 mm"},      {{10, -10, 10}, 1, "y runs"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ost_error err = {0};
         ost_tool_geometry g;
         ost_status status = ost_tool_geometry_from_bounds(
-            (ost_pm3){0, 0, 0}, (ost_pm3){mm(rows[i].size[0]), mm(rows[i].size[1]), mm(rows[i].size[2])}, mm(rows[i].voxel), &g, &err);
+            (ost_pm3){0, 0, 0}, (ost_pm3){mm(rows[i].size[0]), mm(rows[i].size[1]), mm(rows[i].size[2])},
+            mm(rows[i].voxel), &g, &err);
         assert_int_equal(ost_status_exit(status), 2);
         if (!strstr(err.text, rows[i].says))
             fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].says);
@@ -103,8 +107,10 @@ static void four_vertices(ost_mesh *mesh, const ost_pm3 p[4], uint32_t a, uint32
 static void vertices_snap_to_even(void **state)
 {
     (void)state;
-    const ost_tool_geometry grid = {.dims = {8, 8, 8}, .voxel = 1024 * 2000, .corner = {-4000, 0, 0}}; /* lattice of 2000 pm */
-    const ost_pm3 p[4] = {{-4000 + 1000, 3000, 0}, {5000 - 4000, 4999, 1024 * 2000}, {0, 8 * 1024 * 2000, 5001}, {1, 2, 3}};
+    /* lattice of 2000 pm */
+    const ost_tool_geometry grid = {.dims = {8, 8, 8}, .voxel = 1024 * 2000, .corner = {-4000, 0, 0}};
+    const ost_pm3 p[4] = {
+        {-4000 + 1000, 3000, 0}, {5000 - 4000, 4999, 1024 * 2000}, {0, 8 * 1024 * 2000, 5001}, {1, 2, 3}};
     ost_error err = {0};
     ost_mesh mesh;
     ost_snapped_mesh out;
@@ -187,7 +193,8 @@ static void a_whole_voxel_shift_moves_the_grid(void **state)
         ost_error err = {0};
         const ost_pm voxel = rng_range(&rng, 1, 40) * (OST_PM_PER_MM / 20);
         ost_snapped_mesh net = make_closed(&rng, (ost_dims){6, 6, 6}, 3, 4);
-        const ost_pm origin[3] = {rng_range(&rng, -mm(20), mm(20)), rng_range(&rng, -50, 50) * voxel / 2, rng_range(&rng, -50, 50) * voxel};
+        const ost_pm origin[3] = {rng_range(&rng, -mm(20), mm(20)), rng_range(&rng, -50, 50) * voxel / 2,
+                                  rng_range(&rng, -50, 50) * voxel};
         uint8_t *grids[2];
         ost_tool_geometry g[2];
         int64_t solid[2] = {0};
@@ -214,14 +221,16 @@ static void a_whole_voxel_shift_moves_the_grid(void **state)
             ost_mesh_free(&mesh);
         }
         assert_int_equal(solid[0], solid[1]);
-        const int64_t by[3] = {(g[0].corner.x - g[1].corner.x) / voxel + shift[0], (g[0].corner.y - g[1].corner.y) / voxel + shift[1],
+        const int64_t by[3] = {(g[0].corner.x - g[1].corner.x) / voxel + shift[0],
+                               (g[0].corner.y - g[1].corner.y) / voxel + shift[1],
                                (g[0].corner.z - g[1].corner.z) / voxel + shift[2]};
         for (int32_t k = 0; k < g[0].dims.z; k++)
             for (int32_t j = 0; j < g[0].dims.y; j++)
                 for (int32_t i = 0; i < g[0].dims.x; i++)
                     if (grids[0][i + g[0].dims.x * (j + g[0].dims.y * k)]) {
                         const int64_t x = i + by[0], y = j + by[1], z = k + by[2];
-                        assert_true(x >= 0 && x < g[1].dims.x && y >= 0 && y < g[1].dims.y && z >= 0 && z < g[1].dims.z);
+                        assert_true(x >= 0 && x < g[1].dims.x && y >= 0 && y < g[1].dims.y && z >= 0 &&
+                                    z < g[1].dims.z);
                         assert_int_equal(grids[1][x + g[1].dims.x * (y + g[1].dims.y * z)], OST_TOOL_CUTTING);
                     }
         free(grids[0]);
@@ -238,7 +247,8 @@ static void the_digest_is_of_these_bytes(void **state)
         'O', 'S', 'T', 'E', 'O', 'N', 'M', '1', 2, 0, 0, 0,                          /* arithmetic 2 */
         8, 0, 0, 0, 7, 0, 0, 0, 6, 0, 0, 0,                                          /* dims */
         0x00, 0xca, 0x9a, 0x3b, 0, 0, 0, 0,                                          /* voxel: 10^9 */
-        0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0, /* corner -1 0 5 */
+        /* corner -1 0 5 */
+        0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0,
         10, 0, 0, 0,                                                                 /* f */
         3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0,      /* vertices, triangles, dropped */
         0, 4, 0, 0, 0, 8, 0, 0, 1, 0, 0, 0,                                          /* 1024 2048 1 */

@@ -36,7 +36,8 @@ static void round_to_float(ost_mesh *mesh)
 {
     for (size_t i = 0; i < mesh->vertex_count; i++) {
         ost_pm3 *p = &mesh->vertices[i];
-        assert_true(ost_pm_from_binary((float)ost_pm_to_mm(p->x), &p->x) && ost_pm_from_binary((float)ost_pm_to_mm(p->y), &p->y) &&
+        assert_true(ost_pm_from_binary((float)ost_pm_to_mm(p->x), &p->x) &&
+                    ost_pm_from_binary((float)ost_pm_to_mm(p->y), &p->y) &&
                     ost_pm_from_binary((float)ost_pm_to_mm(p->z), &p->z));
     }
 }
@@ -169,8 +170,11 @@ static void heads_and_shafts_are_the_tool(void **state)
     ost_mesh_free(&head);
     ost_mesh_free(&shaft);
     assert_false(ost_tool_has_shaft(OST_TOOL_PEG));
-    assert_int_equal(ost_tool_make(OST_TOOL_PEG, &(ost_tool_options){.part = OST_TOOL_SHAFT}, &shaft, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_tool_make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_SHAFT, .length = 16200000000}, &shaft, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_tool_make(OST_TOOL_PEG, &(ost_tool_options){.part = OST_TOOL_SHAFT}, &shaft, &err),
+                     OST_ERR_USAGE);
+    assert_int_equal(ost_tool_make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_SHAFT, .length = 16200000000},
+                                   &shaft, &err),
+                     OST_ERR_USAGE);
 }
 
 /*
@@ -185,7 +189,8 @@ static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
     make(OST_TOOL_REAMER, NULL, &mesh);
     int crests[37] = {0};
     for (size_t i = 0; i < mesh.vertex_count; i++) {
-        const double x = ost_pm_to_mm(mesh.vertices[i].x), y = ost_pm_to_mm(mesh.vertices[i].y), z = ost_pm_to_mm(mesh.vertices[i].z);
+        const double x = ost_pm_to_mm(mesh.vertices[i].x), y = ost_pm_to_mm(mesh.vertices[i].y),
+                     z = ost_pm_to_mm(mesh.vertices[i].z);
         const double r = sqrt(x * x + y * y), dome = 27 - sqrt(27 * 27 - fmin(r, 18) * fmin(r, 18));
         assert_true(z >= dome - 1e-8);
         if (z <= dome + 1e-8)
@@ -211,7 +216,9 @@ static void sizes_scale_and_limits_are_said(void **state)
     static const int segments[] = {12, 16, 96, 400, 3072};
     for (int kind = OST_TOOL_PEG; kind <= OST_TOOL_BURR; kind++)
         for (size_t i = 0; i < sizeof segments / sizeof segments[0]; i++) {
-            make((ost_tool_kind)kind, &(ost_tool_options){.segments = segments[i] > 400 && kind == OST_TOOL_BURR ? 400 : segments[i]}, &mesh);
+            make((ost_tool_kind)kind,
+                 &(ost_tool_options){.segments = segments[i] > 400 && kind == OST_TOOL_BURR ? 400 : segments[i]},
+                 &mesh);
             ost_mesh_free(&mesh);
         }
 

@@ -87,7 +87,8 @@ static uint64_t oracle_grid(const ost_snapped_mesh *mesh, ost_fill_rule rule, ui
                 p[0] = i * MAKE_ONE + MAKE_HALF;
                 crossings(mesh, p, false, &winding, &count);
                 const bool solid = !leak && (rule == OST_FILL_WINDING ? winding != 0 : count % 2 != 0);
-                voxels[i + (size_t)d.x * ((size_t)j + (size_t)d.y * (size_t)k)] = solid ? OST_TOOL_CUTTING : OST_TOOL_VOID;
+                voxels[i + (size_t)d.x * ((size_t)j + (size_t)d.y * (size_t)k)] = solid ? OST_TOOL_CUTTING
+                                                                                        : OST_TOOL_VOID;
             }
         }
     return leaks;
@@ -119,13 +120,15 @@ static void soups_equal_the_oracle(void **state)
     (void)state;
     test_rng rng = rng_seeded("soups");
     for (int round = 0; round < 300; round++) {
-        ost_dims dims = {(int32_t)rng_range(&rng, 1, 9), (int32_t)rng_range(&rng, 1, 8), (int32_t)rng_range(&rng, 1, 7)};
+        ost_dims dims = {(int32_t)rng_range(&rng, 1, 9), (int32_t)rng_range(&rng, 1, 8),
+                         (int32_t)rng_range(&rng, 1, 7)};
         const size_t triangles = (size_t)rng_range(&rng, 1, 16);
         ost_snapped_mesh mesh = make_snapped(dims, 8, triangles);
         for (int i = 0; i < 8; i++)
             make_random_vertex(&mesh, &rng);
         while (mesh.triangle_count < triangles)
-            make_triangle(&mesh, (uint32_t)rng_range(&rng, 0, 7), (uint32_t)rng_range(&rng, 0, 7), (uint32_t)rng_range(&rng, 0, 7));
+            make_triangle(&mesh, (uint32_t)rng_range(&rng, 0, 7), (uint32_t)rng_range(&rng, 0, 7),
+                          (uint32_t)rng_range(&rng, 0, 7));
         compare_with_oracle(&mesh, round & 1 ? OST_FILL_PARITY : OST_FILL_WINDING, "soup", round);
         ost_snapped_mesh_free(&mesh);
     }
@@ -136,7 +139,8 @@ static void closed_meshes_equal_the_oracle_and_never_leak(void **state)
     (void)state;
     test_rng rng = rng_seeded("closed");
     for (int round = 0; round < 120; round++) {
-        ost_snapped_mesh mesh = make_closed(&rng, (ost_dims){7, 6, 8}, (uint32_t)rng_range(&rng, 3, 5), (uint32_t)rng_range(&rng, 3, 5));
+        ost_snapped_mesh mesh = make_closed(&rng, (ost_dims){7, 6, 8}, (uint32_t)rng_range(&rng, 3, 5),
+                                            (uint32_t)rng_range(&rng, 3, 5));
         ost_voxelize_report report;
         free(make_grid(&mesh, OST_FILL_WINDING, &report));
         assert_int_equal(report.leaking_rows, 0);
@@ -176,8 +180,8 @@ static void the_widest_lattice_is_exact(void **state)
         mesh.fraction_bits = 8;
         const int64_t top[3] = {4096 << 8, 3 << 8, 2 << 8};
         for (int i = 0; i < 9; i++)
-            make_vertex(&mesh, rng_range(&rng, 0, 1) ? top[0] - rng_range(&rng, 0, 3) : rng_range(&rng, 0, 3), rng_range(&rng, 0, top[1]),
-                        rng_range(&rng, 0, top[2]));
+            make_vertex(&mesh, rng_range(&rng, 0, 1) ? top[0] - rng_range(&rng, 0, 3) : rng_range(&rng, 0, 3),
+                        rng_range(&rng, 0, top[1]), rng_range(&rng, 0, top[2]));
         for (uint32_t i = 0; i < 3; i++)
             for (uint32_t k = 0; k < 3; k++) {
                 make_triangle(&mesh, 3 * i + k, (i + 1) % 3 * 3 + k, (i + 1) % 3 * 3 + (k + 1) % 3);
@@ -213,7 +217,8 @@ static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
             for (int e = 0; e < 3; e++) {
                 const int32_t *a = v[e], *b = v[(e + 1) % 3];
                 const int u = (axis + 1) % 3, w = (axis + 2) % 3;
-                wide area = (wide)(v[1][u] - v[0][u]) * (v[2][w] - v[0][w]) - (wide)(v[2][u] - v[0][u]) * (v[1][w] - v[0][w]);
+                wide area = (wide)(v[1][u] - v[0][u]) * (v[2][w] - v[0][w]) -
+                            (wide)(v[2][u] - v[0][u]) * (v[1][w] - v[0][w]);
                 wide s = (wide)(b[u] - a[u]) * (p[w] - a[w]) - (wide)(b[w] - a[w]) * (p[u] - a[u]);
                 positive |= sign(s) * sign(area) > 0;
                 negative |= sign(s) * sign(area) < 0;
@@ -265,10 +270,11 @@ static void the_grid_moves_with_the_mesh(void **state)
 {
     (void)state;
     static const placing placings[] = {
-        {{0, 1, 2}, {true, false, false}, true},   {{0, 1, 2}, {false, true, false}, true}, {{0, 1, 2}, {false, false, true}, true},
-        {{1, 0, 2}, {true, false, false}, false},  {{2, 1, 0}, {false, false, true}, false}, {{0, 2, 1}, {false, true, false}, false},
-        {{1, 2, 0}, {false, false, false}, false}, {{2, 0, 1}, {false, false, false}, false}, {{1, 0, 2}, {false, false, false}, true},
-        {{0, 1, 2}, {true, true, false}, false},
+        {{0, 1, 2}, {true, false, false}, true},   {{0, 1, 2}, {false, true, false}, true},
+        {{0, 1, 2}, {false, false, true}, true},   {{1, 0, 2}, {true, false, false}, false},
+        {{2, 1, 0}, {false, false, true}, false},  {{0, 2, 1}, {false, true, false}, false},
+        {{1, 2, 0}, {false, false, false}, false}, {{2, 0, 1}, {false, false, false}, false},
+        {{1, 0, 2}, {false, false, false}, true},  {{0, 1, 2}, {true, true, false}, false},
     };
     test_rng rng = rng_seeded("placings");
     size_t compared = 0, on = 0;
@@ -289,12 +295,14 @@ static void the_grid_moves_with_the_mesh(void **state)
                             from[q->from[a]] = q->flip[a] ? dim(e, a) - 1 - at[a] : at[a];
                         for (int a = 0; a < 3; a++)
                             p[a] = from[a] * MAKE_ONE + MAKE_HALF;
-                        const uint8_t here = moved[i + e.x * (j + e.y * k)], there = grid[from[0] + d.x * (from[1] + d.y * from[2])];
+                        const uint8_t here = moved[i + e.x * (j + e.y * k)],
+                                      there = grid[from[0] + d.x * (from[1] + d.y * from[2])];
                         compared++;
                         if (here != there) {
                             on++;
                             if (!on_surface(&mesh, p))
-                                fail_msg("round %d, placing %zu: voxel %d %d %d differs off the surface", round, n, i, j, k);
+                                fail_msg("round %d, placing %zu: voxel %d %d %d differs off the surface", round, n, i,
+                                         j, k);
                         }
                     }
             free(moved);
@@ -394,7 +402,8 @@ static void a_box_on_centres_is_half_open(void **state)
 static void shells_nest(void **state)
 {
     (void)state;
-    const int64_t lo[3] = {2 * MAKE_ONE, 2 * MAKE_ONE, 2 * MAKE_ONE}, hi[3] = {5 * MAKE_ONE, 4 * MAKE_ONE, 3 * MAKE_ONE};
+    const int64_t lo[3] = {2 * MAKE_ONE, 2 * MAKE_ONE, 2 * MAKE_ONE},
+                  hi[3] = {5 * MAKE_ONE, 4 * MAKE_ONE, 3 * MAKE_ONE};
     const uint64_t outer = 6 * 5 * 4, inner = 3 * 2 * 1;
     ost_voxelize_report report;
     ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 16, 24);

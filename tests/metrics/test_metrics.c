@@ -32,7 +32,8 @@ enum { NX = 88, N = 100 };
 static void make(const cuts *c, ost_volume *before, ost_volume *after)
 {
     ost_error err = {0};
-    const ost_geometry g = {{NX, N, N}, {MM / 2, MM / 2, MM / 2}, {-4 * MM + MM / 4, -25 * MM + MM / 4, -25 * MM + MM / 4}};
+    const ost_geometry g = {
+        {NX, N, N}, {MM / 2, MM / 2, MM / 2}, {-4 * MM + MM / 4, -25 * MM + MM / 4, -25 * MM + MM / 4}};
     assert_ok(ost_volume_init(before, &g, &err));
     assert_ok(ost_volume_init(after, &g, &err));
     const double outward[3] = {-1, tan(c->back_deg * PI / 180), tan(c->up_deg * PI / 180)};
@@ -51,7 +52,8 @@ static void make(const cuts *c, ost_volume *before, ost_volume *after)
                 before->voxels[i] = p[0] < 0 || fabs(p[1]) > 23 ? 0 : p[0] < 2 ? 130 : p[0] < 4 ? 900 : 300;
                 const double across[2] = {p[1] - c->hole_y, p[2] + p[0] * tan(c->hole_up_deg * PI / 180)};
                 const bool reamed = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < c->radius * c->radius;
-                const bool drilled = p[0] < c->hole_depth && across[0] * across[0] + across[1] * across[1] < c->hole_radius * c->hole_radius;
+                const bool drilled = p[0] < c->hole_depth &&
+                                     across[0] * across[0] + across[1] * across[1] < c->hole_radius * c->hole_radius;
                 after->voxels[i] = reamed || drilled ? 0 : before->voxels[i];
             }
 }
@@ -66,8 +68,10 @@ static const ost_metrics_tool tools[] = {{OST_METRICS_REAMER, 18, 20}, {OST_METR
 static ost_metrics_motion motion_of(const cuts *c)
 {
     static ost_motion ticks[TICKS_MAX];
-    const double back = tan(c->back_deg * PI / 180), up = tan(c->up_deg * PI / 180), size = sqrt(1 + back * back + up * up);
-    const double axis[2][3] = {{1 / size, -back / size, -up / size}, {cos(c->hole_up_deg * PI / 180), 0, -sin(c->hole_up_deg * PI / 180)}};
+    const double back = tan(c->back_deg * PI / 180), up = tan(c->up_deg * PI / 180),
+                 size = sqrt(1 + back * back + up * up);
+    const double axis[2][3] = {{1 / size, -back / size, -up / size},
+                               {cos(c->hole_up_deg * PI / 180), 0, -sin(c->hole_up_deg * PI / 180)}};
     const double entry[2][2] = {{c->entry_y, c->entry_z}, {c->hole_y, 0}};
     /* The drill's tip is as deep along x as the hole; the reamer's tip moves its depth along its axis. */
     const double deep[2] = {c->depth, c->hole_depth / axis[DRILL][0]};
@@ -76,7 +80,8 @@ static ost_metrics_motion motion_of(const cuts *c)
         for (int k = 0; k <= 2 * (int)lrint(deep[tool] * 10); k++) {
             const int in = (int)lrint(deep[tool] * 10);
             const double far = k < in ? k * 0.1 : deep[tool] - (k - in) * 0.1;
-            ticks[count] = (ost_motion){.t_s = (double)count * 1e-3, .tool = tool, .removed = k <= in && deep[tool] > 0 ? 5u : 0u};
+            ticks[count] = (ost_motion){
+                .t_s = (double)count * 1e-3, .tool = tool, .removed = k <= in && deep[tool] > 0 ? 5u : 0u};
             for (int a = 0; a < 3; a++) {
                 ticks[count].axis[a] = axis[tool][a];
                 ticks[count].mm[a] = far * axis[tool][a] + (a ? entry[tool][a - 1] : 0);
@@ -92,7 +97,8 @@ static ost_metrics measure(const cuts *c, ost_status expected)
     ost_error err = {0};
     ost_volume before, after;
     const ost_density_classes classes = ost_density_classes_default();
-    const ost_metrics_plan plan = {.at = {0, 0, 0}, .axis = {2, 0, 0}, .depth_mm = c->planned > 0 ? c->planned : c->depth};
+    const ost_metrics_plan plan = {
+        .at = {0, 0, 0}, .axis = {2, 0, 0}, .depth_mm = c->planned > 0 ? c->planned : c->depth};
     const ost_metrics_motion motion = motion_of(c);
     make(c, &before, &after);
     assert_int_equal(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err), expected);
@@ -146,9 +152,15 @@ static void tilted_and_displaced_ones(void **state)
     (void)state;
     static const struct {
         double back, up, y, z;
-    } tilts[] = {{8, 0, 0, 0}, {-6, 0, 0, 0}, {0, 7, 0, 0}, {5, -5, 0, 0}, {0, 0, 3, 0}, {0, 0, -1.5, 2}, {4, 3, 2, -2}};
+    } tilts[] = {{8, 0, 0, 0}, {-6, 0, 0, 0},   {0, 7, 0, 0}, {5, -5, 0, 0},
+                 {0, 0, 3, 0}, {0, 0, -1.5, 2}, {4, 3, 2, -2}};
     for (size_t i = 0; i < sizeof tilts / sizeof tilts[0]; i++) {
-        const cuts c = {.radius = 27, .depth = 3, .back_deg = tilts[i].back, .up_deg = tilts[i].up, .entry_y = tilts[i].y, .entry_z = tilts[i].z};
+        const cuts c = {.radius = 27,
+                        .depth = 3,
+                        .back_deg = tilts[i].back,
+                        .up_deg = tilts[i].up,
+                        .entry_y = tilts[i].y,
+                        .entry_z = tilts[i].z};
         const ost_metrics m = measure(&c, OST_OK);
         const double b = tan(tilts[i].back * PI / 180), u = tan(tilts[i].up * PI / 180);
         NEAR(m.version_error_deg, tilts[i].back, 0.1);
@@ -208,7 +220,11 @@ static void the_deeper_the_worse(void **state)
     double last = 0;
     for (int depth = 4; depth <= 14; depth += 2)
         for (int drilled = 0; drilled < 2; drilled++) {
-            const cuts c = {.radius = 27, .depth = depth, .planned = 3, .hole_radius = drilled ? 3 : 0, .hole_depth = drilled ? 22 : 0};
+            const cuts c = {.radius = 27,
+                            .depth = depth,
+                            .planned = 3,
+                            .hole_radius = drilled ? 3 : 0,
+                            .hole_depth = drilled ? 22 : 0};
             const ost_metrics m = measure(&c, OST_OK);
             const double h = depth - 4, cap = PI * h * h * (27 - h / 3);
             /* The drill follows the reamer: of the cap below, the drill's cylinder counts as the hole. */
@@ -261,8 +277,12 @@ static void in_the_scapulas_frame(void **state)
     NEAR(m.version_deg, 8, 0.1);
     NEAR(m.inclination_deg, 1, 0.1);
     /* A left shoulder: inward is -x, and the direction of the back is unchanged. */
-    plan = (ost_metrics_plan){.axis = {-1, 0, 0}, .left = true, .depth_mm = 3, .landmarks = true,
-                              .trigonum = {(ost_pm)(-c * MM), (ost_pm)(s * MM), 0}, .inferior = {(ost_pm)(-c * MM), (ost_pm)(s * MM), -110 * MM}};
+    plan = (ost_metrics_plan){.axis = {-1, 0, 0},
+                              .left = true,
+                              .depth_mm = 3,
+                              .landmarks = true,
+                              .trigonum = {(ost_pm)(-c * MM), (ost_pm)(s * MM), 0},
+                              .inferior = {(ost_pm)(-c * MM), (ost_pm)(s * MM), -110 * MM}};
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, &motion, &m, &err));
     NEAR(m.version_planned_deg, 5, 1e-6);
     /* Collinear landmarks define no frame. */
@@ -286,13 +306,15 @@ static void the_rim(void **state)
     static ost_metrics m;
     ost_volume before, after;
     const ost_density_classes classes = ost_density_classes_default();
-    const ost_geometry g = {{40, SIZE, SIZE}, {MM / 2, MM / 2, MM / 2}, {-4 * MM + MM / 4, -24 * MM + MM / 4, -24 * MM + MM / 4}};
+    const ost_geometry g = {
+        {40, SIZE, SIZE}, {MM / 2, MM / 2, MM / 2}, {-4 * MM + MM / 4, -24 * MM + MM / 4, -24 * MM + MM / 4}};
     assert_ok(ost_volume_init(&before, &g, &err));
     assert_ok(ost_volume_init(&after, &g, &err));
     for (int z = 0, i = 0; z < SIZE; z++)
         for (int y = 0; y < SIZE; y++)
             for (int x = 0; x < 40; x++, i++) {
-                const double p[3] = {-3.75 + 0.5 * x, -23.75 + 0.5 * y, -23.75 + 0.5 * z}, u = p[1] / (a - taper * p[0]), v = p[2] / (b - taper * p[0]);
+                const double p[3] = {-3.75 + 0.5 * x, -23.75 + 0.5 * y, -23.75 + 0.5 * z},
+                             u = p[1] / (a - taper * p[0]), v = p[2] / (b - taper * p[0]);
                 const double d[3] = {p[0] + radius - depth, p[1] - off_y, p[2]};
                 before.voxels[i] = p[0] >= 0 && u * u + v * v <= 1 ? 500 : 0;
                 after.voxels[i] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < radius * radius ? 0 : before.voxels[i];
@@ -308,7 +330,8 @@ static void the_rim(void **state)
         for (int i = 0; i < 50; i++) {
             const double p = a - taper * down, q = b - taper * down;
             r = 1 / sqrt(y * y / (p * p) + z * z / (q * q));
-            down = fmax(0, sqrt(radius * radius - (r * y - off_y) * (r * y - off_y) - r * z * r * z) - (radius - depth));
+            down = fmax(0,
+                        sqrt(radius * radius - (r * y - off_y) * (r * y - off_y) - r * z * r * z) - (radius - depth));
         }
         lowered += down > 1;
         most = fmax(most, down);
@@ -342,14 +365,23 @@ static void the_rim(void **state)
 static void the_technique(void **state)
 {
     (void)state;
-    enum { AIR = 400, ADVANCE = 2000, TURNS = 4000, PLUNGE = 50, OUT = 650, ALL = AIR + ADVANCE + TURNS + PLUNGE + OUT };
+    enum {
+        AIR = 400,
+        ADVANCE = 2000,
+        TURNS = 4000,
+        PLUNGE = 50,
+        OUT = 650,
+        ALL = AIR + ADVANCE + TURNS + PLUNGE + OUT
+    };
     static ost_motion m[ALL + 1];
     const ost_metrics_plan plan = {.axis = {0, 0, -2}, .depth_mm = 3};
     ost_technique t;
     ost_error err = {0};
     for (int i = 0; i <= ALL; i++) {
-        const double advance = fmin(fmax(i - AIR, 0), ADVANCE) * 1.5e-3, plunge = fmin(fmax(i - AIR - ADVANCE - TURNS, 0), PLUNGE) * 0.04;
-        const double out = fmax(i - AIR - ADVANCE - TURNS - PLUNGE, 0) * 0.02, turn = fmin(fmax(i - AIR - ADVANCE, 0), TURNS) * 4 * PI / TURNS;
+        const double advance = fmin(fmax(i - AIR, 0), ADVANCE) * 1.5e-3,
+                     plunge = fmin(fmax(i - AIR - ADVANCE - TURNS, 0), PLUNGE) * 0.04;
+        const double out = fmax(i - AIR - ADVANCE - TURNS - PLUNGE, 0) * 0.02,
+                     turn = fmin(fmax(i - AIR - ADVANCE, 0), TURNS) * 4 * PI / TURNS;
         const double depth = -8 + fmin(i, AIR) * 0.02 + advance + plunge - out;
         const bool in = i >= AIR && i <= AIR + ADVANCE + TURNS + PLUNGE;
         m[i] = (ost_motion){.t_s = i * 1e-3,

@@ -78,7 +78,8 @@ static void random_turn(int32_t q[4])
 static void cube_turn(int32_t q[4])
 {
     /* 2^30 over 1, sqrt 2 and 2, times 0.999 (up), 1, 1.001 (down) */
-    static const int32_t magnitude[3][3] = {{1072668083, OST_Q30_ONE, 1074815565}, {758490875, 759250125, 760009375}, {536334042, 536870912, 537407782}};
+    static const int32_t magnitude[3][3] = {
+        {1072668083, OST_Q30_ONE, 1074815565}, {758490875, 759250125, 760009375}, {536334042, 536870912, 537407782}};
     int parts = (int)pick(0, 2), length = (int)pick(0, 2);
     memset(q, 0, 4 * sizeof *q);
     if (parts == 0) {
@@ -124,9 +125,18 @@ typedef struct sizes {
 static sizes make_sizes(void)
 {
     static const sizes some[] = {
-        {470 * UM, 500 * UM},  {470 * UM, 470 * UM}, {470 * UM, 235 * UM}, {1000 * UM, 500 * UM},
-        {1600 * UM, 100 * UM}, {16000, 1000000},     {32 * UM, 500 * UM},  {INT64_C(1) << 30, INT64_C(1) << 30},
-        {INT64_C(1) << 31, INT64_C(1) << 30}, {INT64_C(1) << 30, INT64_C(1) << 26}, {488281250, 333333333}, {100000 * UM, 6250 * UM},
+        {470 * UM, 500 * UM},
+        {470 * UM, 470 * UM},
+        {470 * UM, 235 * UM},
+        {1000 * UM, 500 * UM},
+        {1600 * UM, 100 * UM},
+        {16000, 1000000},
+        {32 * UM, 500 * UM},
+        {INT64_C(1) << 30, INT64_C(1) << 30},
+        {INT64_C(1) << 31, INT64_C(1) << 30},
+        {INT64_C(1) << 30, INT64_C(1) << 26},
+        {488281250, 333333333},
+        {100000 * UM, 6250 * UM},
     };
     sizes s = some[pick(0, (int64_t)(sizeof some / sizeof some[0]) - 1)];
     s.bone = s.bone < OST_SPACING_MIN ? OST_SPACING_MIN : s.bone;
@@ -137,20 +147,20 @@ static sizes make_sizes(void)
 
 static void print_pose(const char *key, const ost_pose *p)
 {
-    printf(" %s=%" PRId64 ",%" PRId64 ",%" PRId64 ",%" PRId32 ",%" PRId32 ",%" PRId32 ",%" PRId32, key, p->t.x, p->t.y, p->t.z, p->qw,
-           p->qx, p->qy, p->qz);
+    printf(" %s=%" PRId64 ",%" PRId64 ",%" PRId64 ",%" PRId32 ",%" PRId32 ",%" PRId32 ",%" PRId32, key, p->t.x, p->t.y,
+           p->t.z, p->qw, p->qx, p->qy, p->qz);
 }
 
 static void print_tool(const ost_tool_geometry *t)
 {
-    printf(" tool=%d,%d,%d,%" PRId64 ",%" PRId64 ",%" PRId64 ",%" PRId64, t->dims.x, t->dims.y, t->dims.z, t->voxel, t->corner.x,
-           t->corner.y, t->corner.z);
+    printf(" tool=%d,%d,%d,%" PRId64 ",%" PRId64 ",%" PRId64 ",%" PRId64, t->dims.x, t->dims.y, t->dims.z, t->voxel,
+           t->corner.x, t->corner.y, t->corner.z);
 }
 
 static void print_bone(const ost_geometry *g)
 {
-    printf(" s=%" PRId64 " o=%" PRId64 ",%" PRId64 ",%" PRId64 " dims=%d,%d,%d", g->spacing.x, g->origin.x, g->origin.y, g->origin.z,
-           g->dims.x, g->dims.y, g->dims.z);
+    printf(" s=%" PRId64 " o=%" PRId64 ",%" PRId64 ",%" PRId64 " dims=%d,%d,%d", g->spacing.x, g->origin.x, g->origin.y,
+           g->origin.z, g->dims.x, g->dims.y, g->dims.z);
 }
 
 static void print_step(const ost_map *map)
@@ -183,8 +193,10 @@ static ost_pose moved(const ost_pose *a, ost_pm by)
 static void dump_sweep(void)
 {
     sizes s = make_sizes();
-    ost_tool_geometry tool = {{(int32_t)pick(1, 1024), (int32_t)pick(1, 100), (int32_t)pick(1, 9)}, s.tool,
-                              {pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, -s.tool * 3}};
+    ost_tool_geometry tool = {
+        {(int32_t)pick(1, 1024), (int32_t)pick(1, 100), (int32_t)pick(1, 9)},
+        s.tool,
+        {pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, -s.tool * 3}};
     ost_pose a = make_pose((int)pick(0, 2), (ost_pm3){0, 0, 0}, OST_PM_PER_MM * 100, s.tool), b;
     switch (pick(0, 4)) {
     case 0: /* any two poses, often with too large a turn */
@@ -236,7 +248,8 @@ static void go_to_the_limits(ost_geometry *g, ost_tool_geometry *tool, ost_pose 
     g->dims = (ost_dims){40, 35, 30};
     g->spacing = (ost_pm3){v, v, v};
     tool->voxel = v;
-    const int32_t bone_dims[3] = {g->dims.x, g->dims.y, g->dims.z}, tool_dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z};
+    const int32_t bone_dims[3] = {g->dims.x, g->dims.y, g->dims.z},
+                  tool_dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z};
     ost_pm *o[3] = {&g->origin.x, &g->origin.y, &g->origin.z}, *t[3] = {&pose->t.x, &pose->t.y, &pose->t.z};
     ost_pm *c[3] = {&tool->corner.x, &tool->corner.y, &tool->corner.z};
     for (int a = 0; a < 3; a++) {
@@ -263,8 +276,10 @@ static void dump_map(int style)
     bool round_origin = style != 0 && pick(0, 1);
     ost_pm unit = round_origin ? s.bone : 1;
     g.origin = (ost_pm3){pick(-20, 20) * unit, pick(-20, 20) * unit, pick(-20, 20) * unit};
-    ost_tool_geometry tool = {{(int32_t)pick(1, 80), (int32_t)pick(1, 80), (int32_t)pick(1, 80)}, s.tool,
-                              {-s.tool * pick(0, 40), -s.tool * pick(0, 40), style ? -s.tool * pick(0, 40) : pick(-s.tool, s.tool)}};
+    ost_tool_geometry tool = {
+        {(int32_t)pick(1, 80), (int32_t)pick(1, 80), (int32_t)pick(1, 80)},
+        s.tool,
+        {-s.tool * pick(0, 40), -s.tool * pick(0, 40), style ? -s.tool * pick(0, 40) : pick(-s.tool, s.tool)}};
     ost_dims at = {(int32_t)pick(0, g.dims.x - 1), (int32_t)pick(0, g.dims.y - 1), (int32_t)pick(0, g.dims.z - 1)};
     ost_pm3 around = {g.origin.x + at.x * s.bone, g.origin.y + at.y * s.bone, g.origin.z + at.z * s.bone};
     ost_pose pose = make_pose(style, around, 10 * s.bone, s.tool);
@@ -282,14 +297,16 @@ static void dump_map(int style)
     for (int i = 0; i < 3; i++) {
         ost_dims block = {at.x / 16, at.y / 16, at.z / 16};
         if (i == 1)
-            block = (ost_dims){(int32_t)pick(0, (g.dims.x - 1) / 16), (int32_t)pick(0, (g.dims.y - 1) / 16), (int32_t)pick(0, (g.dims.z - 1) / 16)};
+            block = (ost_dims){(int32_t)pick(0, (g.dims.x - 1) / 16), (int32_t)pick(0, (g.dims.y - 1) / 16),
+                               (int32_t)pick(0, (g.dims.z - 1) / 16)};
         if (i == 2)
             block = (ost_dims){0, 0, 0};
         int32_t base[3] = {0, 0, 0};
         bool near = ost_map_block_base(&map, block, base);
         if (!near)
             memset(base, 0, sizeof base);
-        printf(" block=%d,%d,%d,%d,%" PRId32 ",%" PRId32 ",%" PRId32, block.x, block.y, block.z, near, base[0], base[1], base[2]);
+        printf(" block=%d,%d,%d,%d,%" PRId32 ",%" PRId32 ",%" PRId32, block.x, block.y, block.z, near, base[0], base[1],
+               base[2]);
     }
     printf("\n");
 }
@@ -303,12 +320,15 @@ static void dump_event(ost_backend *backend, int style)
     ost_error err = {0};
     sizes s = make_sizes();
     int32_t ratio = (int32_t)(s.bone / s.tool + 1);
-    ost_geometry g = {.dims = {(int32_t)pick(1, 36), (int32_t)pick(1, 20), (int32_t)pick(1, 20)}, .spacing = {s.bone, s.bone, s.bone}};
+    ost_geometry g = {.dims = {(int32_t)pick(1, 36), (int32_t)pick(1, 20), (int32_t)pick(1, 20)},
+                      .spacing = {s.bone, s.bone, s.bone}};
     g.origin = (ost_pm3){pick(-9, 9) * s.bone, pick(-9, 9) * s.bone / 2, pick(-9, 9)};
-    ost_tool_geometry tool = {{(int32_t)pick(1, 12) * ratio, (int32_t)pick(1, 9) * ratio, (int32_t)pick(1, 4) * ratio}, s.tool,
+    ost_tool_geometry tool = {{(int32_t)pick(1, 12) * ratio, (int32_t)pick(1, 9) * ratio, (int32_t)pick(1, 4) * ratio},
+                              s.tool,
                               {-s.tool * pick(0, 8), -s.tool * pick(0, 8), style ? 0 : pick(-s.tool, 0)}};
     uint64_t seed = (uint64_t)pick(0, 1 << 30);
-    ost_pm3 around = {g.origin.x + pick(0, g.dims.x) * s.bone, g.origin.y + pick(0, g.dims.y) * s.bone, g.origin.z + pick(0, g.dims.z) * s.bone};
+    ost_pm3 around = {g.origin.x + pick(0, g.dims.x) * s.bone, g.origin.y + pick(0, g.dims.y) * s.bone,
+                      g.origin.z + pick(0, g.dims.z) * s.bone};
     ost_pose a = make_pose(style, around, 4 * s.bone, s.tool), b = pick(0, 2) ? moved(&a, s.bone) : a;
     int n = 0;
     if (ost_sweep_count(&a, &b, &tool, s.bone, &n, NULL) != OST_OK || n > POSES_MAX) {
@@ -343,7 +363,8 @@ static void dump_event(ost_backend *backend, int style)
     }
     ost_event event = {.pose_count = n, .maps = maps, .boxes = boxes, .classes = &classes};
     if (ost_bone_create(backend, &g, 16 << pick(0, 2), 120, &bone, &err) != OST_OK ||
-        ost_bone_upload(bone, 0, g.dims.z, before, &err) != OST_OK || ost_tool_upload(backend, &volume, &on_backend, &err) != OST_OK ||
+        ost_bone_upload(bone, 0, g.dims.z, before, &err) != OST_OK ||
+        ost_tool_upload(backend, &volume, &on_backend, &err) != OST_OK ||
         ost_bone_remove(bone, on_backend, &event, &report, &err) != OST_OK ||
         ost_bone_download(bone, 0, g.dims.z, after, &err) != OST_OK)
         fail(&err);
@@ -354,8 +375,8 @@ static void dump_event(ost_backend *backend, int style)
     printf(" seed=%" PRIu64, seed);
     print_pose("a", &a);
     print_pose("b", &b);
-    printf(" n=%d touched=%" PRIu64 " density=%" PRId64 ",%" PRId64 ",%" PRId64 " hits=", n, report.touched_voxels, report.density[0],
-           report.density[1], report.density[2]);
+    printf(" n=%d touched=%" PRIu64 " density=%" PRId64 ",%" PRId64 ",%" PRId64 " hits=", n, report.touched_voxels,
+           report.density[0], report.density[1], report.density[2]);
     const char *comma = "";
     for (size_t v = 0; v < count; v++)
         if (after[v] != before[v]) {

@@ -35,8 +35,9 @@ int main(int argc, char **argv)
         ost_geometry g;
         ost_error err;
         if (read_geometry(argv[i], &g, &err) == OST_OK)
-            printf("%d %d %d %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64 "\n", (int)g.dims.x, (int)g.dims.y,
-                   (int)g.dims.z, g.spacing.x, g.spacing.y, g.spacing.z, g.origin.x, g.origin.y, g.origin.z);
+            printf("%d %d %d %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64 "\n", (int)g.dims.x,
+                   (int)g.dims.y, (int)g.dims.z, g.spacing.x, g.spacing.y, g.spacing.z, g.origin.x, g.origin.y,
+                   g.origin.z);
         else
             printf("refused %s\n", err.text);
     }

@@ -64,11 +64,11 @@ def main():
     if sys.argv[1:] == ["--print"]:
         numbers = table()
         print("/* SPDX-License-Identifier: Apache-2.0 */")
-        print("/* RHE(2^30 sin(pi k / 4096)) for 0 <= k <= 2048 (AR-MOTOR-3). Made by tests/oracle/motor_table.py --print, which checks it, too. */")
+        print("/* RHE(2^30 sin(pi k / 4096)) for 0 <= k <= 2048 (AR-MOTOR-3). Made by\n   tests/oracle/motor_table.py --print, which also checks it. */")
         print("#ifndef OST_CORE_MOTOR_TABLE_H\n#define OST_CORE_MOTOR_TABLE_H\n\n#include <stdint.h>\n")
         print("static const int32_t motor_sine[] = {")
-        for at in range(0, len(numbers), 10):
-            print("    " + " ".join(f"{n}," for n in numbers[at:at + 10]))
+        for at in range(0, len(numbers), 8):
+            print("    " + " ".join(f"{n}," for n in numbers[at:at + 8]))
         print("};\n\n#endif")
         return
     name = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.environ.get("top_srcdir", "."), "src/core/motor_table.h")

@@ -21,7 +21,8 @@ typedef struct chunk_count {
 static inline chunk_count count_chunks(const ost_volume *v)
 {
     const ost_geometry *g = &v->geometry;
-    const int64_t rect[3] = {g->spacing.x, g->spacing.y, g->spacing.z}, n[3] = {g->dims.x, g->dims.y, g->dims.z}, cubic = rect[0];
+    const int64_t rect[3] = {g->spacing.x, g->spacing.y, g->spacing.z}, n[3] = {g->dims.x, g->dims.y, g->dims.z},
+                  cubic = rect[0];
     int64_t dims[3], chunks[3];
     for (int a = 0; a < 3; a++) {
         dims[a] = (n[a] * rect[a] + cubic - 1) / cubic;
@@ -66,8 +67,9 @@ static inline void count_connected(const ost_volume *v, int64_t *greatest, int64
         stack[top++] = start;
         while (top) {
             int64_t at = stack[--top], x = at % row, y = at / row % d.y, z = at / slice;
-            const int64_t next[6] = {x > 0 ? at - 1 : -1,           x + 1 < d.x ? at + 1 : -1, y > 0 ? at - row : -1,
-                                     y + 1 < d.y ? at + row : -1, z > 0 ? at - slice : -1,   z + 1 < d.z ? at + slice : -1};
+            const int64_t next[6] = {x > 0 ? at - 1 : -1,     x + 1 < d.x ? at + 1 : -1,
+                                     y > 0 ? at - row : -1,   y + 1 < d.y ? at + row : -1,
+                                     z > 0 ? at - slice : -1, z + 1 < d.z ? at + slice : -1};
             size++;
             for (int k = 0; k < 6; k++)
                 if (next[k] >= 0 && !seen[next[k]] && v->voxels[next[k]] >= ACTIVE_HU) {

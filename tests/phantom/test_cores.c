@@ -72,7 +72,8 @@ static void test_core_1(void **state)
     chunk_count c = count_chunks(&v);
     assert_int_equal(c.all, 250);
     assert_int_equal(c.active, 250);
-    double share = (double)c.active_voxels / (double)ost_dims_count(v.geometry.dims), bone = mean_run(&v, true), space = mean_run(&v, false);
+    double share = (double)c.active_voxels / (double)ost_dims_count(v.geometry.dims), bone = mean_run(&v, true),
+           space = mean_run(&v, false);
     print_message("# core 1: %.1f %% bone, runs of %.3f mm in bone and %.3f mm between\n", 100 * share, bone, space);
     assert_true(share > 0.11 && share < 0.45);
     assert_true(bone > 0.2 && bone < 0.5);

@@ -19,7 +19,8 @@ static void test_foam(void **state)
     assert_int_equal(v.geometry.dims.z, 604);
     chunk_count c = count_chunks(&v);
     double share = (double)c.active_voxels / (double)ost_dims_count(v.geometry.dims);
-    print_message("# foam: %lld of %lld chunks active, %.1f %% solid\n", (long long)c.active, (long long)c.all, 100 * share);
+    print_message("# foam: %lld of %lld chunks active, %.1f %% solid\n", (long long)c.active, (long long)c.all,
+                  100 * share);
     assert_int_equal(c.all, 1900);
     assert_in_range(c.active, 1636, 1702); /* 1669 within 2 % */
     assert_true(share > 0.05 && share < 0.3);

@@ -61,7 +61,8 @@ static void test_a_seed_makes_one_grid(void **state)
     (void)state;
     for (int kind = 0; kind < OST_PHANTOM_COUNT; kind++) {
         bool core = kind >= OST_PHANTOM_TRABECULAR;
-        ost_phantom_options o = {.spacing = core ? (ost_pm3){MM / 5, MM / 5, MM / 5} : (ost_pm3){3 * MM, 3 * MM, 3 * MM}};
+        ost_phantom_options o = {.spacing = core ? (ost_pm3){MM / 5, MM / 5, MM / 5}
+                                                 : (ost_pm3){3 * MM, 3 * MM, 3 * MM}};
         ost_volume a = make((ost_phantom_kind)kind, o);
         o.seed = 1; /* the seed that 0 selects */
         ost_volume b = make((ost_phantom_kind)kind, o);
@@ -137,7 +138,8 @@ static void test_seeds_keep_the_bone_whole(void **state)
     test_rng rng = rng_seeded("whole bone");
     for (int n = 0; n < 3; n++) {
         uint64_t seed = (uint64_t)rng_range(&rng, 1, INT64_MAX);
-        ost_volume v = make(OST_PHANTOM_SCAPULA, (ost_phantom_options){.spacing = {5 * MM / 4, 5 * MM / 4, 5 * MM / 4}, .seed = seed});
+        ost_volume v = make(OST_PHANTOM_SCAPULA,
+                            (ost_phantom_options){.spacing = {5 * MM / 4, 5 * MM / 4, 5 * MM / 4}, .seed = seed});
         int64_t greatest, all;
         count_connected(&v, &greatest, &all);
         assert_int_equal(greatest, all);
@@ -165,7 +167,8 @@ static void test_distances_can_be_relied_on(void **state)
     for (int n = 0; n < 100000; n++) {
         ost_v3 p = {(double)rng_range(&rng, -20000, 130000) / 1000, (double)rng_range(&rng, -65000, 45000) / 1000,
                     (double)rng_range(&rng, -130000, 55000) / 1000};
-        ost_v3 d = {(double)rng_range(&rng, -1000, 1000), (double)rng_range(&rng, -1000, 1000), (double)rng_range(&rng, 1, 1000)};
+        ost_v3 d = {(double)rng_range(&rng, -1000, 1000), (double)rng_range(&rng, -1000, 1000),
+                    (double)rng_range(&rng, 1, 1000)};
         ost_scapula_sample a, b;
         ost_scapula_at(&s, p, &a);
         ost_scapula_at(&s, ost_v3_mad(p, d, 3 / ost_v3_length(d)), &b);

@@ -48,8 +48,9 @@ static void test_tables_3_1_and_3_2(void **state)
     assert_grid(&scapula, 256, 234, 201);
     assert_grid(&glenoid, 49, 81, 41);
     chunk_count s = count_chunks(&scapula), g = count_chunks(&glenoid);
-    print_message("# scapula: %lld of %lld chunks active, %lld active voxels; glenoid: %lld of %lld\n", (long long)s.active,
-                  (long long)s.all, (long long)s.active_voxels, (long long)g.active, (long long)g.all);
+    print_message("# scapula: %lld of %lld chunks active, %lld active voxels; glenoid: %lld of %lld\n",
+                  (long long)s.active, (long long)s.all, (long long)s.active_voxels, (long long)g.active,
+                  (long long)g.all);
     assert_int_equal(s.all, 896);
     assert_in_range(s.active, 195, 209);
     assert_int_equal(g.all, 18);
@@ -80,7 +81,8 @@ static void test_the_glenoid_is_a_crop(void **state)
             assert_memory_equal(glenoid.voxels + (int64_t)g->dims.x * (j + (int64_t)g->dims.y * k),
                                 scapula.voxels + at[0] + s->dims.x * (at[1] + j + s->dims.y * (at[2] + k)),
                                 (size_t)g->dims.x * sizeof(int16_t));
-    assert_string_equal(ost_meta_get(&glenoid.meta, OST_META_GLENOID_AT), ost_meta_get(&scapula.meta, OST_META_GLENOID_AT));
+    assert_string_equal(ost_meta_get(&glenoid.meta, OST_META_GLENOID_AT),
+                        ost_meta_get(&scapula.meta, OST_META_GLENOID_AT));
 }
 
 /*
@@ -111,8 +113,8 @@ static void test_layers_along_the_axis(void **state)
             assert_in_range((int)hu, 150, 500);
         }
     }
-    print_message("# face %.2f mm, cartilage %.2f mm, plate %.2f mm, spongy bone %.0f HU\n", face, bone - face, plate_to - plate_from,
-                  spongy / samples);
+    print_message("# face %.2f mm, cartilage %.2f mm, plate %.2f mm, spongy bone %.0f HU\n", face, bone - face,
+                  plate_to - plate_from, spongy / samples);
     assert_true(face > -0.5 && face < 0.5);
     assert_true(bone - face > 1.5 && bone - face < 2.5);
     assert_true(plate_to - plate_from > 1.4 && plate_to - plate_from < 2.6);
@@ -133,8 +135,8 @@ static void test_densities(void **state)
     assert_in_range(lowest + 1024, 0, 400); /* air in the lung */
     assert_in_range(highest, 1200, 2000);
     int64_t active = count - in_class[0];
-    print_message("# of %lld active voxels %lld cartilage, %lld spongy, %lld compact\n", (long long)active, (long long)in_class[1],
-                  (long long)in_class[2], (long long)in_class[3]);
+    print_message("# of %lld active voxels %lld cartilage, %lld spongy, %lld compact\n", (long long)active,
+                  (long long)in_class[1], (long long)in_class[2], (long long)in_class[3]);
     assert_true(in_class[1] > 5000);
     assert_true(in_class[2] > active / 5);
     assert_true(in_class[3] > active / 5);

@@ -36,7 +36,8 @@ static int32_t put_error(ost_status status, const ost_error *err, ost_plugin_err
     return status == OST_ERR_USAGE ? OST_PLUGIN_USAGE : status == OST_ERR_RANGE ? OST_PLUGIN_RANGE : OST_PLUGIN_FAILED;
 }
 
-static int32_t m_open(const char *options, const ost_plugin_host *host, ost_plugin_instance **out, ost_plugin_error *error)
+static int32_t m_open(const char *options, const ost_plugin_host *host, ost_plugin_instance **out,
+                      ost_plugin_error *error)
 {
     ost_error err = {0};
     ost_plugin_instance *self = calloc(1, sizeof *self);
@@ -82,10 +83,13 @@ static int32_t m_finish(ost_plugin_instance *self, ost_plugin_error *error)
 /* Objects are the library's own, cast to the plugin's types. */
 static ost_geometry geometry_of(const ost_plugin_geometry *g)
 {
-    return (ost_geometry){{g->dims[0], g->dims[1], g->dims[2]}, {g->spacing_pm[0], g->spacing_pm[1], g->spacing_pm[2]}, {g->origin_pm[0], g->origin_pm[1], g->origin_pm[2]}};
+    return (ost_geometry){{g->dims[0], g->dims[1], g->dims[2]},
+                          {g->spacing_pm[0], g->spacing_pm[1], g->spacing_pm[2]},
+                          {g->origin_pm[0], g->origin_pm[1], g->origin_pm[2]}};
 }
 
-static int32_t m_grid_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out, ost_plugin_error *error)
+static int32_t m_grid_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out,
+                             ost_plugin_error *error)
 {
     ost_error err = {0};
     const ost_geometry g = geometry_of(geometry);
@@ -97,29 +101,34 @@ static void m_grid_free(ost_plugin_grid *grid)
     ost_grid_free((ost_grid *)grid);
 }
 
-static int32_t m_grid_upload(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error)
+static int32_t m_grid_upload(ost_plugin_grid *grid, int32_t z0, int32_t count, const int16_t *voxels,
+                             ost_plugin_error *error)
 {
     ost_error err = {0};
     return put_error(ost_grid_upload((ost_grid *)grid, z0, count, voxels, &err), &err, error);
 }
 
-static int32_t m_grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error)
+static int32_t m_grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels,
+                               ost_plugin_error *error)
 {
     ost_error err = {0};
     return put_error(ost_grid_download((const ost_grid *)grid, z0, count, voxels, &err), &err, error);
 }
 
-static int32_t m_ct_to_rect(ost_plugin_grid *rect, const ost_plugin_samples *s, ost_plugin_scatter_report *r, ost_plugin_error *error)
+static int32_t m_ct_to_rect(ost_plugin_grid *rect, const ost_plugin_samples *s, ost_plugin_scatter_report *r,
+                            ost_plugin_error *error)
 {
     ost_error err = {0};
-    ost_scatter_report own = {r->samples, r->duplicates, r->off_lattice, r->worst_offset_ppm, r->worst_line, r->rejected_line, r->conflict_line,
-                              r->conflict_had, r->conflict_has};
+    ost_scatter_report own = {r->samples,       r->duplicates,    r->off_lattice,  r->worst_offset_ppm, r->worst_line,
+                              r->rejected_line, r->conflict_line, r->conflict_had, r->conflict_has};
     ost_sample *samples = malloc((s->count ? s->count : 1) * sizeof *samples);
     if (!samples)
         return OST_PLUGIN_MEMORY;
     for (uint64_t i = 0; i < s->count; i++)
-        samples[i] = (ost_sample){s->sample[i].x_pm, s->sample[i].y_pm, s->sample[i].z_pm, s->sample[i].density, s->sample[i].line};
-    const ost_status status = ost_ct_to_rect((ost_grid *)rect, samples, s->count, s->first_line, (ost_duplicates)s->duplicates, &own, &err);
+        samples[i] = (ost_sample){s->sample[i].x_pm, s->sample[i].y_pm, s->sample[i].z_pm, s->sample[i].density,
+                                  s->sample[i].line};
+    const ost_status status = ost_ct_to_rect((ost_grid *)rect, samples, s->count, s->first_line,
+                                             (ost_duplicates)s->duplicates, &own, &err);
     free(samples);
     r->samples = own.samples;
     r->duplicates = own.duplicates;
@@ -133,20 +142,25 @@ static int32_t m_ct_to_rect(ost_plugin_grid *rect, const ost_plugin_samples *s, 
     return put_error(status, &err, error);
 }
 
-static int32_t m_rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule, ost_plugin_grid **out, ost_plugin_error *error)
+static int32_t m_rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule,
+                               ost_plugin_grid **out, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return put_error(ost_rect_to_cubic((const ost_grid *)rect, cubic->spacing_pm[0], (ost_resample)rule, (ost_grid **)out, &err), &err, error);
+    return put_error(
+        ost_rect_to_cubic((const ost_grid *)rect, cubic->spacing_pm[0], (ost_resample)rule, (ost_grid **)out, &err),
+        &err, error);
 }
 
-static int32_t m_cubic_to_chunks(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error)
+static int32_t m_cubic_to_chunks(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold,
+                                 ost_plugin_bone **out, ost_plugin_error *error)
 {
     ost_error err = {0};
-    return put_error(ost_cubic_to_chunks((const ost_grid *)cubic, chunk_size, threshold, (ost_bone **)out, &err), &err, error);
+    return put_error(ost_cubic_to_chunks((const ost_grid *)cubic, chunk_size, threshold, (ost_bone **)out, &err), &err,
+                     error);
 }
 
-static int32_t m_bone_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size, int32_t threshold, ost_plugin_bone **out,
-                             ost_plugin_error *error)
+static int32_t m_bone_create(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size,
+                             int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error)
 {
     ost_error err = {0};
     const ost_geometry g = geometry_of(geometry);
@@ -172,13 +186,15 @@ static int32_t m_bone_stats(const ost_plugin_bone *bone, ost_plugin_bone_stats *
     return OST_PLUGIN_OK;
 }
 
-static int32_t m_bone_upload(ost_plugin_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_plugin_error *error)
+static int32_t m_bone_upload(ost_plugin_bone *bone, int32_t z0, int32_t count, const int16_t *voxels,
+                             ost_plugin_error *error)
 {
     ost_error err = {0};
     return put_error(ost_bone_upload((ost_bone *)bone, z0, count, voxels, &err), &err, error);
 }
 
-static int32_t m_bone_download(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_plugin_error *error)
+static int32_t m_bone_download(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels,
+                               ost_plugin_error *error)
 {
     ost_error err = {0};
     return put_error(ost_bone_download((const ost_bone *)bone, z0, count, voxels, &err), &err, error);
@@ -186,30 +202,41 @@ static int32_t m_bone_download(const ost_plugin_bone *bone, int32_t z0, int32_t 
 
 static ost_snapped_mesh mesh_of(const ost_plugin_tool_geometry *g, const ost_plugin_mesh *m)
 {
-    return (ost_snapped_mesh){.grid = {{g->dims[0], g->dims[1], g->dims[2]}, g->voxel_pm, {g->corner_pm[0], g->corner_pm[1], g->corner_pm[2]}},
-                              .fraction_bits = m->fraction_bits, .vertex_count = m->vertex_count, .vertices = (int32_t(*)[3])(uintptr_t)m->vertices,
-                              .triangle_count = m->triangle_count, .triangles = (uint32_t(*)[3])(uintptr_t)m->triangles};
+    return (ost_snapped_mesh){.grid = {{g->dims[0], g->dims[1], g->dims[2]},
+                                       g->voxel_pm,
+                                       {g->corner_pm[0], g->corner_pm[1], g->corner_pm[2]}},
+                              .fraction_bits = m->fraction_bits,
+                              .vertex_count = m->vertex_count,
+                              .vertices = (int32_t(*)[3])(uintptr_t)m->vertices,
+                              .triangle_count = m->triangle_count,
+                              .triangles = (uint32_t(*)[3])(uintptr_t)m->triangles};
 }
 
-static int32_t m_voxelize(ost_plugin_instance *self, const ost_plugin_tool_geometry *g, const ost_plugin_mesh *cutting, const ost_plugin_mesh *noncutting,
-                          int32_t parity, ost_plugin_voxelize_report *r, ost_plugin_tool **out, ost_plugin_error *error)
+static int32_t m_voxelize(ost_plugin_instance *self, const ost_plugin_tool_geometry *g, const ost_plugin_mesh *cutting,
+                          const ost_plugin_mesh *noncutting, int32_t parity, ost_plugin_voxelize_report *r,
+                          ost_plugin_tool **out, ost_plugin_error *error)
 {
     ost_error err = {0};
     ost_voxelize_report own;
-    const ost_snapped_mesh first = mesh_of(g, cutting), second = noncutting ? mesh_of(g, noncutting) : (ost_snapped_mesh){.vertices = NULL};
+    const ost_snapped_mesh first = mesh_of(g, cutting),
+                           second = noncutting ? mesh_of(g, noncutting) : (ost_snapped_mesh){.vertices = NULL};
     if (broken("voxelize"))
         return OST_PLUGIN_OK; /* without an object */
-    const ost_status status = ost_voxelize(self->ref, &first, noncutting ? &second : NULL, parity ? OST_FILL_PARITY : OST_FILL_WINDING, &own, (ost_tool **)out, &err);
+    const ost_status status = ost_voxelize(self->ref, &first, noncutting ? &second : NULL,
+                                           parity ? OST_FILL_PARITY : OST_FILL_WINDING, &own, (ost_tool **)out, &err);
     r->solid_voxels = own.solid_voxels;
     r->cutting_voxels = own.cutting_voxels;
     r->leaking_rows = own.leaking_rows;
     return put_error(status, &err, error);
 }
 
-static int32_t m_tool_upload(ost_plugin_instance *self, const ost_plugin_tool_geometry *g, const uint8_t *voxels, ost_plugin_tool **out, ost_plugin_error *error)
+static int32_t m_tool_upload(ost_plugin_instance *self, const ost_plugin_tool_geometry *g, const uint8_t *voxels,
+                             ost_plugin_tool **out, ost_plugin_error *error)
 {
     ost_error err = {0};
-    const ost_tool_volume volume = {.geometry = {{g->dims[0], g->dims[1], g->dims[2]}, g->voxel_pm, {g->corner_pm[0], g->corner_pm[1], g->corner_pm[2]}},
+    const ost_tool_volume volume = {.geometry = {{g->dims[0], g->dims[1], g->dims[2]},
+                                                 g->voxel_pm,
+                                                 {g->corner_pm[0], g->corner_pm[1], g->corner_pm[2]}},
                                     .voxels = (uint8_t *)(uintptr_t)voxels};
     return put_error(ost_tool_upload(self->ref, &volume, (ost_tool **)out, &err), &err, error);
 }
@@ -243,11 +270,13 @@ static int same_base(const ost_map *map, const ost_plugin_map *given)
 {
     const int32_t block[3] = {1, 0, 2};
     int32_t a[3] = {0, 0, 0}, b[3] = {0, 0, 0};
-    const int has_a = ost_map_block_base(map, (ost_dims){1, 0, 2}, a), has_b = current->host->block_base(given, block, b);
+    const int has_a = ost_map_block_base(map, (ost_dims){1, 0, 2}, a),
+              has_b = current->host->block_base(given, block, b);
     return has_a == has_b && (!has_a || memcmp(a, b, sizeof a) == 0);
 }
 
-static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_event *e, int apply, ost_plugin_report *report, ost_plugin_error *error)
+static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_event *e, int apply,
+                         ost_plugin_report *report, ost_plugin_error *error)
 {
     ost_error err = {0};
     ost_report own = {0};
@@ -274,10 +303,12 @@ static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_
     }
     const ost_event event = {(int)n, maps, boxes, &classes};
     if (status == OST_OK)
-        status = apply ? ost_bone_remove(bone, tool, &event, &own, &err) : ost_bone_collide(bone, tool, &event, &own, &err);
+        status = apply ? ost_bone_remove(bone, tool, &event, &own, &err)
+                       : ost_bone_collide(bone, tool, &event, &own, &err);
     int32_t answer = put_error(status, &err, error);
     for (size_t c = 0; c < own.count && answer == OST_PLUGIN_OK; c++)
-        answer = report->add(report->sink, broken("report") ? -3 : own.chunks[c].chunk, own.chunks[c].voxels, own.chunks[c].density);
+        answer = report->add(report->sink, broken("report") ? -3 : own.chunks[c].chunk, own.chunks[c].voxels,
+                             own.chunks[c].density);
     report->touched_voxels = own.touched_voxels;
     ost_report_free(&own);
     free(maps);
@@ -299,7 +330,8 @@ static void slip(ost_bone *bone)
     free(slice);
 }
 
-static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report, ost_plugin_error *error)
+static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
+                        ost_plugin_report *report, ost_plugin_error *error)
 {
     if (broken("crash"))
         raise(SIGSEGV);
@@ -320,7 +352,8 @@ static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, cons
     return status;
 }
 
-static int32_t m_collide(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event, ost_plugin_report *report, ost_plugin_error *error)
+static int32_t m_collide(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
+                         ost_plugin_report *report, ost_plugin_error *error)
 {
     return run_event((ost_bone *)(uintptr_t)bone, (const ost_tool *)tool, event, 0, report, error);
 }
@@ -419,10 +452,35 @@ static int32_t m_steps(ost_plugin_instance *self, const ost_plugin_steps *in, os
 #endif
 
 static const ost_plugin table = {
-    MIRROR_SIZE, MIRROR_ABI, MIRROR_ARITHMETIC, 0, "mirror", "the reference, by way of the plugin interface",
-    m_open, m_close, m_finish, m_grid_create, m_grid_free, m_grid_upload, m_grid_download, m_ct_to_rect, m_rect_to_cubic, m_cubic_to_chunks,
-    m_bone_create, m_bone_free, m_bone_stats, m_bone_upload, m_bone_download, m_voxelize, m_tool_upload, m_tool_download, m_tool_free, m_remove,
-    COLLIDE, m_snap, m_steps,
+    MIRROR_SIZE,
+    MIRROR_ABI,
+    MIRROR_ARITHMETIC,
+    0,
+    "mirror",
+    "the reference, by way of the plugin interface",
+    m_open,
+    m_close,
+    m_finish,
+    m_grid_create,
+    m_grid_free,
+    m_grid_upload,
+    m_grid_download,
+    m_ct_to_rect,
+    m_rect_to_cubic,
+    m_cubic_to_chunks,
+    m_bone_create,
+    m_bone_free,
+    m_bone_stats,
+    m_bone_upload,
+    m_bone_download,
+    m_voxelize,
+    m_tool_upload,
+    m_tool_download,
+    m_tool_free,
+    m_remove,
+    COLLIDE,
+    m_snap,
+    m_steps,
 };
 
 OST_PLUGIN_EXPORT const ost_plugin *ost_plugin_entry(uint32_t host_abi);

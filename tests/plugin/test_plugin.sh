@@ -28,7 +28,7 @@ ream() {
 }
 ream 2 "plugin:FILE.so" --backend plugin
 ream 2 "plugin:FILE.so" --backend plugin:
-ream 2 "none.so: No such file" --backend plugin:none.so
+ream 2 "none.so: cannot open: No such file" --backend plugin:none.so
 ream 2 "not a file" --backend plugin:.
 echo "not a library" >text.so
 ream 2 "text.so: cannot be loaded" --backend plugin:text.so

@@ -5,7 +5,10 @@
 
 static ost_pose any_pose(int64_t limit)
 {
-    return (ost_pose){.qw = (int32_t)any64(limit), .qx = (int32_t)any64(limit), .qy = (int32_t)any64(limit), .qz = (int32_t)any64(limit)};
+    return (ost_pose){.qw = (int32_t)any64(limit),
+                      .qx = (int32_t)any64(limit),
+                      .qy = (int32_t)any64(limit),
+                      .qz = (int32_t)any64(limit)};
 }
 
 /* P < U < 2^36 and 4096 P < 2^48; the table's entry belongs to the quarter. */
@@ -39,7 +42,8 @@ void motor_component(void)
 
 void motor_parts(void)
 {
-    const ost_tick before = {.t_ns = nondet_int64(), .rpm = OST_RPM_OF_DEVICE}, row = {.t_ns = nondet_int64(), .rpm = OST_RPM_OF_DEVICE};
+    const ost_tick before = {.t_ns = nondet_int64(), .rpm = OST_RPM_OF_DEVICE},
+                   row = {.t_ns = nondet_int64(), .rpm = OST_RPM_OF_DEVICE};
     const int64_t parts = parts_of(&before, &row, any32(0, 3000));
     ASSERT(parts >= 1 + WIDER && parts <= OST_MOTOR_PARTS_MAX + 1);
 }

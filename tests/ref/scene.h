@@ -30,7 +30,8 @@ static inline int16_t *random_densities(test_rng *rng, const ost_geometry *g, in
     int16_t *voxels = malloc(count * sizeof *voxels);
     assert_non_null(voxels);
     for (size_t i = 0; i < count; i++)
-        voxels[i] = rng_range(rng, 0, 7) < share ? (int16_t)rng_range(rng, 120, 1000) : (int16_t)rng_range(rng, -1000, 119);
+        voxels[i] = rng_range(rng, 0, 7) < share ? (int16_t)rng_range(rng, 120, 1000)
+                                                 : (int16_t)rng_range(rng, -1000, 119);
     return voxels;
 }
 
@@ -134,7 +135,8 @@ typedef struct scene_event {
     ost_event event;
 } scene_event;
 
-static inline const ost_event *event_of(scene_event *e, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count)
+static inline const ost_event *event_of(scene_event *e, const ost_geometry *g, const ost_tool *tool,
+                                        const ost_pose *poses, int count)
 {
     ost_error err = {0};
     assert_true(count <= SCENE_POSES);
@@ -147,8 +149,8 @@ static inline const ost_event *event_of(scene_event *e, const ost_geometry *g, c
     return &e->event;
 }
 
-static inline void remove_at(ost_bone *bone, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count,
-                             ost_report *report)
+static inline void remove_at(ost_bone *bone, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses,
+                             int count, ost_report *report)
 {
     ost_error err = {0};
     scene_event *e = malloc(sizeof *e);

@@ -210,7 +210,8 @@ static void occupancy_words_say_what_is_active(void **state)
             const ost_chunk *chunk = &grid.chunks[c];
             int active = 0;
             for (int v = 0; chunk->density && v < n * n * n; v++) {
-                int x = (int)(c % grid.chunk_dims.x) * n + v % n, y = (int)(c / grid.chunk_dims.x % grid.chunk_dims.y) * n + v / n % n,
+                int x = (int)(c % grid.chunk_dims.x) * n + v % n,
+                    y = (int)(c / grid.chunk_dims.x % grid.chunk_dims.y) * n + v / n % n,
                     z = (int)(c / grid.chunk_dims.x / grid.chunk_dims.y) * n + v / n / n;
                 bool expected = x < 70 && y < 37 && z < 41 && voxels[x + 70 * (y + 37 * z)] >= 120;
                 bool bit = chunk->occupancy[v / 32] >> (v % 32) & 1;
@@ -229,9 +230,13 @@ static void occupancy_words_say_what_is_active(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_goes_up_comes_down),   cmocka_unit_test(import_and_upload_agree),
-        cmocka_unit_test(the_threshold_is_inclusive), cmocka_unit_test(chunk_size_does_not_show),
-        cmocka_unit_test(leaves_are_those_of_the_dense_grid), cmocka_unit_test(memory_follows_the_voxels), cmocka_unit_test(empty_chunks_have_no_memory),
+        cmocka_unit_test(what_goes_up_comes_down),
+        cmocka_unit_test(import_and_upload_agree),
+        cmocka_unit_test(the_threshold_is_inclusive),
+        cmocka_unit_test(chunk_size_does_not_show),
+        cmocka_unit_test(leaves_are_those_of_the_dense_grid),
+        cmocka_unit_test(memory_follows_the_voxels),
+        cmocka_unit_test(empty_chunks_have_no_memory),
         cmocka_unit_test(occupancy_words_say_what_is_active),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);

@@ -99,8 +99,8 @@ static void borders_of_the_offsets(void **state)
         int16_t row[8];
         assert_ok(ost_grid_download(grid, 0, 1, row, &err));
         if (report.off_lattice != cases[i].counted || report.rejected_line != cases[i].rejected)
-            fail_msg("x = %lld: counted %llu, rejected line %lld", (long long)cases[i].x, (unsigned long long)report.off_lattice,
-                     (long long)report.rejected_line);
+            fail_msg("x = %lld: counted %llu, rejected line %lld", (long long)cases[i].x,
+                     (unsigned long long)report.off_lattice, (long long)report.rejected_line);
         for (int v = 0; v < 8; v++)
             assert_int_equal(row[v], v == cases[i].index ? 500 : 0);
         ost_grid_free(grid);
@@ -113,7 +113,10 @@ static void a_voxel_met_again(void **state)
         ost_duplicates rule;
         int16_t kept;
         int64_t conflict;
-    } cases[] = {{OST_DUPLICATES_ERROR, 200, 3}, {OST_DUPLICATES_FIRST, 200, 0}, {OST_DUPLICATES_LAST, 150, 0}, {OST_DUPLICATES_MAX, 900, 0}};
+    } cases[] = {{OST_DUPLICATES_ERROR, 200, 3},
+                 {OST_DUPLICATES_FIRST, 200, 0},
+                 {OST_DUPLICATES_LAST, 150, 0},
+                 {OST_DUPLICATES_MAX, 900, 0}};
     const ost_sample samples[] = {{.density = 200, .line = 0}, {.density = 200, .line = 1}, {.density = 900, .line = 2},
                                   {.density = 150, .line = 3}};
     ost_error err = {0};
@@ -162,7 +165,8 @@ static void every_voxel_finds_its_place(void **state)
     for (int i = 0; i < NX * NY * NZ; i++) {
         int v = (i * 61) % (NX * NY * NZ); /* an arbitrary order: 61 and 140 have no common divisor */
         int x = v % NX, y = v / NX % NY, z = v / NX / NY;
-        samples[i] = (ost_sample){origin.x + x * S, origin.y + y * S, origin.z + z * OST_PM_PER_MM, v - 70, (uint32_t)i};
+        samples[i] = (ost_sample){origin.x + x * S, origin.y + y * S, origin.z + z * OST_PM_PER_MM, v - 70,
+                                  (uint32_t)i};
     }
     ost_scatter_report report = {0};
     assert_ok(ost_ct_to_rect(grid, samples, NX * NY * NZ, 1, OST_DUPLICATES_ERROR, &report, &err));
@@ -328,8 +332,10 @@ static void means_stay_between_their_neighbours(void **state)
     ost_error err = {0};
     test_rng rng = rng_seeded("means");
     for (int round = 0; round < 20; round++) {
-        const ost_geometry g = {.dims = {(int32_t)rng_range(&rng, 1, 6), (int32_t)rng_range(&rng, 1, 6), (int32_t)rng_range(&rng, 1, 6)},
-                                .spacing = {rng_range(&rng, 200, 3000) * UM + 1, rng_range(&rng, 200, 3000) * UM, rng_range(&rng, 200, 3000) * UM}};
+        const ost_geometry g = {
+            .dims = {(int32_t)rng_range(&rng, 1, 6), (int32_t)rng_range(&rng, 1, 6), (int32_t)rng_range(&rng, 1, 6)},
+            .spacing = {rng_range(&rng, 200, 3000) * UM + 1, rng_range(&rng, 200, 3000) * UM,
+                        rng_range(&rng, 200, 3000) * UM}};
         const int16_t lo = (int16_t)rng_range(&rng, INT16_MIN, INT16_MAX), hi = (int16_t)rng_range(&rng, lo, INT16_MAX);
         int16_t voxels[216], *out;
         ost_grid *rect, *cubic;
@@ -425,7 +431,8 @@ static void the_thesis_tables(void **state)
     ost_error err = {0};
     /* the two largest are only checked by their dimensions, below */
     for (size_t i = 2; i < sizeof models / sizeof models[0]; i++) {
-        ost_geometry g = {.dims = models[i].rect, .spacing = {models[i].in_plane, models[i].in_plane, models[i].between}};
+        ost_geometry g = {.dims = models[i].rect,
+                          .spacing = {models[i].in_plane, models[i].in_plane, models[i].between}};
         ost_grid *rect, *cubic;
         assert_ok(ost_grid_create(*state, &g, &rect, &err));
         assert_ok(ost_rect_to_cubic(rect, models[i].in_plane, OST_RESAMPLE_LINEAR, &cubic, &err));
@@ -435,7 +442,8 @@ static void the_thesis_tables(void **state)
         ost_grid_free(rect);
     }
     for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
-        ost_geometry g = cubic_geometry(models[i].cubic.x, models[i].cubic.y, models[i].cubic.z, models[i].in_plane, (ost_pm3){0, 0, 0});
+        ost_geometry g = cubic_geometry(models[i].cubic.x, models[i].cubic.y, models[i].cubic.z, models[i].in_plane,
+                                        (ost_pm3){0, 0, 0});
         ost_bone *bone;
         ost_bone_info info;
         assert_ok(ost_bone_create(*state, &g, 32, 120, &bone, &err));
@@ -459,15 +467,21 @@ static void it_takes_no_options(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_documents_example),      cmocka_unit_test(a_density_beyond_int16_is_refused), cmocka_unit_test(borders_of_the_offsets),
-        cmocka_unit_test(a_voxel_met_again),          cmocka_unit_test(a_zero_density_counts_as_seen),
-        cmocka_unit_test(every_voxel_finds_its_place), cmocka_unit_test(filler_voxels),
+        cmocka_unit_test(the_documents_example),
+        cmocka_unit_test(a_density_beyond_int16_is_refused),
+        cmocka_unit_test(borders_of_the_offsets),
+        cmocka_unit_test(a_voxel_met_again),
+        cmocka_unit_test(a_zero_density_counts_as_seen),
+        cmocka_unit_test(every_voxel_finds_its_place),
+        cmocka_unit_test(filler_voxels),
         cmocka_unit_test(coarser_than_the_scan),
         cmocka_unit_test(origins_round_half_to_even),
         cmocka_unit_test(a_seventh_digit_moves_nothing_by_a_voxel),
         cmocka_unit_test(means_round_once_and_half_to_even),
-        cmocka_unit_test(means_stay_between_their_neighbours),      cmocka_unit_test(equal_spacing_changes_nothing),
-        cmocka_unit_test(the_thesis_tables),          cmocka_unit_test(it_takes_no_options),
+        cmocka_unit_test(means_stay_between_their_neighbours),
+        cmocka_unit_test(equal_spacing_changes_nothing),
+        cmocka_unit_test(the_thesis_tables),
+        cmocka_unit_test(it_takes_no_options),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

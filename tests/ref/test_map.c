@@ -143,7 +143,10 @@ static void far_blocks_are_said_so(void **state)
     const struct {
         int64_t base;
         bool near;
-    } cases[] = {{-(INT64_C(1) << 29), true}, {-(INT64_C(1) << 29) - 1, false}, {(INT64_C(3) << 29) - 1, true}, {INT64_C(3) << 29, false}};
+    } cases[] = {{-(INT64_C(1) << 29), true},
+                 {-(INT64_C(1) << 29) - 1, false},
+                 {(INT64_C(3) << 29) - 1, true},
+                 {INT64_C(3) << 29, false}};
     for (size_t i = 0; i < 4; i++) {
         ost_pose pose = ost_pose_identity();
         pose.t.x = -cases[i].base * 1024;
@@ -220,9 +223,13 @@ static void each_corner_counts(void **state)
     (void)state;
     const ost_pose a = at_um(0, 0, 0);
     for (int octant = 0; octant < 8; octant++) {
-        const ost_tool_geometry tool = {{10, 10, 10}, OST_PM_PER_MM / 10, {octant & 1 ? 0 : -OST_PM_PER_MM, octant & 2 ? 0 : -OST_PM_PER_MM, octant & 4 ? 0 : -OST_PM_PER_MM}};
+        const ost_tool_geometry tool = {
+            {10, 10, 10},
+            OST_PM_PER_MM / 10,
+            {octant & 1 ? 0 : -OST_PM_PER_MM, octant & 2 ? 0 : -OST_PM_PER_MM, octant & 4 ? 0 : -OST_PM_PER_MM}};
         const int32_t quarter = 759250125; /* 2^30 / sqrt(2) */
-        const ost_pose about[3] = {{.qw = quarter, .qx = quarter}, {.qw = quarter, .qy = quarter}, {.qw = quarter, .qz = quarter}};
+        const ost_pose about[3] = {
+            {.qw = quarter, .qx = quarter}, {.qw = quarter, .qy = quarter}, {.qw = quarter, .qz = quarter}};
         for (int axis = 0; axis < 3; axis++)
             assert_int_equal(count_of(&a, &about[axis], &tool, 470 * UM), 9);
     }
@@ -231,10 +238,11 @@ static void each_corner_counts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_documents_sweep),     cmocka_unit_test(the_count_is_the_least),
-        cmocka_unit_test(a_turn_moves_the_corners), cmocka_unit_test(each_corner_counts), cmocka_unit_test(the_documents_map),
-        cmocka_unit_test(quarter_turns_are_exact), cmocka_unit_test(far_blocks_are_said_so),
-        cmocka_unit_test(ties_of_the_base_go_to_even), cmocka_unit_test(beyond_what_is_proved),
+        cmocka_unit_test(the_documents_sweep),      cmocka_unit_test(the_count_is_the_least),
+        cmocka_unit_test(a_turn_moves_the_corners), cmocka_unit_test(each_corner_counts),
+        cmocka_unit_test(the_documents_map),        cmocka_unit_test(quarter_turns_are_exact),
+        cmocka_unit_test(far_blocks_are_said_so),   cmocka_unit_test(ties_of_the_base_go_to_even),
+        cmocka_unit_test(beyond_what_is_proved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

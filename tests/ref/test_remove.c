@@ -45,8 +45,9 @@ static void a_small_cube(void **state)
     for (int i = 0; i < 512; i++)
         full[i] = 500;
     for (int voxels = 1; voxels <= 4; voxels *= 2) { /* the same cube with 1, 2 and 4 tool voxels per millimetre */
-        ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{2 * voxels, 2 * voxels, 2 * voxels}, OST_PM_PER_MM / voxels, {0, 0, 0}},
-                                    OST_TOOL_CUTTING);
+        ost_tool *tool = solid_tool(
+            *state, (ost_tool_geometry){{2 * voxels, 2 * voxels, 2 * voxels}, OST_PM_PER_MM / voxels, {0, 0, 0}},
+            OST_TOOL_CUTTING);
         for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
             ost_bone *bone = bone_of(*state, &g, 16, full);
             ost_report report = {0};
@@ -75,7 +76,8 @@ static void classes_and_touch(void **state)
     const int16_t voxels[] = {149, 150, 650, 700, 700};
     const uint8_t classes[] = {1, 1, 1, 2, 0};
     ost_tool_volume volume;
-    assert_ok(ost_tool_volume_init(&volume, &(ost_tool_geometry){{5, 1, 1}, OST_PM_PER_MM, {-500 * UM, -500 * UM, -500 * UM}}, &err));
+    assert_ok(ost_tool_volume_init(
+        &volume, &(ost_tool_geometry){{5, 1, 1}, OST_PM_PER_MM, {-500 * UM, -500 * UM, -500 * UM}}, &err));
     memcpy(volume.voxels, classes, sizeof classes);
     ost_tool *tool;
     assert_ok(ost_tool_upload(*state, &volume, &tool, &err));
@@ -155,9 +157,10 @@ static scene make_scene(ost_backend *backend, test_rng *rng)
 {
     static const ost_pm tool_voxels[] = {470 * UM, 235 * UM, 500 * UM, 30 * UM, 1000 * UM};
     scene s = {.g = cubic_geometry(70, 37, 41, 470 * UM, (ost_pm3){-57340 * UM, 3 * UM, 7})};
-    ost_tool_geometry t = {{(int32_t)rng_range(rng, 1, 40), (int32_t)rng_range(rng, 1, 40), (int32_t)rng_range(rng, 1, 40)},
-                           tool_voxels[rng_range(rng, 0, 4)],
-                           {rng_range(rng, -9000, 0) * UM, rng_range(rng, -9000, 0) * UM, rng_range(rng, -9000, 0) * UM}};
+    ost_tool_geometry t = {
+        {(int32_t)rng_range(rng, 1, 40), (int32_t)rng_range(rng, 1, 40), (int32_t)rng_range(rng, 1, 40)},
+        tool_voxels[rng_range(rng, 0, 4)],
+        {rng_range(rng, -9000, 0) * UM, rng_range(rng, -9000, 0) * UM, rng_range(rng, -9000, 0) * UM}};
     s.voxels = random_densities(rng, &s.g, (int)rng_range(rng, 1, 8));
     s.tool = random_tool(backend, rng, t);
     s.lo = s.g.origin;
@@ -330,7 +333,8 @@ static void events_commute_and_only_take(void **state)
         int16_t *fewer = malloc(voxel_count(&s.g) * sizeof *fewer);
         for (size_t i = 0; i < voxel_count(&s.g); i++)
             fewer[i] = rng_range(&rng, 0, 1) ? s.voxels[i] : 0;
-        ost_bone *pq = bone_of(*state, &s.g, 16, s.voxels), *qp = bone_of(*state, &s.g, 64, s.voxels), *sub = bone_of(*state, &s.g, 32, fewer);
+        ost_bone *pq = bone_of(*state, &s.g, 16, s.voxels), *qp = bone_of(*state, &s.g, 64, s.voxels),
+                 *sub = bone_of(*state, &s.g, 32, fewer);
         ost_report report = {0};
         int16_t *start = content(pq, &s.g);
         remove_at(pq, &s.g, s.tool, &p, 1, &report);
@@ -390,7 +394,8 @@ static void moved_together_nothing_changes(void **state)
         int16_t *shifted = calloc(voxel_count(&g), sizeof *shifted);
         for (int32_t z = 0; z < 41; z++)
             for (int32_t y = 0; y < 37; y++)
-                memcpy(shifted + bx + g.dims.x * (y + by16 + g.dims.y * (z + bz)), s.voxels + 70 * (y + 37 * z), 70 * sizeof *shifted);
+                memcpy(shifted + bx + g.dims.x * (y + by16 + g.dims.y * (z + bz)), s.voxels + 70 * (y + 37 * z),
+                       70 * sizeof *shifted);
         moved = pose;
         moved.t = (ost_pm3){pose.t.x + bx * g.spacing.x, pose.t.y + by16 * g.spacing.x, pose.t.z + bz * g.spacing.x};
         other = bone_of(*state, &g, 64, shifted);
@@ -398,7 +403,8 @@ static void moved_together_nothing_changes(void **state)
         found = content(other, &g);
         for (int32_t z = 0; z < 41; z++)
             for (int32_t y = 0; y < 37; y++)
-                assert_memory_equal(found + bx + g.dims.x * (y + by16 + g.dims.y * (z + bz)), expected + 70 * (y + 37 * z), 70 * sizeof *found);
+                assert_memory_equal(found + bx + g.dims.x * (y + by16 + g.dims.y * (z + bz)),
+                                    expected + 70 * (y + 37 * z), 70 * sizeof *found);
         assert_int_equal(here.total_voxels, there.total_voxels);
         assert_int_equal(here.touched_voxels, there.touched_voxels);
         free(found);
@@ -451,7 +457,8 @@ static void quarter_turns_turn_the_set(void **state)
     test_rng rng = rng_seeded("quarter turns");
     ost_geometry g = cubic_geometry(N, N, N, OST_PM_PER_MM, (ost_pm3){-11500 * UM, -11500 * UM, -11500 * UM});
     int16_t *voxels = random_densities(&rng, &g, 5), *turned = malloc(voxel_count(&g) * sizeof *turned);
-    ost_tool *tool = random_tool(*state, &rng, (ost_tool_geometry){{17, 24, 30}, 500 * UM, {-3000 * UM, -4500 * UM, -2000 * UM}});
+    ost_tool *tool = random_tool(*state, &rng,
+                                 (ost_tool_geometry){{17, 24, 30}, 500 * UM, {-3000 * UM, -4500 * UM, -2000 * UM}});
     ost_pose pose = ost_pose_identity();
     pose.t = (ost_pm3){rng_range(&rng, -10, 10) * 500 * UM + 250 * UM, rng_range(&rng, -10, 10) * 500 * UM + 250 * UM,
                        rng_range(&rng, -10, 10) * 500 * UM + 250 * UM};

@@ -40,8 +40,8 @@ static ost_volume make_bone(test_rng *rng)
     const ost_geometry g = {{NX, NY, NZ}, {MM, MM, MM}, {0, 0, 0}};
     assert_ok(ost_volume_init(&v, &g, &err));
     for (int i = 0; i < 12; i++)
-        ball(&v, (int[3]){(int)rng_range(rng, 25, 75), (int)rng_range(rng, 25, 45), (int)rng_range(rng, 25, 43)}, (int)rng_range(rng, 6, 16),
-             (int16_t)rng_range(rng, 200, 1400));
+        ball(&v, (int[3]){(int)rng_range(rng, 25, 75), (int)rng_range(rng, 25, 45), (int)rng_range(rng, 25, 43)},
+             (int)rng_range(rng, 6, 16), (int16_t)rng_range(rng, 200, 1400));
     return v;
 }
 
@@ -66,7 +66,8 @@ static ost_pose pose_of(test_rng *rng)
     }
     for (int a = 0; a < 4; a++)
         q[a] /= sqrt(n);
-    const double position[3] = {(double)rng_range(rng, 10, 90), (double)rng_range(rng, 5, 60), (double)rng_range(rng, 5, 60)};
+    const double position[3] = {(double)rng_range(rng, 10, 90), (double)rng_range(rng, 5, 60),
+                                (double)rng_range(rng, 5, 60)};
     assert_ok(ost_pose_from_doubles(position, q, &pose, &err));
     return pose;
 }
@@ -127,7 +128,8 @@ static void change(ost_viewer *v, ost_volume *bone, test_rng *rng, ost_camera *c
         ost_viewer_set_colouring(v, (ost_colouring)rng_range(rng, 0, OST_COLOUR_COUNT - 1));
     else if (what == 30) {
         ost_clip clip;
-        const double to[3] = {50, 35, 34}, normal[3] = {(double)rng_range(rng, 1, 9), (double)rng_range(rng, -9, 9), (double)rng_range(rng, -9, 9)};
+        const double to[3] = {50, 35, 34}, normal[3] = {(double)rng_range(rng, 1, 9), (double)rng_range(rng, -9, 9),
+                                                        (double)rng_range(rng, -9, 9)};
         assert_ok(ost_clip_make(&v->bone.geometry, to, normal, &clip, &err));
         ost_viewer_set_clip(v, rng_range(rng, 0, 1) ? &clip : NULL);
     } else if (what == 31)
@@ -154,8 +156,8 @@ static void write_over(ost_frame *f, test_rng *rng)
 {
     const ost_sheet sheet = ost_frame_sheet(f);
     if (rng_range(rng, 0, 1))
-        ost_sheet_box(&sheet, (int)rng_range(rng, -20, f->width), (int)rng_range(rng, -20, f->height), (int)rng_range(rng, 1, 90), (int)rng_range(rng, 1, 40),
-                      0x123456, 128);
+        ost_sheet_box(&sheet, (int)rng_range(rng, -20, f->width), (int)rng_range(rng, -20, f->height),
+                      (int)rng_range(rng, 1, 90), (int)rng_range(rng, 1, 40), 0x123456, 128);
     if (rng_range(rng, 0, 15))
         return;
     const size_t count = (size_t)f->planes.stride * (size_t)f->height;

@@ -38,7 +38,8 @@ static ost_volume body(test_rng *rng, int n, ost_pm spacing)
             for (int i = 0; i < n; i++) {
                 bool in = false;
                 for (int l = 0; l < 3; l++)
-                    in = in || hypot(hypot(i - lobe[l][0] * n, j - lobe[l][1] * n), k - lobe[l][2] * n) < lobe[l][3] * n;
+                    in = in ||
+                         hypot(hypot(i - lobe[l][0] * n, j - lobe[l][1] * n), k - lobe[l][2] * n) < lobe[l][3] * n;
                 in = in && hypot(hypot(i - 0.62 * n, j - 0.1 * n), k - 0.4 * n) > 0.16 * n;
                 v.voxels[i + (size_t)n * (size_t)(j + n * k)] = in && rng_range(rng, 0, 60) != 0 ? 700 : 0;
             }
@@ -59,13 +60,15 @@ static ost_surface surface_of(const ost_volume *v)
  * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels;
  * aside: offset of the point looked at.
  */
-static ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside, int width, int height)
+static ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside, int width,
+                       int height)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = (int32_t)(1207.10678 * height), .width = width, .height = height};
     const double mm = 1e-9 * (double)g->spacing.x, length = sqrt(x * x + y * y + z * z), up[3] = {0, 0, 1};
     const double at[3] = {-3 + mm * (0.5 * g->dims.x + aside), mm * 0.5 * g->dims.y, 7 + mm * 0.5 * g->dims.z};
-    const double from[3] = {at[0] + mm * distance * x / length, at[1] + mm * distance * y / length, at[2] + mm * distance * z / length};
+    const double from[3] = {at[0] + mm * distance * x / length, at[1] + mm * distance * y / length,
+                            at[2] + mm * distance * z / length};
     assert_ok(ost_camera_look_at(from, at, up, &c, &err));
     return c;
 }
@@ -89,7 +92,8 @@ static difference compare(const ost_frame *a, const ost_frame *b)
     return d;
 }
 
-static void check(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count, ost_style style)
+static void check(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
+                  ost_style style)
 {
     ost_error err = {0};
     const int width = things[0].eye.width, height = things[0].eye.height;
@@ -105,8 +109,8 @@ static void check(const char *name, const ost_gl_variant *variant, const ost_fra
         covered += ours.planes.face[i] != OST_NO_FACE;
     const double share = 30.0 * width * height / (1280 * 720);
     const int most = share > 5 ? (int)share : 5;
-    printf("# %-36s %dx%d, %7zu covered: %d pixels differ (face %d, depth %d; %d may)%s\n", name, width, height, covered, d.colour, d.face, d.depth, most,
-           ost_gl_counts_get(gl).bricks ? ", bricks" : "");
+    printf("# %-36s %dx%d, %7zu covered: %d pixels differ (face %d, depth %d; %d may)%s\n", name, width, height,
+           covered, d.colour, d.face, d.depth, most, ost_gl_counts_get(gl).bricks ? ", bricks" : "");
     assert_in_range(d.colour, 0, most);
     if (variant->target != OST_GL_FORWARD)
         assert_in_range(d.depth, 0, most);
@@ -128,8 +132,13 @@ typedef struct place {
 } place;
 
 static const place places[] = {
-    {"whole", 0.2, -1, 0.3, 2.1, 0},      {"oblique", 1, -0.7, 0.6, 2.3, 0},   {"far", -0.3, 1, -0.2, 6, 0},        {"bowl", 0.25, -1, 0.0, 0.75, 0.12},
-    {"at the frame's edge", 0, -1, 0.1, 1.2, 0.45}, {"close up", 0.3, -1, 0.2, 0.5, 0.1}, {"from within", 0.1, -0.3, 1, 0.08, 0},
+    {"whole", 0.2, -1, 0.3, 2.1, 0},
+    {"oblique", 1, -0.7, 0.6, 2.3, 0},
+    {"far", -0.3, 1, -0.2, 6, 0},
+    {"bowl", 0.25, -1, 0.0, 0.75, 0.12},
+    {"at the frame's edge", 0, -1, 0.1, 1.2, 0.45},
+    {"close up", 0.3, -1, 0.2, 0.5, 0.1},
+    {"from within", 0.1, -0.3, 1, 0.08, 0},
 };
 
 static void check_views(int width, int height, int side)
@@ -146,12 +155,14 @@ static void check_views(int width, int height, int side)
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
         const place *p = &places[i];
         const ost_camera c = look(&v.geometry, p->x, p->y, p->z, p->distance * side, p->aside * side, width, height);
-        const double mm = 0.5 * side, at[3] = {-3 + mm * (0.55 + 0.2 * p->x), mm * (0.45 + 0.5 * p->y), 7 + mm * (0.5 + 0.3 * p->z)};
+        const double mm = 0.5 * side,
+                     at[3] = {-3 + mm * (0.55 + 0.2 * p->x), mm * (0.45 + 0.5 * p->y), 7 + mm * (0.5 + 0.3 * p->z)};
         ost_pose pose;
         char name[80];
         assert_ok(ost_pose_from_doubles(at, q, &pose, &err));
-        const ost_frame_thing things[2] = {{.surface = &bone, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE},
-                                           {.surface = &tool, .eye = ost_eye_make_from(&c, &t.geometry, &pose), .paint = OST_PAINT_STEEL}};
+        const ost_frame_thing things[2] = {
+            {.surface = &bone, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE},
+            {.surface = &tool, .eye = ost_eye_make_from(&c, &t.geometry, &pose), .paint = OST_PAINT_STEEL}};
         check(p->name, &points, things, 1, OST_STYLE_SMOOTH);
         snprintf(name, sizeof name, "%s, with a tool", p->name);
         check(name, &ours, things, 2, i % 2 ? OST_STYLE_SMOOTH : OST_STYLE_FACES);
@@ -250,7 +261,8 @@ static void test_variants(void **state)
         {"the same in 8 bits", {.frustum = true, .facing = true, .true_depth = true, .target = OST_GL_SMALL}},
         {"compact, slabs", {.frustum = true, .facing = true, .order = true, .true_depth = true}},
         {"tight, slabs", {.frustum = true, .facing = true, .order = true, .tight = true}},
-        {"forward", {.frustum = true, .facing = true, .order = true, .tight = true, .lines = true, .target = OST_GL_FORWARD}},
+        {"forward",
+         {.frustum = true, .facing = true, .order = true, .tight = true, .lines = true, .target = OST_GL_FORWARD}},
         {"bricks, forward", {.frustum = true, .order = true, .tight = true, .bricks = true, .target = OST_GL_FORWARD}},
     };
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)
@@ -295,7 +307,8 @@ static int same_without(const char *name, const ost_gl_variant *variant, const o
     assert_true(did.hidden ? did.points < points : did.points == points);
     const difference d = compare(&a, &b);
     if (d.colour || d.face || d.depth)
-        printf("# %s: %d pixels differ (face %d, depth %d), %d cells hidden\n", name, d.colour, d.face, d.depth, (int)did.hidden);
+        printf("# %s: %d pixels differ (face %d, depth %d), %d cells hidden\n", name, d.colour, d.face, d.depth,
+               (int)did.hidden);
     assert_int_equal(d.colour + d.face + d.depth, 0);
     ost_frame_free(&a);
     ost_frame_free(&b);
@@ -333,8 +346,9 @@ static void test_occlusion(void **state)
             const double q[4] = {0.8, 0.3, -0.4, 0.33}, at[3] = {60, 40, 60};
             ost_pose pose;
             assert_ok(ost_pose_from_doubles(at, q, &pose, &err));
-            const ost_frame_thing things[2] = {{.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE},
-                                               {.surface = &tool, .eye = ost_eye_make_from(&c, &t.geometry, &pose), .paint = OST_PAINT_STEEL}};
+            const ost_frame_thing things[2] = {
+                {.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE},
+                {.surface = &tool, .eye = ost_eye_make_from(&c, &t.geometry, &pose), .paint = OST_PAINT_STEEL}};
             hidden += same_without(names[i], &list[i], things, 1 + step % 2);
         }
         /*
@@ -350,7 +364,8 @@ static void test_occlusion(void **state)
         assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
         assert_ok(ost_surface_update(&s, &err));
         after = same_without(names[i], &list[i], &thing, 1);
-        printf("# %-36s %d cells hidden as the eye goes around, %d behind the wall, %d when it opens\n", names[i], hidden, before, after);
+        printf("# %-36s %d cells hidden as the eye goes around, %d behind the wall, %d when it opens\n", names[i],
+               hidden, before, after);
         assert_in_range(hidden, 2000, STEPS * CELLS);
         assert_in_range(before, 1000, CELLS);
         assert_in_range(after, 1, before - 1);
@@ -373,7 +388,8 @@ static int begin(void **state)
         memcpy(reason, err.text, sizeof reason);
     if (gl) {
         const ost_gl_info info = ost_gl_info_get(gl);
-        printf("# OpenGL %s, %s; %s; points of up to %g pixels\n", info.version, info.driver, info.way, (double)info.largest);
+        printf("# OpenGL %s, %s; %s; points of up to %g pixels\n", info.version, info.driver, info.way,
+               (double)info.largest);
     }
     return 0;
 }
@@ -388,7 +404,8 @@ static int end(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_views), cmocka_unit_test(test_changes), cmocka_unit_test(test_variants), cmocka_unit_test(test_occlusion)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_views), cmocka_unit_test(test_changes),
+                                       cmocka_unit_test(test_variants), cmocka_unit_test(test_occlusion)};
     int failed = cmocka_run_group_tests(tests, begin, end);
     version = 33;
     if (getenv("OST_TEST_LONG") && !failed && !*reason)

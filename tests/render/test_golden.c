@@ -43,7 +43,8 @@ static int square(int a)
 static bool bone(int i, int j, int k)
 {
     const uint32_t pore = ((uint32_t)i * 73856093u ^ (uint32_t)j * 19349663u ^ (uint32_t)k * 83492791u) >> 7;
-    return square(i - 50) + square(j - 45) + square(k - 55) < square(44) && square(i - 50) + square(j - 2) + square(k - 55) >= square(30) &&
+    return square(i - 50) + square(j - 45) + square(k - 55) < square(44) &&
+           square(i - 50) + square(j - 2) + square(k - 55) >= square(30) &&
            !(square(i - 50) + square(k - 55) < 36 && j < 60) && pore % 37 != 0;
 }
 
@@ -71,7 +72,8 @@ static hit walk(const ost_volume *v, const ost_eye *e, double x, double y)
     for (int a = 0; a < 3; a++) {
         d[a] = (double)e->focal * (double)e->forward[a] + (x + 0.5 - (double)e->half_w) * (double)e->right[a] -
                (y + 0.5 - (double)e->half_h) * (double)e->up[a];
-        const double t0 = (-0.5 - (double)e->at[a]) / d[a], t1 = (dims[a] - 0.5 - (double)e->at[a]) / d[a], first = fmin(t0, t1);
+        const double t0 = (-0.5 - (double)e->at[a]) / d[a], t1 = (dims[a] - 0.5 - (double)e->at[a]) / d[a],
+                     first = fmin(t0, t1);
         axis = first > in ? a : axis;
         in = fmax(in, first);
         out = fmin(out, fmax(t0, t1));
@@ -187,9 +189,12 @@ static uint64_t hash_of(const ost_frame *f, const ost_surface *s, const golden *
             const size_t at = (size_t)y * (size_t)f->planes.stride + (size_t)x;
             long voxel = -1;
             if (f->planes.face[at] != OST_NO_FACE && f->layers == 1) {
-                const uint32_t id = (uint32_t)f->layer[0].visible.seen[ost_visible_index(&f->layer[0].visible, (uint32_t)f->planes.key[at])];
+                const uint32_t id = (uint32_t)f->layer[0].visible.seen[ost_visible_index(&f->layer[0].visible,
+                                                                                         (uint32_t)f->planes.key[at])];
                 const int32_t *b = s->slot[id >> OST_LOCAL_BITS]->at;
-                voxel = 32 * b[0] + (long)(id & 31) + (long)d.x * (32 * b[1] + (long)(id >> 5 & 31) + (long)d.y * (32 * b[2] + (long)(id >> 10 & 31)));
+                voxel = 32 * b[0] + (long)(id & 31) +
+                        (long)d.x *
+                            (32 * b[1] + (long)(id >> 5 & 31) + (long)d.y * (32 * b[2] + (long)(id >> 10 & 31)));
             }
             if (g->clear[y][x])
                 hash = hashed(hashed(hash, f->planes.face[at]), (uint64_t)voxel);
@@ -203,7 +208,8 @@ static uint64_t draw(const thing *t, int count, const golden *g, ost_isa isa, in
     ost_frame f;
     ost_frame_thing things[2];
     for (int i = 0; i < count; i++)
-        things[i] = (ost_frame_thing){.surface = &t[i].surface, .eye = t[i].eye, .paint = i ? OST_PAINT_STEEL : OST_PAINT_BONE};
+        things[i] = (ost_frame_thing){
+            .surface = &t[i].surface, .eye = t[i].eye, .paint = i ? OST_PAINT_STEEL : OST_PAINT_BONE};
     assert_ok(ost_frame_init(&f, W, H, OST_STYLE_SMOOTH, isa, threads, &err));
     assert_ok(ost_frame_store_keys(&f, &err));
     assert_ok(ost_frame_draw_things(&f, things, count, &err));
@@ -257,7 +263,8 @@ static void test_golden(void **state)
         t[0].eye = ost_eye_make(&c, &t[0].volume.geometry);
         t[1].eye = ost_eye_make_from(&c, &t[1].volume.geometry, &pose);
         walk_all(t, count, 0.5, &g);
-        printf("# %-22s %5zu pixels covered, %2zu passed over, 0x%016" PRIx64 "\n", v->name, g.covered, g.doubtful, g.hash);
+        printf("# %-22s %5zu pixels covered, %2zu passed over, 0x%016" PRIx64 "\n", v->name, g.covered, g.doubtful,
+               g.hash);
         assert_true(g.covered > 1000 && 100 * g.doubtful < g.covered);
         assert_int_equal(g.hash, v->hash);
         for (int isa = 0; isa < OST_ISA_COUNT; isa++)

@@ -40,9 +40,11 @@ static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
     for (int k = 0; k < NZ; k++)
         for (int j = 0; j < NY; j++)
             for (int i = 0; i < NX; i++) {
-                const double a = (i - 34) / 32.0, b = (j - 20) / 17.0, c = (k - 19) / 16.0, e = (j - 20.0) * (j - 20.0) + (k - 17.0) * (k - 17.0);
+                const double a = (i - 34) / 32.0, b = (j - 20) / 17.0, c = (k - 19) / 16.0,
+                             e = (j - 20.0) * (j - 20.0) + (k - 17.0) * (k - 17.0);
                 const double shell = a * a * a * a + b * b * b * b + c * c * c * c;
-                const bool bone = shell < 0.3 ? rng_range(rng, 0, 200) != 0 : shell < 1; /* pores, four voxels deep and more */
+                /* pores, four voxels deep and more */
+                const bool bone = shell < 0.3 ? rng_range(rng, 0, 200) != 0 : shell < 1;
                 const int16_t v = bone ? (int16_t)rng_range(rng, 120, 1500) : 0;
                 before->voxels[index_of(i, j, k)] = v;
                 after->voxels[index_of(i, j, k)] = i > 45 && e < 36 ? 0 : v;
@@ -75,7 +77,8 @@ static void for_points(const ost_surface *s, each_point *visit, void *user)
     for (int32_t b = 0; b < s->used; b++)
         for (uint32_t p = 0; p < s->slot[b]->count; p++) {
             const uint32_t w = s->slot[b]->points[p];
-            const int v[3] = {32 * s->slot[b]->at[0] + (int)(w & 31), 32 * s->slot[b]->at[1] + (int)(w >> 5 & 31), 32 * s->slot[b]->at[2] + (int)(w >> 10 & 31)};
+            const int v[3] = {32 * s->slot[b]->at[0] + (int)(w & 31), 32 * s->slot[b]->at[1] + (int)(w >> 5 & 31),
+                              32 * s->slot[b]->at[2] + (int)(w >> 10 & 31)};
             visit(user, v, w, s->slot[b]->shades[p], s->slot[b]);
         }
 }
@@ -176,7 +179,8 @@ static void a_plane_shows_the_ct(void **state)
      */
     const ost_clip across = {{-OST_CLIP_UNIT, 0, 0}, -(INT64_C(40) << 14)};
     ost_camera camera = {.focal_milli = 100000, .width = 64, .height = 64};
-    assert_ok(ost_camera_look_at((double[3]){-10, -3 + 10, 9}, (double[3]){40, -3 + 10, 9}, (double[3]){0, 0, 1}, &camera, &err));
+    assert_ok(ost_camera_look_at((double[3]){-10, -3 + 10, 9}, (double[3]){40, -3 + 10, 9}, (double[3]){0, 0, 1},
+                                 &camera, &err));
     ost_viewer_set_clip(&v, &across);
     assert_ok(ost_viewer_update(&v, &err));
     assert_ok(ost_viewer_draw(&v, &camera, &err));
@@ -189,7 +193,8 @@ static void a_plane_shows_the_ct(void **state)
             const size_t i = (size_t)y * (size_t)p->stride + (size_t)x;
             if (p->face[i] != OST_FACE_X0)
                 continue;
-            const uint32_t id = (uint32_t)v.frame.layer[0].visible.seen[ost_visible_index(&v.frame.layer[0].visible, (uint32_t)p->key[i])];
+            const uint32_t id = (uint32_t)v.frame.layer[0]
+                                    .visible.seen[ost_visible_index(&v.frame.layer[0].visible, (uint32_t)p->key[i])];
             const int32_t *b = v.bone.slot[id >> OST_LOCAL_BITS]->at;
             const int j = 32 * b[1] + (int)(id >> 5 & 31), k = 32 * b[2] + (int)(id >> 10 & 31);
             if (32 * b[0] + (int)(id & 31) != 40 || at(&after, 39, j, k) < 120)
@@ -247,7 +252,8 @@ static int distance(const ost_volume *v, const int from[3])
     for (int k = 0; k < NZ; k++)
         for (int j = 0; j < NY; j++)
             for (int i = 0; i < NX; i++) {
-                const int square = (i - from[0]) * (i - from[0]) + (j - from[1]) * (j - from[1]) + (k - from[2]) * (k - from[2]);
+                const int square = (i - from[0]) * (i - from[0]) + (j - from[1]) * (j - from[1]) +
+                                   (k - from[2]) * (k - from[2]);
                 const double a = (i - 34) / 32.0, b = (j - 20) / 17.0, c = (k - 19) / 16.0;
                 if (square < best && at(v, i, j, k) < 120 && a * a * a * a + b * b * b * b + c * c * c * c >= 1)
                     best = square;
@@ -327,8 +333,9 @@ static void tissues_by_class_and_place(void **state)
     static const struct {
         int i;
         ost_tissue tissue;
-    } wanted[] = {{11, OST_TISSUE_CARTILAGE}, {13, OST_TISSUE_CARTILAGE}, {14, OST_TISSUE_PLATE}, {15, OST_TISSUE_PLATE}, {17, OST_TISSUE_PLATE},
-                  {18, OST_TISSUE_CANCELLOUS}, {40, OST_TISSUE_CANCELLOUS}, {57, OST_TISSUE_CORTICAL}};
+    } wanted[] = {{11, OST_TISSUE_CARTILAGE},  {13, OST_TISSUE_CARTILAGE}, {14, OST_TISSUE_PLATE},
+                  {15, OST_TISSUE_PLATE},      {17, OST_TISSUE_PLATE},     {18, OST_TISSUE_CANCELLOUS},
+                  {40, OST_TISSUE_CANCELLOUS}, {57, OST_TISSUE_CORTICAL}};
     for (size_t w = 0; w < sizeof wanted / sizeof *wanted; w++) {
         const int32_t p[3] = {wanted[w].i, 20, 19};
         assert_int_equal(ost_uncut_paint(&reference, OST_COLOUR_CLASS, p, 0), OST_PAINT_LIT + wanted[w].tissue);
@@ -428,13 +435,15 @@ static void what_went_just_now_is_shown(void **state)
 /* Removes a ball of bone, or restores all that was there. */
 static void bite(test_rng *rng, const ost_volume *before, ost_volume *now)
 {
-    const int c[3] = {(int)rng_range(rng, -2, NX), (int)rng_range(rng, -2, NY), (int)rng_range(rng, -2, NZ)}, r = (int)rng_range(rng, 0, 6);
+    const int c[3] = {(int)rng_range(rng, -2, NX), (int)rng_range(rng, -2, NY), (int)rng_range(rng, -2, NZ)},
+              r = (int)rng_range(rng, 0, 6);
     const bool back = rng_range(rng, 0, 7) == 0;
     for (int k = c[2] - r; k <= c[2] + r; k++)
         for (int j = c[1] - r; j <= c[1] + r; j++)
             for (int i = c[0] - r; i <= c[0] + r; i++) {
                 const int a[3] = {i - c[0], j - c[1], k - c[2]};
-                if (i >= 0 && j >= 0 && k >= 0 && i < NX && j < NY && k < NZ && a[0] * a[0] + a[1] * a[1] + a[2] * a[2] <= r * r)
+                if (i >= 0 && j >= 0 && k >= 0 && i < NX && j < NY && k < NZ &&
+                    a[0] * a[0] + a[1] * a[1] + a[2] * a[2] <= r * r)
                     now->voxels[index_of(i, j, k)] = back ? before->voxels[index_of(i, j, k)] : 0;
             }
 }
@@ -464,7 +473,8 @@ static void only_what_changed_is_made_anew(void **state)
             }
             for (int round = 0; round < ROUNDS; round++) {
                 const int32_t n = (int32_t)rng_range(&rng, -9000, 9000);
-                const ost_clip plane = {{n, 8192, 4096}, n * (NX / 2) + 8192 * (NY / 2 + rng_range(&rng, -6, 12)) + 4096 * (NZ / 2)};
+                const ost_clip plane = {{n, 8192, 4096},
+                                        n * (NX / 2) + 8192 * (NY / 2 + rng_range(&rng, -6, 12)) + 4096 * (NZ / 2)};
                 const int what = (int)rng_range(&rng, 0, 11), colour = (int)rng_range(&rng, 0, OST_COLOUR_COUNT - 1);
                 uint64_t version[SLOTS] = {0};
                 for (int more = (int)rng_range(&rng, 1, 3); more > 0 && what > 1; more--)
@@ -482,7 +492,8 @@ static void only_what_changed_is_made_anew(void **state)
                     assert_ok(ost_surface_set_volume(s, &now, 120, &err));
                     for (int32_t b = 0; b < s->used; b++)
                         if (i)
-                            s->slot[b]->dirty = s->slot[b]->remade = s->slot[b]->unlisted = s->slot[b]->unmeasured = true;
+                            s->slot[b]->dirty = s->slot[b]->remade = s->slot[b]->unlisted = s->slot[b]
+                                                                                                ->unmeasured = true;
                         else
                             looked_at += s->slot[b]->dirty;
                     assert_ok(ost_surface_update(s, &err));
@@ -610,7 +621,11 @@ static void see_through_and_lines(void **state)
     }
     assert_true(columns > W && hidden > 30);
     /* The chunks that a tool's box meets: the corners are exact multiples of half a millimetre. */
-    const ost_overlay_scene scene = {.bone = &v.bone, .tool = &v.ghost, .tool_grid = t.geometry, .pose = {.t = {13 * MM, 7 * MM, -40 * MM}, .qw = OST_Q30_ONE}, .chunk = 16};
+    const ost_overlay_scene scene = {.bone = &v.bone,
+                                     .tool = &v.ghost,
+                                     .tool_grid = t.geometry,
+                                     .pose = {.t = {13 * MM, 7 * MM, -40 * MM}, .qw = OST_Q30_ONE},
+                                     .chunk = 16};
     int32_t lo[3], hi[3];
     ost_overlay_hit_range(&scene, lo, hi);
     for (int a = 0; a < 3; a++)
@@ -677,7 +692,8 @@ static void all_sets_show_the_same(void **state)
     for (int round = 0; round < 8; round++) {
         ost_camera camera = {.focal_milli = 150000, .width = W, .height = H};
         ost_clip clip;
-        const double to[3] = {22, 7, 9}, from[3] = {(double)rng_range(&rng, -30, 70), (double)rng_range(&rng, -60, -20), (double)rng_range(&rng, -30, 50)};
+        const double to[3] = {22, 7, 9}, from[3] = {(double)rng_range(&rng, -30, 70), (double)rng_range(&rng, -60, -20),
+                                                    (double)rng_range(&rng, -30, 50)};
         const double normal[3] = {from[0] - to[0] + (double)rng_range(&rng, -20, 20), from[1] - to[1], from[2] - to[2]};
         assert_ok(ost_camera_look_at(from, to, (double[3]){0, 0, 1}, &camera, &err));
         assert_ok(ost_clip_make(&v[0].bone.geometry, to, normal, &clip, &err));
@@ -690,7 +706,8 @@ static void all_sets_show_the_same(void **state)
             assert_ok(ost_viewer_draw(&v[i], &camera, &err));
             for (int y = 0; y < H; y++)
                 assert_memory_equal(v[i].frame.planes.colour + (size_t)y * (size_t)v[i].frame.planes.stride,
-                                    v[0].frame.planes.colour + (size_t)y * (size_t)v[0].frame.planes.stride, W * sizeof(uint32_t));
+                                    v[0].frame.planes.colour + (size_t)y * (size_t)v[0].frame.planes.stride,
+                                    W * sizeof(uint32_t));
         }
     }
     for (int i = 0; i < 3; i++)
@@ -724,7 +741,8 @@ static void opengl_shows_the_same(void **state)
     for (int round = 0; have && round < 6; round++) {
         ost_camera camera = {.focal_milli = 150000, .width = W, .height = H};
         ost_clip clip;
-        const double to[3] = {22, 7, 9}, from[3] = {round % 2 ? 60 : 10, -30, 20}, normal[3] = {from[0] - to[0], from[1] - to[1], 3};
+        const double to[3] = {22, 7, 9}, from[3] = {round % 2 ? 60 : 10, -30, 20},
+                     normal[3] = {from[0] - to[0], from[1] - to[1], 3};
         assert_ok(ost_camera_look_at(from, to, (double[3]){0, 0, 1}, &camera, &err));
         assert_ok(ost_clip_make(&v[0].bone.geometry, to, normal, &clip, &err));
         for (int i = 0; i < 2; i++) {
@@ -740,7 +758,8 @@ static void opengl_shows_the_same(void **state)
         for (int y = 0; y < H; y++)
             for (int x = 0; x < W; x++)
                 differ += ((v[0].frame.planes.colour[(size_t)y * (size_t)v[0].frame.planes.stride + (size_t)x] ^
-                            v[1].frame.planes.colour[(size_t)y * (size_t)v[1].frame.planes.stride + (size_t)x]) & 0xffffff) != 0;
+                            v[1].frame.planes.colour[(size_t)y * (size_t)v[1].frame.planes.stride + (size_t)x]) &
+                           0xffffff) != 0;
         assert_in_range(differ, 0, MOST);
     }
     for (int i = 0; i < 2; i++)
@@ -755,9 +774,11 @@ static void opengl_shows_the_same(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plane_shows_the_ct),      cmocka_unit_test(colours_are_what_the_ct_says), cmocka_unit_test(tissues_by_class_and_place),
-        cmocka_unit_test(colours_can_be_told_apart), cmocka_unit_test(what_went_just_now_is_shown), cmocka_unit_test(only_what_changed_is_made_anew),  cmocka_unit_test(see_through_and_lines),
-        cmocka_unit_test(all_sets_show_the_same),    cmocka_unit_test(opengl_shows_the_same),
+        cmocka_unit_test(a_plane_shows_the_ct),        cmocka_unit_test(colours_are_what_the_ct_says),
+        cmocka_unit_test(tissues_by_class_and_place),  cmocka_unit_test(colours_can_be_told_apart),
+        cmocka_unit_test(what_went_just_now_is_shown), cmocka_unit_test(only_what_changed_is_made_anew),
+        cmocka_unit_test(see_through_and_lines),       cmocka_unit_test(all_sets_show_the_same),
+        cmocka_unit_test(opengl_shows_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

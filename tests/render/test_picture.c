@@ -176,7 +176,8 @@ static void test_slices(void **state)
     ost_volume_free(&cut);
 }
 
-/* Panels of 480 x 400, 480 x 320 and 400 x 320: letters in the middle of the edges unless the directions are not known. */
+/* Panels of 480 x 400, 480 x 320 and 400 x 320: letters in the middle of the edges unless the
+   directions are not known. */
 static void test_letters_of_slices(void **state)
 {
     (void)state;
@@ -390,7 +391,8 @@ static void test_png(void **state)
     assert_ok(ost_picture_init(&p, 300, 7, &err));
     assert_ok(ost_picture_encode_png(&p, &bytes, &size, &err));
     /* RFC 2083: signature, then IHDR of 13 bytes: width, height, 8 bits, colour type 2. */
-    const uint8_t head[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 1, 44, 0, 0, 0, 7, 8, 2};
+    const uint8_t head[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I',
+                            'H',  'D', 'R', 0,   0,  1,  44, 0,  0, 0, 7, 8,  2};
     assert_true(size > sizeof head);
     assert_memory_equal(bytes, head, sizeof head);
 
@@ -432,12 +434,19 @@ static void test_png(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sizes),  cmocka_unit_test(test_letters),
-        cmocka_unit_test(test_scale_bar), cmocka_unit_test(test_clipping),
-        cmocka_unit_test(test_slices), cmocka_unit_test(test_letters_of_slices), cmocka_unit_test(test_slices_of_volumes_that_do_not_match),
-        cmocka_unit_test(test_edges),  cmocka_unit_test(test_view_silhouette),
-        cmocka_unit_test(test_view),   cmocka_unit_test(test_view_marks),
-        cmocka_unit_test(test_view_of_nothing), cmocka_unit_test(test_active_box),
+        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_letters),
+        cmocka_unit_test(test_scale_bar),
+        cmocka_unit_test(test_clipping),
+        cmocka_unit_test(test_slices),
+        cmocka_unit_test(test_letters_of_slices),
+        cmocka_unit_test(test_slices_of_volumes_that_do_not_match),
+        cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_view_silhouette),
+        cmocka_unit_test(test_view),
+        cmocka_unit_test(test_view_marks),
+        cmocka_unit_test(test_view_of_nothing),
+        cmocka_unit_test(test_active_box),
         cmocka_unit_test(test_png),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -17,7 +17,8 @@
 
 static ost_geometry grid(int x, int y, int z)
 {
-    return (ost_geometry){{x, y, z}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
+    return (ost_geometry){
+        {x, y, z}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
 }
 
 /* Makes a ball with holes: it has surfaces inside, and blocks that are adjacent in all ways. */
@@ -32,7 +33,10 @@ static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
         for (int j = 0; j < y; j++)
             for (int i = 0; i < x; i++) {
                 const double a = i - 0.5 * (x - 1), b = j - 0.5 * (y - 1), c = k - 0.5 * (z - 1);
-                v.voxels[i + (size_t)x * (size_t)(j + y * k)] = a * a + b * b + c * c < r * r && rng_range(rng, 0, 39) != 0 ? 700 : 0;
+                v.voxels[i + (size_t)x * (size_t)(j + y * k)] = a * a + b * b + c * c < r * r &&
+                                                                        rng_range(rng, 0, 39) != 0
+                                                                    ? 700
+                                                                    : 0;
             }
     return v;
 }
@@ -40,7 +44,8 @@ static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
 static bool active(const ost_volume *v, int i, int j, int k)
 {
     const ost_dims d = v->geometry.dims;
-    return i >= 0 && j >= 0 && k >= 0 && i < d.x && j < d.y && k < d.z && v->voxels[i + (size_t)d.x * ((size_t)j + (size_t)d.y * (size_t)k)] >= 120;
+    return i >= 0 && j >= 0 && k >= 0 && i < d.x && j < d.y && k < d.z &&
+           v->voxels[i + (size_t)d.x * ((size_t)j + (size_t)d.y * (size_t)k)] >= 120;
 }
 
 static uint32_t faces(const ost_volume *v, int i, int j, int k)
@@ -105,7 +110,9 @@ static int wide(const ost_volume *v, int i, int j, int k)
         int y[2];
         for (int b = 0; b < 2; b++) {
             const int at[2] = {c[0] + a * far[0], c[1] + b * far[1]};
-            y[b] = (3 * ((field_of_cells(v, at[0], at[1], c[2]) + 2) / 4) + (field_of_cells(v, at[0], at[1], c[2] + far[2]) + 2) / 4 + 2) / 4;
+            y[b] = (3 * ((field_of_cells(v, at[0], at[1], c[2]) + 2) / 4) +
+                    (field_of_cells(v, at[0], at[1], c[2] + far[2]) + 2) / 4 + 2) /
+                   4;
         }
         x[a] = (3 * y[0] + y[1] + 2) / 4;
     }
@@ -124,7 +131,8 @@ static int openness(int value)
  */
 static uint32_t shade_from(const float f[3], const float w[3], int fine, int wide_value)
 {
-    const float a = sqrtf((f[0] * f[0] + f[1] * f[1]) + f[2] * f[2]), b = sqrtf((w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]);
+    const float a = sqrtf((f[0] * f[0] + f[1] * f[1]) + f[2] * f[2]),
+                b = sqrtf((w[0] * w[0] + w[1] * w[1]) + w[2] * w[2]);
     const float along = (f[0] * w[0] + f[1] * w[1]) + f[2] * w[2];
     float t = b < 120 ? 0 : (along / (a * b > 1 ? a * b : 1) - 0.6f) * 10.0f, out[3];
     t = t > 1 ? 1 : t > 0 ? t : 0;
@@ -137,10 +145,12 @@ static uint32_t shade_from(const float f[3], const float w[3], int fine, int wid
 static uint32_t shade_of(const ost_volume *v, int i, int j, int k)
 {
     const uint32_t open = faces(v, i, j, k);
-    const float f[3] = {(float)(field(v, i - 1, j, k) - field(v, i + 1, j, k) + 160 * ((int)(open >> 1 & 1) - (int)(open & 1))),
-                        (float)(field(v, i, j - 1, k) - field(v, i, j + 1, k) + 160 * ((int)(open >> 3 & 1) - (int)(open >> 2 & 1))),
-                        (float)(field(v, i, j, k - 1) - field(v, i, j, k + 1) + 160 * ((int)(open >> 5 & 1) - (int)(open >> 4 & 1)))};
-    const float w[3] = {(float)(wide(v, i - 1, j, k) - wide(v, i + 1, j, k)), (float)(wide(v, i, j - 1, k) - wide(v, i, j + 1, k)),
+    const float f[3] = {
+        (float)(field(v, i - 1, j, k) - field(v, i + 1, j, k) + 160 * ((int)(open >> 1 & 1) - (int)(open & 1))),
+        (float)(field(v, i, j - 1, k) - field(v, i, j + 1, k) + 160 * ((int)(open >> 3 & 1) - (int)(open >> 2 & 1))),
+        (float)(field(v, i, j, k - 1) - field(v, i, j, k + 1) + 160 * ((int)(open >> 5 & 1) - (int)(open >> 4 & 1)))};
+    const float w[3] = {(float)(wide(v, i - 1, j, k) - wide(v, i + 1, j, k)),
+                        (float)(wide(v, i, j - 1, k) - wide(v, i, j + 1, k)),
                         (float)(wide(v, i, j, k - 1) - wide(v, i, j, k + 1))};
     return shade_from(f, w, field(v, i, j, k), wide(v, i, j, k));
 }
@@ -156,7 +166,8 @@ static void assert_surface(const ost_surface *s, const ost_volume *v)
         const ost_surface_block *block = s->slot[b];
         for (uint32_t p = 0; p < block->count; p++, found++) {
             const uint32_t w = block->points[p];
-            const int i = 32 * block->at[0] + (int)(w & 31), j = 32 * block->at[1] + (int)(w >> 5 & 31), k = 32 * block->at[2] + (int)(w >> 10 & 31);
+            const int i = 32 * block->at[0] + (int)(w & 31), j = 32 * block->at[1] + (int)(w >> 5 & 31),
+                      k = 32 * block->at[2] + (int)(w >> 10 & 31);
             assert_true(active(v, i, j, k));
             assert_int_equal(w >> OST_FACES_SHIFT, faces(v, i, j, k));
             if (p % 199 == 0)
@@ -250,7 +261,8 @@ static void free_scene(scene *s)
     ost_volume_free(&s->volume);
 }
 
-static ost_camera camera_at(const ost_volume *v, test_rng *rng, double distance, int width, int height, int32_t focal_milli)
+static ost_camera camera_at(const ost_volume *v, test_rng *rng, double distance, int width, int height,
+                            int32_t focal_milli)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = focal_milli, .width = width, .height = height};
@@ -284,7 +296,8 @@ static bool meets(const ost_eye *e, double x, double y, const int v[3], double g
 {
     double in = -1e300, out = 1e300;
     for (int a = 0; a < 3; a++) {
-        const double d = (double)e->focal * (double)e->forward[a] + (x + 0.5 - (double)e->half_w) * (double)e->right[a] -
+        const double d = (double)e->focal * (double)e->forward[a] +
+                         (x + 0.5 - (double)e->half_w) * (double)e->right[a] -
                          (y + 0.5 - (double)e->half_h) * (double)e->up[a];
         const double o = v[a] - (double)e->at[a], t0 = (o - 0.5 - grow) / d, t1 = (o + 0.5 + grow) / d;
         in = fmax(in, fmin(t0, t1));
@@ -298,7 +311,8 @@ static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
 {
     double best = -1e300, second = -1e300, square = 0;
     for (int a = 0; a < 3; a++) {
-        const double d = (double)e->focal * (double)e->forward[a] + (x + 0.5 - (double)e->half_w) * (double)e->right[a] -
+        const double d = (double)e->focal * (double)e->forward[a] +
+                         (x + 0.5 - (double)e->half_w) * (double)e->right[a] -
                          (y + 0.5 - (double)e->half_h) * (double)e->up[a];
         const double in = (v[a] - (double)e->at[a]) / d - 0.5 / fabs(d);
         second = in > best ? best : fmax(second, in);
@@ -314,7 +328,8 @@ enum { NO_VOXEL = 0x7fffffff };
 static uint32_t id_at(const ost_frame *f, size_t at)
 {
     const ost_visible *v = &f->layer[0].visible;
-    return f->planes.face[at] == OST_NO_FACE ? NO_VOXEL : (uint32_t)v->seen[ost_visible_index(v, (uint32_t)f->planes.key[at])];
+    return f->planes.face[at] == OST_NO_FACE ? NO_VOXEL
+                                             : (uint32_t)v->seen[ost_visible_index(v, (uint32_t)f->planes.key[at])];
 }
 
 /*
@@ -332,12 +347,14 @@ static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e,
                 for (uint32_t p = 0; p < s->surface.slot[b]->count; p++) {
                     const uint32_t w = s->surface.slot[b]->points[p];
                     const int32_t *at = s->surface.slot[b]->at;
-                    const int v[3] = {32 * at[0] + (int)(w & 31), 32 * at[1] + (int)(w >> 5 & 31), 32 * at[2] + (int)(w >> 10 & 31)};
+                    const int v[3] = {32 * at[0] + (int)(w & 31), 32 * at[1] + (int)(w >> 5 & 31),
+                                      32 * at[2] + (int)(w >> 10 & 31)};
                     double square = 0;
                     for (int a = 0; a < 3; a++)
                         square += (v[a] - (double)e->at[a]) * (v[a] - (double)e->at[a]);
                     for (int grown = 0; grown < 2; grown++)
-                        if (square < best[grown] && beyond_near(e, v, grown ? -1e-3 : 1e-3) && meets(e, x, y, v, grown ? 2e-3 : -2e-3)) {
+                        if (square < best[grown] && beyond_near(e, v, grown ? -1e-3 : 1e-3) &&
+                            meets(e, x, y, v, grown ? 2e-3 : -2e-3)) {
                             best[grown] = square;
                             memcpy(who[grown], v, sizeof v);
                         }
@@ -365,9 +382,11 @@ static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e,
             if (clear_of_edges(e, x, y, who[0]))
                 assert_true(faces(&s->volume, who[0][0], who[0][1], who[0][2]) >> face & 1);
             const double along = (double)f->planes.depth[at] / (double)e->focal;
-            const double d = (double)e->focal * (double)e->forward[face / 2] + (x + 0.5 - (double)e->half_w) * (double)e->right[face / 2] -
+            const double d = (double)e->focal * (double)e->forward[face / 2] +
+                             (x + 0.5 - (double)e->half_w) * (double)e->right[face / 2] -
                              (y + 0.5 - (double)e->half_h) * (double)e->up[face / 2];
-            assert_float_equal((float)((double)e->at[face / 2] + along * d), (float)(who[0][face / 2] + (face % 2 ? 0.5 : -0.5)), 2e-3f);
+            assert_float_equal((float)((double)e->at[face / 2] + along * d),
+                               (float)(who[0][face / 2] + (face % 2 ? 0.5 : -0.5)), 2e-3f);
         }
 }
 
@@ -425,8 +444,8 @@ static void test_sets_and_threads(void **state)
     make_scene(&s, &rng, 90, 75, 101);
     for (int round = 0; round < 24; round++) {
         const double distance = round % 4 == 0 ? 400 : round % 4 == 1 ? 120 : round % 4 == 2 ? 40 : 8;
-        const ost_camera c = camera_at(&s.volume, &rng, distance, 17 + (int)rng_range(&rng, 0, 299), 11 + (int)rng_range(&rng, 0, 199),
-                                       20000 + (int)rng_range(&rng, 0, 399999));
+        const ost_camera c = camera_at(&s.volume, &rng, distance, 17 + (int)rng_range(&rng, 0, 299),
+                                       11 + (int)rng_range(&rng, 0, 199), 20000 + (int)rng_range(&rng, 0, 399999));
         const ost_eye e = ost_eye_make(&c, &s.volume.geometry);
         const ost_style style = round % 5 ? OST_STYLE_SMOOTH : OST_STYLE_FACES;
         ost_frame scalar;
@@ -476,7 +495,8 @@ static const int weight[9] = {1, 2, 3, 4, 5, 4, 3, 2, 1};
 
 static void assert_sums(test_rng *rng, const ost_smooth_kernels *k, words *w)
 {
-    const int first = (int)rng_range(rng, 0, OST_FIELD_ROWS - 1), count = (int)rng_range(rng, 1, OST_FIELD_ROWS - first);
+    const int first = (int)rng_range(rng, 0, OST_FIELD_ROWS - 1),
+              count = (int)rng_range(rng, 1, OST_FIELD_ROWS - first);
     fill(rng, w->bone, sizeof w->bone / 2, 2600);
     k->down((const uint16_t(*)[OST_FIELD_LINE])w->bone + first, w->down + first, count);
     for (int y = first; y < first + count; y++)
@@ -552,10 +572,12 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
         for (int x = 0; x < OST_FIELD_ROWS; x++) {
             int value[2][2][2]; /* x, y, z; the nearer one first */
             for (int i = 0; i < 8; i++)
-                value[i & 1][i >> 1 & 1][i >> 2] = ((*both[(i >> 2) ^ odd])[y / 2 + ((i >> 1 & 1) ^ (y & 1))][x / 2 + ((i & 1) ^ (x & 1))] + 2) / 4;
+                value[i & 1][i >> 1 & 1][i >> 2] =
+                    ((*both[(i >> 2) ^ odd])[y / 2 + ((i >> 1 & 1) ^ (y & 1))][x / 2 + ((i & 1) ^ (x & 1))] + 2) / 4;
             int along_x[2];
             for (int i = 0; i < 2; i++) {
-                const int along_z[2] = {(3 * value[i][0][0] + value[i][0][1] + 2) / 4, (3 * value[i][1][0] + value[i][1][1] + 2) / 4};
+                const int along_z[2] = {(3 * value[i][0][0] + value[i][0][1] + 2) / 4,
+                                        (3 * value[i][1][0] + value[i][1][1] + 2) / 4};
                 along_x[i] = (3 * along_z[0] + along_z[1] + 2) / 4;
             }
             assert_int_equal(w->field[0][y][x], rows >> y & 1 ? (3 * along_x[0] + along_x[1] + 2) / 4 : 0xffff);
@@ -570,22 +592,28 @@ static void assert_shades(test_rng *rng, const ost_smooth_kernels *k, words *w, 
 {
     enum { COUNT = 53 };
     uint32_t points[COUNT], shades[COUNT + OST_SHADING_SLACK];
-    const ost_field_slice *const fine[3] = {&w->field[0], &w->field[1], &w->field[2]}, *const coarse[3] = {&w->wide[0], &w->wide[1], &w->wide[2]};
+    const ost_field_slice *const fine[3] = {&w->field[0], &w->field[1], &w->field[2]}, *const coarse[3] = {&w->wide[0],
+                                                                                                           &w->wide[1],
+                                                                                                           &w->wide[2]};
     const int count = (int)rng_range(rng, 1, COUNT);
     fill(rng, w->field, sizeof w->field / 2, flat ? flat : 61525);
     for (size_t i = 0; i < sizeof w->wide / 2; i++) {
         const uint16_t *from = &w->field[0][0][0];
-        ((uint16_t *)w->wide)[i] = (uint16_t)(from[i] / 4 * (flat > 1 ? 0.5 : 0.7) + (double)rng_range(rng, 0, flat > 1 ? 40 : 4000));
+        ((uint16_t *)w->wide)[i] = (uint16_t)(from[i] / 4 * (flat > 1 ? 0.5 : 0.7) +
+                                              (double)rng_range(rng, 0, flat > 1 ? 40 : 4000));
     }
     for (int i = 0; i < count; i++)
         points[i] = (uint32_t)rng_range(rng, 0, (1 << 21) - 1);
     k->shades(points, count, fine, coarse, shades);
     for (int i = 0; i < count; i++) {
-        const int x = 1 + (int)(points[i] & 31), y = 1 + (int)(points[i] >> 5 & 31), f = (int)(points[i] >> OST_FACES_SHIFT);
-        const float out[3] = {(float)(w->field[1][y][x - 1] - w->field[1][y][x + 1] + 160 * ((f >> 1 & 1) - (f & 1))),
-                              (float)(w->field[1][y - 1][x] - w->field[1][y + 1][x] + 160 * ((f >> 3 & 1) - (f >> 2 & 1))),
-                              (float)(w->field[0][y][x] - w->field[2][y][x] + 160 * ((f >> 5 & 1) - (f >> 4 & 1)))};
-        const float broad[3] = {(float)(w->wide[1][y][x - 1] - w->wide[1][y][x + 1]), (float)(w->wide[1][y - 1][x] - w->wide[1][y + 1][x]),
+        const int x = 1 + (int)(points[i] & 31), y = 1 + (int)(points[i] >> 5 & 31),
+                  f = (int)(points[i] >> OST_FACES_SHIFT);
+        const float out[3] = {
+            (float)(w->field[1][y][x - 1] - w->field[1][y][x + 1] + 160 * ((f >> 1 & 1) - (f & 1))),
+            (float)(w->field[1][y - 1][x] - w->field[1][y + 1][x] + 160 * ((f >> 3 & 1) - (f >> 2 & 1))),
+            (float)(w->field[0][y][x] - w->field[2][y][x] + 160 * ((f >> 5 & 1) - (f >> 4 & 1)))};
+        const float broad[3] = {(float)(w->wide[1][y][x - 1] - w->wide[1][y][x + 1]),
+                                (float)(w->wide[1][y - 1][x] - w->wide[1][y + 1][x]),
                                 (float)(w->wide[0][y][x] - w->wide[2][y][x])};
         assert_int_equal(shades[i], shade_from(out, broad, w->field[1][y][x], w->wide[1][y][x]));
     }
@@ -620,8 +648,10 @@ static bool bit_at(uint32_t block[3][3][3][OST_BLOCK_ROWS], int x, int y, int z)
 static void test_rows(void **state)
 {
     (void)state;
-    static const int reaches[] = {1, 3, 11, 14}, step[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
-    static uint32_t block[3][3][3][OST_BLOCK_ROWS], points[32 * OST_BLOCK_ROWS + OST_POINT_SLACK], behind[OST_BLOCK_ROWS];
+    static const int reaches[] = {1, 3, 11, 14},
+                     step[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+    static uint32_t block[3][3][3][OST_BLOCK_ROWS], points[32 * OST_BLOCK_ROWS + OST_POINT_SLACK],
+        behind[OST_BLOCK_ROWS];
     static ost_rows rows, other, first;
     static ost_faces faces;
     static ost_rim rim;
@@ -631,7 +661,9 @@ static void test_rows(void **state)
             for (int row = 0; row < OST_BLOCK_ROWS; row++) { /* full of holes, nearly solid, or nearly empty */
                 uint32_t w = (uint32_t)rng_range(&rng, 0, UINT32_MAX);
                 for (int more = 0; more < 4; more++)
-                    w = round == 1 ? w | (uint32_t)rng_range(&rng, 0, UINT32_MAX) : round > 1 ? w & (uint32_t)rng_range(&rng, 0, UINT32_MAX) : w;
+                    w = round == 1  ? w | (uint32_t)rng_range(&rng, 0, UINT32_MAX)
+                        : round > 1 ? w & (uint32_t)rng_range(&rng, 0, UINT32_MAX)
+                                    : w;
                 block[i / 9][i / 3 % 3][i % 3][row] = round == 3 && rng_range(&rng, 0, 60) ? 0 : w;
             }
         rim.left = block[1][1][0];
@@ -652,7 +684,8 @@ static void test_rows(void **state)
                 for (int x = 0; x < 32; x++) {
                     uint32_t mask = 0;
                     for (int f = 0; f < 6 && bit_at(block, x, row % 32, row / 32); f++)
-                        mask |= (uint32_t)!bit_at(block, x + step[f][0], row % 32 + step[f][1], row / 32 + step[f][2]) << f;
+                        mask |= (uint32_t)!bit_at(block, x + step[f][0], row % 32 + step[f][1], row / 32 + step[f][2])
+                                << f;
                     if (mask)
                         assert_int_equal(points[count++], (uint32_t)x | (uint32_t)row << 5 | mask << OST_FACES_SHIFT);
                     assert_int_equal(faces.any[row] >> x & 1, mask != 0);
@@ -672,18 +705,24 @@ static void test_rows(void **state)
             }
             for (int z = -8; z < 40; z++)
                 for (int y = -8; y < 40; y += 8) {
-                    const uint32_t(*const n)[OST_BLOCK_ROWS] = (const uint32_t(*)[OST_BLOCK_ROWS])block[(z + 32) / 32][(y + 32) / 32];
+                    const uint32_t(*const n)[OST_BLOCK_ROWS] = (const uint32_t(*)[OST_BLOCK_ROWS])
+                        block[(z + 32) / 32][(y + 32) / 32];
                     const int row = (y & 31) + 32 * (z & 31);
-                    k.join(n[0] + row, n[1] + row, n[2] + row, rows.row[z + OST_SHADING_REACH] + y + OST_SHADING_REACH, 8);
+                    k.join(n[0] + row, n[1] + row, n[2] + row, rows.row[z + OST_SHADING_REACH] + y + OST_SHADING_REACH,
+                           8);
                 }
             for (int i = 0; i < 2000; i++) {
-                const int x = (int)rng_range(&rng, -16, 47), y = (int)rng_range(&rng, -8, 39), z = (int)rng_range(&rng, -8, 39);
-                assert_int_equal(rows.row[z + OST_SHADING_REACH][y + OST_SHADING_REACH] >> (x + 16) & 1, bit_at(block, x, y, z));
+                const int x = (int)rng_range(&rng, -16, 47), y = (int)rng_range(&rng, -8, 39),
+                          z = (int)rng_range(&rng, -8, 39);
+                assert_int_equal(rows.row[z + OST_SHADING_REACH][y + OST_SHADING_REACH] >> (x + 16) & 1,
+                                 bit_at(block, x, y, z));
             }
             const int reach = reaches[(round + isa) % 4];
             memset(&rows, 0, sizeof rows);
             for (int i = 0; i < 30 << 2 * round; i++)
-                rows.row[rng_range(&rng, 0, OST_SEEN - 1)][rng_range(&rng, 0, OST_SEEN - 1)] |= UINT64_C(1) << rng_range(&rng, 0, 63);
+                rows.row[rng_range(&rng, 0, OST_SEEN - 1)][rng_range(&rng, 0, OST_SEEN - 1)] |= UINT64_C(1)
+                                                                                                << rng_range(&rng, 0,
+                                                                                                             63);
             first = rows;
             k.spread(&rows, &other, reach);
             for (int z = reach; z < OST_SEEN - reach; z++)
@@ -719,12 +758,13 @@ static void test_tints(void **state)
     for (int i = 0; i < OST_PAINTS; i++)
         palette[i] = (uint32_t)rng_range(&rng, 0, 0xffffff);
     for (int round = 0; round < 40; round++) {
-        const double from[3] = {(double)rng_range(&rng, 10, 90), (double)rng_range(&rng, -90, 90), (double)rng_range(&rng, -90, 90)};
+        const double from[3] = {(double)rng_range(&rng, 10, 90), (double)rng_range(&rng, -90, 90),
+                                (double)rng_range(&rng, -90, 90)};
         assert_ok(ost_camera_look_at(from, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, &c, &err));
         eye = ost_eye_make(&c, &g);
         directions.shade = plain;
-        ost_light_make(&light, &directions, &eye, round % 5 ? OST_STYLE_SMOOTH : OST_STYLE_FACES, round % 2 ? OST_PAINT_STEEL : OST_PAINT_BONE,
-                       round % 3 ? palette : NULL);
+        ost_light_make(&light, &directions, &eye, round % 5 ? OST_STYLE_SMOOTH : OST_STYLE_FACES,
+                       round % 2 ? OST_PAINT_STEEL : OST_PAINT_BONE, round % 3 ? palette : NULL);
         for (int i = 0; i < COUNT; i++)
             shade_of[i] = (uint32_t)rng_range(&rng, 0, round % 4 ? INT32_MAX : (1 << OST_PAINT_SHIFT) - 1);
         ost_light_tint(&light, shade_of, COUNT, one);
@@ -732,7 +772,8 @@ static void test_tints(void **state)
             if (ost_isa_available((ost_isa)isa)) {
                 directions.shade = ost_light_shade_for((ost_isa)isa);
                 other.made = false;
-                ost_light_make(&other, &directions, &eye, OST_STYLE_SMOOTH, round % 2 ? OST_PAINT_STEEL : OST_PAINT_BONE, NULL);
+                ost_light_make(&other, &directions, &eye, OST_STYLE_SMOOTH,
+                               round % 2 ? OST_PAINT_STEEL : OST_PAINT_BONE, NULL);
                 assert_memory_equal(light.shade, other.shade, sizeof light.shade);
                 ost_light_tint_for((ost_isa)isa)(&light, shade_of, COUNT, many);
                 assert_memory_equal(one, many, sizeof one);
@@ -804,8 +845,11 @@ static void test_picture(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_surface),      cmocka_unit_test(test_not_cubic),        cmocka_unit_test(test_camera), cmocka_unit_test(test_octahedral), cmocka_unit_test(test_smooth), cmocka_unit_test(test_rows), cmocka_unit_test(test_tints),
-        cmocka_unit_test(test_picture), cmocka_unit_test(test_against_rays), cmocka_unit_test(test_sets_and_threads),
+        cmocka_unit_test(test_surface),      cmocka_unit_test(test_not_cubic),
+        cmocka_unit_test(test_camera),       cmocka_unit_test(test_octahedral),
+        cmocka_unit_test(test_smooth),       cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_tints),        cmocka_unit_test(test_picture),
+        cmocka_unit_test(test_against_rays), cmocka_unit_test(test_sets_and_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,7 +22,10 @@ static ost_volume block_of_bone(void)
     for (size_t k = 0; k < 50; k++)
         for (size_t j = 0; j < 60; j++)
             for (size_t i = 0; i < 70; i++)
-                v.voxels[i + 70 * (j + 60 * k)] = i > 8 && i < 60 && j > 10 && j < 50 && k > 4 && k < 44 && (i + j) % 17 > 2 ? 700 : 0;
+                v.voxels[i + 70 * (j + 60 * k)] = i > 8 && i < 60 && j > 10 && j < 50 && k > 4 && k < 44 &&
+                                                          (i + j) % 17 > 2
+                                                      ? 700
+                                                      : 0;
     return v;
 }
 
@@ -68,7 +71,8 @@ static ost_camera camera_from(double x, double y, double z)
 static bool is_steel(const ost_frame *f, int x, int y)
 {
     const uint32_t c = f->planes.colour[(size_t)y * (size_t)f->planes.stride + (size_t)x];
-    return f->planes.face[(size_t)y * (size_t)f->planes.stride + (size_t)x] != OST_NO_FACE && (c >> 16 & 255) > (c & 255);
+    return f->planes.face[(size_t)y * (size_t)f->planes.stride + (size_t)x] != OST_NO_FACE &&
+           (c >> 16 & 255) > (c & 255);
 }
 
 static size_t steel_pixels(const ost_frame *f)
@@ -134,7 +138,8 @@ static void all_sets_draw_the_same(void **state)
             continue;
         make(&v, sets[i], 3);
         for (int round = 0; round < 8; round++) {
-            const ost_camera c = camera_from((double)rng_range(&rng, -80, 150), (double)rng_range(&rng, -90, 0), (double)rng_range(&rng, -50, 100));
+            const ost_camera c = camera_from((double)rng_range(&rng, -80, 150), (double)rng_range(&rng, -90, 0),
+                                             (double)rng_range(&rng, -50, 100));
             int32_t q[4];
             double n = 0;
             for (int a = 0; a < 4; a++) {
@@ -142,8 +147,12 @@ static void all_sets_draw_the_same(void **state)
                 n += (double)q[a] * q[a];
             }
             n = (double)OST_Q30_ONE / sqrt(n);
-            const ost_pose pose = {.t = {rng_range(&rng, 0, 70) * MM, rng_range(&rng, -10, 20) * MM, rng_range(&rng, 0, 50) * MM},
-                                   .qw = (int32_t)(q[0] * n), .qx = (int32_t)(q[1] * n), .qy = (int32_t)(q[2] * n), .qz = (int32_t)(q[3] * n)};
+            const ost_pose pose = {
+                .t = {rng_range(&rng, 0, 70) * MM, rng_range(&rng, -10, 20) * MM, rng_range(&rng, 0, 50) * MM},
+                .qw = (int32_t)(q[0] * n),
+                .qx = (int32_t)(q[1] * n),
+                .qy = (int32_t)(q[2] * n),
+                .qz = (int32_t)(q[3] * n)};
             put_tool(&plain, pose);
             put_tool(&v, pose);
             assert_ok(ost_viewer_draw(&plain, &c, &err));

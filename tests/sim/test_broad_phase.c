@@ -38,11 +38,13 @@ static ost_step_result step_both(twin *w, const ost_pose *pose)
     ost_tick tick = {.t_ns = ++w->t, .rpm = OST_RPM_ON, .pose = *pose};
     for (int i = 0; i < 2; i++)
         assert_ok(ost_world_step(w->world[i], &tick, &r[i], &err));
-    if (r[0].report->total_voxels != r[1].report->total_voxels || r[0].report->touched_voxels != r[1].report->touched_voxels)
-        fail_msg("t = (%lld, %lld, %lld), q = (%d, %d, %d, %d): %llu removed and %llu touched, by definition %llu and %llu",
-                 (long long)pose->t.x, (long long)pose->t.y, (long long)pose->t.z, pose->qw, pose->qx, pose->qy, pose->qz,
-                 (unsigned long long)r[0].report->total_voxels, (unsigned long long)r[0].report->touched_voxels,
-                 (unsigned long long)r[1].report->total_voxels, (unsigned long long)r[1].report->touched_voxels);
+    if (r[0].report->total_voxels != r[1].report->total_voxels ||
+        r[0].report->touched_voxels != r[1].report->touched_voxels)
+        fail_msg(
+            "t = (%lld, %lld, %lld), q = (%d, %d, %d, %d): %llu removed and %llu touched, by definition %llu and %llu",
+            (long long)pose->t.x, (long long)pose->t.y, (long long)pose->t.z, pose->qw, pose->qx, pose->qy, pose->qz,
+            (unsigned long long)r[0].report->total_voxels, (unsigned long long)r[0].report->touched_voxels,
+            (unsigned long long)r[1].report->total_voxels, (unsigned long long)r[1].report->touched_voxels);
     assert_memory_equal(r[0].report->density, r[1].report->density, sizeof r[0].report->density);
     /* The reported range of chunks contains all chunks that were hit. */
     int n = 32;
@@ -72,12 +74,14 @@ static void random_poses(void **state)
     static const ost_pm tool_voxels[] = {470 * UM, 235 * UM, 30 * UM, 3000 * UM};
     int met = 0, hit = 0, steps = 0;
     for (int round = 0; round < test_rounds(32); round++) {
-        ost_geometry g = cubic_geometry((int32_t)rng_range(&rng, 1, 45), (int32_t)rng_range(&rng, 1, 40), (int32_t)rng_range(&rng, 1, 35),
-                                        470 * UM, (ost_pm3){rng_range(&rng, -99, 99) * UM, -57340 * UM, 3});
+        ost_geometry g = cubic_geometry((int32_t)rng_range(&rng, 1, 45), (int32_t)rng_range(&rng, 1, 40),
+                                        (int32_t)rng_range(&rng, 1, 35), 470 * UM,
+                                        (ost_pm3){rng_range(&rng, -99, 99) * UM, -57340 * UM, 3});
         int16_t *voxels = random_densities(&rng, &g, (int)rng_range(&rng, 4, 8));
-        ost_tool_geometry t = {{(int32_t)rng_range(&rng, 1, 12), (int32_t)rng_range(&rng, 1, 12), (int32_t)rng_range(&rng, 1, 60)},
-                               tool_voxels[round % 4],
-                               {rng_range(&rng, -9000, 9000) * UM, rng_range(&rng, -9000, 0) * UM, rng_range(&rng, -20000, 0) * UM}};
+        ost_tool_geometry t = {
+            {(int32_t)rng_range(&rng, 1, 12), (int32_t)rng_range(&rng, 1, 12), (int32_t)rng_range(&rng, 1, 60)},
+            tool_voxels[round % 4],
+            {rng_range(&rng, -9000, 9000) * UM, rng_range(&rng, -9000, 0) * UM, rng_range(&rng, -20000, 0) * UM}};
         ost_tool *tool = random_tool(*state, &rng, t);
         twin w = make_twin(*state, &g, voxels, tool);
         const ost_pm reach = 12000 * UM;
@@ -109,8 +113,9 @@ static void boxes_that_just_touch(void **state)
     ost_geometry g = cubic_geometry(1, 1, 1, v, (ost_pm3){0, 0, 0});
     const int16_t one = 500;
     static const int32_t c = 759250125, h = OST_Q30_ONE / 2;
-    static const int32_t quats[][4] = {{OST_Q30_ONE, 0, 0, 0}, {c, c, 0, 0}, {c, 0, c, 0}, {c, 0, 0, c}, {0, OST_Q30_ONE, 0, 0},
-                                       {h, h, h, h}, {h, -h, h, -h}, {0, c, c, 0}, {0, 0, c, -c}};
+    static const int32_t quats[][4] = {{OST_Q30_ONE, 0, 0, 0}, {c, c, 0, 0},           {c, 0, c, 0},
+                                       {c, 0, 0, c},           {0, OST_Q30_ONE, 0, 0}, {h, h, h, h},
+                                       {h, -h, h, -h},         {0, c, c, 0},           {0, 0, c, -c}};
     static const int32_t extent[3] = {2, 3, 4};
     ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{2, 3, 4}, v, {0, 0, 0}}, OST_TOOL_CUTTING);
     int removed = 0, kept = 0;
@@ -167,9 +172,10 @@ static void corners_that_just_touch(void **state)
         for (int corner = 0; corner < 8; corner++) {
             ost_pose pose = random_pose(&rng, (ost_pm3){0, 0, 0}, (ost_pm3){0, 0, 0});
             const double w = pose.qw, x = pose.qx, y = pose.qy, z = pose.qz, n = w * w + x * x + y * y + z * z;
-            const double r[3][3] = {{(w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n},
-                                    {2 * (x * y + w * z) / n, (w * w - x * x + y * y - z * z) / n, 2 * (y * z - w * x) / n},
-                                    {2 * (x * z - w * y) / n, 2 * (y * z + w * x) / n, (w * w - x * x - y * y + z * z) / n}};
+            const double r[3][3] = {
+                {(w * w + x * x - y * y - z * z) / n, 2 * (x * y - w * z) / n, 2 * (x * z + w * y) / n},
+                {2 * (x * y + w * z) / n, (w * w - x * x + y * y - z * z) / n, 2 * (y * z - w * x) / n},
+                {2 * (x * z - w * y) / n, 2 * (y * z + w * x) / n, (w * w - x * x - y * y + z * z) / n}};
             int64_t beyond = rng_range(&rng, 0, 4);
             double c[3];
             for (int a = 0; a < 3; a++)
@@ -196,7 +202,8 @@ static void separating_axes_separate(void **state)
      * bone long before the tool does.
      */
     (void)state;
-    ost_geometry g = cubic_geometry(11, 11, 11, OST_PM_PER_MM, (ost_pm3){-5 * OST_PM_PER_MM, -5 * OST_PM_PER_MM, -5 * OST_PM_PER_MM});
+    ost_geometry g = cubic_geometry(11, 11, 11, OST_PM_PER_MM,
+                                    (ost_pm3){-5 * OST_PM_PER_MM, -5 * OST_PM_PER_MM, -5 * OST_PM_PER_MM});
     ost_tool_geometry t = {{8, 8, 8}, OST_PM_PER_MM, {-4 * OST_PM_PER_MM, -4 * OST_PM_PER_MM, -4 * OST_PM_PER_MM}};
     ost_box bone = ost_box_of_bone(&g), tool = ost_box_of_tool(&t); /* 10 mm including the inflation by a voxel */
     ost_pose pose = {.qw = 992008094, .qz = 410903207};            /* cos and sin of 22.5 degrees */

@@ -31,7 +31,8 @@ static void it_runs_along_the_axis(void **state)
                                      {1, 1, 1},   {-1, 1e-9, 1e3}, {-1, -2, -3}, {1e-300, 0, 1e-300}, {5, -7, 0.001}};
     for (size_t i = 0; i < sizeof axes / sizeof axes[0]; i++)
         for (int which = 0; which < OST_BUILTIN_GLENOID_PRESS; which++) {
-            ost_glenoid glenoid = {.at = {-117800 * UM, 196500 * UM, -159000 * UM}, .axis = {axes[i][0], axes[i][1], axes[i][2]}};
+            ost_glenoid glenoid = {.at = {-117800 * UM, 196500 * UM, -159000 * UM},
+                                   .axis = {axes[i][0], axes[i][1], axes[i][2]}};
             ost_path path;
             assert_ok(ost_builtin_path((ost_builtin)which, &glenoid, &reamer, 3, &path, &err));
             const bool slow = which == OST_BUILTIN_GLENOID_SLOW;
@@ -66,7 +67,8 @@ static void it_runs_along_the_axis(void **state)
                 memcpy(before, q, sizeof before);
             }
             assert_true(fabs(last + (slow ? 2 : 8)) < 1e-6);
-            assert_true(which == OST_BUILTIN_PEG_HOLE ? deepest > 19.99 && deepest < 25.01 : deepest > 1.99 && deepest < 3.2);
+            assert_true(which == OST_BUILTIN_PEG_HOLE ? deepest > 19.99 && deepest < 25.01
+                                                      : deepest > 1.99 && deepest < 3.2);
             ost_path_free(&path);
         }
 }
@@ -94,7 +96,8 @@ static void a_hand_presses(void **state)
         assert_int_equal(longer.ticks[k].tool, 2);
         ost_pose_to_doubles(&longer.ticks[k].pose, t, q);
         rotate(q, (double[3]){0, 0, -1}, down);
-        const double depth = -t[2], x = t[0] - 10, y = t[1], wish = k < 500 ? -2.0 + 14.0 * (double)k / 500 : fmin(24, 12 + 1.5e-4 * (double)(k - 500));
+        const double depth = -t[2], x = t[0] - 10, y = t[1],
+                     wish = k < 500 ? -2.0 + 14.0 * (double)k / 500 : fmin(24, 12 + 1.5e-4 * (double)(k - 500));
         assert_true(fabs(depth - wish) <= 1.5 + 1e-6);
         assert_true(sqrt(x * x + y * y) <= 6 + 1e-6);
         assert_true(down[2] <= -cos(3.01 * 3.14159265 / 180));
@@ -112,7 +115,8 @@ static void a_hand_presses(void **state)
     ost_path_free(&path);
     ost_path_free(&longer);
     assert_int_equal(ost_builtin_press(&glenoid, &reamer, 0, 0, &path, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_builtin_press(&glenoid, &reamer, 0, (size_t)OST_PATH_TICKS_MAX + 1, &path, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_builtin_press(&glenoid, &reamer, 0, (size_t)OST_PATH_TICKS_MAX + 1, &path, &err),
+                     OST_ERR_USAGE);
 }
 
 static void ticks_are_gentle(void **state)
@@ -161,8 +165,9 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         ost_tool_geometry g;
         ost_builtin which;
         int layers;
-    } tools[] = {{{{21, 21, 42}, OST_PM_PER_MM / 2, {-5250000000, -5250000000, -750000000}}, OST_BUILTIN_GLENOID_REAM, 5},
-                 {{{9, 9, 62}, OST_PM_PER_MM / 2, {-2250000000, -2250000000, -750000000}}, OST_BUILTIN_PEG_HOLE, 43}};
+    } tools[] = {
+        {{{21, 21, 42}, OST_PM_PER_MM / 2, {-5250000000, -5250000000, -750000000}}, OST_BUILTIN_GLENOID_REAM, 5},
+        {{{9, 9, 62}, OST_PM_PER_MM / 2, {-2250000000, -2250000000, -750000000}}, OST_BUILTIN_PEG_HOLE, 43}};
     for (int i = 0; i < 2; i++) {
         ost_bone *bone = bone_of(*state, &g, 32, voxels);
         ost_tool_volume volume;
@@ -293,9 +298,11 @@ static void the_axis_determines_the_side(void **state)
     ost_error err = {0};
     test_rng rng = rng_seeded("sides");
     for (int n = 0; n < 500; n++) {
-        const double angle = (double)rng_range(&rng, -8999, 8999) / 100, about = (double)rng_range(&rng, 0, 359), size = (double)rng_range(&rng, 1, 1000) / 10;
+        const double angle = (double)rng_range(&rng, -8999, 8999) / 100, about = (double)rng_range(&rng, 0, 359),
+                     size = (double)rng_range(&rng, 1, 1000) / 10;
         const double pi = 3.14159265358979323846, across = cos(angle * pi / 180) * size;
-        const double axis[3] = {sin(angle * pi / 180) * size, across * cos(about * pi / 180), across * sin(about * pi / 180)};
+        const double axis[3] = {sin(angle * pi / 180) * size, across * cos(about * pi / 180),
+                                across * sin(about * pi / 180)};
         const ost_side expected = fabs(angle) < 15 ? OST_SIDE_UNKNOWN : angle < 0 ? OST_SIDE_LEFT : OST_SIDE_RIGHT;
         bool left;
         if (fabs(fabs(angle) - 15) < 0.001)

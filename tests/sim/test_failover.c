@@ -19,9 +19,11 @@ typedef struct plan {
 
 static plan make_plan(test_rng *rng)
 {
-    plan p = {.g = cubic_geometry((int32_t)rng_range(rng, 20, 50), (int32_t)rng_range(rng, 20, 40), 30, 700 * UM, (ost_pm3){5, -7, 0})};
+    plan p = {.g = cubic_geometry((int32_t)rng_range(rng, 20, 50), (int32_t)rng_range(rng, 20, 40), 30, 700 * UM,
+                                  (ost_pm3){5, -7, 0})};
     p.voxels = random_densities(rng, &p.g, 7);
-    p.options = (ost_world_options){.removal_period_ns = rng_range(rng, 0, 1) * 3000000, .sweep_off = rng_range(rng, 0, 3) == 0};
+    p.options = (ost_world_options){.removal_period_ns = rng_range(rng, 0, 1) * 3000000,
+                                    .sweep_off = rng_range(rng, 0, 3) == 0};
     ost_pm3 at = {10000 * UM, 10000 * UM, 10000 * UM};
     int32_t tool = 0;
     for (int i = 0; i < TICKS; i++) {
@@ -29,7 +31,8 @@ static plan make_plan(test_rng *rng)
         at.y += rng_range(rng, -900, 900) * UM;
         at.z += rng_range(rng, -900, 900) * UM;
         tool = rng_range(rng, 0, 9) == 0 ? 1 - tool : tool;
-        p.ticks[i] = (ost_tick){.t_ns = i * INT64_C(1000000), .tool = tool, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
+        p.ticks[i] = (ost_tick){
+            .t_ns = i * INT64_C(1000000), .tool = tool, .rpm = OST_RPM_ON, .pose = ost_pose_identity()};
         p.ticks[i].pose.t = at;
     }
     return p;
@@ -102,7 +105,8 @@ static void moved_at_any_tick(void **state)
         plan p = make_plan(&rng);
         ost_tool_volume volumes[TOOLS];
         for (int t = 0; t < TOOLS; t++) {
-            const ost_tool_geometry g = {.dims = {8, 6 + 4 * t, 9}, .voxel = 600 * UM, .corner = {-2400 * UM, -1800 * UM, 0}};
+            const ost_tool_geometry g = {
+                .dims = {8, 6 + 4 * t, 9}, .voxel = 600 * UM, .corner = {-2400 * UM, -1800 * UM, 0}};
             ost_tool *tool = random_tool(other, &rng, g);
             assert_ok(ost_tool_download(tool, &volumes[t], &err));
             ost_tool_free(tool);
@@ -148,7 +152,9 @@ static void what_is_refused(void **state)
     ost_bone *bone = bone_of(*state, &p.g, 16, p.voxels), *other = bone;
     ost_tool *tools[OST_WORLD_TOOLS_MAX];
     assert_int_equal(ost_world_create(bone, &(ost_world_options){.saved_ticks = -1}, &world, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_world_create(bone, &(ost_world_options){.saved_ticks = OST_WORLD_SAVED_TICKS_MAX + 1}, &world, &err), OST_ERR_USAGE);
+    assert_int_equal(
+        ost_world_create(bone, &(ost_world_options){.saved_ticks = OST_WORLD_SAVED_TICKS_MAX + 1}, &world, &err),
+        OST_ERR_USAGE);
     assert_ok(ost_world_create(bone, NULL, &world, &err));
     assert_int_equal(ost_world_failover(world, *state, &other, tools, &err), OST_ERR_USAGE);
     assert_null(other);

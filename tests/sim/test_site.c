@@ -20,15 +20,21 @@ static void random_sites(void **state)
     test_rng rng = rng_seeded("sites");
     for (int n = 0; n < 20; n++) {
         ost_error err = {0};
-        const ost_geometry g = cubic_geometry((int32_t)rng_range(&rng, 20, 40), (int32_t)rng_range(&rng, 20, 40), (int32_t)rng_range(&rng, 1, 40),
-                                              rng_range(&rng, 500, 1500) * UM,
-                                              (ost_pm3){rng_range(&rng, -30000, 0) * UM, rng_range(&rng, -30000, 0) * UM, rng_range(&rng, -30000, 0) * UM});
+        const ost_geometry g = cubic_geometry((int32_t)rng_range(&rng, 20, 40), (int32_t)rng_range(&rng, 20, 40),
+                                              (int32_t)rng_range(&rng, 1, 40), rng_range(&rng, 500, 1500) * UM,
+                                              (ost_pm3){rng_range(&rng, -30000, 0) * UM,
+                                                        rng_range(&rng, -30000, 0) * UM,
+                                                        rng_range(&rng, -30000, 0) * UM});
         int16_t *voxels = random_densities(&rng, &g, 4);
         ost_bone *bone = bone_of(backend, &g, 16, voxels);
-        const ost_glenoid site = {.at = {rng_range(&rng, -9000, 9000) * UM, rng_range(&rng, -9000, 9000) * UM, rng_range(&rng, -9000, 9000) * UM},
-                                  .axis = {(double)rng_range(&rng, -100, 100), (double)rng_range(&rng, -100, 100), (double)rng_range(&rng, 1, 100)}};
-        const double radius = n % 3 ? (double)rng_range(&rng, 3, 25) : 0, reach = n % 4 ? (double)rng_range(&rng, 5, 40) : 0;
-        const double size = sqrt(site.axis[0] * site.axis[0] + site.axis[1] * site.axis[1] + site.axis[2] * site.axis[2]);
+        const ost_glenoid site = {.at = {rng_range(&rng, -9000, 9000) * UM, rng_range(&rng, -9000, 9000) * UM,
+                                         rng_range(&rng, -9000, 9000) * UM},
+                                  .axis = {(double)rng_range(&rng, -100, 100), (double)rng_range(&rng, -100, 100),
+                                           (double)rng_range(&rng, 1, 100)}};
+        const double radius = n % 3 ? (double)rng_range(&rng, 3, 25) : 0,
+                     reach = n % 4 ? (double)rng_range(&rng, 5, 40) : 0;
+        const double size = sqrt(site.axis[0] * site.axis[0] + site.axis[1] * site.axis[1] +
+                                 site.axis[2] * site.axis[2]);
         const double s = ost_pm_to_mm(g.spacing.x);
         int64_t front = 0, inward = 0, outward = 0, v = 0;
         for (int32_t k = 0; k < g.dims.z; k++)
@@ -36,7 +42,8 @@ static void random_sites(void **state)
                 for (int32_t i = 0; i < g.dims.x; i++, v++) {
                     if (voxels[v] < 120)
                         continue;
-                    const double p[3] = {ost_pm_to_mm(g.origin.x - site.at.x + i * g.spacing.x), ost_pm_to_mm(g.origin.y - site.at.y + j * g.spacing.y),
+                    const double p[3] = {ost_pm_to_mm(g.origin.x - site.at.x + i * g.spacing.x),
+                                         ost_pm_to_mm(g.origin.y - site.at.y + j * g.spacing.y),
                                          ost_pm_to_mm(g.origin.z - site.at.z + k * g.spacing.z)};
                     const double w = (p[0] * site.axis[0] + p[1] * site.axis[1] + p[2] * site.axis[2]) / size;
                     const double r = sqrt(fmax(0, p[0] * p[0] + p[1] * p[1] + p[2] * p[2] - w * w)), bend = fmin(r, 18);
@@ -106,7 +113,8 @@ static void overlaps(void **state)
 {
     ost_backend *backend = *state;
     ost_error err = {0};
-    ost_tool_volume volume = {.geometry = {.dims = {4, 4, 4}, .voxel = OST_PM_PER_MM, .corner = {-2 * OST_PM_PER_MM, -2 * OST_PM_PER_MM, 0}}};
+    ost_tool_volume volume = {
+        .geometry = {.dims = {4, 4, 4}, .voxel = OST_PM_PER_MM, .corner = {-2 * OST_PM_PER_MM, -2 * OST_PM_PER_MM, 0}}};
     uint8_t cells[64];
     for (int v = 0; v < 64; v++)
         cells[v] = v < 32 ? 1 : 2;
@@ -130,6 +138,7 @@ static void overlaps(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(random_sites), cmocka_unit_test(faces_heads_and_reversed_axes), cmocka_unit_test(overlaps)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(random_sites), cmocka_unit_test(faces_heads_and_reversed_axes),
+                                       cmocka_unit_test(overlaps)};
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -24,8 +24,10 @@ static lab make_lab(ost_backend *backend, const ost_world_options *options)
         full[i] = (int16_t)(120 + i % 1000);
     l.bone = bone_of(backend, &l.g, 16, full);
     free(full);
-    l.peg = solid_tool(backend, (ost_tool_geometry){{4, 4, 12}, 500 * UM, {-OST_PM_PER_MM, -OST_PM_PER_MM, 0}}, OST_TOOL_CUTTING);
-    l.plate = solid_tool(backend, (ost_tool_geometry){{6, 6, 1}, OST_PM_PER_MM, {-3000 * UM, -3000 * UM, 0}}, OST_TOOL_CUTTING);
+    l.peg = solid_tool(backend, (ost_tool_geometry){{4, 4, 12}, 500 * UM, {-OST_PM_PER_MM, -OST_PM_PER_MM, 0}},
+                       OST_TOOL_CUTTING);
+    l.plate = solid_tool(backend, (ost_tool_geometry){{6, 6, 1}, OST_PM_PER_MM, {-3000 * UM, -3000 * UM, 0}},
+                         OST_TOOL_CUTTING);
     assert_ok(ost_world_create(l.bone, options, &l.world, &err));
     int index = -1;
     assert_ok(ost_world_add_tool(l.world, "peg", l.peg, &index, &err));
@@ -351,7 +353,8 @@ static void what_a_world_refuses(void **state)
     lab l = make_lab(*state, NULL);
     ost_world *world;
     assert_int_equal(ost_world_create(NULL, NULL, &world, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_world_create(l.bone, &(ost_world_options){.removal_period_ns = -1}, &world, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_world_create(l.bone, &(ost_world_options){.removal_period_ns = -1}, &world, &err),
+                     OST_ERR_USAGE);
     ost_world_options options = {.classes = {.count = 2, .border = {200, 200}}};
     assert_int_equal(ost_world_create(l.bone, &options, &world, &err), OST_ERR_USAGE);
     options.classes.border[0] = 0;

@@ -63,6 +63,7 @@ static void whatever_differs_shows(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_are_as_documented), cmocka_unit_test(whatever_differs_shows)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_are_as_documented),
+                                       cmocka_unit_test(whatever_differs_shows)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,15 +58,16 @@ static bool shown(ost_isa only, int isa)
 
 void bench_heading(ost_isa only)
 {
-    printf("ns a call, median of %d rounds by turns; (times the scalar kernel's speed)\n%-14s %-34s", ROUNDS, "function", "work");
+    printf("ns a call, median of %d rounds by turns; (times the scalar kernel's speed)\n%-14s %-34s", ROUNDS,
+           "function", "work");
     for (int isa = 0; isa < OST_ISA_COUNT; isa++)
         if (shown(only, isa))
             printf(isa == OST_ISA_SCALAR ? "  %9s" : "  %17s", ost_isa_name((ost_isa)isa));
     printf("  best\n");
 }
 
-void bench_time(check_bench *b, const char *work, check_call_fn *call, void (*prepare)(void *arguments), void *arguments, double items,
-                const char *what)
+void bench_time(check_bench *b, const char *work, check_call_fn *call, void (*prepare)(void *arguments),
+                void *arguments, double items, const char *what)
 {
     static double ns[OST_ISA_COUNT][ROUNDS];
     check_fn *kernel[OST_ISA_COUNT];

@@ -70,8 +70,8 @@ static void state_prepare(void)
 {
     if (has_avx)
         __asm__ volatile("vzeroupper" ::
-                             : "xmm0", "xmm1", "xmm2", "xmm3", "xmm4", "xmm5", "xmm6", "xmm7", "xmm8", "xmm9", "xmm10", "xmm11", "xmm12",
-                               "xmm13", "xmm14", "xmm15");
+                             : "xmm0", "xmm1", "xmm2", "xmm3", "xmm4", "xmm5", "xmm6", "xmm7", "xmm8", "xmm9", "xmm10",
+                               "xmm11", "xmm12", "xmm13", "xmm14", "xmm15");
 }
 
 static void state_get(machine_state *s)
@@ -157,7 +157,8 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
 {
     if (before->fpcr == after->fpcr)
         return true;
-    snprintf(text, size, "changes FPCR from %08llx to %08llx", (unsigned long long)before->fpcr, (unsigned long long)after->fpcr);
+    snprintf(text, size, "changes FPCR from %08llx to %08llx", (unsigned long long)before->fpcr,
+             (unsigned long long)after->fpcr);
     return false;
 }
 

@@ -103,8 +103,8 @@ bool check_that(check *c, bool holds, const char *format, ...) __attribute__((fo
 /* ------------------------------------------------------------- running */
 
 /* Runs cases first to first + count - 1, up to the first that fails. */
-check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *other, const char *isa, uint64_t seed, int first, int count,
-                       bool quiet);
+check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *other, const char *isa, uint64_t seed,
+                       int first, int count, bool quiet);
 
 /* --------------------------------------------------------------- times */
 
@@ -114,8 +114,8 @@ check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *o
  * number of items that a call processes, for the time per item; what is the
  * item's name.
  */
-void bench_time(check_bench *b, const char *work, check_call_fn *call, void (*prepare)(void *arguments), void *arguments, double items,
-                const char *what);
+void bench_time(check_bench *b, const char *work, check_call_fn *call, void (*prepare)(void *arguments),
+                void *arguments, double items, const char *what);
 /* Times all workloads of a kernel with the scalar kernel and the instruction set `only`, or with all
    (OST_ISA_COUNT). */
 void bench_run(const check_kernel *kernel, ost_isa only);

@@ -82,7 +82,8 @@ static void test_brick_row(check *c)
     check_same(c, "density", CHECK_I16, density[0], density[1], reach * OST_BRICK_VOXELS);
     check_same(c, "occupancy", CHECK_BITS, occupancy[0], occupancy[1], reach);
     check_that(c, a[0].sums.active == a[1].sums.active && a[0].sums.highest == a[1].sums.highest,
-               "returns %d active and highest %d, not %d and %d", a[1].sums.active, a[1].sums.highest, a[0].sums.active, a[0].sums.highest);
+               "returns %d active and highest %d, not %d and %d", a[1].sums.active, a[1].sums.highest, a[0].sums.active,
+               a[0].sums.highest);
 }
 
 static void bench_brick_row(check_bench *b)
@@ -122,7 +123,8 @@ static void test_any_active(check *c)
     const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64);
     const int count = check_chance(c, 3) ? 1 : (int)check_range(c, 1, 64);
     const int16_t threshold = some_threshold(c);
-    size_t *row = check_input(c, "row", (size_t)count, sizeof *row, sizeof *row), at = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, 9);
+    size_t *row = check_input(c, "row", (size_t)count, sizeof *row, sizeof *row),
+           at = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, 9);
     const bool gaps = check_chance(c, 2);
     for (int r = 0; r < count; r++) {
         row[r] = at;
@@ -136,10 +138,13 @@ static void test_any_active(check *c)
         for (int x = 0; x < width; x++)
             base[row[r] + (size_t)x] = some_density(c, threshold, 0);
     const int active = (int)check_range(c, 0, 2); /* no voxel is active, one, or the last one */
-    const int r = active == 2 ? count - 1 : (int)check_range(c, 0, count - 1), x = active == 2 ? width - 1 : (int)check_range(c, 0, width - 1);
+    const int r = active == 2 ? count - 1 : (int)check_range(c, 0, count - 1),
+              x = active == 2 ? width - 1 : (int)check_range(c, 0, width - 1);
     if (active)
-        base[row[r] + (size_t)x] = some_density(c, threshold, 8) >= threshold && check_chance(c, 2) ? threshold : INT16_MAX;
-    check_note(c, "%d rows of %d, threshold %d, active: %d (row %d, element %d)", count, width, threshold, active, r, x);
+        base[row[r] + (size_t)x] = some_density(c, threshold, 8) >= threshold && check_chance(c, 2) ? threshold
+                                                                                                    : INT16_MAX;
+    check_note(c, "%d rows of %d, threshold %d, active: %d (row %d, element %d)", count, width, threshold, active, r,
+               x);
     any_arguments a = {base, row, count, width, threshold, false}, b = a;
     if (check_both(c, call_any_active, &a, &b)) {
         check_that(c, a.any == (active != 0), "the scalar kernel returns %d", a.any);
@@ -175,7 +180,8 @@ CHECK_CPU_SLOT(brick_row)
 CHECK_CPU_SLOT(any_active)
 CHECK_CPU_SLOT(drain)
 extern const check_kernel check_brick_row, check_any_active, check_drain;
-const check_kernel check_brick_row = {.name = "brick_row", .of = brick_row_of, .test = test_brick_row, .bench = bench_brick_row, .cases = 500};
+const check_kernel check_brick_row = {
+    .name = "brick_row", .of = brick_row_of, .test = test_brick_row, .bench = bench_brick_row, .cases = 500};
 const check_kernel check_any_active = {
     .name = "any_active", .of = any_active_of, .test = test_any_active, .bench = bench_any_active, .cases = 1000};
 const check_kernel check_drain = {.name = "drain", .of = drain_of, .test = test_drain, .cases = 3};

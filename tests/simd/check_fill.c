@@ -85,7 +85,8 @@ static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size
 }
 
 /* Returns true if the row's block may be reported as unproven: one of its rows is, or they do not all begin alike. */
-static bool block_is_open(const ost_vox_tile *tile, size_t first_row, size_t rows, size_t row, const uint64_t *before, size_t plane_words)
+static bool block_is_open(const ost_vox_tile *tile, size_t first_row, size_t rows, size_t row, const uint64_t *before,
+                          size_t plane_words)
 {
     const size_t words = tile->row_bits / 64, in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
     const size_t begin = first_row + (row - first_row) / in_block * in_block;
@@ -98,30 +99,36 @@ static bool block_is_open(const ost_vox_tile *tile, size_t first_row, size_t row
     return first == 3;
 }
 
-static void check_rows(check *c, fill_arguments a[2], uint64_t *const before, size_t plane_words, size_t words, bool keep)
+static void check_rows(check *c, fill_arguments a[2], uint64_t *const before, size_t plane_words, size_t words,
+                       bool keep)
 {
     const size_t all = ost_vox_rows(&a[0].tile), first = a[0].first_row, rows = a[0].rows;
     for (int i = 0; i < 2; i++)
-        check_that(c, a[i].count == bits_set(&a[i], words), "%s returns %llu, but sets %llu bits in proven rows", i == 0 ? "the scalar kernel" : "it",
-                   (unsigned long long)a[i].count, (unsigned long long)bits_set(&a[i], words));
+        check_that(c, a[i].count == bits_set(&a[i], words), "%s returns %llu, but sets %llu bits in proven rows",
+                   i == 0 ? "the scalar kernel" : "it", (unsigned long long)a[i].count,
+                   (unsigned long long)bits_set(&a[i], words));
     for (size_t r = 0; r < all && c->result == CHECK_GOOD; r++) {
         const bool mine = r >= first && r < first + rows;
         const bool open = a[1].tile.row_state[r] & OST_VOX_UNPROVEN;
         if (!mine)
-            check_that(c, a[0].tile.row_state[r] == a[1].tile.row_state[r], "changes odd[%zu], which is not its row", r);
+            check_that(c, a[0].tile.row_state[r] == a[1].tile.row_state[r], "changes odd[%zu], which is not its row",
+                       r);
         else if (a[0].tile.row_state[r] & OST_VOX_UNPROVEN)
             check_that(c, open, "calls row %zu proven", r);
         else if (open)
-            check_that(c, block_is_open(&a[0].tile, first, rows, r, before, plane_words), "calls row %zu unproven, and all in its block are proven", r);
+            check_that(c, block_is_open(&a[0].tile, first, rows, r, before, plane_words),
+                       "calls row %zu unproven, and all in its block are proven", r);
         else
-            check_same(c, "bits, of a proven row", CHECK_BITS, a[0].bits + (r - first) * words, a[1].bits + (r - first) * words, words);
-        check_that(c, (a[0].tile.row_state[r] | OST_VOX_UNPROVEN) == (a[1].tile.row_state[r] | OST_VOX_UNPROVEN), "changes odd[%zu] to %d", r,
-                   a[1].tile.row_state[r]);
+            check_same(c, "bits, of a proven row", CHECK_BITS, a[0].bits + (r - first) * words,
+                       a[1].bits + (r - first) * words, words);
+        check_that(c, (a[0].tile.row_state[r] | OST_VOX_UNPROVEN) == (a[1].tile.row_state[r] | OST_VOX_UNPROVEN),
+                   "changes odd[%zu] to %d", r, a[1].tile.row_state[r]);
         for (size_t plane = 0; plane < 2 && c->result == CHECK_GOOD; plane++) {
-            const uint64_t *was = before + plane * plane_words + r * words, *is = a[1].tile.planes + plane * plane_words + r * words;
+            const uint64_t *was = before + plane * plane_words + r * words,
+                           *is = a[1].tile.planes + plane * plane_words + r * words;
             static const uint64_t zeros[OST_TOOL_DIM_MAX / 64];
-            check_same(c, mine && !open && !keep ? "planes, of a row to be cleared" : "planes, of a row to be kept", CHECK_BITS,
-                       mine && !open && !keep ? zeros : was, is, words);
+            check_same(c, mine && !open && !keep ? "planes, of a row to be cleared" : "planes, of a row to be kept",
+                       CHECK_BITS, mine && !open && !keep ? zeros : was, is, words);
         }
     }
     bool any = keep;
@@ -132,13 +139,15 @@ static void check_rows(check *c, fill_arguments a[2], uint64_t *const before, si
 
 static void test_fill(check *c)
 {
-    static const int32_t widths[] = {1, 2, 63, 64, 65, 127, 128, 129, 200, 255, 256, 257, 500, 512, 513, 1000, 1024, 1537, 4095, 4096};
+    static const int32_t widths[] = {1,   2,   63,  64,  65,  127,  128,  129,  200,  255,
+                                     256, 257, 500, 512, 513, 1000, 1024, 1537, 4095, 4096};
     const int32_t nx = check_chance(c, 2) ? widths[check_range(c, 0, 19)] : (int32_t)check_range(c, 1, 300);
     const size_t words = (size_t)ost_vox_words(nx), in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
     const size_t all = (size_t)check_range(c, 1, words > 16 ? 5 : 40);
     const size_t plane_words = (all * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
     /* From a block's first row to the end of a block or of the tile. */
-    size_t first = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)all - 1) / in_block * in_block, rows = all - first;
+    size_t first = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)all - 1) / in_block * in_block,
+           rows = all - first;
     if (check_chance(c, 2) && rows > in_block)
         rows = (size_t)check_range(c, 1, (int64_t)(rows / in_block)) * in_block;
     const bool keep = check_chance(c, 4), parity = check_chance(c, 2), inside_out = check_chance(c, 3);
@@ -146,7 +155,8 @@ static void test_fill(check *c)
     void *planes[2], *row_state[2], *bits[2];
     check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
     check_outputs(c, "odd", all, 1, 1, row_state);
-    check_outputs(c, "bits", (rows * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK, sizeof(uint64_t), 64, bits);
+    check_outputs(c, "bits", (rows * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK, sizeof(uint64_t), 64,
+                  bits);
     uint64_t *before = check_input(c, "planes before", 2 * plane_words, sizeof *before, sizeof *before);
     int32_t *spill = check_input(c, "spill", all * ((size_t)nx + 1), sizeof *spill, sizeof *spill);
     memset(before, 0, 2 * plane_words * sizeof *before);
@@ -156,7 +166,8 @@ static void test_fill(check *c)
     for (size_t r = 0; r < all; r++) {
         const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;
         const bool swap = inside_out != check_chance(c, 8);
-        some_row(c, nx, kind, before + (swap ? plane_words : 0) + r * words, before + (swap ? 0 : plane_words) + r * words);
+        some_row(c, nx, kind, before + (swap ? plane_words : 0) + r * words,
+                 before + (swap ? 0 : plane_words) + r * words);
         if (keep && check_chance(c, 3)) {
             ((uint8_t *)row_state[0])[r] = OST_VOX_SPILLED;
             spill[r * ((size_t)nx + 1) + (size_t)check_range(c, 0, nx)] = (int32_t)check_range(c, -2, 2);
@@ -166,7 +177,11 @@ static void test_fill(check *c)
     fill_arguments a[2];
     for (int i = 0; i < 2; i++) {
         memcpy(planes[i], before, 2 * plane_words * sizeof *before);
-        a[i] = (fill_arguments){.tile = {.nx = nx, .j1 = (int32_t)all, .k1 = 1, .row_bits = 64 * (uint32_t)words, .minus = 64 * (uint32_t)plane_words},
+        a[i] = (fill_arguments){.tile = {.nx = nx,
+                                         .j1 = (int32_t)all,
+                                         .k1 = 1,
+                                         .row_bits = 64 * (uint32_t)words,
+                                         .minus = 64 * (uint32_t)plane_words},
                                 .first_row = first,
                                 .rows = rows,
                                 .bits = bits[i]};
@@ -175,8 +190,9 @@ static void test_fill(check *c)
         a[i].tile.spill = spill;
         a[i].tile.any_unproven = keep;
     }
-    check_note(c, "rows %zu to %zu of %zu, %d voxels in %zu words, parity %d, inside out %d, odd ones before %d, kind %d", first, first + rows, all,
-               nx, words, parity, inside_out, keep, one_kind);
+    check_note(c,
+               "rows %zu to %zu of %zu, %d voxels in %zu words, parity %d, inside out %d, odd ones before %d, kind %d",
+               first, first + rows, all, nx, words, parity, inside_out, keep, one_kind);
     if (!check_both(c, call_fill, &a[0], &a[1]))
         return;
     check_rows(c, a, before, plane_words, words, keep);
@@ -185,10 +201,12 @@ static void test_fill(check *c)
     uint64_t leaking[2] = {0, 0};
     for (int i = 0; i < 2; i++)
         if (a[i].tile.any_unproven)
-            a[i].count += (uint64_t)ost_vox_fill_unproven(&a[i].tile, first, rows, parity ? OST_FILL_PARITY : OST_FILL_WINDING, a[i].bits, &leaking[i]);
+            a[i].count += (uint64_t)ost_vox_fill_unproven(
+                &a[i].tile, first, rows, parity ? OST_FILL_PARITY : OST_FILL_WINDING, a[i].bits, &leaking[i]);
     check_same(c, "bits, once the odd rows are summed", CHECK_BITS, bits[0], bits[1], rows * words);
-    check_that(c, a[0].count == a[1].count && leaking[0] == leaking[1], "in the end %llu solid voxels and %llu leaking rows, not %llu and %llu",
-               (unsigned long long)a[1].count, (unsigned long long)leaking[1], (unsigned long long)a[0].count, (unsigned long long)leaking[0]);
+    check_that(c, a[0].count == a[1].count && leaking[0] == leaking[1],
+               "in the end %llu solid voxels and %llu leaking rows, not %llu and %llu", (unsigned long long)a[1].count,
+               (unsigned long long)leaking[1], (unsigned long long)a[0].count, (unsigned long long)leaking[0]);
 }
 
 /* --------------------------------------------------------------- vox_expand */
@@ -215,7 +233,9 @@ static void test_expand(check *c)
     const int words = ost_vox_words(nx);
     const size_t rows = (size_t)check_range(c, 0, words > 16 ? 3 : 20), count = rows * (size_t)words;
     uint64_t *cutting = check_input(c, "cutting", count, sizeof *cutting, sizeof *cutting);
-    uint64_t *noncutting = check_chance(c, 2) ? check_input(c, "noncutting", count, sizeof *noncutting, sizeof *noncutting) : NULL;
+    uint64_t *noncutting = check_chance(c, 2)
+                               ? check_input(c, "noncutting", count, sizeof *noncutting, sizeof *noncutting)
+                               : NULL;
     const int kind = (int)check_range(c, 0, 3);
     for (size_t w = 0; w < count; w++) {
         cutting[w] = kind == 0 ? UINT64_MAX : kind == 1 ? 0 : rng_next(&c->rng);
@@ -225,7 +245,8 @@ static void test_expand(check *c)
     void *voxels[2];
     check_outputs(c, "voxels", rows * (size_t)nx, 1, check_chance(c, 2) ? 64 : 1, voxels);
     const bool stream = check_chance(c, 2);
-    check_note(c, "%zu rows of %d voxels in %d words, %s, stream %d", rows, nx, words, noncutting ? "two classes" : "one class", stream);
+    check_note(c, "%zu rows of %d voxels in %d words, %s, stream %d", rows, nx, words,
+               noncutting ? "two classes" : "one class", stream);
     expand_arguments a = {cutting, noncutting, rows, words, nx, stream, voxels[0]}, b = a;
     b.voxels = voxels[1];
     if (check_both(c, call_expand, &a, &b))
@@ -255,7 +276,8 @@ static void bench_fill(check_bench *b)
         marked[r * WORDS + 1] = UINT64_C(1) << (r % 64);
         marked[(ROWS + r) * WORDS + 2] = UINT64_C(1) << (r % 61);
     }
-    fill_bench f = {.arguments = {.tile = {.nx = 256, .j1 = ROWS, .k1 = 1, .row_bits = 256, .minus = 256 * ROWS}, .rows = ROWS}};
+    fill_bench f = {
+        .arguments = {.tile = {.nx = 256, .j1 = ROWS, .k1 = 1, .row_bits = 256, .minus = 256 * ROWS}, .rows = ROWS}};
     f.arguments.tile.planes = planes;
     f.arguments.tile.row_state = row_state;
     f.arguments.bits = bits;
@@ -280,5 +302,7 @@ static void bench_expand(check_bench *b)
 CHECK_CPU_SLOT(vox_fill)
 CHECK_CPU_SLOT(vox_expand)
 extern const check_kernel check_vox_fill, check_vox_expand;
-const check_kernel check_vox_fill = {.name = "vox_fill", .of = vox_fill_of, .test = test_fill, .bench = bench_fill, .cases = 1500};
-const check_kernel check_vox_expand = {.name = "vox_expand", .of = vox_expand_of, .test = test_expand, .bench = bench_expand, .cases = 900};
+const check_kernel check_vox_fill = {
+    .name = "vox_fill", .of = vox_fill_of, .test = test_fill, .bench = bench_fill, .cases = 1500};
+const check_kernel check_vox_expand = {
+    .name = "vox_expand", .of = vox_expand_of, .test = test_expand, .bench = bench_expand, .cases = 900};

@@ -83,4 +83,5 @@ static void bench(check_bench *b)
 
 CHECK_CPU_SLOT(gather_row)
 extern const check_kernel check_gather_row;
-const check_kernel check_gather_row = {.name = "gather_row", .of = gather_row_of, .test = test, .bench = bench, .cases = 1300};
+const check_kernel check_gather_row = {
+    .name = "gather_row", .of = gather_row_of, .test = test, .bench = bench, .cases = 1300};

@@ -169,7 +169,8 @@ static int32_t some_sum(check *c, int sign)
     return -sign * (some_density(c) * (ONE - weight) + some_density(c) * weight);
 }
 
-/* Changes element i of the rows so that their sum becomes a tie or comes within 2 of one, if that keeps them in range. */
+/* Changes element i of the rows so that their sum becomes a tie or comes within 2 of one, if
+   that keeps them in range. */
 static void make_tie(check *c, int32_t *const rows[4], const int32_t weight[4], int count, int i)
 {
     const int64_t unit = INT64_C(1) << 3 * OST_WEIGHT_BITS;

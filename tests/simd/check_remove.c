@@ -97,7 +97,8 @@ static void test_blocks(check *c)
     ost_block_bases *bases = check_input(c, "bases", 1, sizeof *bases, _Alignof(ost_block_bases));
     ost_block_reach *reach = check_input(c, "reach", 1, sizeof *reach, _Alignof(ost_block_reach));
     ost_map *map = check_input(c, "map", 1, sizeof *map, _Alignof(ost_map));
-    int32_t *first = check_input(c, "first", 3, sizeof *first, sizeof *first), *from = check_input(c, "from", 3, sizeof *from, sizeof *from);
+    int32_t *first = check_input(c, "first", 3, sizeof *first, sizeof *first),
+            *from = check_input(c, "from", 3, sizeof *from, sizeof *from);
     int32_t *to = check_input(c, "to", 3, sizeof *to, sizeof *to);
     *bases = (ost_block_bases){.map = map};
     *reach = ost_block_reach_of(s.step, s.shape.dims);
@@ -123,17 +124,20 @@ static void test_blocks(check *c)
     }
     /* On each axis the sum of one block is chosen; most others differ from it by small amounts. */
     for (int a = 0; a < 3; a++) {
-        const int64_t far = INT64_C(1) << 46, sum = some_sum(c, reach, a), y = check_range(c, -far, far), z = check_range(c, -far, far);
+        const int64_t far = INT64_C(1) << 46, sum = some_sum(c, reach, a), y = check_range(c, -far, far),
+                      z = check_range(c, -far, far);
         const int64_t begin[3] = {sum - y - z, y, z};
         for (int b = 0; b < 3; b++)
             for (int32_t i = 0; i < bases->count[b]; i++)
-                bases->part[b][3 * i + a] = begin[b] + (i == from[b] - bases->lo[b] || check_chance(c, 4)
-                                                            ? 0
-                                                            : (INT64_C(16) << 16) * s.step[b][a] + check_range(c, -3, 3));
+                bases->part[b][3 * i + a] = begin[b] +
+                                            (i == from[b] - bases->lo[b] || check_chance(c, 4)
+                                                 ? 0
+                                                 : (INT64_C(16) << 16) * s.step[b][a] + check_range(c, -3, 3));
     }
     void *blocks[2];
     check_outputs(c, "blocks", 1, sizeof(ost_cubes), _Alignof(ost_cubes), blocks);
-    check_note(c, "%s, blocks from %d %d %d to %d %d %d of %d %d %d", s.text, from[0], from[1], from[2], to[0], to[1], to[2], first[0], first[1], first[2]);
+    check_note(c, "%s, blocks from %d %d %d to %d %d %d of %d %d %d", s.text, from[0], from[1], from[2], to[0], to[1],
+               to[2], first[0], first[1], first[2]);
     blocks_arguments a = {bases, reach, first, from, to, blocks[0]}, b = {bases, reach, first, from, to, blocks[1]};
     if (!check_both(c, call_blocks, &a, &b))
         return;
@@ -142,10 +146,12 @@ static void test_blocks(check *c)
         return;
     for (int i = 0; i < 3; i++) {
         check_same(c, "blocks->u", CHECK_I32, p->u[i], q->u[i], p->count);
-        check_same(c, "blocks->u behind eight", CHECK_I32, p->u[i] + 8, q->u[i] + 8, OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
+        check_same(c, "blocks->u behind eight", CHECK_I32, p->u[i] + 8, q->u[i] + 8,
+                   OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
     }
     check_same(c, "blocks->number", CHECK_I32, p->number, q->number, p->count);
-    check_same(c, "blocks->number behind eight", CHECK_I32, p->number + 8, q->number + 8, OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
+    check_same(c, "blocks->number behind eight", CHECK_I32, p->number + 8, q->number + 8,
+               OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
 }
 
 /* -------------------------------------------------------------------- split */
@@ -201,12 +207,14 @@ static void place_cubes(check *c, const ost_cells *cells, const ost_split *split
             most = hi > most ? hi : most;
         }
         const int64_t lo = INT32_MIN - least, hi = INT32_MAX - most;
-        const int64_t from = -((int64_t)cells->margin << cells->shift), to = from + ((int64_t)cells->dims[a] << cells->shift);
+        const int64_t from = -((int64_t)cells->margin << cells->shift),
+                      to = from + ((int64_t)cells->dims[a] << cells->shift);
         for (size_t i = 0; i < cubes->count; i++) {
-            int64_t u = near ? check_range(c, from, to) - split->centre[a][check_range(c, 0, 7)] : check_range(c, lo, hi);
+            int64_t u = near ? check_range(c, from, to) - split->centre[a][check_range(c, 0, 7)]
+                             : check_range(c, lo, hi);
             if (check_chance(c, 8)) /* a part's centre on a cell's border, or one unit from it */
-                u = (check_range(c, -1, cells->dims[a]) - cells->margin) * (INT64_C(1) << cells->shift) - split->centre[a][check_range(c, 0, 7)] +
-                    check_range(c, -1, 1);
+                u = (check_range(c, -1, cells->dims[a]) - cells->margin) * (INT64_C(1) << cells->shift) -
+                    split->centre[a][check_range(c, 0, 7)] + check_range(c, -1, 1);
             else if (check_chance(c, 16))
                 u = check_chance(c, 2) ? lo : hi;
             cubes->u[a][i] = (int32_t)(u < lo ? lo : u > hi ? hi : u);
@@ -250,7 +258,9 @@ static void test_split(check *c)
         const int64_t full_in_8 = check_range(c, 0, 8);
         occupancy = check_input(c, "occupancy", words, sizeof *occupancy, sizeof *occupancy);
         for (size_t w = 0; w < words; w++)
-            occupancy[w] = check_range(c, 0, 7) >= full_in_8 ? 0 : check_chance(c, 2) ? UINT64_C(1) << check_range(c, 0, 63) : rng_next(&c->rng);
+            occupancy[w] = check_range(c, 0, 7) >= full_in_8 ? 0
+                           : check_chance(c, 2)              ? UINT64_C(1) << check_range(c, 0, 63)
+                                                             : rng_next(&c->rng);
     }
     void *mixed[2], *inside[2];
     check_outputs(c, "mixed", 1, sizeof(ost_cubes), _Alignof(ost_cubes), mixed);
@@ -264,14 +274,15 @@ static void test_split(check *c)
         ((ost_numbers *)inside[i])->count = inside_before;
         a[i] = (split_arguments){split, cells, cubes, occupancy, mixed[i], inside[i]};
     }
-    check_note(c, "%s, %zu cubes of %d, %zu mixed and %zu inside before, least %d", s.text, cubes->count, edge, mixed_before, inside_before,
-               split->least);
+    check_note(c, "%s, %zu cubes of %d, %zu mixed and %zu inside before, least %d", s.text, cubes->count, edge,
+               mixed_before, inside_before, split->least);
     if (!check_both(c, call_split, &a[0], &a[1]))
         return;
     ost_cubes *m[2] = {mixed[0], mixed[1]};
     ost_numbers *n[2] = {inside[0], inside[1]};
-    if (!check_that(c, m[1]->count == m[0]->count && n[1]->count == n[0]->count, "finds %zu mixed and %zu inside, not %zu and %zu",
-                    m[1]->count - mixed_before, n[1]->count - inside_before, m[0]->count - mixed_before, n[0]->count - inside_before))
+    if (!check_that(c, m[1]->count == m[0]->count && n[1]->count == n[0]->count,
+                    "finds %zu mixed and %zu inside, not %zu and %zu", m[1]->count - mixed_before,
+                    n[1]->count - inside_before, m[0]->count - mixed_before, n[0]->count - inside_before))
         return;
     static part list[2][OST_UNIT_BRICKS + OST_CUBES_SLACK];
     for (int i = 0; i < 2; i++) {
@@ -281,12 +292,16 @@ static void test_split(check *c)
     check_same(c, "mixed, as number, u[0], u[1], u[2] of each", CHECK_I32, list[0], list[1], 4 * m[0]->count);
     check_same(c, "inside->number", CHECK_I32, n[0]->number, n[1]->number, n[0]->count);
     /* Beyond the capacity that the contract requires both contain poison, wherever the lists end. */
-    const size_t mixed_capacity = mixed_before + 8 * cubes->count + OST_CUBES_SLACK, inside_capacity = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
+    const size_t mixed_capacity = mixed_before + 8 * cubes->count + OST_CUBES_SLACK,
+                 inside_capacity = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
     const size_t all = OST_UNIT_BRICKS + OST_CUBES_SLACK;
     for (int b = 0; b < 3; b++)
-        check_same(c, "mixed->u behind the room", CHECK_I32, m[0]->u[b] + mixed_capacity, m[1]->u[b] + mixed_capacity, all - mixed_capacity);
-    check_same(c, "mixed->number behind the room", CHECK_I32, m[0]->number + mixed_capacity, m[1]->number + mixed_capacity, all - mixed_capacity);
-    check_same(c, "inside->number behind the room", CHECK_I32, n[0]->number + inside_capacity, n[1]->number + inside_capacity, all - inside_capacity);
+        check_same(c, "mixed->u behind the room", CHECK_I32, m[0]->u[b] + mixed_capacity, m[1]->u[b] + mixed_capacity,
+                   all - mixed_capacity);
+    check_same(c, "mixed->number behind the room", CHECK_I32, m[0]->number + mixed_capacity,
+               m[1]->number + mixed_capacity, all - mixed_capacity);
+    check_same(c, "inside->number behind the room", CHECK_I32, n[0]->number + inside_capacity,
+               n[1]->number + inside_capacity, all - inside_capacity);
 }
 
 /* -------------------------------------------------------------------- match */
@@ -338,7 +353,8 @@ static size_t place_mixed(check *c, const ost_match *match, const ost_split *spl
     const size_t mixed = mixed_cells(c, cells, split->least, cell);
     for (size_t i = 0; i < count && mixed > 0; i++) {
         const int32_t n = cell[check_range(c, 0, (int64_t)mixed - 1)];
-        const int32_t at[3] = {n % cells->dims[0], n / cells->dims[0] % cells->dims[1], n / cells->dims[0] / cells->dims[1]};
+        const int32_t at[3] = {n % cells->dims[0], n / cells->dims[0] % cells->dims[1],
+                               n / cells->dims[0] / cells->dims[1]};
         for (int a = 0; a < 3; a++) {
             const int64_t within = check_chance(c, 4) ? 0 : check_chance(c, 4) ? edge - 1 : check_range(c, 0, edge - 1);
             const int64_t begin = (at[a] - cells->margin) * edge - split->centre[a][0];
@@ -362,7 +378,8 @@ static void place_anywhere(check *c, const ost_match *match, ost_cubes *bricks, 
             least = match->offset[a][v] < least ? match->offset[a][v] : least;
             most = match->offset[a][v] > most ? match->offset[a][v] : most;
         }
-        const int64_t lo = INT32_MIN - least, hi = INT32_MAX - most, size = (int64_t)match->shape->dims[a] << OST_MAP_FRACTION;
+        const int64_t lo = INT32_MIN - least, hi = INT32_MAX - most,
+                      size = (int64_t)match->shape->dims[a] << OST_MAP_FRACTION;
         for (size_t i = 0; i < count; i++) {
             int64_t u = check_range(c, -most - 2, size - least + 1);
             if (check_chance(c, 3))
@@ -387,7 +404,8 @@ static void test_match(check *c)
     ost_match_make(s.step, shape, match);
     ost_split split;
     ost_split_make(s.step, 8, &shape->cells, &split);
-    const size_t wanted = c->number % 4 == 0 ? (size_t)check_range(c, 0, 20) : (size_t)check_range(c, 0, check_chance(c, 8) ? 512 : 150);
+    const size_t wanted = c->number % 4 == 0 ? (size_t)check_range(c, 0, 20)
+                                             : (size_t)check_range(c, 0, check_chance(c, 8) ? 512 : 150);
     bricks->count = wanted;
     if (match->windows)
         bricks->count = place_mixed(c, match, &split, bricks, wanted);
@@ -399,7 +417,8 @@ static void test_match(check *c)
     check_outputs(c, "hits", bricks->count + OST_CUBES_SLACK, sizeof(uint64_t), sizeof(uint64_t), hits);
     check_note(c, "%s, %zu bricks, windows %d", s.text, bricks->count, match->windows ? shape->windows.step : 0);
     match_arguments a = {match, bricks, hits[0]}, b = {match, bricks, hits[1]};
-    if (!check_both(c, call_match, &a, &b) || !check_same(c, "hits", CHECK_BITS, hits[0], hits[1], bricks->count) || !match->windows)
+    if (!check_both(c, call_match, &a, &b) || !check_same(c, "hits", CHECK_BITS, hits[0], hits[1], bricks->count) ||
+        !match->windows)
         return;
     /* Compares the windows with the tool's own voxels, which the scalar kernel uses without windows. */
     static ost_match plain;
@@ -438,7 +457,10 @@ static void some_borders(check *c, ost_take *take)
         at = at > INT16_MAX - (OST_CLASS_MAX - b) ? INT16_MAX - (OST_CLASS_MAX - b) : at;
     }
     if (take->borders > 0 && check_chance(c, 4))
-        take->border[take->borders - 1] = check_chance(c, 2) ? INT16_MAX : (int16_t)(take->highest > take->border[take->borders - 1] ? take->highest : INT16_MAX);
+        take->border[take->borders - 1] = check_chance(c, 2) ? INT16_MAX
+                                                             : (int16_t)(take->highest > take->border[take->borders - 1]
+                                                                             ? take->highest
+                                                                             : INT16_MAX);
 }
 
 static void test_take(check *c)
@@ -446,7 +468,8 @@ static void test_take(check *c)
     static const int32_t highest[] = {1, 2, 150, 255, 256, 1000, 8191, 8192, 16383, 16384, 32766, 32767};
     static const size_t counts[] = {0, 1, 2, 15, 16, 17, 511, 512, 513, 1024, 1025, 1100};
     ost_take *take = check_input(c, "take", 1, sizeof *take, _Alignof(ost_take));
-    *take = (ost_take){.highest = check_chance(c, 2) ? highest[check_range(c, 0, 11)] : (int32_t)check_range(c, 1, 32767),
+    *take = (ost_take){.highest = check_chance(c, 2) ? highest[check_range(c, 0, 11)]
+                                                     : (int32_t)check_range(c, 1, 32767),
                        .apply = check_chance(c, 2)};
     some_borders(c, take);
     const size_t count = check_chance(c, 4) ? counts[check_range(c, 0, 11)] : (size_t)check_range(c, 0, 70);
@@ -525,7 +548,8 @@ static scene *scene_make(void)
     ost_match_make(step, &s.shape, &s.match);
     for (int b = 0; b < 8; b++) {
         for (int a = 0; a < 3; a++)
-            s.blocks.u[a][b] = 3 * (1 << 20) + 16 * ((b & 1) * step[0][a] + (b >> 1 & 1) * step[1][a] + (b >> 2) * step[2][a]);
+            s.blocks.u[a][b] = 3 * (1 << 20) +
+                               16 * ((b & 1) * step[0][a] + (b >> 1 & 1) * step[1][a] + (b >> 2) * step[2][a]);
         s.blocks.number[b] = b;
     }
     s.blocks.count = 8;
@@ -585,6 +609,8 @@ CHECK_CPU_SLOT(match)
 CHECK_CPU_SLOT(take)
 extern const check_kernel check_blocks, check_split, check_match, check_take;
 const check_kernel check_blocks = {.name = "blocks", .of = blocks_of, .test = test_blocks, .cases = 1000};
-const check_kernel check_split = {.name = "split", .of = split_of, .test = test_split, .bench = bench_split, .cases = 1000};
-const check_kernel check_match = {.name = "match", .of = match_of, .test = test_match, .bench = bench_match, .cases = 800};
+const check_kernel check_split = {
+    .name = "split", .of = split_of, .test = test_split, .bench = bench_split, .cases = 1000};
+const check_kernel check_match = {
+    .name = "match", .of = match_of, .test = test_match, .bench = bench_match, .cases = 800};
 const check_kernel check_take = {.name = "take", .of = take_of, .test = test_take, .bench = bench_take, .cases = 600};

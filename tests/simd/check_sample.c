@@ -52,7 +52,8 @@ static void test(check *c)
     for (int k = 0; k < 3; k++) {
         int32_t *at = check_input(c, names[k], count, sizeof *at, sizeof *at);
         for (size_t i = 0; i < count; i++)
-            at[i] = (int32_t)(check_chance(c, 40) ? check_range(c, INT32_MIN, INT32_MAX) : check_range(c, -2, d[k] + 1));
+            at[i] = (int32_t)(check_chance(c, 40) ? check_range(c, INT32_MIN, INT32_MAX)
+                                                  : check_range(c, -2, d[k] + 1));
         a.at[k] = at;
     }
     void *out[2];

@@ -27,7 +27,8 @@ typedef struct match_arguments {
 static void call_match(check_fn *kernel, void *with)
 {
     match_arguments *a = with;
-    a->matched = ((ost_text_match *)kernel)(a->pattern, a->columns, a->lengths, a->text, a->end, a->lines, a->density, &a->next);
+    a->matched = ((ost_text_match *)kernel)(a->pattern, a->columns, a->lengths, a->text, a->end, a->lines, a->density,
+                                            &a->next);
 }
 
 enum { LINES_MAX = 70, LINE_MAX = 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 24 };
@@ -51,10 +52,14 @@ static void some_bytes(check *c, size_t length, unsigned char *text, unsigned ch
 /* Writes the text of a density; good: a valid one. Returns its length. */
 static size_t some_density(check *c, bool good, char *out)
 {
-    static const char *const fine[] = {"0", "-0", "1", "-1", "9", "10", "32767", "-32768", "32766", "-32767", "00000", "-00000", "00123", "-00009", "12345", "-1024", "1043"};
-    static const char *const foul[] = {"",       "-",      "32768",  "-32769", "99999",  "-99999", "65536",  "100000", "-100000", "000001", "-000001",
-                                       "1234567", "12345678", "123456789", "--1",    "+1",     "1-",     "1.0",    "1e3",    "/",      ":",       "1/2",
-                                       "1:2",    " 1",     "1 ",     "0x1",    "\xb0",  "1\xb9",  "12\xff\x30", "-\x80", "3\xba", "1\t",   "a",       "1\r"};
+    static const char *const fine[] = {"0",     "-0",     "1",     "-1",     "9",     "10",
+                                       "32767", "-32768", "32766", "-32767", "00000", "-00000",
+                                       "00123", "-00009", "12345", "-1024",  "1043"};
+    static const char *const foul[] = {"",           "-",       "32768",  "-32769",  "99999",   "-99999",   "65536",
+                                       "100000",     "-100000", "000001", "-000001", "1234567", "12345678", "123456789",
+                                       "--1",        "+1",      "1-",     "1.0",     "1e3",     "/",        ":",
+                                       "1/2",        "1:2",     " 1",     "1 ",      "0x1",     "\xb0",     "1\xb9",
+                                       "12\xff\x30", "-\x80",   "3\xba",  "1\t",     "a",       "1\r"};
     if (!good)
         strcpy(out, foul[check_range(c, 0, sizeof foul / sizeof foul[0] - 1)]);
     else if (check_chance(c, 3))
@@ -65,7 +70,8 @@ static size_t some_density(check *c, bool good, char *out)
 }
 
 /* Writes one line without its newline. Returns its length. */
-static size_t some_line(check *c, const ost_text_pattern *p, const ost_text_column *column, size_t column_length, bool good, char *out)
+static size_t some_line(check *c, const ost_text_pattern *p, const ost_text_column *column, size_t column_length,
+                        bool good, char *out)
 {
     size_t n = 0;
     memcpy(out, p->before.text, p->before.length);
@@ -132,13 +138,15 @@ static void test_match(check *c)
     memcpy(text, joined, end + there);
     void *density[2];
     check_outputs(c, "density", lines, sizeof(int16_t), sizeof(int16_t), density);
-    check_note(c, "%zu lines of %zu, %u bytes before, %u or more of a column, %u after, carriage %d", here, lines, pattern->before.length,
-               pattern->shortest, pattern->after.length, pattern->carriage);
+    check_note(c, "%zu lines of %zu, %u bytes before, %u or more of a column, %u after, carriage %d", here, lines,
+               pattern->before.length, pattern->shortest, pattern->after.length, pattern->carriage);
     match_arguments a = {pattern, columns, lengths, text, text + end, lines, density[0], 0, NULL}, b = a;
     b.density = density[1];
-    if (check_both(c, call_match, &a, &b) && check_that(c, a.matched == b.matched, "matches %zu, not %zu", b.matched, a.matched) &&
+    if (check_both(c, call_match, &a, &b) &&
+        check_that(c, a.matched == b.matched, "matches %zu, not %zu", b.matched, a.matched) &&
         check_that(c, a.next == b.next, "ends at byte %td, not %td", b.next - text, a.next - text) &&
-        check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text, begins[a.matched]))
+        check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text,
+                   begins[a.matched]))
         check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* beyond the matches both are poison */
 }
 
@@ -155,10 +163,12 @@ static void bench_match(check_bench *b)
     pattern.after.length = (uint32_t)strlen((char *)pattern.after.text);
     memset(pattern.after.mask, 0xff, pattern.after.length);
     for (size_t i = 0; i < LINES; i++) {
-        lengths[i] = (uint8_t)snprintf((char *)columns[i].text, sizeof columns[i].text, "%.6f", -57.34 + 0.47 * (double)i);
+        lengths[i] = (uint8_t)snprintf((char *)columns[i].text, sizeof columns[i].text, "%.6f",
+                                       -57.34 + 0.47 * (double)i);
         memset(columns[i].mask, 0xff, lengths[i]);
         pattern.shortest = i == 0 || lengths[i] < pattern.shortest ? lengths[i] : pattern.shortest;
-        bytes += (size_t)snprintf(text + bytes, 64, "%s%s%d", (char *)columns[i].text, (char *)pattern.after.text, (int)(i * 37 % 1500) - 200);
+        bytes += (size_t)snprintf(text + bytes, 64, "%s%s%d", (char *)columns[i].text, (char *)pattern.after.text,
+                                  (int)(i * 37 % 1500) - 200);
         text[bytes++] = '\n';
     }
     match_arguments a = {&pattern, columns, lengths, text, text + bytes, LINES, density, 0, NULL};
@@ -171,4 +181,5 @@ static check_fn *match_of(ost_isa isa)
 }
 
 extern const check_kernel check_text_match;
-const check_kernel check_text_match = {.name = "text_match", .of = match_of, .test = test_match, .bench = bench_match, .cases = 2500};
+const check_kernel check_text_match = {
+    .name = "text_match", .of = match_of, .test = test_match, .bench = bench_match, .cases = 2500};

@@ -87,7 +87,8 @@ static void some_mesh(check *c, int f, ost_dims dims, size_t triangles, ost_snap
             triangle[t][i] = (uint32_t)(3 * t) + i;
         if (t > 0 && check_chance(c, 6)) /* shared vertices, or those of the previous triangle reversed */
             for (uint32_t i = 0; i < 3; i++)
-                triangle[t][i] = check_chance(c, 2) ? (uint32_t)check_range(c, 0, (int64_t)(3 * t) + 2) : triangle[t - 1][2 - i];
+                triangle[t][i] = check_chance(c, 2) ? (uint32_t)check_range(c, 0, (int64_t)(3 * t) + 2)
+                                                    : triangle[t - 1][2 - i];
     }
     *out = (ost_snapped_mesh){.grid = {.dims = dims},
                               .fraction_bits = f,
@@ -100,8 +101,8 @@ static void some_mesh(check *c, int f, ost_dims dims, size_t triangles, ost_snap
 static ost_dims some_dims(check *c, int f, int32_t most)
 {
     const int32_t limit = least32((1 << 20) >> f, OST_TOOL_DIM_MAX);
-    ost_dims d = {(int32_t)check_range(c, 1, least32(limit, check_chance(c, 4) ? 700 : most)), (int32_t)check_range(c, 1, least32(limit, most)),
-                  (int32_t)check_range(c, 1, least32(limit, most))};
+    ost_dims d = {(int32_t)check_range(c, 1, least32(limit, check_chance(c, 4) ? 700 : most)),
+                  (int32_t)check_range(c, 1, least32(limit, most)), (int32_t)check_range(c, 1, least32(limit, most))};
     if (check_chance(c, 16))
         d = (ost_dims){limit, least32(limit, 3), least32(limit, 2)};
     return d;
@@ -137,7 +138,8 @@ static void compare_tiles(check *c, const ost_vox_tile *expected, const ost_vox_
     const size_t rows = ost_vox_rows(expected), stride = (size_t)expected->nx + 1;
     check_same(c, "planes", CHECK_BITS, expected->planes, got->planes, 2 * plane_words);
     check_same(c, "odd", CHECK_U8, expected->row_state, got->row_state, rows);
-    check_that(c, expected->any_unproven == got->any_unproven, "any_odd is %d, not %d", got->any_unproven, expected->any_unproven);
+    check_that(c, expected->any_unproven == got->any_unproven, "any_odd is %d, not %d", got->any_unproven,
+               expected->any_unproven);
     for (size_t r = 0; r < rows && c->result == CHECK_GOOD; r++)
         if (expected->row_state[r] & OST_VOX_SPILLED)
             check_same(c, "spill, of a row", CHECK_I32, expected->spill + r * stride, got->spill + r * stride, stride);
@@ -173,7 +175,10 @@ static void test_mark(check *c)
         for (size_t w = 0; w < 2 * plane_words; w++)
             if (w % plane_words < rows * words) {
                 const int64_t bits = dims.x - (int64_t)(w % plane_words % words) * 64;
-                ((uint64_t *)planes[0])[w] = rng_next(&c->rng) & rng_next(&c->rng) & (bits >= 64 ? UINT64_MAX : bits > 0 ? (UINT64_C(1) << bits) - 1 : 0);
+                ((uint64_t *)planes[0])[w] = rng_next(&c->rng) & rng_next(&c->rng) &
+                                             (bits >= 64 ? UINT64_MAX
+                                              : bits > 0 ? (UINT64_C(1) << bits) - 1
+                                                         : 0);
             }
     memcpy(planes[1], planes[0], 16 * plane_words);
     mark_arguments a[2];
@@ -183,8 +188,8 @@ static void test_mark(check *c)
         a[i].tile.planes = planes[i];
         a[i].tile.row_state = row_state[i];
     }
-    check_note(c, "%zu of %zu triangles%s, grid %d x %d x %d, f %d, tile %d..%d, %d..%d", count, triangles, list ? " by list" : "", dims.x,
-               dims.y, dims.z, f, tile.j0, tile.j1, tile.k0, tile.k1);
+    check_note(c, "%zu of %zu triangles%s, grid %d x %d x %d, f %d, tile %d..%d, %d..%d", count, triangles,
+               list ? " by list" : "", dims.x, dims.y, dims.z, f, tile.j0, tile.j1, tile.k0, tile.k1);
     if (check_both(c, call_mark, &a[0], &a[1]))
         compare_tiles(c, &a[0].tile, &a[1].tile, plane_words);
     free(a[0].tile.spill);
@@ -219,11 +224,12 @@ static void test_keys(check *c)
     plan.tiles_y = (dims.y + (1 << plan.shift_y) - 1) >> plan.shift_y;
     plan.tiles_z = (dims.z + (1 << plan.shift_z) - 1) >> plan.shift_z;
     const size_t first = (size_t)check_range(c, 0, (int64_t)triangles);
-    const size_t count = check_chance(c, 2) ? triangles - first : (size_t)check_range(c, 0, (int64_t)(triangles - first));
+    const size_t count = check_chance(c, 2) ? triangles - first
+                                            : (size_t)check_range(c, 0, (int64_t)(triangles - first));
     void *keys[2];
     check_outputs(c, "keys", count, sizeof(uint32_t), sizeof(uint32_t), keys);
-    check_note(c, "triangles %zu to %zu of %zu, grid %d x %d x %d, f %d, tiles of 2^%d x 2^%d", first, first + count, triangles, dims.x,
-               dims.y, dims.z, f, plan.shift_y, plan.shift_z);
+    check_note(c, "triangles %zu to %zu of %zu, grid %d x %d x %d, f %d, tiles of 2^%d x 2^%d", first, first + count,
+               triangles, dims.x, dims.y, dims.z, f, plan.shift_y, plan.shift_z);
     keys_arguments a = {&plan, &mesh, first, count, keys[0]}, b = {&plan, &mesh, first, count, keys[1]};
     if (check_both(c, call_keys, &a, &b))
         check_same(c, "keys", CHECK_U32, keys[0], keys[1], count);
@@ -271,11 +277,14 @@ static void bench_mark(check_bench *b)
     static uint8_t row_state[SIDE * SIDE];
     ost_snapped_mesh mesh;
     sheet(&mesh);
-    mark_arguments a = {.tile = {.mesh = &mesh, .f = F, .nx = SIDE, .j1 = SIDE, .k1 = SIDE, .row_bits = 128, .minus = 128 * SIDE * SIDE},
-                        .count = mesh.triangle_count};
+    mark_arguments a = {
+        .tile =
+            {.mesh = &mesh, .f = F, .nx = SIDE, .j1 = SIDE, .k1 = SIDE, .row_bits = 128, .minus = 128 * SIDE * SIDE},
+        .count = mesh.triangle_count};
     a.tile.planes = planes;
     a.tile.row_state = row_state;
-    bench_time(b, "18432 triangles of two rows' size", call_mark, clear_planes, &a, (double)mesh.triangle_count, "triangle");
+    bench_time(b, "18432 triangles of two rows' size", call_mark, clear_planes, &a, (double)mesh.triangle_count,
+               "triangle");
     free(a.tile.spill);
 }
 
@@ -284,8 +293,13 @@ static void bench_keys(check_bench *b)
     static uint32_t keys[2 * ACROSS * ACROSS];
     ost_snapped_mesh mesh;
     sheet(&mesh);
-    const ost_vox_plan plan = {
-        .dims = mesh.grid.dims, .f = F, .words = 2, .shift_y = 5, .shift_z = 5, .tiles_y = SIDE / 32, .tiles_z = SIDE / 32};
+    const ost_vox_plan plan = {.dims = mesh.grid.dims,
+                               .f = F,
+                               .words = 2,
+                               .shift_y = 5,
+                               .shift_z = 5,
+                               .tiles_y = SIDE / 32,
+                               .tiles_z = SIDE / 32};
     keys_arguments a = {&plan, &mesh, 0, mesh.triangle_count, keys};
     bench_time(b, "18432 triangles, 16 tiles", call_keys, NULL, &a, (double)mesh.triangle_count, "triangle");
 }
@@ -293,5 +307,7 @@ static void bench_keys(check_bench *b)
 CHECK_CPU_SLOT(vox_mark)
 CHECK_CPU_SLOT(vox_keys)
 extern const check_kernel check_vox_mark, check_vox_keys;
-const check_kernel check_vox_mark = {.name = "vox_mark", .of = vox_mark_of, .test = test_mark, .bench = bench_mark, .cases = 1500};
-const check_kernel check_vox_keys = {.name = "vox_keys", .of = vox_keys_of, .test = test_keys, .bench = bench_keys, .cases = 600};
+const check_kernel check_vox_mark = {
+    .name = "vox_mark", .of = vox_mark_of, .test = test_mark, .bench = bench_mark, .cases = 1500};
+const check_kernel check_vox_keys = {
+    .name = "vox_keys", .of = vox_keys_of, .test = test_keys, .bench = bench_keys, .cases = 600};

@@ -155,8 +155,8 @@ static bool check_one(const options *o, const check_kernel *kernel, int isa, cha
         return true;
     }
     const int first = o->number < 0 ? 0 : o->number, count = o->number < 0 ? kernel->cases * o->times : 1;
-    const bool good = check_run(kernel, kernel->of(OST_ISA_SCALAR), kernel->of((ost_isa)isa), ost_isa_name((ost_isa)isa), o->seed, first,
-                                count, false) == CHECK_GOOD;
+    const bool good = check_run(kernel, kernel->of(OST_ISA_SCALAR), kernel->of((ost_isa)isa),
+                                ost_isa_name((ost_isa)isa), o->seed, first, count, false) == CHECK_GOOD;
     snprintf(cell, 24, "%s", good ? "ok" : "FAILED");
     return good;
 }
@@ -199,7 +199,8 @@ static int check_all(const options *o)
 int main(int argc, char **argv)
 {
     const char *given = getenv("OST_TEST_SEED");
-    options o = {.seed = given ? strtoull(given, NULL, 0) : ((uint64_t)time(NULL) * 2654435761u ^ (uint64_t)clock()) & UINT32_MAX,
+    options o = {.seed = given ? strtoull(given, NULL, 0)
+                               : ((uint64_t)time(NULL) * 2654435761u ^ (uint64_t)clock()) & UINT32_MAX,
                  .isa = -1,
                  .number = -1,
                  .times = getenv("OST_TEST_LONG") ? 50 : 1};

@@ -67,7 +67,8 @@ static void poison(unsigned char *to, ptrdiff_t i, size_t size)
         for (ptrdiff_t k = 0; k < 32 * PERIOD; k++)
             pattern[k] = poison_at(k);
     while (size > 0) {
-        const size_t from = (size_t)(i & (PERIOD - 1)), part = size < sizeof pattern - from ? size : sizeof pattern - from;
+        const size_t from = (size_t)(i & (PERIOD - 1)),
+                     part = size < sizeof pattern - from ? size : sizeof pattern - from;
         memcpy(to, pattern + from, part);
         to += part;
         i += (ptrdiff_t)part;
@@ -148,7 +149,8 @@ void guard_describe(const void *address, char *text, size_t size)
 void guard_reset(void)
 {
     for (int i = 0; i < count && frozen; i++)
-        if (buffers[i].kind == GUARD_INPUT && mprotect(buffers[i].data, buffers[i].capacity, PROT_READ | PROT_WRITE) != 0)
+        if (buffers[i].kind == GUARD_INPUT &&
+            mprotect(buffers[i].data, buffers[i].capacity, PROT_READ | PROT_WRITE) != 0)
             out_of("protected pages");
     frozen = false;
     count = 0;

@@ -15,17 +15,22 @@
 
 #include "cpu/kernels.h"
 
-extern const check_kernel check_gather_row, check_blend_rows, check_stretch_row, check_weigh_rows, check_brick_row, check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take,
-    check_vox_mark, check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
+extern const check_kernel check_gather_row, check_blend_rows, check_stretch_row, check_weigh_rows, check_brick_row,
+    check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take, check_vox_mark,
+    check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
 
 const check_kernel *const check_kernels[] = {
-    &check_gather_row, &check_blend_rows, &check_stretch_row, &check_weigh_rows, &check_brick_row, &check_any_active, &check_drain,    &check_sample,   &check_blocks,   &check_split,      &check_match,
-    &check_take,       &check_vox_mark,  &check_vox_keys,   &check_vox_fill,   &check_vox_expand, &check_text_match,
+    &check_gather_row, &check_blend_rows, &check_stretch_row, &check_weigh_rows, &check_brick_row,  &check_any_active,
+    &check_drain,      &check_sample,     &check_blocks,      &check_split,      &check_match,      &check_take,
+    &check_vox_mark,   &check_vox_keys,   &check_vox_fill,    &check_vox_expand, &check_text_match,
 };
 const int check_kernel_count = sizeof check_kernels / sizeof check_kernels[0];
 
 /* Every slot has a check: this fails to compile if a slot is added; its check must then be added above. */
-enum { CPU_SLOTS = (sizeof(ost_cpu_kernels) - offsetof(ost_cpu_kernels, gather_row)) / sizeof(check_fn *), TEXT_KERNELS = 1 };
+enum {
+    CPU_SLOTS = (sizeof(ost_cpu_kernels) - offsetof(ost_cpu_kernels, gather_row)) / sizeof(check_fn *),
+    TEXT_KERNELS = 1
+};
 _Static_assert(sizeof check_kernels / sizeof check_kernels[0] == CPU_SLOTS + TEXT_KERNELS, "a kernel has no check");
 
 /* ------------------------------------------------------- within a case */
@@ -181,8 +186,8 @@ static uint64_t seed_of_case(uint64_t seed, const char *name, int number)
     return rng_next(&rng);
 }
 
-check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *other, const char *isa, uint64_t seed, int first, int count,
-                       bool quiet)
+check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *other, const char *isa, uint64_t seed,
+                       int first, int count, bool quiet)
 {
     for (int number = first; number < first + count; number++) {
         check c = {.rng = {seed_of_case(seed, kernel->name, number)},
@@ -198,7 +203,8 @@ check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *o
         if (c.result == CHECK_GOOD)
             continue;
         if (!quiet)
-            printf("  again: checksimd --seed=%" PRIu64 " --function=%s --isa=%s --case=%d\n", seed, kernel->name, isa, number);
+            printf("  again: checksimd --seed=%" PRIu64 " --function=%s --isa=%s --case=%d\n", seed, kernel->name, isa,
+                   number);
         return c.result;
     }
     return CHECK_GOOD;

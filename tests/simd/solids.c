@@ -7,7 +7,8 @@
 
 typedef enum form { BALL, HALF_SHELL, PLATE_X, PLATE_Z, NOISE, FULL, EMPTY, ONE, FORMS } form;
 
-static const char *const form_names[] = {"ball", "half shell", "plate across x", "plate across z", "noise", "full", "empty", "one voxel"};
+static const char *const form_names[] = {"ball",  "half shell", "plate across x", "plate across z",
+                                         "noise", "full",       "empty",          "one voxel"};
 
 /* Returns the square of twice the distance from the middle. */
 static int64_t distance(const int32_t d[3], const int32_t at[3])
@@ -46,9 +47,9 @@ static bool is_solid(form f, test_rng *rng, const int32_t d[3], const int32_t at
 }
 
 /* Bone voxels in tool voxels, times 2^20: these include all steps of windows and all sizes of granules. */
-static const int32_t ratios[] = {65536,   300000,  493000,  524288,  524289,  985000,  986000,   1000000,  1048576, 1048577,
-                                 1113000, 1209000, 1211000, 1300000, 1412000, 1413000, 2097152,  2228224,  4194304, 5000000,
-                                 8388608, 8388609, 12345678, 16777216};
+static const int32_t ratios[] = {65536,   300000,  493000,  524288,  524289,  985000,  986000,   1000000,
+                                 1048576, 1048577, 1113000, 1209000, 1211000, 1300000, 1412000,  1413000,
+                                 2097152, 2228224, 4194304, 5000000, 8388608, 8388609, 12345678, 16777216};
 
 /* Makes the columns of a rotation, by quarter turns or any, times ratio; each element is rounded to an integer. */
 static void make_steps(test_rng *rng, int32_t ratio, int32_t step[3][3])
@@ -103,10 +104,12 @@ static void make_shape(uint64_t key, test_rng *rng)
     for (int32_t z = 0; z < d[2]; z++)
         for (int32_t y = 0; y < d[1]; y++)
             for (int32_t x = 0; x < d[0]; x++)
-                *v++ = is_solid(kept.form, rng, d, (int32_t[3]){x, y, z}) ? OST_TOOL_CUTTING
-                                                                           : (uint8_t)(OST_TOOL_NONCUTTING * rng_range(rng, 0, 1));
+                *v++ = is_solid(kept.form, rng, d, (int32_t[3]){x, y, z})
+                           ? OST_TOOL_CUTTING
+                           : (uint8_t)(OST_TOOL_NONCUTTING * rng_range(rng, 0, 1));
     ost_error err = {0};
-    if (ost_shape_make(kept.voxels, (ost_dims){d[0], d[1], d[2]}, OST_TOOL_CUTTING, kept.ratio, &kept.shape, &err) != OST_OK) {
+    if (ost_shape_make(kept.voxels, (ost_dims){d[0], d[1], d[2]}, OST_TOOL_CUTTING, kept.ratio, &kept.shape, &err) !=
+        OST_OK) {
         fprintf(stderr, "checksimd: %s\n", err.text);
         exit(99);
     }
@@ -133,7 +136,8 @@ void solid_make(check *c, solid *out)
     *s = kept.shape;
     memset(s->memory, 0, sizeof s->memory); /* the memory belongs to kept.shape */
     s->voxels = copy(c, "shape->voxels", kept.voxels, product(s->dims), 1, 1);
-    s->cells.value = (const int8_t *)copy(c, "cells->value", s->cells.value - 64, product(s->cells.dims) + 128, 1, 1) + 64;
+    s->cells.value = (const int8_t *)copy(c, "cells->value", s->cells.value - 64, product(s->cells.dims) + 128, 1, 1) +
+                     64;
     if (s->windows.step > 0) {
         const size_t windows = product(s->windows.dims);
         size_t lines = 0;
@@ -143,8 +147,8 @@ void solid_make(check *c, solid *out)
         s->windows.line = (const uint8_t(*)[64])copy(c, "windows.line", s->windows.line, lines, 64, 64);
     }
     make_steps(&c->rng, kept.ratio, out->step);
-    snprintf(out->text, sizeof out->text, "%s of %d x %d x %d, ratio %d", form_names[kept.form], s->dims[0], s->dims[1], s->dims[2],
-             kept.ratio);
+    snprintf(out->text, sizeof out->text, "%s of %d x %d x %d, ratio %d", form_names[kept.form], s->dims[0], s->dims[1],
+             s->dims[2], kept.ratio);
 }
 
 void solid_cells(check *c, ost_cells *out)
@@ -157,6 +161,7 @@ void solid_cells(check *c, ost_cells *out)
     int8_t *value = check_input(c, "cells->value", count + 128, 1, 1);
     const int64_t widest = check_chance(c, 2) ? 64 : check_range(c, 0, 64);
     for (size_t i = 0; i < count; i++)
-        value[64 + i] = (int8_t)(check_chance(c, 4) ? (check_chance(c, 2) ? widest : -widest) : check_range(c, -widest, widest));
+        value[64 + i] = (int8_t)(check_chance(c, 4) ? (check_chance(c, 2) ? widest : -widest)
+                                                    : check_range(c, -widest, widest));
     out->value = value + 64;
 }

@@ -21,8 +21,9 @@
 #include <xmmintrin.h>
 #endif
 
-extern const check_kernel check_gather_row, check_blend_rows, check_stretch_row, check_weigh_rows, check_brick_row, check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take,
-    check_vox_mark, check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
+extern const check_kernel check_gather_row, check_blend_rows, check_stretch_row, check_weigh_rows, check_brick_row,
+    check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take, check_vox_mark,
+    check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
 
 /* Reads a byte; volatile prevents the compiler from removing the read. */
 static void touch(const void *p)
@@ -38,14 +39,16 @@ static void *writable(const void *p)
 
 /* ------------------------------------------------------------------ grids */
 
-static void sample_counts_one_less(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities)
+static void sample_counts_one_less(const struct cpu_bone *bone, size_t count, const int32_t *const at[3],
+                                   int16_t *densities)
 {
     ost_sample_scalar(bone, count, at, densities);
     if (count > 20)
         densities[count - 1] ^= 1;
 }
 
-static void sample_writes_beyond(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities)
+static void sample_writes_beyond(const struct cpu_bone *bone, size_t count, const int32_t *const at[3],
+                                 int16_t *densities)
 {
     ost_sample_scalar(bone, count, at, densities);
     densities[count] = 7;
@@ -86,22 +89,26 @@ static void gather_writes_input(const int16_t *from, const int32_t *map, int cou
 }
 
 /* Rounds ties up instead of to even. */
-static void blend_ties_up(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight, int16_t *to)
+static void blend_ties_up(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight,
+                          int16_t *to)
 {
     for (int r = 0; r < count; r++)
         for (int i = 0; i < width; i++)
-            to[OST_ROW_STRIDE * r + i] =
-                (int16_t)((a[row[r] + (size_t)i] * (OST_WEIGHT_ONE - weight) + b[row[r] + (size_t)i] * weight + OST_WEIGHT_ONE / 2) >> OST_WEIGHT_BITS);
+            to[OST_ROW_STRIDE * r + i] = (int16_t)((a[row[r] + (size_t)i] * (OST_WEIGHT_ONE - weight) +
+                                                    b[row[r] + (size_t)i] * weight + OST_WEIGHT_ONE / 2) >>
+                                                   OST_WEIGHT_BITS);
 }
 
-static void blend_writes_between(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight, int16_t *to)
+static void blend_writes_between(const int16_t *a, const int16_t *b, const size_t *row, int count, int width,
+                                 int weight, int16_t *to)
 {
     ost_blend_rows_scalar(a, b, row, count, width, weight, to);
     if (count > 1 && width < OST_ROW_STRIDE)
         to[width] = 0;
 }
 
-static void blend_reads_beyond(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight, int16_t *to)
+static void blend_reads_beyond(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight,
+                               int16_t *to)
 {
     ost_blend_rows_scalar(a, b, row, count, width, weight, to);
     if (count > 0)
@@ -109,7 +116,8 @@ static void blend_reads_beyond(const int16_t *a, const int16_t *b, const size_t 
 }
 
 /* Negates sums to which a weight of -2^15 contributes. */
-static void stretch_without_the_least(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to)
+static void stretch_without_the_least(const int16_t *from, const int32_t *at, const int16_t *minus, int width,
+                                      int32_t *to)
 {
     ost_stretch_row_scalar(from, at, minus, width, to);
     for (int i = 0; i < width; i++)
@@ -145,7 +153,8 @@ static void weigh_in_doubles(const int32_t *const rows[4], const int32_t weight[
     }
 }
 
-static void weigh_writes_beyond(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to)
+static void weigh_writes_beyond(const int32_t *const rows[4], const int32_t weight[4], int count, int width,
+                                int16_t *to)
 {
     ost_weigh_rows_scalar(rows, weight, count, width, to);
     to[(width + 15) / 16 * 16] = 0;
@@ -153,30 +162,31 @@ static void weigh_writes_beyond(const int32_t *const rows[4], const int32_t weig
 
 /* ------------------------------------------------------------------ bones */
 
-static ost_brick_sums brick_above_threshold(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                                            uint64_t *occupancy)
+static ost_brick_sums brick_above_threshold(const int16_t *const rows[16], size_t bricks, int16_t threshold,
+                                            bool stream, int16_t *density, uint64_t *occupancy)
 {
-    return ost_brick_row_scalar(rows, bricks, (int16_t)(threshold + (threshold < INT16_MAX)), stream, density, occupancy);
+    return ost_brick_row_scalar(rows, bricks, (int16_t)(threshold + (threshold < INT16_MAX)), stream, density,
+                                occupancy);
 }
 
-static ost_brick_sums brick_wrong_highest(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                                          uint64_t *occupancy)
+static ost_brick_sums brick_wrong_highest(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
+                                          int16_t *density, uint64_t *occupancy)
 {
     ost_brick_sums sums = ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
     sums.highest &= 0x7ffe;
     return sums;
 }
 
-static ost_brick_sums brick_reads_beyond(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                                         uint64_t *occupancy)
+static ost_brick_sums brick_reads_beyond(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
+                                         int16_t *density, uint64_t *occupancy)
 {
     touch(rows[15] + 4 * bricks);
     return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
 }
 
 /* Writes an element between those of the row's bricks, which belongs to another row. */
-static ost_brick_sums brick_writes_between(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                                           uint64_t *occupancy)
+static ost_brick_sums brick_writes_between(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
+                                           int16_t *density, uint64_t *occupancy)
 {
     occupancy[2] = 0;
     return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
@@ -234,8 +244,8 @@ static void drain_rounds_down(void)
 
 /* ---------------------------------------------------------------- removal */
 
-static void blocks_never_divides(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
-                                 const int32_t to[3], ost_cubes *blocks)
+static void blocks_never_divides(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
+                                 const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
 {
     ost_blocks_scalar(bases, reach, first, from, to, blocks);
     for (size_t i = 0; i < blocks->count; i++)
@@ -247,23 +257,24 @@ static void blocks_never_divides(const ost_block_bases *bases, const ost_block_r
         }
 }
 
-static void blocks_reach_one_less(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
-                                  const int32_t to[3], ost_cubes *blocks)
+static void blocks_reach_one_less(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
+                                  const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
 {
     ost_block_reach less = *reach;
     less.width[1]--;
     ost_blocks_scalar(bases, &less, first, from, to, blocks);
 }
 
-static void blocks_number_from_the_first(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
-                                         const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
+static void blocks_number_from_the_first(const ost_block_bases *bases, const ost_block_reach *reach,
+                                         const int32_t first[3], const int32_t from[3], const int32_t to[3],
+                                         ost_cubes *blocks)
 {
     (void)first;
     ost_blocks_scalar(bases, reach, from, from, to, blocks);
 }
 
-static void split_no_last_cube(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
-                               ost_cubes *mixed, ost_numbers *inside)
+static void split_no_last_cube(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                               const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
 {
     static ost_cubes fewer;
     fewer = *cubes;
@@ -271,15 +282,15 @@ static void split_no_last_cube(const ost_split *split, const ost_cells *cells, c
     ost_split_scalar(split, cells, &fewer, occupancy, mixed, inside);
 }
 
-static void split_begins_anew(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
-                              ost_cubes *mixed, ost_numbers *inside)
+static void split_begins_anew(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                              const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
 {
     inside->count = 0;
     ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
 }
 
-static void split_one_more_is_inside(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
-                                     ost_cubes *mixed, ost_numbers *inside)
+static void split_one_more_is_inside(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                                     const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
 {
     static ost_split nearer;
     nearer = *split;
@@ -287,8 +298,8 @@ static void split_one_more_is_inside(const ost_split *split, const ost_cells *ce
     ost_split_scalar(&nearer, cells, cubes, occupancy, mixed, inside);
 }
 
-static void split_writes_beyond(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
-                                ost_cubes *mixed, ost_numbers *inside)
+static void split_writes_beyond(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                                const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
 {
     const size_t capacity = mixed->count + 8 * cubes->count + OST_CUBES_SLACK;
     ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
@@ -296,8 +307,8 @@ static void split_writes_beyond(const ost_split *split, const ost_cells *cells, 
         mixed->u[1][capacity] = 0;
 }
 
-static void split_reads_before_the_margin(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
-                                          ost_cubes *mixed, ost_numbers *inside)
+static void split_reads_before_the_margin(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                                          const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
 {
     touch(cells->value - 65);
     ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
@@ -341,8 +352,8 @@ static void match_writes_beyond(const ost_match *match, const ost_cubes *bricks,
     hits[bricks->count + OST_CUBES_SLACK] = 0;
 }
 
-static void take_in_16_bits(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
-                            ost_tally *tally)
+static void take_in_16_bits(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
+                            size_t count, ost_tally *tally)
 {
     ost_tally sum = {{0}, {0}};
     ost_take_scalar(take, density, number, hits, count, &sum);
@@ -352,21 +363,22 @@ static void take_in_16_bits(const ost_take *take, int16_t *density, const int32_
     }
 }
 
-static void take_always(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count, ost_tally *tally)
+static void take_always(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
+                        size_t count, ost_tally *tally)
 {
     ost_take apply = *take;
     apply.apply = true;
     ost_take_scalar(&apply, density, number, hits, count, tally);
 }
 
-static void take_not_the_513th(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
-                               ost_tally *tally)
+static void take_not_the_513th(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
+                               size_t count, ost_tally *tally)
 {
     ost_take_scalar(take, density, number, hits, count > 512 ? 512 : count, tally);
 }
 
-static void take_writes_what_is_not_hit(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
-                                        ost_tally *tally)
+static void take_writes_what_is_not_hit(const ost_take *take, int16_t *density, const int32_t *number,
+                                        const uint64_t *hits, size_t count, ost_tally *tally)
 {
     ost_take_scalar(take, density, number, hits, count, tally);
     if (take->apply && count > 0 && !(hits[0] & 1))
@@ -402,13 +414,15 @@ static void mark_saturates(ost_vox_tile *tile, const uint32_t *list, size_t coun
     tile->any_unproven = false;
 }
 
-static void keys_one_beyond(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+static void keys_one_beyond(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                            uint32_t *keys)
 {
     ost_vox_keys_scalar(plan, mesh, first, count, keys);
     keys[count] = 0;
 }
 
-static void keys_never_many(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+static void keys_never_many(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                            uint32_t *keys)
 {
     ost_vox_keys_scalar(plan, mesh, first, count, keys);
     for (size_t i = 0; i < count; i++)
@@ -450,23 +464,23 @@ static uint64_t fill_forgets_spills(ost_vox_tile *tile, size_t first_row, size_t
     return count;
 }
 
-static void expand_writes_eights(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                                 uint8_t *voxels)
+static void expand_writes_eights(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words,
+                                 int32_t nx, bool stream, uint8_t *voxels)
 {
     ost_vox_expand_scalar(cutting, noncutting, rows, words, nx, stream, voxels);
     if (rows > 0 && nx % 8 != 0)
         voxels[rows * (size_t)nx] = 0;
 }
 
-static void expand_reads_blocks(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                                uint8_t *voxels)
+static void expand_reads_blocks(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
+                                bool stream, uint8_t *voxels)
 {
     touch(cutting + rows * (size_t)words);
     ost_vox_expand_scalar(cutting, noncutting, rows, words, nx, stream, voxels);
 }
 
-static void expand_no_second_class(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                                   uint8_t *voxels)
+static void expand_no_second_class(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words,
+                                   int32_t nx, bool stream, uint8_t *voxels)
 {
     (void)noncutting;
     ost_vox_expand_scalar(cutting, NULL, rows, words, nx, stream, voxels);
@@ -476,16 +490,16 @@ static void expand_no_second_class(const uint64_t *cutting, const uint64_t *nonc
 
 static ost_text_match *text_match;
 
-static size_t match_stops_early(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                                const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match_stops_early(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                                const char *text, const char *end, size_t lines, int16_t *density, const char **next)
 {
     const size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     return n == lines && lines % 8 == 7 ? n - 1 : n;
 }
 
 /* Stores densities modulo 2^16, as narrowing without a range check would. */
-static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                          const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                          const char *text, const char *end, size_t lines, int16_t *density, const char **next)
 {
     size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     while (n < lines && *next < end) {
@@ -499,8 +513,9 @@ static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column
 }
 
 /* Continues into the line that begins at the end, which another thread reads. */
-static size_t match_goes_on_behind_the_end(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
-                                           const char *text, const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match_goes_on_behind_the_end(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                           const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                                           int16_t *density, const char **next)
 {
     const size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     if (n == lines || *next != end)
@@ -508,16 +523,18 @@ static size_t match_goes_on_behind_the_end(const ost_text_pattern *pattern, cons
     return n + text_match(pattern, columns + n, lengths + n, end, end + OST_TEXT_MARGIN, 1, density + n, next);
 }
 
-static size_t match_next_is_that_of_four(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
-                                         const char *text, const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match_next_is_that_of_four(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                         const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                                         int16_t *density, const char **next)
 {
     const size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     text_match(pattern, columns, lengths, text, end, n & ~(size_t)3, density, next);
     return n;
 }
 
-static size_t match_writes_what_is_not_matched(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
-                                               const char *text, const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match_writes_what_is_not_matched(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                               const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                                               int16_t *density, const char **next)
 {
     const size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     if (n < lines)
@@ -525,15 +542,17 @@ static size_t match_writes_what_is_not_matched(const ost_text_pattern *pattern, 
     return n;
 }
 
-static size_t match_reads_before(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                                 const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match_reads_before(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                 const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                                 int16_t *density, const char **next)
 {
     touch(text - 1);
     return text_match(pattern, columns, lengths, text, end, lines, density, next);
 }
 
-static size_t match_reads_past_the_margin(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
-                                          const char *text, const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match_reads_past_the_margin(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                          const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                                          int16_t *density, const char **next)
 {
     touch(end + OST_TEXT_MARGIN);
     return text_match(pattern, columns, lengths, text, end, lines, density, next);
@@ -639,7 +658,8 @@ int main(void)
     call_watch(0.5);
     for (int i = 0; i < WRONGS; i++) {
         const struct wrong *w = &wrongs[i];
-        const check_result r = check_run(w->kernel, w->kernel->of(OST_ISA_SCALAR), w->fn, "wrong", seed, 0, w->kernel->cases, true);
+        const check_result r = check_run(w->kernel, w->kernel->of(OST_ISA_SCALAR), w->fn, "wrong", seed, 0,
+                                         w->kernel->cases, true);
         if (w->found_as & 1u << r)
             continue;
         printf("FAILED %s: %s in %d cases of %s\n", w->what, results[r], w->kernel->cases, w->kernel->name);

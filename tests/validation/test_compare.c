@@ -44,12 +44,14 @@ static void put_tick(bone_trace *b, uint32_t item, uint64_t word, const int32_t 
     trace_begin(b->w, TRACE_TICK, 0, item);
     trace_word(b->w, word);
     if (lo) {
-        const ost_dims n = {SIDE - lo[0] < 32 ? SIDE - lo[0] : 32, SIDE - lo[1] < 32 ? SIDE - lo[1] : 32, SIDE - lo[2] < 32 ? SIDE - lo[2] : 32};
+        const ost_dims n = {SIDE - lo[0] < 32 ? SIDE - lo[0] : 32, SIDE - lo[1] < 32 ? SIDE - lo[1] : 32,
+                            SIDE - lo[2] < 32 ? SIDE - lo[2] : 32};
         int16_t *to = trace_block(b->w, lo, n, 2);
         assert_non_null(to);
         for (int32_t k = 0; k < n.z; k++)
             for (int32_t j = 0; j < n.y; j++)
-                memcpy(to + n.x * (j + n.y * k), b->voxels + lo[0] + SIDE * (lo[1] + j + SIDE * (lo[2] + k)), 2 * (size_t)n.x);
+                memcpy(to + n.x * (j + n.y * k), b->voxels + lo[0] + SIDE * (lo[1] + j + SIDE * (lo[2] + k)),
+                       2 * (size_t)n.x);
     }
     assert_ok(trace_end(b->w, &err));
 }
@@ -228,7 +230,8 @@ static void reports(void **state)
     assert_int_equal(d.word_got, 4);
     assert_int_equal(d.line_words, 7);
     assert_string_equal(trace_word_name(d.stage, d.word, d.line_words, name), "voxels of class 2 in a chunk");
-    assert_string_equal(trace_word_name(d.stage, d.word + 1, d.line_words, name), "sum of densities of class 2 in a chunk");
+    assert_string_equal(trace_word_name(d.stage, d.word + 1, d.line_words, name),
+                        "sum of densities of class 2 in a chunk");
     assert_string_equal(trace_word_name(d.stage, d.word - 3, d.line_words, name), "number of a chunk");
     assert_string_equal(trace_word_name(d.stage, 1, d.line_words, name), "removal");
     assert_string_equal(trace_word_name(TRACE_RECT, 20, 0, name), "report word 20");

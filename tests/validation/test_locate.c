@@ -49,7 +49,8 @@ static pair *made(void)
 
 static pattern_view view_of(const pair *p)
 {
-    return (pattern_view){.a = p->a, .b = p->b, .dims = {N, N, N}, .dims_b = {N, N, N}, .solid_a = 120, .solid_b = 120, .chunk = 16};
+    return (pattern_view){
+        .a = p->a, .b = p->b, .dims = {N, N, N}, .dims_b = {N, N, N}, .solid_a = 120, .solid_b = 120, .chunk = 16};
 }
 
 static void looks_like(const pattern_view *v, pattern expected, const char *what)
@@ -285,7 +286,10 @@ static void by_mistake(void **state)
     int seen[sizeof rows / sizeof rows[0]] = {0};
     (void)state;
     for (int number = 0; number < SCENES; number++) {
-        const plan_case c = {.family = PLAN_SMALL, .number = number, .seed = 7, .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
+        const plan_case c = {.family = PLAN_SMALL,
+                             .number = number,
+                             .seed = 7,
+                             .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
         ost_backend *backend;
         ost_error err = {0};
         scene s;
@@ -297,7 +301,8 @@ static void by_mistake(void **state)
             const deviation how = {rows[r].kind, (uint64_t)number, rows[r].one_in};
             finding f;
             compare_difference d;
-            const char *class = class_of(&how, &s, &ref, &f, &d), *name = deviation_describe(rows[r].kind)->name, *expected = pattern_name(rows[r].expected);
+            const char *class = class_of(&how, &s, &ref, &f, &d), *name = deviation_describe(rows[r].kind)->name,
+                       *expected = pattern_name(rows[r].expected);
             if (!class)
                 continue;
             const bool is = strcmp(class, expected) == 0;
@@ -335,7 +340,10 @@ static void operands_decide(void **state)
     test_rng rng = rng_seeded("operands_decide");
     int solid = 0, removed = 0, kept = 0;
     for (int number = 0; number < SCENES; number++) {
-        const plan_case c = {.family = PLAN_SMALL, .number = number, .seed = 11, .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
+        const plan_case c = {.family = PLAN_SMALL,
+                             .number = number,
+                             .seed = 11,
+                             .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
         ost_backend *backend;
         ost_error err = {0};
         scene s;
@@ -352,7 +360,8 @@ static void operands_decide(void **state)
                 r->stage == TRACE_RECT || !trace_next_block(r, &walk, &b))
                 continue;
             for (int k = 0; k < 40; k++) {
-                const size_t v = (size_t)(rng_next(&rng) % (uint64_t)ost_dims_count(b.dims)), wide = (size_t)b.dims.x, high = (size_t)b.dims.y;
+                const size_t v = (size_t)(rng_next(&rng) % (uint64_t)ost_dims_count(b.dims)), wide = (size_t)b.dims.x,
+                             high = (size_t)b.dims.y;
                 int16_t is = b.voxels[v];
                 if (b.voxel_bytes == 2)
                     memcpy(&is, b.voxels + 2 * v, 2);
@@ -375,7 +384,8 @@ static void operands_decide(void **state)
                     assert_non_null(strstr(value_of(&o, "threshold"), is ? "stored as it is" : "stored as 0"));
                 } else if (r->stage == TRACE_TOOL) {
                     const char *cut = value_of(&o, "cutting"), *not = value_of(&o, "not cutting");
-                    const bool cuts = strcmp(cut + strlen(cut) - 5, "solid") == 0, touches = not && strcmp(not + strlen(not) - 5, "solid") == 0;
+                    const bool cuts = strcmp(cut + strlen(cut) - 5, "solid") == 0,
+                               touches = not &&strcmp(not +strlen(not ) - 5, "solid") == 0;
                     assert_int_equal(is, cuts ? OST_TOOL_CUTTING : touches ? OST_TOOL_NONCUTTING : OST_TOOL_VOID);
                     solid += is != 0;
                 } else if (r->stage == TRACE_TICK && value_of(&o, "decided")) {
@@ -418,7 +428,8 @@ static void removal_operands(void **state)
         for (int64_t v = 0; v < n; v += 7) {
             if (g.before[v] == 0)
                 continue;
-            compare_difference d = {.kind = COMPARE_VOXEL, .stage = TRACE_TICK, .item = ref.records[all.first + i].item};
+            compare_difference d = {
+                .kind = COMPARE_VOXEL, .stage = TRACE_TICK, .item = ref.records[all.first + i].item};
             d.voxel[0] = (int32_t)(v % g.dims.x);
             d.voxel[1] = (int32_t)(v / g.dims.x % g.dims.y);
             d.voxel[2] = (int32_t)(v / g.dims.x / g.dims.y);
@@ -518,9 +529,10 @@ static void causes_are_possibilities(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_hand),         cmocka_unit_test(of_events),        cmocka_unit_test(of_tools),  cmocka_unit_test(by_mistake),
-        cmocka_unit_test(operands_decide), cmocka_unit_test(removal_operands), cmocka_unit_test(confusion),
-        cmocka_unit_test(causes_are_possibilities),
+        cmocka_unit_test(by_hand),         cmocka_unit_test(of_events),
+        cmocka_unit_test(of_tools),        cmocka_unit_test(by_mistake),
+        cmocka_unit_test(operands_decide), cmocka_unit_test(removal_operands),
+        cmocka_unit_test(confusion),       cmocka_unit_test(causes_are_possibilities),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -19,13 +19,15 @@ static ost_status lost_upload(ost_bone *bone, int32_t z0, int32_t count, const i
     return ost_fail(err, OST_ERR_UNAVAILABLE, "the device was lost");
 }
 
-static ost_status lost_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
+static ost_status lost_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                              ost_error *err)
 {
     (void)bone, (void)count, (void)at, (void)densities;
     return ost_fail(err, OST_ERR_UNAVAILABLE, "the device was lost");
 }
 
-static ost_status lost_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+static ost_status lost_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
+                                 ost_error *err)
 {
     (void)bone, (void)count, (void)chunks, (void)words;
     return ost_fail(err, OST_ERR_UNAVAILABLE, "the device was lost");

@@ -70,12 +70,15 @@ static void campaigns(void **state)
 /* The scenes of the sensitivity proof. */
 static void small_scenes(void **state)
 {
-    static const char *const digests[] = {"b989fb0af4513d73", "2523469b8e032ca3", "e6a459417cda61eb", "1bfe2db7b8e63aef",
-                                        "663d0bbe1934039a", "4cf546754dbeb75f"};
+    static const char *const digests[] = {"b989fb0af4513d73", "2523469b8e032ca3", "e6a459417cda61eb",
+                                          "1bfe2db7b8e63aef", "663d0bbe1934039a", "4cf546754dbeb75f"};
     int wrong = 0;
     (void)state;
     for (int number = 0; number < (int)(sizeof digests / sizeof digests[0]); number++) {
-        const plan_case c = {.family = PLAN_SMALL, .number = number, .seed = 1, .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
+        const plan_case c = {.family = PLAN_SMALL,
+                             .number = number,
+                             .seed = 1,
+                             .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
         ost_error err = {0};
         char got[17];
         ost_digest one;
@@ -108,11 +111,13 @@ static void small_bones_are_fetched_whole(void **state)
         snprintf(c.id, sizeof c.id, "small/%d", number);
         assert_ok(scene_make(&c, &s, &err));
         const ost_geometry *g = &s.rect;
-        const ost_pm n = s.cubic, x = (g->dims.x * g->spacing.x + n - 1) / n, y = (g->dims.y * g->spacing.y + n - 1) / n, z = (g->dims.z * g->spacing.z + n - 1) / n;
+        const ost_pm n = s.cubic, x = (g->dims.x * g->spacing.x + n - 1) / n,
+                     y = (g->dims.y * g->spacing.y + n - 1) / n, z = (g->dims.z * g->spacing.z + n - 1) / n;
         const ost_geometry bone = {{(int32_t)x, (int32_t)y, (int32_t)z}, {n, n, n}, g->origin};
         assert_true(x * y * z <= PERFORM_ALL_VOXELS);
         for (size_t i = 0; i < s.path.count; i++) /* no tick is refused because of the size of the tool's voxels */
-            assert_ok(ost_map_make(&s.path.ticks[i].pose, &bone, &s.tools[s.path.ticks[i].tool].cutting.grid, &map, &err));
+            assert_ok(
+                ost_map_make(&s.path.ticks[i].pose, &bone, &s.tools[s.path.ticks[i].tool].cutting.grid, &map, &err));
         scene_free(&s);
     }
 }
@@ -187,7 +192,8 @@ static void reach_has_what_it_is_for(void **state)
             /* Units of the map from a voxel's middle to the bar's end, times 2; an odd number is a tie. */
             for (size_t n = 0; n < 3; n++) {
                 const ost_tool_geometry *bar = &s.tools[0].cutting.grid;
-                const ost_pm end = s.path.ticks[n].pose.t.x + bar->corner.x + bar->dims.x * bar->voxel - s.rect.origin.x;
+                const ost_pm end = s.path.ticks[n].pose.t.x + bar->corner.x + bar->dims.x * bar->voxel -
+                                   s.rect.origin.x;
                 const ost_pm block = (end + s.cubic) / (OST_MAP_BLOCK * s.cubic) * OST_MAP_BLOCK * s.cubic;
                 assert_int_equal((end - block) * 2 << OST_MAP_FRACTION, bar->voxel);
             }
@@ -230,10 +236,12 @@ static void reach_has_what_it_is_for(void **state)
             assert_int_equal(on_a_line, 4);
             assert_int_equal(plates->noncutting.triangle_count, 10); /* a box without one face */
             /* The tool is behind the bone at the end of its last sweep. */
-            assert_true(s.path.ticks[2].pose.t.x + plates->cutting.grid.corner.x > s.rect.origin.x + d.x * s.rect.spacing.x);
+            assert_true(s.path.ticks[2].pose.t.x + plates->cutting.grid.corner.x >
+                        s.rect.origin.x + d.x * s.rect.spacing.x);
             for (int n = 3; n < 5; n++) {
                 const ost_tick *tick = &s.path.ticks[n];
-                assert_int_equal(s.path.ticks[5].pose.t.x - tick->pose.t.x, s.tools[tick->tool].cutting.grid.voxel << (n + 8));
+                assert_int_equal(s.path.ticks[5].pose.t.x - tick->pose.t.x,
+                                 s.tools[tick->tool].cutting.grid.voxel << (n + 8));
             }
         } else if (i % 6 == 4) {
             uint8_t active[65] = {0}, places[64] = {0};

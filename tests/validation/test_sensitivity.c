@@ -55,9 +55,16 @@ static void proved(void **state)
 /* Kinds that need a special scene: the scene is there, the kind is triggered, and its changes are found. */
 static void rare_kinds_are_triggered(void **state)
 {
-    static const deviation_kind rare[] = {DEVIATION_CONTRACTED_MULTIPLY_ADD, DEVIATION_NARROW_AREA, DEVIATION_MUL24, DEVIATION_TRUNCATED_NEGATIVE,
-                                          DEVIATION_BORDER_INCLUDED, DEVIATION_WRONG_MAP_ROUNDING, DEVIATION_FLOAT_BASE,
-                                          DEVIATION_TRUNCATED_STEP, DEVIATION_WRAPPED_FAR_BLOCK, DEVIATION_FREED_TOO_EARLY};
+    static const deviation_kind rare[] = {DEVIATION_CONTRACTED_MULTIPLY_ADD,
+                                          DEVIATION_NARROW_AREA,
+                                          DEVIATION_MUL24,
+                                          DEVIATION_TRUNCATED_NEGATIVE,
+                                          DEVIATION_BORDER_INCLUDED,
+                                          DEVIATION_WRONG_MAP_ROUNDING,
+                                          DEVIATION_FLOAT_BASE,
+                                          DEVIATION_TRUNCATED_STEP,
+                                          DEVIATION_WRAPPED_FAR_BLOCK,
+                                          DEVIATION_FREED_TOO_EARLY};
     enum { SCENES = 12 };
     (void)state;
     for (size_t k = 0; k < sizeof rare / sizeof rare[0]; k++) {
@@ -87,7 +94,8 @@ static void statement_says_what_it_is_of(void **state)
     faults_statement(&s, text);
     char expected[FAULTS_STATEMENT];
     snprintf(expected, sizeof expected,
-             "%d of %d kinds of mistakes, made on purpose in the second implementation (validation/dense) and in no backend, were noticed; "
+             "%d of %d kinds of mistakes, made on purpose in the second implementation (validation/dense) and in no "
+             "backend, were noticed; "
              "15 kinds changed nothing in this tier",
              DEVIATION_KINDS - 17, DEVIATION_KINDS - 1);
     assert_string_equal(text, expected);

@@ -3,7 +3,8 @@
  * The second implementation of the steps before the voxels: the examples of docs/arithmetic.md,
  * wide integers compared with __int128, and the differences that a comparison with it names.
  *
- * Covers: AR-INT-1, AR-INT-2, AR-POSE-4, AR-CUB-1, AR-TOOL-2, AR-MESH-3, AR-MESH-4, AR-SWEEP-1..5, AR-MAP-1..5, AR-MOTOR-2..7, AR-REM-7
+ * Covers: AR-INT-1, AR-INT-2, AR-POSE-4, AR-CUB-1, AR-TOOL-2, AR-MESH-3, AR-MESH-4, AR-SWEEP-1..5,
+ * AR-MAP-1..5, AR-MOTOR-2..7, AR-REM-7
  */
 #include "harness.h"
 
@@ -63,9 +64,10 @@ static void map_of_the_text(void **state)
     (void)state;
     static const char *const origin[] = {"34000796832371564562559795200000000", "-34762661917118460467698728960000000",
                                          "-90108978398322049941535457280000000"};
-    static const char *const column[3][3] = {{"159094637945952872326758400000000", "0", "545467329344448482236170240000000"},
-                                             {"0", "568195134795537347237642240000000", "0"},
-                                             {"-545467329344448482236170240000000", "0", "159094637945952872326758400000000"}};
+    static const char *const column[3][3] = {
+        {"159094637945952872326758400000000", "0", "545467329344448482236170240000000"},
+        {"0", "568195134795537347237642240000000", "0"},
+        {"-545467329344448482236170240000000", "0", "159094637945952872326758400000000"}};
     static const int32_t step[3][3] = {{275985, 0, 946235}, {0, 985661, 0}, {-946235, 0, 275985}};
     const ost_geometry bone = {{256, 234, 428}, {470 * UM, 470 * UM, 470 * UM}, {-57340 * UM, -54755 * UM, 0}};
     const ost_tool_geometry tool = {{73, 74, 43}, 500 * UM, {-18500 * UM, -18500 * UM, -500 * UM}};
@@ -105,10 +107,12 @@ static void sweep_and_motor_of_the_text(void **state)
     assert_int_equal(first.t.x, 100000000);
     assert_int_equal(first.t.y, 133333333);
     /* 2 |d| = n s exactly is sufficient; one more picometre is not. */
-    const ost_pose exact = {{2 * 470 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0}, more = {{2 * 470 * UM + 1, 0, 0}, OST_Q30_ONE, 0, 0, 0};
+    const ost_pose exact = {{2 * 470 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0},
+                   more = {{2 * 470 * UM + 1, 0, 0}, OST_Q30_ONE, 0, 0, 0};
     assert_int_equal(steps_sweep_count(&a, &exact, &tool, 470 * UM), 4);
     assert_int_equal(steps_sweep_count(&a, &more, &tool, 470 * UM), 5);
-    const ost_pose far = {{8000 * 1000 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0}, over = {{0, 0, 0}, 759250000, 0, 0, 759250700};
+    const ost_pose far = {{8000 * 1000 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0},
+                   over = {{0, 0, 0}, 759250000, 0, 0, 759250700};
     assert_int_equal(steps_sweep_count(&a, &far, &tool, 470 * UM), 0);
     assert_int_equal(steps_sweep_count(&a, &over, &tool, 470 * UM), 0);
 
@@ -173,7 +177,8 @@ static void grid_of_the_text(void **state)
     ost_snapped_mesh_free(&snapped);
 
     /* AR-CUB-1's example: 201 layers of 1 mm to 0.47 mm. */
-    const ost_geometry rect = {{256, 234, 201}, {470 * UM, 470 * UM, 1000 * UM}, {0, 0, 0}}, cubic = steps_cubic(&rect, 470 * UM);
+    const ost_geometry rect = {{256, 234, 201}, {470 * UM, 470 * UM, 1000 * UM}, {0, 0, 0}},
+                       cubic = steps_cubic(&rect, 470 * UM);
     assert_int_equal(cubic.dims.z, 428);
     assert_int_equal(cubic.origin.z, -265 * UM);
     assert_int_equal(cubic.dims.x, 256);
@@ -226,7 +231,8 @@ static void a_difference_is_named(void **state)
         assert_ok(trace_create(paths[second], &w, &err));
         if (second)
             s.path.ticks[5].pose.t.x++; /* not used by the second implementation, which turns the path's rows itself */
-        assert_ok(second ? perform_second(dense, &s, 0, w, &why, &err) : perform(dense, &s, 0, w, NULL, NULL, &why, &err));
+        assert_ok(second ? perform_second(dense, &s, 0, w, &why, &err)
+                         : perform(dense, &s, 0, w, NULL, NULL, &why, &err));
         assert_ok(trace_close(w, &err));
         assert_ok(trace_open(paths[second], &t[second], &err));
     }
@@ -300,8 +306,12 @@ static void boxes_are_bounds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wide_integers),  cmocka_unit_test(map_of_the_text), cmocka_unit_test(sweep_and_motor_of_the_text),
-        cmocka_unit_test(grid_of_the_text), cmocka_unit_test(events_by_hand), cmocka_unit_test(a_difference_is_named),
+        cmocka_unit_test(wide_integers),
+        cmocka_unit_test(map_of_the_text),
+        cmocka_unit_test(sweep_and_motor_of_the_text),
+        cmocka_unit_test(grid_of_the_text),
+        cmocka_unit_test(events_by_hand),
+        cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(boxes_are_bounds),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);

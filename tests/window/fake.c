@@ -33,8 +33,15 @@ static int error_code, major, minor, visible;
 
 void fake_begin(void)
 {
-    the_fake = (fake){.version = 45, .plain_version = 45, .khr = true, .texture_side = 16384, .scale = 1, .frame_of_window = 1, .clock_ns = 1000000000,
-                      .mode = {{.width = 1920, .height = 1080, .refreshRate = 60}, {.width = 1280, .height = 1024, .refreshRate = 75}},
+    the_fake = (fake){.version = 45,
+                      .plain_version = 45,
+                      .khr = true,
+                      .texture_side = 16384,
+                      .scale = 1,
+                      .frame_of_window = 1,
+                      .clock_ns = 1000000000,
+                      .mode = {{.width = 1920, .height = 1080, .refreshRate = 60},
+                               {.width = 1280, .height = 1024, .refreshRate = 75}},
                       .monitor_x = {0, 1920}};
     the_window = (struct GLFWwindow){0};
 }
@@ -176,7 +183,8 @@ GLFWwindow *glfwCreateWindow(int width, int height, const char *title, GLFWmonit
         error_code = the_fake.why ? GLFW_API_UNAVAILABLE : GLFW_VERSION_UNAVAILABLE;
         return NULL;
     }
-    the_window = (struct GLFWwindow){.there = true, .visible = visible, .width = width, .height = height, .version = version};
+    the_window = (struct GLFWwindow){
+        .there = true, .visible = visible, .width = width, .height = height, .version = version};
     the_fake.requested_major = major;
     the_fake.requested_minor = minor;
     the_fake.windows++;
@@ -360,7 +368,9 @@ int epoxy_gl_version(void)
 
 bool epoxy_has_gl_extension(const char *name)
 {
-    return strcmp(name, "GL_KHR_robustness") == 0 ? the_fake.khr : strcmp(name, "GL_ARB_robustness") == 0 ? the_fake.arb : false;
+    return strcmp(name, "GL_KHR_robustness") == 0   ? the_fake.khr
+           : strcmp(name, "GL_ARB_robustness") == 0 ? the_fake.arb
+                                                    : false;
 }
 
 static const GLubyte *get_string(GLenum name)
@@ -460,7 +470,8 @@ static void pixel_store(GLenum name, GLint value)
     (void)value;
 }
 
-static void image(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height, GLint border, GLenum format, GLenum type, const void *pixels)
+static void image(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height, GLint border,
+                  GLenum format, GLenum type, const void *pixels)
 {
     (void)target;
     (void)level;
@@ -471,12 +482,14 @@ static void image(GLenum target, GLint level, GLint internal, GLsizei width, GLs
     (void)pixels;
     if (the_fake.reset_in_upload)
         the_fake.reset = GL_UNKNOWN_CONTEXT_RESET;
-    if (the_fake.reset_in_upload || the_fake.no_texture_memory || width > the_fake.texture_side || height > the_fake.texture_side)
+    if (the_fake.reset_in_upload || the_fake.no_texture_memory || width > the_fake.texture_side ||
+        height > the_fake.texture_side)
         gl_error = GL_OUT_OF_MEMORY;
     the_fake.uploads++;
 }
 
-static void sub_image(GLenum target, GLint level, GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type, const void *pixels)
+static void sub_image(GLenum target, GLint level, GLint x, GLint y, GLsizei width, GLsizei height, GLenum format,
+                      GLenum type, const void *pixels)
 {
     (void)target;
     (void)level;

@@ -39,7 +39,8 @@ static int64_t copied(const ost_window_picture *p, bool everything)
     assert_in_range(count, 0, OST_CHANGED_BOXES);
     for (int i = 0; i < count; i++) {
         const ost_changed_box *b = &box[i];
-        assert_true(b->x >= 0 && b->y >= 0 && b->width > 0 && b->height > 0 && b->x + b->width <= p->width && b->y + b->height <= p->height);
+        assert_true(b->x >= 0 && b->y >= 0 && b->width > 0 && b->height > 0 && b->x + b->width <= p->width &&
+                    b->y + b->height <= p->height);
         assert_true(i == 0 || b->y >= box[i - 1].y + box[i - 1].height);
         area += b->width * b->height;
         for (int y = b->y; y < b->y + b->height; y++)
@@ -55,7 +56,8 @@ static int64_t copied(const ost_window_picture *p, bool everything)
 /* Changes the colours of a box, and marks its cells. */
 static void change(const ost_window_picture *p)
 {
-    const int w = 1 + below(below(3) ? 20 : p->width), h = 1 + below(below(3) ? 20 : p->height), x = below(p->width), y = below(p->height);
+    const int w = 1 + below(below(3) ? 20 : p->width), h = 1 + below(below(3) ? 20 : p->height), x = below(p->width),
+              y = below(p->height);
     for (int j = y; j < y + h && j < p->height; j++)
         for (int i = x; i < x + w && i < p->width; i++) {
             drawn[j * p->stride + i] ^= (uint32_t)(1 + below(0xffffff)) | 0xff000000u * (unsigned)below(2);

@@ -44,7 +44,8 @@ static void refused(const char *words)
 
 static int present(ost_window *w, ost_error *err)
 {
-    return ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = 8, .width = 8, .height = 8}, true, err);
+    return ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = 8, .width = 8, .height = 8}, true,
+                              err);
 }
 
 static void what_is_missing_is_said(void **state)
@@ -133,7 +134,8 @@ static void a_reset_makes_a_new_context(void **state)
         assert_int_equal(the_fake.frames, 2);
         /* A reset in the middle of a frame. */
         the_fake.reset_in_upload = true;
-        assert_ok(ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = 4, .width = 4, .height = 4}, true, &err));
+        assert_ok(ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = 4, .width = 4, .height = 4},
+                                     true, &err));
         assert_int_equal(ost_window_info_get(w).resets, 2);
         assert_ok(present(w, &err));
         closed(w);
@@ -200,9 +202,11 @@ static void frames_of_any_size(void **state)
 {
     static const struct {
         int frame[2], picture[2], side;
-    } sizes[] = {{{1, 1}, {1, 1}, 16384},           {{8192, 8192}, {8192, 8192}, 16384}, {{16384, 100}, {8192, 50}, 16384},
-                 {{30000, 1}, {8192, 1}, 16384},    {{1, 30000}, {1, 8192}, 16384},      {{6000, 3000}, {4096, 2048}, 4096},
-                 {{1300, 1000}, {1024, 787}, 1024}, {{0, 0}, {0, 0}, 16384},             {{100, 0}, {0, 0}, 16384}};
+    } sizes[] = {{{1, 1}, {1, 1}, 16384},           {{8192, 8192}, {8192, 8192}, 16384},
+                 {{16384, 100}, {8192, 50}, 16384}, {{30000, 1}, {8192, 1}, 16384},
+                 {{1, 30000}, {1, 8192}, 16384},    {{6000, 3000}, {4096, 2048}, 4096},
+                 {{1300, 1000}, {1024, 787}, 1024}, {{0, 0}, {0, 0}, 16384},
+                 {{100, 0}, {0, 0}, 16384}};
     ost_error err = {0};
     (void)state;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
@@ -222,7 +226,9 @@ static void frames_of_any_size(void **state)
             assert_true(ost_window_next(w, &e));
             assert_in_range((int)(e.x + 0.5), width - 1, width + 1);
             assert_in_range((int)(e.y + 0.5), height - 1, height + 1);
-            assert_ok(ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = width, .width = width, .height = height}, false, &err));
+            assert_ok(ost_window_present(
+                w, &(ost_window_picture){.pixels = pixels, .stride = width, .width = width, .height = height}, false,
+                &err));
             assert_int_equal(the_fake.viewport[0], sizes[i].frame[0]);
             assert_int_equal(the_fake.viewport[1], sizes[i].frame[1]);
             assert_int_equal(the_fake.swap_interval, 0);
@@ -388,9 +394,11 @@ static void nothing_stays_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_missing_is_said),   cmocka_unit_test(the_newest_context_is_taken), cmocka_unit_test(a_reset_makes_a_new_context),
-        cmocka_unit_test(resets_without_end_end_it), cmocka_unit_test(frames_of_any_size),          cmocka_unit_test(dense_displays),
-        cmocka_unit_test(nobody_draws_for_nobody),   cmocka_unit_test(full_screen_and_back),        cmocka_unit_test(nothing_stays_down),
+        cmocka_unit_test(what_is_missing_is_said),     cmocka_unit_test(the_newest_context_is_taken),
+        cmocka_unit_test(a_reset_makes_a_new_context), cmocka_unit_test(resets_without_end_end_it),
+        cmocka_unit_test(frames_of_any_size),          cmocka_unit_test(dense_displays),
+        cmocka_unit_test(nobody_draws_for_nobody),     cmocka_unit_test(full_screen_and_back),
+        cmocka_unit_test(nothing_stays_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -31,8 +31,8 @@ struct bundle {
 static void remove_folder(const char *folder);
 
 /*
- * Removes unfinished folders OUT.part-XXXXXX of processes that have ended: folders of this user with six characters after the
- * dash that no running process has locked.
+ * Removes unfinished folders OUT.part-XXXXXX of processes that have ended: folders of this user
+ * with six characters after the dash that no running process has locked.
  */
 static void remove_stale(const char *out)
 {
@@ -44,7 +44,8 @@ static void remove_stale(const char *out)
     DIR *dir = opendir(parent);
     for (struct dirent *e; dir && (e = readdir(dir));) {
         struct stat info;
-        if (strncmp(e->d_name, base, length) != 0 || strncmp(e->d_name + length, ".part-", 6) != 0 || strlen(e->d_name + length + 6) != RANDOM)
+        if (strncmp(e->d_name, base, length) != 0 || strncmp(e->d_name + length, ".part-", 6) != 0 ||
+            strlen(e->d_name + length + 6) != RANDOM)
             continue;
         snprintf(path, sizeof path, "%s/%s", parent, e->d_name);
         const int fd = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
@@ -162,8 +163,9 @@ ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char 
             *c = ' ';
     b->last_time = now;
     gmtime_r(&now, &utc);
-    const int n = snprintf(line, sizeof line, "%s\t%04d-%02d-%02dT%02d:%02d:%02dZ\t%s\t%s\n", ost_digest_hex(&b->last, hex), utc.tm_year + 1900,
-                           utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, action, text);
+    const int n = snprintf(line, sizeof line, "%s\t%04d-%02d-%02dT%02d:%02d:%02dZ\t%s\t%s\n",
+                           ost_digest_hex(&b->last, hex), utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday, utc.tm_hour,
+                           utc.tm_min, utc.tm_sec, action, text);
     ost_status status = path_of(b, BUNDLE_LOG, path, err);
     FILE *file = status == OST_OK ? fopen(path, "ab") : NULL;
     if (!file)
@@ -261,7 +263,8 @@ static ost_status check_log(const char *folder, bundle_problem *problem, void *u
     for (const char *at = bytes, *end = bytes + size; at < end && status == OST_OK; number++) {
         const char *stop = memchr(at, '\n', (size_t)(end - at));
         ost_digest_hex(&last, hex);
-        if (!stop || stop - at < OST_DIGEST_HEX || memcmp(at, hex, OST_DIGEST_HEX - 1) != 0 || at[OST_DIGEST_HEX - 1] != '\t') {
+        if (!stop || stop - at < OST_DIGEST_HEX || memcmp(at, hex, OST_DIGEST_HEX - 1) != 0 ||
+            at[OST_DIGEST_HEX - 1] != '\t') {
             snprintf(text, sizeof text, "line %d does not follow from the line before it", number);
             problem(user, BUNDLE_DIFFERENT, BUNDLE_LOG, text);
             ++*found;

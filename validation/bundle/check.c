@@ -45,7 +45,8 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
         report_problem(d, BUNDLE_ABSENT, name, "is missing");
     else if (!same) {
         char text[256];
-        snprintf(text, sizeof text, "does not follow from %s%s", strcmp(name, REPORT_FILE) == 0 ? "the other files" : "the files that it is made of", d->other_build);
+        snprintf(text, sizeof text, "does not follow from %s%s",
+                 strcmp(name, REPORT_FILE) == 0 ? "the other files" : "the files that it is made of", d->other_build);
         report_problem(d, BUNDLE_DIFFERENT, name, text);
     }
     return OST_OK;
@@ -119,7 +120,8 @@ static ost_status read_cases(const derivation *d, json_t **out, ost_error *err)
 }
 
 /* Checks all files that are derived from protocol and cases. */
-static ost_status check_evidence(derivation *d, const json_t *protocol, const json_t *cases, json_t **summary, ost_error *err)
+static ost_status check_evidence(derivation *d, const json_t *protocol, const json_t *cases, json_t **summary,
+                                 ost_error *err)
 {
     ost_status status = compare_builds(d, err);
     if (status == OST_OK)
@@ -141,7 +143,8 @@ static ost_status check_evidence(derivation *d, const json_t *protocol, const js
     return status == OST_OK ? report_write(d->folder, protocol, cases, compare_derived, d, err) : status;
 }
 
-ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary, ost_error *err)
+ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary,
+                        ost_error *err)
 {
     derivation d = {folder, problem, user, found, ""};
     json_t *protocol = NULL, *cases = NULL;

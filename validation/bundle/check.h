@@ -17,7 +17,8 @@
 
 /* Checks everything except the results. *summary receives the bundle's verdict (evidence_summary), owned by the
    caller, or NULL if it cannot be read. */
-ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary, ost_error *err);
+ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary,
+                        ost_error *err);
 
 typedef struct check_how {
     const char *program;   /* this program's file, for workers */
@@ -34,6 +35,7 @@ typedef struct check_how {
  * must be those of the bundle's results on it or, if the bundle does not have
  * this backend, those of the reference.
  */
-ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found, ost_error *err);
+ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found,
+                       ost_error *err);
 
 #endif

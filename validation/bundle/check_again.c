@@ -68,7 +68,8 @@ static ost_status take_batch(void *user, const campaign *c, int first, int count
     return status;
 }
 
-ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found, ost_error *err)
+ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found,
+                       ost_error *err)
 {
     char file[BUNDLE_PATH + 16];
     json_t *protocol = NULL, *cases = NULL;
@@ -87,11 +88,17 @@ ost_status check_again(const char *folder, const check_how *how, bundle_problem 
     if (status == OST_OK)
         status = subjects_find(p.tier, how->backend ? how->backend : "ref", &subjects, err);
     if (status == OST_OK && how->backend && (subjects.count != 2 || !subjects.subjects[1].available))
-        status = ost_fail(err, subjects.count == 2 ? OST_ERR_UNAVAILABLE : OST_ERR_USAGE, "--backend %.200s: %s", how->backend,
-                          subjects.count == 2 ? subjects.subjects[1].reason : "must name one backend other than the reference");
+        status = ost_fail(
+            err, subjects.count == 2 ? OST_ERR_UNAVAILABLE : OST_ERR_USAGE, "--backend %.200s: %s", how->backend,
+            subjects.count == 2 ? subjects.subjects[1].reason : "must name one backend other than the reference");
     if (status == OST_OK) {
         a.spec = how->backend ? subjects.subjects[1].spec : NULL;
-        const campaign_options options = {.program = how->program, .limit_s = how->limit_s, .show = how->show, .user = how->show_user, .done = take_batch, .done_keeper = &a};
+        const campaign_options options = {.program = how->program,
+                                          .limit_s = how->limit_s,
+                                          .show = how->show,
+                                          .user = how->show_user,
+                                          .done = take_batch,
+                                          .done_keeper = &a};
         status = campaign_run(&p, &subjects, &options, &run, err);
     }
     campaign_free(&run);

@@ -13,13 +13,43 @@ enum { LINE = 512, LINES_MAX = 20000 };
 
 /* Debian's short name, without case, and SPDX's identifier. */
 static const char *const names[][2] = {
-    {"Expat", "MIT"}, {"MIT", "MIT"}, {"ISC", "ISC"}, {"Zlib", "Zlib"}, {"X11", "X11"}, {"CC0-1.0", "CC0-1.0"}, {"CC0", "CC0-1.0"}, {"BSL-1.0", "BSL-1.0"}, {"Boost-1.0", "BSL-1.0"},
-    {"BSD-2-clause", "BSD-2-Clause"}, {"BSD-3-clause", "BSD-3-Clause"}, {"BSD-4-clause", "BSD-4-Clause"}, {"Apache-2.0", "Apache-2.0"}, {"MPL-1.1", "MPL-1.1"}, {"MPL-2.0", "MPL-2.0"},
-    {"Artistic-2.0", "Artistic-2.0"}, {"Python-2.0", "Python-2.0"}, {"curl", "curl"}, {"libpng", "Libpng"}, {"NCSA", "NCSA"},
-    {"GPL-1+", "GPL-1.0-or-later"}, {"GPL-2", "GPL-2.0-only"}, {"GPL-2.0", "GPL-2.0-only"}, {"GPL-2+", "GPL-2.0-or-later"}, {"GPL-2.0+", "GPL-2.0-or-later"},
-    {"GPL-3", "GPL-3.0-only"}, {"GPL-3.0", "GPL-3.0-only"}, {"GPL-3+", "GPL-3.0-or-later"}, {"GPL-3.0+", "GPL-3.0-or-later"},
-    {"LGPL-2", "LGPL-2.0-only"}, {"LGPL-2+", "LGPL-2.0-or-later"}, {"LGPL-2.0+", "LGPL-2.0-or-later"}, {"LGPL-2.1", "LGPL-2.1-only"}, {"LGPL-2.1+", "LGPL-2.1-or-later"},
-    {"LGPL-3", "LGPL-3.0-only"}, {"LGPL-3+", "LGPL-3.0-or-later"}, {"LGPL-3.0+", "LGPL-3.0-or-later"},
+    {"Expat", "MIT"},
+    {"MIT", "MIT"},
+    {"ISC", "ISC"},
+    {"Zlib", "Zlib"},
+    {"X11", "X11"},
+    {"CC0-1.0", "CC0-1.0"},
+    {"CC0", "CC0-1.0"},
+    {"BSL-1.0", "BSL-1.0"},
+    {"Boost-1.0", "BSL-1.0"},
+    {"BSD-2-clause", "BSD-2-Clause"},
+    {"BSD-3-clause", "BSD-3-Clause"},
+    {"BSD-4-clause", "BSD-4-Clause"},
+    {"Apache-2.0", "Apache-2.0"},
+    {"MPL-1.1", "MPL-1.1"},
+    {"MPL-2.0", "MPL-2.0"},
+    {"Artistic-2.0", "Artistic-2.0"},
+    {"Python-2.0", "Python-2.0"},
+    {"curl", "curl"},
+    {"libpng", "Libpng"},
+    {"NCSA", "NCSA"},
+    {"GPL-1+", "GPL-1.0-or-later"},
+    {"GPL-2", "GPL-2.0-only"},
+    {"GPL-2.0", "GPL-2.0-only"},
+    {"GPL-2+", "GPL-2.0-or-later"},
+    {"GPL-2.0+", "GPL-2.0-or-later"},
+    {"GPL-3", "GPL-3.0-only"},
+    {"GPL-3.0", "GPL-3.0-only"},
+    {"GPL-3+", "GPL-3.0-or-later"},
+    {"GPL-3.0+", "GPL-3.0-or-later"},
+    {"LGPL-2", "LGPL-2.0-only"},
+    {"LGPL-2+", "LGPL-2.0-or-later"},
+    {"LGPL-2.0+", "LGPL-2.0-or-later"},
+    {"LGPL-2.1", "LGPL-2.1-only"},
+    {"LGPL-2.1+", "LGPL-2.1-or-later"},
+    {"LGPL-3", "LGPL-3.0-only"},
+    {"LGPL-3+", "LGPL-3.0-or-later"},
+    {"LGPL-3.0+", "LGPL-3.0-or-later"},
 };
 
 static const char *identifier_of(const char *name)
@@ -39,8 +69,12 @@ void copyright_spdx(const char *debian, char out[COPYRIGHT_LICENCE])
     if (strlen(debian) >= sizeof words)
         return;
     memcpy(words, debian, strlen(debian) + 1);
-    for (char *word = strtok_r(words, " \t", &remainder); word; word = strtok_r(NULL, " \t", &remainder), operand = !operand) {
-        const char *text = operand ? identifier_of(word) : strcmp(word, "and") == 0 ? "AND" : strcmp(word, "or") == 0 ? "OR" : NULL;
+    for (char *word = strtok_r(words, " \t", &remainder); word;
+         word = strtok_r(NULL, " \t", &remainder), operand = !operand) {
+        const char *text = operand                    ? identifier_of(word)
+                           : strcmp(word, "and") == 0 ? "AND"
+                           : strcmp(word, "or") == 0  ? "OR"
+                                                      : NULL;
         const int n = text ? snprintf(out + used, COPYRIGHT_LICENCE - used, "%s%s", used ? " " : "", text) : -1;
         if (n < 0 || used + (size_t)n >= COPYRIGHT_LICENCE) {
             out[0] = '\0';
@@ -56,7 +90,9 @@ void copyright_spdx(const char *debian, char out[COPYRIGHT_LICENCE])
 static const char *field(const char *line, const char *name)
 {
     const size_t length = strlen(name);
-    return strncasecmp(line, name, length) == 0 && line[length] == ':' ? line + length + 1 + strspn(line + length + 1, " \t") : NULL;
+    return strncasecmp(line, name, length) == 0 && line[length] == ':'
+               ? line + length + 1 + strspn(line + length + 1, " \t")
+               : NULL;
 }
 
 ost_status copyright_of(const char *package, char out[COPYRIGHT_LICENCE], ost_error *err)
@@ -65,7 +101,8 @@ ost_status copyright_of(const char *package, char out[COPYRIGHT_LICENCE], ost_er
     FILE *file;
     bool all = false, known = false, absent;
     out[0] = '\0';
-    if (!*package || strchr(package, '/') || snprintf(path, sizeof path, "/usr/share/doc/%s/copyright", package) >= (int)sizeof path)
+    if (!*package || strchr(package, '/') ||
+        snprintf(path, sizeof path, "/usr/share/doc/%s/copyright", package) >= (int)sizeof path)
         return OST_OK;
     ost_status status = ost_file_stream(path, &file, &absent, err);
     if (status != OST_OK)

@@ -16,8 +16,10 @@ void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION])
     const json_t *voxel = json_object_get(result, "voxel");
     char location[64] = "";
     if (*evidence_text(result, "stage"))
-        snprintf(location, sizeof location, "%.20s %lld: ", evidence_text(result, "stage"), (long long)json_integer_value(json_object_get(result, "item")));
-    const long long is = json_integer_value(json_object_get(result, "got")), ref = json_integer_value(json_object_get(result, "reference"));
+        snprintf(location, sizeof location, "%.20s %lld: ", evidence_text(result, "stage"),
+                 (long long)json_integer_value(json_object_get(result, "item")));
+    const long long is = json_integer_value(json_object_get(result, "got")),
+                    ref = json_integer_value(json_object_get(result, "reference"));
     if (voxel)
         snprintf(text, EVIDENCE_DESCRIPTION,
                  "%s%lld voxels differ, the first at (%lld, %lld, %lld): %lld where the reference has %lld", location,
@@ -51,7 +53,9 @@ const char *evidence_skipped(const json_t *one, const json_t *r, const json_t *b
 {
     if (is_verdict(r, CASE_NOT_RUN))
         return evidence_text(backend, "reason");
-    return is_verdict(r, CASE_EQUAL) && evidence_refused(one) ? "the reference refused this input, and so did the backend" : NULL;
+    return is_verdict(r, CASE_EQUAL) && evidence_refused(one)
+               ? "the reference refused this input, and so did the backend"
+               : NULL;
 }
 
 static bool compared_nothing(const json_t *summary)
@@ -75,8 +79,8 @@ static void tap(FILE *to, const json_t *protocol, const json_t *cases, const jso
             const char *skip = !evidence_skipped(json_array_get(cases, i), r, backend) ? NULL
                                : equal ? " # SKIP the reference refused this input, and so did the backend"
                                        : " # SKIP not available here";
-            fprintf(to, "%s %zu - %s on %s%s\n", skip || equal ? "ok" : "not ok", number++, evidence_text(json_array_get(cases, i), "id"), evidence_text(backend, "name"),
-                    skip ? skip : "");
+            fprintf(to, "%s %zu - %s on %s%s\n", skip || equal ? "ok" : "not ok", number++,
+                    evidence_text(json_array_get(cases, i), "id"), evidence_text(backend, "name"), skip ? skip : "");
             if (!skip && !equal) {
                 evidence_describe(r, text);
                 fprintf(to, "# %s\n", text);
@@ -155,9 +159,12 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
 {
     const json_t *shard = json_object_get(protocol, "shard"), *list = json_object_get(summary, "not_shown");
     fprintf(to, "# Backend equivalence verification: %s\n\n", evidence_text(summary, "verdict"));
-    fprintf(to, "osteon %s, arithmetic %lld, tier %s, seed %s: %zu case%s on %zu backend%s, each compared with the scalar reference byte by byte.\n\n",
-            evidence_text(protocol, "version"), (long long)json_integer_value(json_object_get(protocol, "arithmetic")), evidence_text(protocol, "tier"), evidence_text(protocol, "seed"),
-            json_array_size(cases), json_array_size(cases) == 1 ? "" : "s", json_array_size(json_object_get(protocol, "backends")),
+    fprintf(to,
+            "osteon %s, arithmetic %lld, tier %s, seed %s: %zu case%s on %zu backend%s, each compared with the scalar "
+            "reference byte by byte.\n\n",
+            evidence_text(protocol, "version"), (long long)json_integer_value(json_object_get(protocol, "arithmetic")),
+            evidence_text(protocol, "tier"), evidence_text(protocol, "seed"), json_array_size(cases),
+            json_array_size(cases) == 1 ? "" : "s", json_array_size(json_object_get(protocol, "backends")),
             json_array_size(json_object_get(protocol, "backends")) == 1 ? "" : "s");
     if (!json_is_true(json_object_get(summary, "evidence")))
         fputs("**This is a reduced run and no evidence.**\n\n", to);
@@ -165,13 +172,19 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     for (size_t i = 0; i < json_array_size(list); i++)
         fprintf(to, "- %s\n", json_string_value(json_array_get(list, i)));
     char *files = evidence_own_options(protocol, false), *own = evidence_own_options(protocol, true);
-    fprintf(to, "\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify . --rerun%s    # and the reference's results, again; --backend NAME: those of a backend too\n```\n\n", files ? files : "");
+    fprintf(to,
+            "\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify "
+            ". --rerun%s    # and the reference's results, again; --backend NAME: those of a backend too\n```\n\n",
+            files ? files : "");
     if (files && *files)
-        fputs("FILE: the user's own files, which are not in this bundle; inputs.csv has their sizes and SHA-256.\n\n", to);
+        fputs("FILE: the user's own files, which are not in this bundle; inputs.csv has their sizes and SHA-256.\n\n",
+              to);
     fputs("## Do it again\n\n```\n", to);
-    fprintf(to, "osteon validate --tier %s --seed %s", evidence_text(protocol, "tier"), evidence_text(protocol, "seed"));
+    fprintf(to, "osteon validate --tier %s --seed %s", evidence_text(protocol, "tier"),
+            evidence_text(protocol, "seed"));
     if (json_integer_value(json_array_get(shard, 1)) > 1)
-        fprintf(to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
+        fprintf(to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)),
+                (long long)json_integer_value(json_array_get(shard, 1)));
     if (json_object_get(protocol, "case"))
         fputs(" --case case.json", to);
     if (*evidence_text(protocol, "only"))
@@ -184,44 +197,60 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     fputs(json_object_get(protocol, "suite") ? " --with-suite FOLDER" : "", to);
     free(files);
     free(own);
-    fputs(" --out BUNDLE\n```\n\nWith the same build and the same backends, `results_root` of manifest.json comes out the same.\n\n", to);
-    fputs("## Files\n\n"
-          "| file | is |\n|---|---|\n"
-          "| protocol.json | what was to be done and what counts as passed, written before anything ran (its hash: first lines of audit.log) |\n"
-          "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, of each backend the digest of what it made, and the verdict that follows |\n"
-          "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; margins.csv: how near each differing voxel was; deviations.csv: what was not shown |\n"
-          "| sensitivity.json | mistakes made on purpose in a second implementation (validation/dense), in no backend, and whether the comparison noticed them; kinds_silent changed nothing in this tier (the first shard's run makes it) |\n"
-          "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have in common |\n"
-          "| requirements.csv, trace.csv | requirements, their tests, what of this bundle bears on them; orphans in both directions |\n"
-          "| suite.json | with --with-suite: each test that a requirement names, whether it passed, and the digest of what it printed |\n"
-          "| known-anomalies.csv | what was known to be wrong with this release |\n"
-          "| devices.json | OpenCL devices: what their drivers say, and their numeric fingerprints |\n"
-          "| tools.json | commit, compiler, flags, and every library that ran with the program, by SHA-256 |\n"
-          "| sbom.spdx.json, soup.csv | the same as a bill of materials (SPDX 2.3) and as a list of software of unknown provenance |\n"
-          "| environment.json, times.json, audit.log | the machine, the times, what was done when |\n"
-          "| report.html, pictures/ | all of this for people, on one page; the pictures in it |\n"
-          "| manifest.json | size and SHA-256 of every file, and two roots |\n"
-          "| signatures/ | signatures over manifest.json (`osteon sign`), not part of it |\n\n"
-          "## What differs from run to run\n\n"
-          "Two runs of one build on one machine leave the same files, byte for byte, but for these:\n\n"
-          "| file | differs, because |\n|---|---|\n"
-          "| audit.log | it has the time of day of each step, and the digests of the files here |\n"
-          "| times.json | it has how long each backend took, and when |\n"
-          "| environment.json | it has the kernel and the variables of that run; of merged shards, a machine for each |\n"
-          "| junit.xml | it has the times and the host |\n"
-          "| report.html | it has the date, the machine and the threads of that run |\n"
-          "| manifest.json | it has the digests of those, and `root` over all |\n"
-          "| suite.json, trace.csv | with --with-suite: they have the suite's results, and the times of its tests |\n"
-          "| signatures/ | it says who signed, and when |\n\n"
-          "`results_root` leaves these out, and what changes with the machine and its drivers: tools.json, devices.json, sbom.spdx.json and soup.csv; and impact.json, which is about one older bundle. "
-          "What is left depends on the cases, the code and the list of backends alone, so that two machines with the same list have the same `results_root`. "
-          "Bundles of shards merge into the bundle of one run, with the same exceptions.\n", to);
+    fputs(" --out BUNDLE\n```\n\nWith the same build and the same backends, `results_root` of manifest.json comes out "
+          "the same.\n\n",
+          to);
+    fputs(
+        "## Files\n\n"
+        "| file | is |\n|---|---|\n"
+        "| protocol.json | what was to be done and what counts as passed, written before anything ran (its hash: first "
+        "lines of audit.log) |\n"
+        "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, of each backend "
+        "the digest of what it made, and the verdict that follows |\n"
+        "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; "
+        "margins.csv: how near each differing voxel was; deviations.csv: what was not shown |\n"
+        "| sensitivity.json | mistakes made on purpose in a second implementation (validation/dense), in no backend, "
+        "and whether the comparison noticed them; kinds_silent changed nothing in this tier (the first shard's run "
+        "makes it) |\n"
+        "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have "
+        "in common |\n"
+        "| requirements.csv, trace.csv | requirements, their tests, what of this bundle bears on them; orphans in both "
+        "directions |\n"
+        "| suite.json | with --with-suite: each test that a requirement names, whether it passed, and the digest of "
+        "what it printed |\n"
+        "| known-anomalies.csv | what was known to be wrong with this release |\n"
+        "| devices.json | OpenCL devices: what their drivers say, and their numeric fingerprints |\n"
+        "| tools.json | commit, compiler, flags, and every library that ran with the program, by SHA-256 |\n"
+        "| sbom.spdx.json, soup.csv | the same as a bill of materials (SPDX 2.3) and as a list of software of unknown "
+        "provenance |\n"
+        "| environment.json, times.json, audit.log | the machine, the times, what was done when |\n"
+        "| report.html, pictures/ | all of this for people, on one page; the pictures in it |\n"
+        "| manifest.json | size and SHA-256 of every file, and two roots |\n"
+        "| signatures/ | signatures over manifest.json (`osteon sign`), not part of it |\n\n"
+        "## What differs from run to run\n\n"
+        "Two runs of one build on one machine leave the same files, byte for byte, but for these:\n\n"
+        "| file | differs, because |\n|---|---|\n"
+        "| audit.log | it has the time of day of each step, and the digests of the files here |\n"
+        "| times.json | it has how long each backend took, and when |\n"
+        "| environment.json | it has the kernel and the variables of that run; of merged shards, a machine for each |\n"
+        "| junit.xml | it has the times and the host |\n"
+        "| report.html | it has the date, the machine and the threads of that run |\n"
+        "| manifest.json | it has the digests of those, and `root` over all |\n"
+        "| suite.json, trace.csv | with --with-suite: they have the suite's results, and the times of its tests |\n"
+        "| signatures/ | it says who signed, and when |\n\n"
+        "`results_root` leaves these out, and what changes with the machine and its drivers: tools.json, devices.json, "
+        "sbom.spdx.json and soup.csv; and impact.json, which is about one older bundle. "
+        "What is left depends on the cases, the code and the list of backends alone, so that two machines with the "
+        "same list have the same `results_root`. "
+        "Bundles of shards merge into the bundle of one run, with the same exceptions.\n",
+        to);
 }
 
 /* Writes a line for every stage of every result that differs. */
 static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
 {
-    static const char *const keys[] = {"records", "reports", "voxels", "inherited", "below_threshold", "unexplained", "unmeasured", "decided", "max_2_20"};
+    static const char *const keys[] = {"records",     "reports",    "voxels",  "inherited", "below_threshold",
+                                       "unexplained", "unmeasured", "decided", "max_2_20"};
     (void)protocol;
     (void)summary;
     fputs("case,backend,stage", to);
@@ -237,14 +266,14 @@ static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, c
         json_t *result;
         json_object_foreach(json_object_get(one, "results"), backend, result)
             for (size_t k = 0; k < json_array_size(json_object_get(result, "margins")); k++) {
-                const json_t *m = json_array_get(json_object_get(result, "margins"), k), *bins = json_object_get(m, "bins");
-                fprintf(to, "%s,\"%s\",%s", evidence_text(one, "id"), backend, evidence_text(m, "stage"));
-                for (size_t x = 0; x < sizeof keys / sizeof keys[0]; x++)
-                    fprintf(to, ",%lld", (long long)json_integer_value(json_object_get(m, keys[x])));
-                fprintf(to, ",2^-20 %s", evidence_text(m, "unit"));
-                for (size_t b = 0; b < json_array_size(bins); b++)
-                    fprintf(to, ",%lld", (long long)json_integer_value(json_array_get(bins, b)));
-                fputc('\n', to);
+            const json_t *m = json_array_get(json_object_get(result, "margins"), k), *bins = json_object_get(m, "bins");
+            fprintf(to, "%s,\"%s\",%s", evidence_text(one, "id"), backend, evidence_text(m, "stage"));
+            for (size_t x = 0; x < sizeof keys / sizeof keys[0]; x++)
+                fprintf(to, ",%lld", (long long)json_integer_value(json_object_get(m, keys[x])));
+            fprintf(to, ",2^-20 %s", evidence_text(m, "unit"));
+            for (size_t b = 0; b < json_array_size(bins); b++)
+                fprintf(to, ",%lld", (long long)json_integer_value(json_array_get(bins, b)));
+            fputc('\n', to);
             }
     }
 }
@@ -252,11 +281,12 @@ static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, c
 static const struct {
     const char *name;
     derive *make;
-} derived[] = {{"README.md", readme},   {"results.json", results},     {"results.tap", tap},
-               {"inputs.csv", inputs}, {"anomalies.csv", anomalies}, {"margins.csv", margins_csv}, {"deviations.csv", deviations}};
+} derived[] = {{"README.md", readme},         {"results.json", results},    {"results.tap", tap},
+               {"inputs.csv", inputs},        {"anomalies.csv", anomalies}, {"margins.csv", margins_csv},
+               {"deviations.csv", deviations}};
 
-static ost_status write_one(const char *name, derive *make, const json_t *protocol, const json_t *cases, const json_t *summary, evidence_sink *sink, void *user,
-                            ost_error *err)
+static ost_status write_one(const char *name, derive *make, const json_t *protocol, const json_t *cases,
+                            const json_t *summary, evidence_sink *sink, void *user, ost_error *err)
 {
     ost_memory_stream made;
     FILE *to = ost_memory_stream_open(&made);

@@ -36,9 +36,11 @@ static void add_device(const ost_device_info *device, void *user)
     bool compared = false;
     for (int s = 0; s < v->subjects->count; s++)
         compared |= v->subjects->subjects[s].available && strcmp(v->subjects->subjects[s].device, device->spec) == 0;
-    json_array_append_new(v->list, json_pack("{s:s,s:s,s:s,s:b,s:s,s:b,s:s,s:o}", "backend", device->spec, "platform", device->platform, "name", device->name, "usable",
-                                             device->available, "reason", device->reason ? device->reason : "", "compared", compared, "fingerprint",
-                                             device->available && device->notes ? device->notes : "", "driver_says", facts_of(device->facts ? device->facts : "")));
+    json_array_append_new(v->list, json_pack("{s:s,s:s,s:s,s:b,s:s,s:b,s:s,s:o}", "backend", device->spec, "platform",
+                                             device->platform, "name", device->name, "usable", device->available,
+                                             "reason", device->reason ? device->reason : "", "compared", compared,
+                                             "fingerprint", device->available && device->notes ? device->notes : "",
+                                             "driver_says", facts_of(device->facts ? device->facts : "")));
 }
 
 static int by_name(const void *a, const void *b)
@@ -129,8 +131,9 @@ ost_status devices_of(const subject_list *subjects, json_t **out, ost_error *err
     if (status == OST_OK && has_opencl)
         status = drivers(&list, err);
     if (status == OST_OK)
-        *out = json_pack("{s:{s:O},s:{s:b,s:s,s:o,s:O}}", "cpu", "instruction_sets", sets, "opencl", "asked_for", has_opencl, "not_compared_because",
-                         subjects->opencl ? "" : subjects->no_opencl, "drivers", has_opencl ? list : json_object(), "devices", v.list);
+        *out = json_pack("{s:{s:O},s:{s:b,s:s,s:o,s:O}}", "cpu", "instruction_sets", sets, "opencl", "asked_for",
+                         has_opencl, "not_compared_because", subjects->opencl ? "" : subjects->no_opencl, "drivers",
+                         has_opencl ? list : json_object(), "devices", v.list);
     json_decref(v.list);
     json_decref(sets);
     if (status == OST_OK && !*out)

@@ -88,10 +88,14 @@ static bool own_dims(const json_t *protocol, const char *id, const char *stage, 
     if (json_object_get(protocol, "case"))
         return false;
     if (strcmp(stage, trace_stage_name(TRACE_TOOL)) == 0)
-        return item >= 0 && dims_in(json_object_get(json_array_get(json_object_get(user, "tools"), (size_t)item), "dims"), out);
+        return item >= 0 &&
+               dims_in(json_object_get(json_array_get(json_object_get(user, "tools"), (size_t)item), "dims"), out);
     for (size_t i = 0; i < json_array_size(cases); i++)
         if (strcmp(evidence_text(json_array_get(cases, i), "id"), id) == 0)
-            return dims_in(json_object_get(json_array_get(cases, i), strcmp(stage, trace_stage_name(TRACE_RECT)) == 0 ? "rect_dims" : "cubic_dims"), out);
+            return dims_in(json_object_get(json_array_get(cases, i), strcmp(stage, trace_stage_name(TRACE_RECT)) == 0
+                                                                         ? "rect_dims"
+                                                                         : "cubic_dims"),
+                           out);
     return false;
 }
 
@@ -107,10 +111,13 @@ static bool generated_dims(const json_t *protocol, const json_t *one, const char
     int t = 0;
     while (t < PLAN_TIERS && strcmp(tier, plan_tier_name((plan_tier)t)) != 0)
         t++;
-    if (t == PLAN_TIERS || !plan_find((plan_tier)t, strtoull(evidence_text(protocol, "seed"), NULL, 10), evidence_text(one, "id"), NULL, &c) ||
+    if (t == PLAN_TIERS ||
+        !plan_find((plan_tier)t, strtoull(evidence_text(protocol, "seed"), NULL, 10), evidence_text(one, "id"), NULL,
+                   &c) ||
         scene_make(&c, &s, &none) != OST_OK)
         return false;
-    bool known = scene_digest(&s, &digest, &none) == OST_OK && strcmp(ost_digest_hex(&digest, hex), evidence_text(one, "input_sha256")) == 0;
+    bool known = scene_digest(&s, &digest, &none) == OST_OK &&
+                 strcmp(ost_digest_hex(&digest, hex), evidence_text(one, "input_sha256")) == 0;
     *out = s.rect.dims;
     if (strcmp(stage, trace_stage_name(TRACE_TOOL)) == 0) {
         known &= item >= 0 && item < s.tool_count;
@@ -129,7 +136,8 @@ static bool leaf_dims(const json_t *protocol, const json_t *one, const char *sta
 {
     const char *id = evidence_text(one, "id");
     ost_dims grid;
-    const bool known = strncmp(id, "user/", 5) == 0 ? own_dims(protocol, id, stage, item, &grid) : generated_dims(protocol, one, stage, item, &grid);
+    const bool known = strncmp(id, "user/", 5) == 0 ? own_dims(protocol, id, stage, item, &grid)
+                                                    : generated_dims(protocol, one, stage, item, &grid);
     if (known)
         *out = ost_leaf_dims(grid);
     return known;
@@ -143,11 +151,13 @@ static json_t *record_difference(const json_t *protocol, const json_t *one, cons
     ost_dims n;
     if (leaf >= 0)
         what = "voxels differ";
-    json_t *o = json_pack("{s:s,s:s,s:I,s:s}", "case", evidence_text(one, "id"), "stage", stage, "item", item, "what", what);
+    json_t *o = json_pack("{s:s,s:s,s:I,s:s}", "case", evidence_text(one, "id"), "stage", stage, "item", item, "what",
+                          what);
     if (leaf >= 0)
         json_object_set_new(o, "leaf", json_integer(leaf));
     if (leaf >= 0 && leaf < INT32_MAX && leaf_dims(protocol, one, stage, item, &n) && leaf < ost_dims_count(n))
-        json_object_set_new(o, "chunk", json_pack("[i,i,i]", (int)(leaf % n.x), (int)(leaf / n.x % n.y), (int)(leaf / n.x / n.y)));
+        json_object_set_new(o, "chunk",
+                            json_pack("[i,i,i]", (int)(leaf % n.x), (int)(leaf / n.x % n.y), (int)(leaf / n.x / n.y)));
     return o;
 }
 
@@ -160,8 +170,9 @@ static json_t *case_difference(const json_t *protocol, const json_t *a, const js
         const json_t *there = ra ? ra : rb;
         if (!ra || !rb || strcmp(evidence_text(ra, "stage"), evidence_text(rb, "stage")) != 0 ||
             json_integer_value(json_object_get(ra, "item")) != json_integer_value(json_object_get(rb, "item")))
-            return json_pack("{s:s,s:s,s:I,s:s}", "case", evidence_text(a, "id"), "stage", evidence_text(there, "stage"), "item",
-                             json_integer_value(json_object_get(there, "item")), "what", DIFFERENCE_NO_RECORD);
+            return json_pack("{s:s,s:s,s:I,s:s}", "case", evidence_text(a, "id"), "stage",
+                             evidence_text(there, "stage"), "item", json_integer_value(json_object_get(there, "item")),
+                             "what", DIFFERENCE_NO_RECORD);
         if (!*evidence_text(ra, "sha256") || strcmp(evidence_text(ra, "sha256"), evidence_text(rb, "sha256")) != 0)
             return record_difference(protocol, a, ra, rb);
     }
@@ -191,9 +202,11 @@ static json_t *notes_of(const side *a, const side *b)
         if (json_equal(x, y))
             continue;
         if (json_is_integer(x) && json_is_integer(y))
-            add_line(notes, "%s %lld against %lld", keys[k], (long long)json_integer_value(x), (long long)json_integer_value(y));
+            add_line(notes, "%s %lld against %lld", keys[k], (long long)json_integer_value(x),
+                     (long long)json_integer_value(y));
         else
-            add_line(notes, "%s '%.60s' against '%.60s'", keys[k], evidence_text(a->protocol, keys[k]), evidence_text(b->protocol, keys[k]));
+            add_line(notes, "%s '%.60s' against '%.60s'", keys[k], evidence_text(a->protocol, keys[k]),
+                     evidence_text(b->protocol, keys[k]));
     }
     return notes;
 }
@@ -214,9 +227,12 @@ ost_status bundle_difference(const char *folder_a, const char *folder_b, const c
             const json_t *other = *id ? case_of(&b, id) : NULL;
             if (!other)
                 add_line(not_compared, "%.60s: only in %.200s", id, name_a);
-            else if (!*evidence_text(one, "input_sha256") || strcmp(evidence_text(one, "input_sha256"), evidence_text(other, "input_sha256")) != 0)
-                add_line(not_compared, "%.60s: its input is another one (another seed, tier or version makes other cases)", id);
-            else if (!json_array_size(json_object_get(one, "reference")) && !json_array_size(json_object_get(other, "reference")))
+            else if (!*evidence_text(one, "input_sha256") ||
+                     strcmp(evidence_text(one, "input_sha256"), evidence_text(other, "input_sha256")) != 0)
+                add_line(not_compared,
+                         "%.60s: its input is another one (another seed, tier or version makes other cases)", id);
+            else if (!json_array_size(json_object_get(one, "reference")) &&
+                     !json_array_size(json_object_get(other, "reference")))
                 add_line(not_compared, "%.60s: neither has a record of it", id);
             else {
                 json_t *d = case_difference(a.protocol, one, other);
@@ -230,9 +246,10 @@ ost_status bundle_difference(const char *folder_a, const char *folder_b, const c
             if (!case_of(&a, id))
                 add_line(not_compared, "%.60s: only in %.200s", id, name_b);
         }
-        *out = json_pack("{s:s,s:b,s:I,s:I,s:o,s:o,s:o}", "kind", "bundles", "equal", compared > 0 && !json_array_size(differences) && !json_array_size(not_compared),
-                         "compared", compared, "different_cases", (json_int_t)json_array_size(differences), "differences", differences, "not_compared", not_compared,
-                         "notes", notes_of(&a, &b));
+        *out = json_pack("{s:s,s:b,s:I,s:I,s:o,s:o,s:o}", "kind", "bundles", "equal",
+                         compared > 0 && !json_array_size(differences) && !json_array_size(not_compared), "compared",
+                         compared, "different_cases", (json_int_t)json_array_size(differences), "differences",
+                         differences, "not_compared", not_compared, "notes", notes_of(&a, &b));
         if (!*out)
             status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the comparison of bundles");
     }

@@ -27,6 +27,7 @@
  * {kind: "bundles", equal, compared, different_cases, differences[] {case, stage, item, what, leaf, chunk},
  *  not_compared[], notes[]}; owned by the caller.  Returns OST_ERR_INPUT if one of them is not a bundle.
  */
-ost_status bundle_difference(const char *a, const char *b, const char *name_a, const char *name_b, json_t **out, ost_error *err);
+ost_status bundle_difference(const char *a, const char *b, const char *name_a, const char *name_b, json_t **out,
+                             ost_error *err);
 
 #endif

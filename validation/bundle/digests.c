@@ -19,7 +19,8 @@ static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_
     for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)
         for (int32_t j = 0; j < OST_LEAF && from[1] + j < b->dims.y; j++)
             memcpy(bytes + size * (size_t)(OST_LEAF * (j + OST_LEAF * k)),
-                   b->voxels + size * ((size_t)from[0] + wide * ((size_t)(from[1] + j) + high * (size_t)(from[2] + k))), size * (size_t)n);
+                   b->voxels + size * ((size_t)from[0] + wide * ((size_t)(from[1] + j) + high * (size_t)(from[2] + k))),
+                   size * (size_t)n);
     return size == 1 ? ost_digest_leaf8(leaf.narrow, out, err) : ost_digest_leaf16(leaf.wide, out, err);
 }
 
@@ -37,8 +38,10 @@ static ost_status add_leaves(const trace_block_view *b, bool numbered, ost_dims 
                     return status;
                 ost_digest_hex(&digest, hex);
                 const int64_t number = (b->lo[0] + from[0]) / OST_LEAF +
-                                       (int64_t)all.x * ((b->lo[1] + from[1]) / OST_LEAF + (int64_t)all.y * ((b->lo[2] + from[2]) / OST_LEAF));
-                if (json_array_append_new(leaves, numbered ? json_pack("[I,s]", (json_int_t)number, hex) : json_string(hex)) != 0)
+                                       (int64_t)all.x * ((b->lo[1] + from[1]) / OST_LEAF +
+                                                         (int64_t)all.y * ((b->lo[2] + from[2]) / OST_LEAF));
+                if (json_array_append_new(leaves, numbered ? json_pack("[I,s]", (json_int_t)number, hex)
+                                                           : json_string(hex)) != 0)
                     return ost_fail(err, OST_ERR_MEMORY, "out of memory for digests");
             }
     return OST_OK;
@@ -143,7 +146,8 @@ ost_status digests_of_record(const trace_record *r, ost_dims bone, json_t **out,
     while (status == OST_OK && trace_next_block(r, &at, &block))
         status = add_leaves(&block, r->stage == TRACE_TICK, bone, leaves, err);
     if (status == OST_OK)
-        *out = json_pack("{s:s,s:I,s:s}", "stage", trace_stage_name(r->stage), "item", (json_int_t)r->item, "sha256", ost_digest_hex(&body, hex));
+        *out = json_pack("{s:s,s:I,s:s}", "stage", trace_stage_name(r->stage), "item", (json_int_t)r->item, "sha256",
+                         ost_digest_hex(&body, hex));
     if (*out && json_array_size(leaves) > 0)
         json_object_set(*out, "leaves", leaves);
     json_decref(leaves);

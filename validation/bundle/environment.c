@@ -51,8 +51,9 @@ static ost_status line_of(const char *path, const char *name, char text[], size_
 /* Makes an object of the environment variables that affect drivers, their compilers and thread pools. */
 static json_t *variables(void)
 {
-    static const char *const steering[] = {"OST",  "OMP_", "GOMP_", "KMP_", "POCL_", "OCL_", "CL_", "CUDA_", "RUSTICL_", "LIBGL_",
-                                           "MESA_", "EMBREE_", "LC_",   "LANG", "MALLOC_", "LD_"};
+    static const char *const steering[] = {"OST", "OMP_",  "GOMP_",    "KMP_",   "POCL_", "OCL_",
+                                           "CL_", "CUDA_", "RUSTICL_", "LIBGL_", "MESA_", "EMBREE_",
+                                           "LC_", "LANG",  "MALLOC_",  "LD_"};
     json_t *o = json_object();
     for (char **v = environ; *v; v++)
         for (size_t i = 0; i < sizeof steering / sizeof steering[0]; i++)
@@ -89,14 +90,16 @@ ost_status environment_of(const char *program, json_t **out, ost_error *err)
     uname(&u);
     char host[sizeof u.nodename];
     limits_printable(u.nodename, host, sizeof host);
-    *out = json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:s,s:s,s:I,s:s,s:s,s:s,s:s,s:s,s:o}", "host", host, "system", system_name, "kernel", u.release, "machine", u.machine, "processor", model,
-                     "processor_flags", flags, "microcode", microcode, "libc",
+    *out = json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:s,s:s,s:I,s:s,s:s,s:s,s:s,s:s,s:o}", "host", host, "system",
+                     system_name, "kernel", u.release, "machine", u.machine, "processor", model, "processor_flags",
+                     flags, "microcode", microcode, "libc",
 #if defined __GLIBC__
                      "glibc",
 #else
                      "",
 #endif
-                     "cores_online", (json_int_t)sysconf(_SC_NPROCESSORS_ONLN), "compiler", COMPILER, "program_sha256", hex, "program_version", PACKAGE_VERSION, "locale",
-                     setlocale(LC_ALL, NULL), "rounding", fegetround() == FE_TONEAREST ? "to nearest" : "not to nearest", "variables", variables());
+                     "cores_online", (json_int_t)sysconf(_SC_NPROCESSORS_ONLN), "compiler", COMPILER, "program_sha256",
+                     hex, "program_version", PACKAGE_VERSION, "locale", setlocale(LC_ALL, NULL), "rounding",
+                     fegetround() == FE_TONEAREST ? "to nearest" : "not to nearest", "variables", variables());
     return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for the environment");
 }

@@ -10,8 +10,9 @@
 #include "validation/scene.h"
 
 
-#define ACCEPTANCE                                                                                                                     \
-    "Every record of every case, voxels and reports, is byte for byte the scalar reference's: 0 differing bytes. A backend that fails, " \
+#define ACCEPTANCE                                                                                                     \
+    "Every record of every case, voxels and reports, is byte for byte the scalar reference's: 0 differing bytes. A "   \
+    "backend that fails, "                                                                                             \
     "crashes or takes too long where the reference does not is a failure."
 
 static ost_status no_memory(ost_error *err)
@@ -19,7 +20,8 @@ static ost_status no_memory(ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "out of memory for the evidence");
 }
 
-ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only, json_t **out, ost_error *err)
+ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only,
+                             json_t **out, ost_error *err)
 {
     json_t *cases = json_array(), *backends = json_array(), *families = json_object();
     for (int i = 0; i < p->count; i++)
@@ -28,17 +30,21 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
         json_object_set_new(families, plan_family_name((plan_family)f), json_string(plan_family_about((plan_family)f)));
     for (int s = 0; s < subjects->count; s++) {
         const subject *one = &subjects->subjects[s];
-        json_array_append_new(backends, json_pack("{s:s,s:s,s:b,s:s}", "name", one->spec, "what", one->what, "available", one->available, "reason", one->reason));
+        json_array_append_new(backends, json_pack("{s:s,s:s,s:b,s:s}", "name", one->spec, "what", one->what,
+                                                  "available", one->available, "reason", one->reason));
     }
-    *out = json_pack("{s:i,s:s,s:i,s:s,s:s,s:s,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:o,s:o,s:o}", "schema", EVIDENCE_FORMAT, "version", ost_version(), "arithmetic",
-                     OST_ARITHMETIC_VERSION, "title", "Backend equivalence verification", "scope",
-                     "code verification: that all backends compute the same grids; not clinical validation", "tier", plan_tier_name(p->tier), "seed_text",
-                     "see seed", "shard", p->shard, p->shards, "only", p->only ? p->only : "", "cpu_only", cpu_only, "opencl", subjects->opencl, "accept",
-                     ACCEPTANCE, "cases", cases, "backends", backends, "families", families);
+    *out = json_pack("{s:i,s:s,s:i,s:s,s:s,s:s,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:o,s:o,s:o}", "schema", EVIDENCE_FORMAT,
+                     "version", ost_version(), "arithmetic", OST_ARITHMETIC_VERSION, "title",
+                     "Backend equivalence verification", "scope",
+                     "code verification: that all backends compute the same grids; not clinical validation", "tier",
+                     plan_tier_name(p->tier), "seed_text", "see seed", "shard", p->shard, p->shards, "only",
+                     p->only ? p->only : "", "cpu_only", cpu_only, "opencl", subjects->opencl, "accept", ACCEPTANCE,
+                     "cases", cases, "backends", backends, "families", families);
     if (!*out)
         return no_memory(err);
     json_object_del(*out, "seed_text");
-    json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed)); /* as text: JSON readers may lose bits */
+    /* as text: JSON readers may lose bits */
+    json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed));
     json_object_set_new(*out, "chosen", json_string(chosen));
     json_object_set_new(*out, "no_opencl", json_string(subjects->opencl ? "" : subjects->no_opencl));
     return OST_OK;
@@ -68,7 +74,8 @@ static void put_finding(json_t *o, const finding *f)
         return;
     json_t *list = json_array();
     for (int i = 0; i < f->operands.count; i++)
-        json_array_append_new(list, json_pack("{s:s,s:s}", "name", f->operands.lines[i].name, "value", f->operands.lines[i].value));
+        json_array_append_new(
+            list, json_pack("{s:s,s:s}", "name", f->operands.lines[i].name, "value", f->operands.lines[i].value));
     json_object_set_new(o, "operands", list);
 }
 
@@ -107,7 +114,9 @@ json_t *evidence_result(const case_result *r)
         json_object_set_new(o, "reference", json_integer((json_int_t)d->word_ref));
         json_object_set_new(o, "got", json_integer((json_int_t)d->word_got));
     } else
-        json_object_set_new(o, "text", json_string(d->kind == COMPARE_MISSING ? "the record is missing" : "its blocks are not those of the reference"));
+        json_object_set_new(o, "text",
+                            json_string(d->kind == COMPARE_MISSING ? "the record is missing"
+                                                                   : "its blocks are not those of the reference"));
     if (r->found)
         put_finding(o, r->found);
     if (r->margins)
@@ -122,7 +131,8 @@ static void input_of(const campaign *c, int case_index, char hex[OST_DIGEST_HEX]
     uint64_t count = 0;
     const uint8_t *words;
     const compare_range range = c->ranges[case_index];
-    if (range.count && trace_words(&c->reference.records[range.first], &count, &words) && count >= sizeof digest.bytes / 8)
+    if (range.count && trace_words(&c->reference.records[range.first], &count, &words) &&
+        count >= sizeof digest.bytes / 8)
         memcpy(digest.bytes, words, sizeof digest.bytes);
     ost_digest_hex(&digest, hex);
 }
@@ -203,7 +213,8 @@ const json_t *evidence_part(const json_t *file, const char *key, size_t number)
 
 char *evidence_own_options(const json_t *protocol, bool how)
 {
-    const json_t *user = json_object_get(protocol, "user"), *files = json_object_get(user, "files"), *words = json_object_get(user, "how");
+    const json_t *user = json_object_get(protocol, "user"), *files = json_object_get(user, "files"),
+                 *words = json_object_get(user, "how");
     ost_memory_stream made;
     FILE *to = ost_memory_stream_open(&made);
     if (!to)
@@ -256,20 +267,23 @@ static const char *second_implementation(const json_t *protocol, const json_t *c
     }
     if (ran)
         snprintf(text, size,
-                 "Sweep, map, boxes, poses and snapping are made by src/core and src/sim for every backend, so that comparing backends does not show them. "
-                 "Backend " SUBJECT_DENSE " has a second implementation of them: it was equal in %lld ticks and %lld tools.",
+                 "Sweep, map, boxes, poses and snapping are made by src/core and src/sim for every backend, so that "
+                 "comparing backends does not show them. "
+                 "Backend " SUBJECT_DENSE
+                 " has a second implementation of them: it was equal in %lld ticks and %lld tools.",
                  (long long)ticks, (long long)tools);
     else
         snprintf(text, size,
-                 "Sweep, map, boxes, poses and snapping are made by src/core and src/sim for every backend; the second implementation of them, backend " SUBJECT_DENSE
-                 ", was not compared.");
+                 "Sweep, map, boxes, poses and snapping are made by src/core and src/sim for every backend; the second "
+                 "implementation of them, backend " SUBJECT_DENSE ", was not compared.");
     return text;
 }
 
 static bool makes_steps(const json_t *cases, const char *backend)
 {
     for (size_t i = 0; i < json_array_size(cases); i++)
-        if (json_integer_value(json_object_get(json_object_get(json_object_get(json_array_get(cases, i), "results"), backend), "own_steps")) > 0)
+        if (json_integer_value(json_object_get(
+                json_object_get(json_object_get(json_array_get(cases, i), "results"), backend), "own_steps")) > 0)
             return true;
     return false;
 }
@@ -281,14 +295,18 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
     char text[512];
     const json_t *backends = json_object_get(protocol, "backends");
     if (!compared)
-        add_sentence(list, "Nothing was compared: no backend but the reference ran a case that the reference did not refuse.");
+        add_sentence(
+            list, "Nothing was compared: no backend but the reference ran a case that the reference did not refuse.");
     if (refused) {
-        snprintf(text, sizeof text, "The reference refused the input of %lld of %zu cases; that a backend refuses it as well is not counted as equal.", (long long)refused,
-                 json_array_size(cases));
+        snprintf(text, sizeof text,
+                 "The reference refused the input of %lld of %zu cases; that a backend refuses it as well is not "
+                 "counted as equal.",
+                 (long long)refused, json_array_size(cases));
         add_sentence(list, text);
     }
     if (strcmp(evidence_text(protocol, "tier"), "smoke") == 0)
-        add_sentence(list, "The smoke tier is a check for every day: few cases and small ones. It is no evidence; the standard tier is.");
+        add_sentence(list, "The smoke tier is a check for every day: few cases and small ones. It is no evidence; the "
+                           "standard tier is.");
     if (json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) > 1)
         add_sentence(list, "This is one shard of a campaign; the others' cases were not run here.");
     if (json_object_get(protocol, "case"))
@@ -300,14 +318,17 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
         add_sentence(list, text);
     }
     if (!json_is_true(json_object_get(protocol, "opencl"))) {
-        snprintf(text, sizeof text, "No OpenCL device was compared: %.300s.", json_is_true(json_object_get(protocol, "cpu_only")) ? "the CPU's variants alone were asked for" : evidence_text(protocol, "no_opencl"));
+        snprintf(text, sizeof text, "No OpenCL device was compared: %.300s.",
+                 json_is_true(json_object_get(protocol, "cpu_only")) ? "the CPU's variants alone were asked for"
+                                                                     : evidence_text(protocol, "no_opencl"));
         add_sentence(list, text);
     }
     for (size_t s = 0; s < json_array_size(backends); s++) {
         const json_t *one = json_array_get(backends, s);
         if (json_is_true(json_object_get(one, "available")))
             continue;
-        snprintf(text, sizeof text, "%.120s was not run: %.300s.", evidence_text(one, "name"), evidence_text(one, "reason"));
+        snprintf(text, sizeof text, "%.120s was not run: %.300s.", evidence_text(one, "name"),
+                 evidence_text(one, "reason"));
         add_sentence(list, text);
     }
     if (json_array_size(json_object_get(protocol, "cases")) != json_array_size(cases))
@@ -323,10 +344,16 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
                  name);
         add_sentence(list, text);
     }
-    add_sentence(list, json_object_get(protocol, "user") ? "Inputs are generated but for the cases user/1 and on, which are the user's own files; those are not in the bundle. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison."
-                                                         : "Inputs are generated, not a patient's. How files are read, and how floats of meshes and devices become integers, is shared by all backends and is not shown by this comparison.");
-    add_sentence(list, "A mistake that the reference and a backend have in common does not show in a comparison of the two; the checks in common.json look for some of those.");
-    add_sentence(list, "That the simulation is right about bone, tools or patients: that is validation, and not what this is.");
+    add_sentence(list, json_object_get(protocol, "user")
+                           ? "Inputs are generated but for the cases user/1 and on, which are the user's own files; "
+                             "those are not in the bundle. How files are read, and how floats of meshes and devices "
+                             "become integers, is shared by all backends and is not shown by this comparison."
+                           : "Inputs are generated, not a patient's. How files are read, and how floats of meshes and "
+                             "devices become integers, is shared by all backends and is not shown by this comparison.");
+    add_sentence(list, "A mistake that the reference and a backend have in common does not show in a comparison of the "
+                       "two; the checks in common.json look for some of those.");
+    add_sentence(
+        list, "That the simulation is right about bone, tools or patients: that is validation, and not what this is.");
     return list;
 }
 
@@ -342,7 +369,8 @@ static json_t *findings_of(const json_t *protocol, const json_t *cases)
             const char *name = evidence_text(json_array_get(backends, s), "name");
             const json_t *r = json_object_get(json_object_get(one, "results"), name);
             const char *verdict = evidence_text(r, "verdict");
-            if (!json_is_object(r) || strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 || strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
+            if (!json_is_object(r) || strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 ||
+                strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
                 continue;
             json_t *row = json_copy((json_t *)(uintptr_t)r);
             json_object_del(row, "records"); /* they are in cases.jsonl */
@@ -369,17 +397,27 @@ ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t 
                     same += v == CASE_EQUAL && !no;
                 }
     }
-    const json_int_t bad = counts[CASE_DIFFERS] + counts[CASE_FAILED] + counts[CASE_CRASHED] + counts[CASE_LATE], compared = same + bad;
-    const bool complete = json_array_size(cases) > 0 && json_array_size(cases) == json_array_size(json_object_get(protocol, "cases"));
+    const json_int_t bad = counts[CASE_DIFFERS] + counts[CASE_FAILED] + counts[CASE_CRASHED] + counts[CASE_LATE],
+                     compared = same + bad;
+    const bool complete = json_array_size(cases) > 0 &&
+                          json_array_size(cases) == json_array_size(json_object_get(protocol, "cases"));
     const bool equal = complete && same > 0 && !bad;
-    const bool entire = complete && strcmp(evidence_text(protocol, "tier"), "smoke") != 0 && !json_object_get(protocol, "case") && json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
-                       !*evidence_text(protocol, "only") && compared > 0;
+    const bool entire = complete && strcmp(evidence_text(protocol, "tier"), "smoke") != 0 &&
+                        !json_object_get(protocol, "case") &&
+                        json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) == 1 &&
+                        !*evidence_text(protocol, "only") && compared > 0;
     json_t *verdicts = json_object();
     for (int v = 0; v < CASE_VERDICTS; v++)
         json_object_set_new(verdicts, case_verdict_name((case_verdict)v), json_integer(counts[v]));
-    *out = json_pack("{s:s,s:I,s:I,s:b,s:b,s:I,s:I,s:I,s:o,s:o,s:o}", "verdict", bad ? "NOT EQUAL" : equal ? "EQUAL" : same ? "NOT COMPLETE" : "NOT COMPARED", "compared",
-                     compared, "refused", refused, "equal", equal, "evidence", entire, "cases", (json_int_t)json_array_size(cases), "backends",
-                     (json_int_t)json_array_size(json_object_get(protocol, "backends")), "reference_records", records, "results", verdicts, "not_shown",
-                     not_shown(protocol, cases, refused, compared), "findings", findings_of(protocol, cases));
+    *out = json_pack("{s:s,s:I,s:I,s:b,s:b,s:I,s:I,s:I,s:o,s:o,s:o}", "verdict",
+                     bad     ? "NOT EQUAL"
+                     : equal ? "EQUAL"
+                     : same  ? "NOT COMPLETE"
+                             : "NOT COMPARED",
+                     "compared", compared, "refused", refused, "equal", equal, "evidence", entire, "cases",
+                     (json_int_t)json_array_size(cases), "backends",
+                     (json_int_t)json_array_size(json_object_get(protocol, "backends")), "reference_records", records,
+                     "results", verdicts, "not_shown", not_shown(protocol, cases, refused, compared), "findings",
+                     findings_of(protocol, cases));
     return *out ? OST_OK : no_memory(err);
 }

@@ -26,7 +26,8 @@
 enum { EVIDENCE_FORMAT = 2 }; /* format of a bundle; format 1 had words in place of the backends' digests */
 
 /* Makes protocol.json; the caller owns *out. chosen: the requested backends, "" for all available ones. */
-ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only, json_t **out, ost_error *err);
+ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only,
+                             json_t **out, ost_error *err);
 /* Makes the line of one case except its results; called while the case's batch is open (campaign_options.done). */
 ost_status evidence_case(const campaign *c, int case_index, json_t **out, ost_error *err);
 /* Adds the results to the lines of all cases, which are in the plan's order. */
@@ -61,8 +62,8 @@ json_t *evidence_result(const case_result *r);
 const char *evidence_text(const json_t *o, const char *key);
 
 /*
- * Returns part `number` of a file that has the key in each run: the file itself as part 0, or each value of merged shards.
- * Returns NULL after the last part.
+ * Returns part `number` of a file that has the key in each run: the file itself as part 0, or each
+ * value of merged shards. Returns NULL after the last part.
  */
 const json_t *evidence_part(const json_t *file, const char *key, size_t number);
 

@@ -19,18 +19,23 @@ ost_status evidence_check_format(const char *folder, const json_t *protocol, ost
         return OST_OK;
     if (!json_is_object(protocol))
         return ost_fail(err, OST_ERR_INPUT, "%.200s/" EVIDENCE_PROTOCOL ": is no JSON object", folder);
-    return ost_fail(err, OST_ERR_INPUT, "%.200s: is a bundle of format %lld, written by osteon %s; this osteon reads format %d, so use the osteon that wrote it", folder,
-                    (long long)json_integer_value(format), limits_printable(evidence_text(protocol, "version"), version, sizeof version), EVIDENCE_FORMAT);
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%.200s: is a bundle of format %lld, written by osteon %s; this osteon reads format %d, so use the "
+                    "osteon that wrote it",
+                    folder, (long long)json_integer_value(format),
+                    limits_printable(evidence_text(protocol, "version"), version, sizeof version), EVIDENCE_FORMAT);
 }
 
 /* Reads a line without its newline; *end receives true at the end of the file. */
-static ost_status read_line(FILE *file, int number, char **line, size_t *capacity, size_t *size, bool *end, ost_error *err)
+static ost_status read_line(FILE *file, int number, char **line, size_t *capacity, size_t *size, bool *end,
+                            ost_error *err)
 {
     int c;
     *size = 0;
     while ((c = getc_unlocked(file)) != EOF && c != '\n') {
         if (*size == LIMIT_LINE)
-            return ost_fail(err, OST_ERR_INPUT, EVIDENCE_CASES ":%d: the line is longer than %d bytes", number, LIMIT_LINE);
+            return ost_fail(err, OST_ERR_INPUT, EVIDENCE_CASES ":%d: the line is longer than %d bytes", number,
+                            LIMIT_LINE);
         if (*size == *capacity) {
             const size_t wanted = *capacity ? 2 * *capacity : 1 << 16;
             char *grown = realloc(*line, wanted);
@@ -44,7 +49,8 @@ static ost_status read_line(FILE *file, int number, char **line, size_t *capacit
     *end = c == EOF && *size == 0;
     if (ferror(file))
         return ost_fail(err, OST_ERR_IO, EVIDENCE_CASES ": cannot be read");
-    return c == '\n' || *end ? OST_OK : ost_fail(err, OST_ERR_INPUT, EVIDENCE_CASES ":%d: the last line does not end", number);
+    return c == '\n' || *end ? OST_OK
+                             : ost_fail(err, OST_ERR_INPUT, EVIDENCE_CASES ":%d: the last line does not end", number);
 }
 
 /* Checks that a line is written as this program writes the value in it. */
@@ -80,7 +86,8 @@ static ost_status read_lines(FILE *file, bool with_leaves, json_t *out, ost_erro
         status = limits_count(where, size ? line : "", size, &values, err);
         all += status == OST_OK ? values : 0;
         if (all > LIMIT_ALL_VALUES)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: the lines up to here have more than %d values", where, LIMIT_ALL_VALUES);
+            status = ost_fail(err, OST_ERR_INPUT, "%s: the lines up to here have more than %d values", where,
+                              LIMIT_ALL_VALUES);
         if (status == OST_OK)
             status = limits_parse(where, size ? line : "", size, &row, err);
         if (status == OST_OK && !json_is_object(row))

@@ -5,9 +5,10 @@
 
 static json_t *counts_json(const sensitivity_counts *n)
 {
-    return json_pack("{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I}", "injected", (json_int_t)n->injected, "triggered", (json_int_t)n->triggered, "changed",
-                     (json_int_t)n->changed, "detected", (json_int_t)n->detected, "localized", (json_int_t)n->located, "survived", (json_int_t)n->survived,
-                     "not_detected", (json_int_t)n->not_detected, "not_localized", (json_int_t)n->not_located);
+    return json_pack("{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I}", "injected", (json_int_t)n->injected, "triggered",
+                     (json_int_t)n->triggered, "changed", (json_int_t)n->changed, "detected", (json_int_t)n->detected,
+                     "localized", (json_int_t)n->located, "survived", (json_int_t)n->survived, "not_detected",
+                     (json_int_t)n->not_detected, "not_localized", (json_int_t)n->not_located);
 }
 
 bool faults_proved(const sensitivity *s)
@@ -21,7 +22,9 @@ void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT])
     char none[64] = "";
     if (unchanged)
         snprintf(none, sizeof none, "; %d kind%s changed nothing in this tier", unchanged, unchanged == 1 ? "" : "s");
-    snprintf(out, FAULTS_STATEMENT, "%d of %d kinds of mistakes, made on purpose in the second implementation (validation/dense) and in no backend, were noticed%s",
+    snprintf(out, FAULTS_STATEMENT,
+             "%d of %d kinds of mistakes, made on purpose in the second implementation (validation/dense) and in no "
+             "backend, were noticed%s",
              s->kinds_noticed, kinds, none);
 }
 

@@ -21,7 +21,8 @@ void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);
 
 /*
  * Makes the content of sensitivity.json, owned by the caller:
- * {injected, triggered, changed, detected, localized, survived, false_alarms, clean_runs, proved, statement, mistakes_in,
+ * {injected, triggered, changed, detected, localized, survived, false_alarms, clean_runs, proved,
+ * statement, mistakes_in,
  *  kinds_total, kinds_changed, kinds_noticed, kinds_silent[], kinds[]}.
  */
 ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err);

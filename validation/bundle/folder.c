@@ -86,7 +86,8 @@ bool folder_describe(const char *name, folder_about *out)
 
 /* ----------------------------------------------------------------- opening */
 
-static ost_status open_folder(int above, const char *name, const char *path, bool follow, int *fd, bool *absent, ost_error *err)
+static ost_status open_folder(int above, const char *name, const char *path, bool follow, int *fd, bool *absent,
+                              ost_error *err)
 {
     *fd = openat(above, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NONBLOCK | (follow ? 0 : O_NOFOLLOW));
     *absent = *fd < 0 && (errno == ENOENT || errno == ENOTDIR);
@@ -240,7 +241,8 @@ static ost_status list_one(listing *l, int fd, const char *name, const char *bas
     else if (!folder_describe(name, &about))
         report(l, name, "is no file that a bundle has");
     else if (info.st_size > about.most) {
-        snprintf(text, sizeof text, "has %lld bytes; at most %lld are expected", (long long)info.st_size, (long long)about.most);
+        snprintf(text, sizeof text, "has %lld bytes; at most %lld are expected", (long long)info.st_size,
+                 (long long)about.most);
         report(l, name, text);
     } else
         return add_file(l, name, info.st_size, err);
@@ -288,7 +290,8 @@ static int by_name(const void *a, const void *b)
     return strcmp(((const folder_file *)a)->name, ((const folder_file *)b)->name);
 }
 
-ost_status folder_list(const char *folder, folder_files *out, bundle_problem *problem, void *user, int *found, ost_error *err)
+ost_status folder_list(const char *folder, folder_files *out, bundle_problem *problem, void *user, int *found,
+                       ost_error *err)
 {
     listing l = {.out = out, .problem = problem, .user = user, .found = found};
     int top;

@@ -40,7 +40,8 @@ bool folder_describe(const char *name, folder_about *out);
 const char *folder_name(size_t row);
 
 /* Lists all files except those of signatures/, which sign.h reads. Adds the number of problems to *found. */
-ost_status folder_list(const char *folder, folder_files *out, bundle_problem *problem, void *user, int *found, ost_error *err);
+ost_status folder_list(const char *folder, folder_files *out, bundle_problem *problem, void *user, int *found,
+                       ost_error *err);
 void folder_free(folder_files *l);
 
 /* Opens folder/name as core/file.h does, without following symbolic links; the caller closes out->fd. Returns

@@ -49,7 +49,8 @@ static void add_protocol(json_t *list, const char *key, const json_t *a, const j
     char old[64], new[64];
     snprintf(old, sizeof old, "%lld", (long long)json_integer_value(x));
     snprintf(new, sizeof new, "%lld", (long long)json_integer_value(y));
-    add_change(list, key, json_is_integer(x) ? old : evidence_text(a, key), json_is_integer(y) ? new : evidence_text(b, key));
+    add_change(list, key, json_is_integer(x) ? old : evidence_text(a, key),
+               json_is_integer(y) ? new : evidence_text(b, key));
 }
 
 /* Makes {name: text} of all elements of a list. */
@@ -210,11 +211,12 @@ static const char *conclusion_of(const json_t *results, const json_t *verdicts, 
     if (!json_integer_value(json_object_get(results, "compared")))
         return "no case has the same input in both bundles, so no result was compared";
     if (different && different == other_records(results))
-        return "cases have records of other stages than in the older bundle, so their results cannot be compared in full";
+        return "cases have records of other stages than in the older bundle, so their results cannot be compared in "
+               "full";
     if (different)
-        return same_arithmetic
-                   ? "the reference's results changed, and the arithmetic's version did not: no known cause explains that"
-                   : "the reference's results changed, and so did the arithmetic's version";
+        return same_arithmetic ? "the reference's results changed, and the arithmetic's version did not: no known "
+                                 "cause explains that"
+                               : "the reference's results changed, and so did the arithmetic's version";
     return json_array_size(verdicts) ? "the reference's results are equal; verdicts of backends changed"
                                      : "no result changed among the cases that both bundles have";
 }

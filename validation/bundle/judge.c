@@ -243,7 +243,8 @@ static void judge_result(const judge *j, const json_t *r, const char *reference)
 {
     const char *name = evidence_text(j->backend, "name"), *sha256 = evidence_text(r, "sha256");
     const int verdict = verdict_named(evidence_text(r, "verdict"));
-    const bool dump = strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0, own = json_object_get(r, "records") != NULL;
+    const bool dump = strncmp(name, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0,
+               own = json_object_get(r, "records") != NULL;
     const bool available = json_is_true(json_object_get(j->backend, "available"));
     if (verdict < 0)
         report(j, "has no verdict");

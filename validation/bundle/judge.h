@@ -8,7 +8,8 @@
  * that a verdict is a comparison of two digests and not a statement to be trusted:
  *
  *   equal     the SHA-256 of its lines is that of the reference's
- *   differs   its lines are present and have this SHA-256; the first one that is not the reference's gives stage and item
+ *   differs   its lines are present and have this SHA-256; the first one that is not the
+ *             reference's gives stage and item
  *   failed    the same, and its lines end with "failed" where the reference's continue; or it has no lines
  *
  * A backend that crashed, was late or did not run has no complete result.  A line

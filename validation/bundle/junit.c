@@ -129,7 +129,9 @@ static void put_nothing(const page *p)
 {
     fputs(" <testsuite name=\"campaign\" tests=\"1\" failures=\"1\" errors=\"0\" skipped=\"0\" time=\"0\"", p->to);
     put_machine(p);
-    fputs(">\n  <testcase classname=\"campaign\" name=\"something was compared\" time=\"0\"><failure message=\"" EVIDENCE_NOTHING "\"/></testcase>\n </testsuite>\n", p->to);
+    fputs(">\n  <testcase classname=\"campaign\" name=\"something was compared\" time=\"0\"><failure "
+          "message=\"" EVIDENCE_NOTHING "\"/></testcase>\n </testsuite>\n",
+          p->to);
 }
 
 ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t *times, const json_t *environment,

@@ -84,7 +84,8 @@ static void needed_by(const struct dl_phdr_info *info, visit *v)
         const char *strings = NULL;
         for (const ElfW(Dyn) *d = dynamic; d->d_tag != DT_NULL; d++)
             if (d->d_tag == DT_STRTAB) /* some loaders do not relocate it */
-                strings = (const char *)(d->d_un.d_ptr < info->dlpi_addr ? info->dlpi_addr + d->d_un.d_ptr : d->d_un.d_ptr);
+                strings = (const char *)(d->d_un.d_ptr < info->dlpi_addr ? info->dlpi_addr + d->d_un.d_ptr
+                                                                         : d->d_un.d_ptr);
         for (const ElfW(Dyn) *d = dynamic; strings && d->d_tag != DT_NULL; d++)
             if (d->d_tag == DT_NEEDED)
                 v->incomplete |= json_object_set_new(v->needed, strings + d->d_un.d_val, json_true()) != 0;
@@ -104,7 +105,8 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
         return 0;
     build_id(info, id);
     const char *name = strrchr(info->dlpi_name, '/') + 1;
-    json_t *row = json_pack("{s:s,s:s,s:b,s:s}", "file", info->dlpi_name, "soname", name, "linked", json_object_get(v->needed, name) != NULL, "build_id", id);
+    json_t *row = json_pack("{s:s,s:s,s:b,s:s}", "file", info->dlpi_name, "soname", name, "linked",
+                            json_object_get(v->needed, name) != NULL, "build_id", id);
     return row && json_array_append_new(v->libraries, row) == 0 ? 0 : 1;
 }
 
@@ -137,8 +139,8 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
     size_t used = 0;
     char discarded[4096];
     while (started) { /* read up to the end, since the program blocks on a full pipe */
-        const ssize_t n =
-            used < PROGRAM_TEXT ? read(ends[0], output + used, PROGRAM_TEXT - used) : read(ends[0], discarded, sizeof discarded);
+        const ssize_t n = used < PROGRAM_TEXT ? read(ends[0], output + used, PROGRAM_TEXT - used)
+                                              : read(ends[0], discarded, sizeof discarded);
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
@@ -158,7 +160,8 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
                                : OST_OK;
     const int code = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
     if (status == OST_OK && code > NOTHING_FOUND && code != NOT_INSTALLED)
-        status = ost_fail(err, OST_ERR_IO, "%s failed (status %d), which lists the packages of libraries", argv[2], code);
+        status = ost_fail(err, OST_ERR_IO, "%s failed (status %d), which lists the packages of libraries", argv[2],
+                          code);
     if (status == OST_OK && code < 0)
         status = ost_fail(err, OST_ERR_IO, "%s was ended by a signal, which lists the packages of libraries", argv[2]);
     if (status != OST_OK || code == NOT_INSTALLED) {
@@ -234,7 +237,8 @@ static ost_status versions(json_t *packages, json_t *out, ost_error *err)
     const char *path;
     json_t *value;
     char **argv = calloc(json_object_size(packages) + 8, sizeof *argv), *text = NULL;
-    static char env[] = "env", locale[] = "LC_ALL=C", program[] = "dpkg-query", show[] = "--show", format[] = "--showformat=${Package}\t${Version}\t${Maintainer}\n";
+    static char env[] = "env", locale[] = "LC_ALL=C", program[] = "dpkg-query", show[] = "--show",
+                format[] = "--showformat=${Package}\t${Version}\t${Maintainer}\n";
     size_t n = 0;
     bool complete = true;
     if (!argv)
@@ -259,7 +263,8 @@ static ost_status versions(json_t *packages, json_t *out, ost_error *err)
 /* Sets package, version, licence and maintainer of a library. */
 static ost_status name_package(json_t *row, const json_t *owner, const json_t *version, ost_error *err)
 {
-    const char *file = json_string_value(json_object_get(row, "file")), *package = NULL, *its = NULL, *maintainer = NULL;
+    const char *file = json_string_value(json_object_get(row, "file")), *package = NULL, *its = NULL,
+               *maintainer = NULL;
     char real[PATH_MAX], other[PATH_MAX];
     if (!realpath(file, real))
         snprintf(real, sizeof real, "%s", file);
@@ -289,7 +294,8 @@ static ost_status name_package(json_t *row, const json_t *owner, const json_t *v
 
 static int by_file(const void *a, const void *b)
 {
-    return strcmp(json_string_value(json_object_get(*(json_t *const *)a, "file")), json_string_value(json_object_get(*(json_t *const *)b, "file")));
+    return strcmp(json_string_value(json_object_get(*(json_t *const *)a, "file")),
+                  json_string_value(json_object_get(*(json_t *const *)b, "file")));
 }
 
 ost_status libraries_loaded(json_t **out, ost_error *err)

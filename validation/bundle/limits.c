@@ -41,7 +41,8 @@ ost_status limits_parse(const char *where, const char *bytes, size_t size, json_
         return OST_OK;
     if (json_error_code(&why) == json_error_out_of_memory)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", where);
-    return ost_fail(err, OST_ERR_INPUT, "%s:%d: is not JSON: %s", where, why.line, limits_printable(why.text, text, sizeof text));
+    return ost_fail(err, OST_ERR_INPUT, "%s:%d: is not JSON: %s", where, why.line,
+                    limits_printable(why.text, text, sizeof text));
 }
 
 char *limits_printable(const char *text, char out[], size_t size)

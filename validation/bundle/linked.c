@@ -72,7 +72,8 @@ static void check_program(const check *c)
 {
     const json_t *tools, *machine;
     for (size_t t = 0; (tools = evidence_part(c->tools, "program", t)); t++)
-        if (strcmp(evidence_text(json_object_get(tools, "program"), "version"), evidence_text(c->protocol, "version")) != 0)
+        if (strcmp(evidence_text(json_object_get(tools, "program"), "version"),
+                   evidence_text(c->protocol, "version")) != 0)
             report(c, TOOLS_FILE, "is of another version of osteon than the protocol");
     for (size_t m = 0; (machine = evidence_part(c->environment, "program_sha256", m)); m++) {
         bool known = false;
@@ -129,13 +130,15 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
         const char *spec = expected.subjects[s].spec;
         if (backend_named(c, spec) || strstr(spec, "embree")) /* another build may lack Embree */
             continue;
-        snprintf(text, sizeof text, "the processor can run the backend %.200s, and the protocol does not have it", spec);
+        snprintf(text, sizeof text, "the processor can run the backend %.200s, and the protocol does not have it",
+                 spec);
         report(c, DEVICES_FILE, text);
     }
     subjects_free(&expected);
     for (size_t s = 0; s < json_array_size(backends); s++) {
         const char *name = evidence_text(json_array_get(backends, s), "name");
-        if (!isa_of(name, isa) || has_text(sets, isa) || !json_is_true(json_object_get(json_array_get(backends, s), "available")))
+        if (!isa_of(name, isa) || has_text(sets, isa) ||
+            !json_is_true(json_object_get(json_array_get(backends, s), "available")))
             continue;
         snprintf(text, sizeof text, "the processor has no %.30s, and the protocol has the backend %.200s", isa, name);
         report(c, DEVICES_FILE, text);
@@ -155,7 +158,8 @@ static void check_opencl(const check *c, const json_t *devices)
         const json_t *one = json_array_get(list, i);
         const bool usable = json_is_true(json_object_get(one, "usable"));
         for (int n = 0; usable ? (options = subjects_cl_options(tier_of(c->protocol), n)) != NULL : n < 1; n++) {
-            snprintf(spec, sizeof spec, "%.120s%s%s", evidence_text(one, "backend"), usable ? "," : "", usable ? options : "");
+            snprintf(spec, sizeof spec, "%.120s%s%s", evidence_text(one, "backend"), usable ? "," : "",
+                     usable ? options : "");
             const json_t *backend = backend_named(c, spec);
             if (backend && (usable || !json_is_true(json_object_get(backend, "available"))))
                 continue;

@@ -129,11 +129,13 @@ static bool expect(reader *r, const char *action, const char *detail)
         return false;
     }
     if (detail && strcmp(r->detail, detail) != 0)
-        report(r, "line %d: '%s' says '%.150s'; the bundle's files give '%.150s'", r->number, action, r->detail, detail);
+        report(r, "line %d: '%s' says '%.150s'; the bundle's files give '%.150s'", r->number, action, r->detail,
+               detail);
     return true;
 }
 
-static ost_status check_lines(reader *r, const char *folder, const json_t *protocol, const json_t *summary, ost_error *err)
+static ost_status check_lines(reader *r, const char *folder, const json_t *protocol, const json_t *summary,
+                              ost_error *err)
 {
     char text[TEXT], hex[OST_DIGEST_HEX];
     ost_digest digest;

@@ -75,7 +75,8 @@ static ost_status describe_files(const char *folder, const folder_files *l, json
         if (!varies(name))
             some[some_count++] = leaves[count];
         count++;
-        json_t *row = json_pack("{s:s,s:I,s:s}", "name", name, "size", (json_int_t)size, "sha256", ost_digest_hex(&file, hex));
+        json_t *row = json_pack("{s:s,s:I,s:s}", "name", name, "size", (json_int_t)size, "sha256",
+                                ost_digest_hex(&file, hex));
         if (!row || json_array_append_new(files, row) != 0)
             status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a manifest");
     }
@@ -98,8 +99,9 @@ static ost_status manifest_of_files(const char *folder, const folder_files *l, j
         if (varies(folder_name(i)))
             json_array_append_new(names, json_string(folder_name(i)));
     if (status == OST_OK)
-        *out = json_pack("{s:i,s:O,s:O,s:s,s:s,s:s}", "schema", SCHEMA, "files", files, "varying", names, "root", ost_digest_hex(&all, a), "results_root",
-                         ost_digest_hex(&results, b), "hash", "SHA-256; roots as in RFC 6962 over SHA-256(00 name 00 digest)");
+        *out = json_pack("{s:i,s:O,s:O,s:s,s:s,s:s}", "schema", SCHEMA, "files", files, "varying", names, "root",
+                         ost_digest_hex(&all, a), "results_root", ost_digest_hex(&results, b), "hash",
+                         "SHA-256; roots as in RFC 6962 over SHA-256(00 name 00 digest)");
     if (status == OST_OK && !*out)
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a manifest");
     json_decref(files);
@@ -125,7 +127,8 @@ ost_status manifest_of(const char *folder, json_t **out, ost_error *err)
     ost_status status = folder_list(folder, &l, first_problem, &first, &found, err);
     if (status != OST_OK)
         return status;
-    status = found ? ost_fail(err, first.status, "%s: %s", folder, first.text) : manifest_of_files(folder, &l, out, err);
+    status = found ? ost_fail(err, first.status, "%s: %s", folder, first.text)
+                   : manifest_of_files(folder, &l, out, err);
     folder_free(&l);
     return status;
 }
@@ -181,7 +184,8 @@ static bool rows_give_root(const json_t *stated)
     for (size_t i = 0; same && i < count; i++) {
         const json_t *row = json_array_get(files, i);
         const char *name = json_string_value(json_object_get(row, "name"));
-        same = name && strlen(name) < BUNDLE_PATH && digest_in(json_string_value(json_object_get(row, "sha256")), &digest) &&
+        same = name && strlen(name) < BUNDLE_PATH &&
+               digest_in(json_string_value(json_object_get(row, "sha256")), &digest) &&
                leaf_of(name, &digest, &leaves[i], &none) == OST_OK;
     }
     same = same && tree_of(leaves, count, &digest, &none) == OST_OK && ost_digest_equal(&digest, &root);

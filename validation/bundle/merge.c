@@ -51,7 +51,8 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
         status = bundle_read_json(folder, TIMES_FILE, &times, err);
     if (status == OST_OK) {
         const json_t *shard = json_object_get(protocol, "shard");
-        const int i = (int)json_integer_value(json_array_get(shard, 0)), n = (int)json_integer_value(json_array_get(shard, 1));
+        const int i = (int)json_integer_value(json_array_get(shard, 0)),
+                  n = (int)json_integer_value(json_array_get(shard, 1));
         json_t *common = common_part(protocol);
         snprintf(name, sizeof name, "%d/%d", i, n);
         if (n < 1 || n > SHARDS_MAX || i < 1 || i > n)
@@ -91,7 +92,8 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
 /* Puts the cases in the order of the complete plan; each must be in one of the shards. */
 static ost_status put_in_order(const char *folder, merged *m, const json_t *by_id, ost_error *err)
 {
-    const char *tier_name = json_string_value(json_object_get(m->protocol, "tier")), *seed = json_string_value(json_object_get(m->protocol, "seed"));
+    const char *tier_name = json_string_value(json_object_get(m->protocol, "tier")),
+               *seed = json_string_value(json_object_get(m->protocol, "seed"));
     const char *only = json_string_value(json_object_get(m->protocol, "only"));
     int tier = 0;
     plan all_cases;
@@ -99,8 +101,10 @@ static ost_status put_in_order(const char *folder, merged *m, const json_t *by_i
         tier++;
     if (tier == PLAN_TIERS || !seed)
         return ost_fail(err, OST_ERR_INPUT, "%s: a protocol without tier or seed", folder);
-    const plan_user user = {.count = (int)json_array_size(json_object_get(json_object_get(m->protocol, "user"), "cases"))};
-    ost_status status = plan_make((plan_tier)tier, strtoull(seed, NULL, 10), 1, 1, only && *only ? only : NULL, &user, &all_cases, err);
+    const plan_user user = {
+        .count = (int)json_array_size(json_object_get(json_object_get(m->protocol, "user"), "cases"))};
+    ost_status status = plan_make((plan_tier)tier, strtoull(seed, NULL, 10), 1, 1, only && *only ? only : NULL, &user,
+                                  &all_cases, err);
     if (status != OST_OK)
         return status;
     json_t *ids = json_array();

@@ -45,7 +45,8 @@ static ost_status plan_of_file(const json_t *file, const plan_user *user, plan *
     if (!(out->cases = calloc(count, sizeof *out->cases)))
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu cases", count);
     for (size_t i = 0; i < count; i++) {
-        const ost_status status = case_of_json(list ? json_array_get(list, i) : file, "case", user, &out->cases[i], err);
+        const ost_status status = case_of_json(list ? json_array_get(list, i) : file, "case", user, &out->cases[i],
+                                               err);
         if (status != OST_OK) {
             plan_free(out);
             return status;

@@ -11,7 +11,8 @@
 #include "validation/bundle/folder.h"
 #include "validation/bundle/limits.h"
 
-static ost_status read_file(const char *folder, const char *name, char **bytes, size_t *size, bool *absent, ost_error *err)
+static ost_status read_file(const char *folder, const char *name, char **bytes, size_t *size, bool *absent,
+                            ost_error *err)
 {
     ost_file file;
     *bytes = NULL;

@@ -45,11 +45,13 @@ static ost_status put_known_anomalies(evidence_sink *sink, void *user, ost_error
     return status;
 }
 
-ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink, void *user, ost_error *err)
+ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink,
+                      void *user, ost_error *err)
 {
     json_t *devices = NULL, *tools = NULL;
     char *requirements = trace_requirements();
-    ost_status status = requirements ? sink(user, REQUIREMENTS_FILE, requirements, strlen(requirements), err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for requirements");
+    ost_status status = requirements ? sink(user, REQUIREMENTS_FILE, requirements, strlen(requirements), err)
+                                     : ost_fail(err, OST_ERR_MEMORY, "out of memory for requirements");
     free(requirements);
     if (status == OST_OK)
         status = put_known_anomalies(sink, user, err);
@@ -76,7 +78,8 @@ static ost_status shard_name(const char *folder, char name[32], ost_error *err)
     json_t *protocol;
     const ost_status status = bundle_find_json(folder, EVIDENCE_PROTOCOL, &protocol, err);
     const json_t *shard = json_object_get(protocol, "shard");
-    snprintf(name, 32, "%lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
+    snprintf(name, 32, "%lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)),
+             (long long)json_integer_value(json_array_get(shard, 1)));
     json_decref(protocol);
     return status;
 }
@@ -90,7 +93,8 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
     for (struct dirent *e; status == OST_OK && (status = bundle_next_entry(dir, folder, &e, err)) == OST_OK && e;) {
         char path[BUNDLE_PATH], shard[32], *bytes;
         size_t size;
-        if (e->d_name[0] == '.' || strstr(e->d_name, ".part-") || snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path)
+        if (e->d_name[0] == '.' || strstr(e->d_name, ".part-") ||
+            snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path)
             continue;
         status = bundle_find(path, name, &bytes, &size, err);
         if (!bytes)
@@ -106,7 +110,8 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
 }
 
 /* Writes a file once if it is equal in all shards; otherwise by shard if by_shard is true, else fails. */
-static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user, ost_error *err)
+static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user,
+                            ost_error *err)
 {
     json_t *all, *text, *first = NULL, *parts = json_object();
     const char *shard;
@@ -115,14 +120,16 @@ static ost_status merge_one(const char *folder, const char *name, bool by_shard,
     json_object_foreach(all, shard, text) {
         first = first ? first : text;
         equal &= json_equal(first, text) != 0;
-        json_object_set_new(parts, shard, json_loadb(json_string_value(text), json_string_length(text), JSON_REJECT_DUPLICATES, NULL));
+        json_object_set_new(
+            parts, shard, json_loadb(json_string_value(text), json_string_length(text), JSON_REJECT_DUPLICATES, NULL));
     }
     if (status == OST_OK && first && equal)
         status = sink(user, name, json_string_value(first), json_string_length(first), err);
     else if (status == OST_OK && first && by_shard)
         status = put_json(name, parts, sink, user, err);
     else if (status == OST_OK && first)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: the shards' %s differ: they were made by different builds", folder, name);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: the shards' %s differ: they were made by different builds", folder,
+                          name);
     json_decref(parts);
     json_decref(all);
     return status;

@@ -2,7 +2,8 @@
 /*
  * The files of a bundle besides the evidence of the comparison:
  *
- *   record_put     requirements.csv, known-anomalies.csv, tools.json, devices.json, common.json: compiled in, or collected
+ *   record_put     requirements.csv, known-anomalies.csv, tools.json, devices.json, common.json:
+ *                  compiled in, or collected
  *                  on the machine
  *   record_merge   the same from the bundles of shards
  *   record_derive  trace.csv, sbom.spdx.json, soup.csv, junit.xml: derived from those, environment.json, times.json and
@@ -20,7 +21,8 @@
 #define KNOWN_ANOMALIES_FILE "known-anomalies.csv"
 
 /* Writes the collected files. program: this program's file. */
-ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink, void *user, ost_error *err);
+ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink,
+                      void *user, ost_error *err);
 
 /* Merges these files of the bundles in folder. Returns OST_ERR_INPUT if they are of different builds. */
 ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost_error *err);

@@ -9,7 +9,8 @@
 
 bool reproduce_name_ok(const char *name)
 {
-    const size_t head = strlen("cases/"), length = strlen(name), plain = head < length ? strspn(name + head, "abcdefghijklmnopqrstuvwxyz0123456789-") : 0;
+    const size_t head = strlen("cases/"), length = strlen(name),
+                 plain = head < length ? strspn(name + head, "abcdefghijklmnopqrstuvwxyz0123456789-") : 0;
     return strncmp(name, "cases/", head) == 0 && plain > 0 && strcmp(name + head + plain, ".json") == 0;
 }
 
@@ -35,18 +36,21 @@ static bool seen_before(const campaign *c, int i, int s)
     for (int k = 0; k < i; k++) {
         const case_result *o = result_of(c, k, s);
         if (o->verdict == CASE_DIFFERS && o->found && o->difference.stage == r->difference.stage &&
-            (o->found->class && r->found->class ? strcmp(o->found->class, r->found->class) == 0 : o->found->class == r->found->class))
+            (o->found->class && r->found->class ? strcmp(o->found->class, r->found->class) == 0
+                                                : o->found->class == r->found->class))
             return true;
     }
     return false;
 }
 
-static ost_status put_case(const campaign *c, int i, int s, const minimised *m, evidence_sink *sink, void *user, ost_error *err)
+static ost_status put_case(const campaign *c, int i, int s, const minimised *m, evidence_sink *sink, void *user,
+                           ost_error *err)
 {
     finding *f = result_of(c, i, s)->found;
     const compare_difference *d = &m->difference;
     json_t *o = case_to_json(&c->plan->cases[i], &m->cut);
-    json_t *shows = json_pack("{s:s,s:s,s:i,s:s}", "backend", c->subjects->subjects[s].spec, "stage", trace_stage_name(d->stage), "item", (int)d->item, "class",
+    json_t *shows = json_pack("{s:s,s:s,s:i,s:s}", "backend", c->subjects->subjects[s].spec, "stage",
+                              trace_stage_name(d->stage), "item", (int)d->item, "class",
                               m->found.class ? m->found.class : "");
     if (d->kind == COMPARE_VOXEL) {
         json_object_set_new(shows, "voxel", json_pack("[i,i,i]", d->voxel[0], d->voxel[1], d->voxel[2]));
@@ -67,8 +71,9 @@ static ost_status put_case(const campaign *c, int i, int s, const minimised *m, 
     return status;
 }
 
-ost_status reproduce(campaign *c, const char *program, const char *folder, void (*show)(void *user, const char *what, double share), void *show_user,
-                     evidence_sink *sink, void *user, ost_error *err)
+ost_status reproduce(campaign *c, const char *program, const char *folder,
+                     void (*show)(void *user, const char *what, double share), void *show_user, evidence_sink *sink,
+                     void *user, ost_error *err)
 {
     ost_status status = OST_OK;
     int made = 0;
@@ -82,7 +87,8 @@ ost_status reproduce(campaign *c, const char *program, const char *folder, void 
             if (show)
                 show(show_user, "making differences small", (double)made / REPRODUCED);
             made++;
-            status = minimise(&c->plan->cases[i], c->subjects->subjects[s].spec, &r->difference, r->found, program, folder, &m, &done, err);
+            status = minimise(&c->plan->cases[i], c->subjects->subjects[s].spec, &r->difference, r->found, program,
+                              folder, &m, &done, err);
             if (status == OST_OK && done)
                 status = put_case(c, i, s, &m, sink, user, err);
         }

@@ -18,8 +18,9 @@ enum { REPRODUCED = 6 };
 
 /* Writes the small cases and stores the name of each in the campaign's findings.  program and folder are as in
    campaign_options; show may be NULL. */
-ost_status reproduce(campaign *c, const char *program, const char *folder, void (*show)(void *user, const char *what, double share), void *show_user,
-                     evidence_sink *sink, void *user, ost_error *err);
+ost_status reproduce(campaign *c, const char *program, const char *folder,
+                     void (*show)(void *user, const char *what, double share), void *show_user, evidence_sink *sink,
+                     void *user, ost_error *err);
 
 /* Returns true for names that reproduce makes: "cases/" and plain characters. Any other name in a bundle is not
    used. */

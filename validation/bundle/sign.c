@@ -37,7 +37,8 @@ static bool sort_result(const char *id, const char *backend, const char *verdict
     if (strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
         return true;
     snprintf(name, sizeof name, "%s on %s", id, backend);
-    return json_array_append_new(strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 ? passed : failed, json_string(name)) == 0;
+    return json_array_append_new(strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 ? passed : failed,
+                                 json_string(name)) == 0;
 }
 
 /* Returns PASSED if equal and evidence, WARNED if equal but a reduced run, else FAILED, also if not compared or not
@@ -62,7 +63,8 @@ static void contents_free(contents *c)
     json_decref(c->manifest);
 }
 
-static ost_status read_object(const char *folder, const char *name, json_t **out, char hex[OST_DIGEST_HEX], ost_error *err)
+static ost_status read_object(const char *folder, const char *name, json_t **out, char hex[OST_DIGEST_HEX],
+                              ost_error *err)
 {
     char *bytes;
     size_t size;
@@ -256,7 +258,8 @@ static bool take_claim(const json_t *annotations, const char *key, char *to, siz
 
 /* Reads the signer's claims from a statement, and compares the remainder with the bundle. *why receives the reason
    if it is invalid, else NULL. */
-static ost_status compare_statement(const check *c, const sign_envelope *e, claim *claimed, const char **why, ost_error *err)
+static ost_status compare_statement(const check *c, const sign_envelope *e, claim *claimed, const char **why,
+                                    ost_error *err)
 {
     json_t *stated = json_loadb(e->payload, e->payload_size, JSON_REJECT_DUPLICATES, NULL), *is = NULL;
     const json_t *annotations = json_object_get(json_array_get(json_object_get(stated, "subject"), 0), "annotations");
@@ -316,7 +319,8 @@ static ost_status check_time(const check *c, const char *name, const char *bytes
     ost_status status = read_within(c, file, TIME_STAMP_MAX, &response, &response_size, &absent, err);
     *there = response != NULL;
     if (status == OST_OK && c->trust && c->trust->authority) {
-        const char *why = response ? sign_time_check(c->trust->authority, response, response_size, bytes, size, time) : NULL;
+        const char *why = response ? sign_time_check(c->trust->authority, response, response_size, bytes, size, time)
+                                   : NULL;
         if (why)
             report(c, file, why);
         else if (absent)
@@ -410,7 +414,13 @@ ost_status sign_check(const char *folder, const sign_trust *trust, bundle_proble
     char path[BUNDLE_PATH];
     contents is;
     ost_error unread = {0};
-    check c = {.folder = folder, .signatures = -1, .trust = trust, .problem = problem, .user = user, .found = found, .list = json_array()};
+    check c = {.folder = folder,
+               .signatures = -1,
+               .trust = trust,
+               .problem = problem,
+               .user = user,
+               .found = found,
+               .list = json_array()};
     ost_status status = OST_OK;
     const int before = *found;
     if (snprintf(path, sizeof path, "%s/" MANIFEST_SIGNATURES, folder) >= (int)sizeof path)
@@ -427,7 +437,8 @@ ost_status sign_check(const char *folder, const sign_trust *trust, bundle_proble
     if (status == OST_OK && dir) {
         c.signatures = fd;
         c.is = contents_read(folder, &is, &unread) == OST_OK ? &is : NULL;
-        status = unread.status == OST_ERR_MEMORY ? ost_fail(err, unread.status, "%s", unread.text) : check_files(&c, dir, err);
+        status = unread.status == OST_ERR_MEMORY ? ost_fail(err, unread.status, "%s", unread.text)
+                                                 : check_files(&c, dir, err);
         if (c.is)
             contents_free(&is);
     }

@@ -43,7 +43,8 @@ typedef struct sign_trust sign_trust;
 
 /* Reads the trusted keys. paths: PEM files of public keys, or folders of them; authority: a PEM file of
    certificates, or NULL. */
-ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out, ost_error *err);
+ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out,
+                           ost_error *err);
 void sign_trust_free(sign_trust *trust); /* NULL is allowed */
 
 /*

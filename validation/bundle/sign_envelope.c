@@ -113,7 +113,8 @@ static const char *read_signature(const json_t *one, sign_envelope *e)
     const json_t *sig = json_object_get(one, "sig"), *keyid = json_object_get(one, "keyid");
     if (!json_is_string(sig) || (keyid && !json_is_string(keyid)))
         return "has a signature that is not {keyid, sig} in text";
-    e->signatures[e->count].bytes = from_base64(json_string_value(sig), json_string_length(sig), &e->signatures[e->count].size);
+    e->signatures[e->count].bytes = from_base64(json_string_value(sig), json_string_length(sig),
+                                                &e->signatures[e->count].size);
     if (!e->signatures[e->count].bytes)
         return "has a signature that is not base64 (RFC 4648, padded)";
     if (keyid && is_fingerprint(json_string_value(keyid)))
@@ -138,7 +139,8 @@ ost_status sign_envelope_read(const char *text, size_t size, sign_envelope *out,
         *why = "has another payloadType than " PAYLOAD_TYPE;
     else if (json_array_size(list) < 1 || json_array_size(list) > SIGN_SIGNATURES_MAX)
         *why = "has no signature, or more than 16";
-    else if (!(out->payload = (char *)from_base64(json_string_value(payload), json_string_length(payload), &out->payload_size)))
+    else if (!(out->payload = (char *)from_base64(json_string_value(payload), json_string_length(payload),
+                                                  &out->payload_size)))
         *why = "has a payload that is not base64 (RFC 4648, padded)";
     for (size_t i = 0; !*why && i < json_array_size(list); i++)
         *why = read_signature(json_array_get(list, i), out);

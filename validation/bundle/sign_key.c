@@ -38,7 +38,10 @@ static ost_status take_key(const char *path, EVP_PKEY *pkey, sign_key *out, ost_
     ost_digest digest;
     ost_status status = OST_OK;
     if (!is_supported(pkey))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: a key of another kind than Ed25519 and ECDSA P-256 (openssl genpkey -algorithm ed25519 makes one)", path);
+        status = ost_fail(
+            err, OST_ERR_INPUT,
+            "%s: a key of another kind than Ed25519 and ECDSA P-256 (openssl genpkey -algorithm ed25519 makes one)",
+            path);
     const int size = status == OST_OK ? i2d_PUBKEY(pkey, &der) : 0;
     if (status == OST_OK)
         status = size > 0 ? ost_digest_bytes(der, (size_t)size, &digest, err)
@@ -79,7 +82,8 @@ ost_status sign_key_open(const char *path, const char *passphrase, sign_key **ou
         ERR_clear_error();
         sign_key *key = pkey ? calloc(1, sizeof *key) : NULL;
         if (!pkey)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: no readable private key; expected PEM with Ed25519 or ECDSA P-256%s", path,
+            status = ost_fail(err, OST_ERR_INPUT,
+                              "%s: no readable private key; expected PEM with Ed25519 or ECDSA P-256%s", path,
                               size >= 9 && strstr(bytes, "ENCRYPTED")
                                   ? "; it is encrypted, and the passphrase was not given or is not its own"
                                   : "");
@@ -145,8 +149,11 @@ static ost_status trust_file(const char *path, sign_trust *t, ost_error *err)
     const bool certificate = strstr(bytes, "-----BEGIN CERTIFICATE-----") != NULL;
     free(bytes);
     if (status == OST_OK && !found)
-        status = ost_fail(err, OST_ERR_INPUT, certificate ? "%s: is a certificate, whose dates and purpose are not judged here; a public key is expected (openssl x509 -in CERT -pubkey -noout writes it)"
-                                                          : "%s: no public key in PEM (openssl pkey -in KEY -pubout writes one)", path);
+        status = ost_fail(err, OST_ERR_INPUT,
+                          certificate ? "%s: is a certificate, whose dates and purpose are not judged here; a public "
+                                        "key is expected (openssl x509 -in CERT -pubkey -noout writes it)"
+                                      : "%s: no public key in PEM (openssl pkey -in KEY -pubout writes one)",
+                          path);
     return status;
 }
 
@@ -177,7 +184,8 @@ static ost_status trust_folder(const char *path, sign_trust *t, ost_error *err)
                : status;
 }
 
-ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out, ost_error *err)
+ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out,
+                           ost_error *err)
 {
     sign_trust *t = calloc(1, sizeof *t);
     ost_status status = t ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for trusted keys");
@@ -231,7 +239,8 @@ ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsign
     return ost_fail(err, OST_ERR_IO, "libcrypto made no signature with key %s", key->fingerprint);
 }
 
-bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsigned char *signature, size_t signature_size)
+bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsigned char *signature,
+                size_t signature_size)
 {
     EVP_MD_CTX *c = EVP_MD_CTX_new();
     const bool holds = c && EVP_DigestVerifyInit(c, NULL, digest_of(key), NULL, key->key) == 1 &&

@@ -26,7 +26,8 @@ struct sign_trust {
 /* Signs `size` bytes, which are already in the pre-authentication encoding. The caller frees *signature. */
 ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsigned char **signature,
                      size_t *signature_size, ost_error *err);
-bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsigned char *signature, size_t signature_size);
+bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsigned char *signature,
+                size_t signature_size);
 
 /* ----------------------------------------------------- sign_envelope.c */
 

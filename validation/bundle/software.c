@@ -17,48 +17,76 @@ typedef struct known {
 #define GCC_EXCEPTION "GPL-3.0-or-later WITH GCC-exception-3.1"
 static const known table[] = {
     {"libcrypto.so", "OpenSSL", "OpenSSL Software Foundation", "Apache-2.0", "SHA-256 of grids, files and the manifest",
-     "decides no voxel; equality is a comparison of bytes and does not rest on it", "https://openssl-library.org/news/vulnerabilities/"},
-    {"libz.so", "zlib", "J. Gailly and M. Adler", "Zlib", "gzip in NRRD and NIfTI files, PNG", "reads files; not used by generated cases", "https://github.com/madler/zlib/issues"},
-    {"libjansson.so", "Jansson", "P. Lehtinen", "MIT", "JSON: --json and this bundle's files", "writes the verdict down and does not make it", "https://github.com/akheron/jansson/issues"},
-    {"libassimp.so", "Open Asset Import Library", "assimp team", "BSD-3-Clause", "reads meshes: STL, OBJ, PLY, 3DS", "not used by generated cases",
-     "https://github.com/assimp/assimp/issues"},
-    {"libnifti", "NIfTI library", "NIfTI Data Format Working Group", "NOASSERTION", "reads and writes NIfTI volumes", "not used by generated cases; its licence is the public domain",
+     "decides no voxel; equality is a comparison of bytes and does not rest on it",
+     "https://openssl-library.org/news/vulnerabilities/"},
+    {"libz.so", "zlib", "J. Gailly and M. Adler", "Zlib", "gzip in NRRD and NIfTI files, PNG",
+     "reads files; not used by generated cases", "https://github.com/madler/zlib/issues"},
+    {"libjansson.so", "Jansson", "P. Lehtinen", "MIT", "JSON: --json and this bundle's files",
+     "writes the verdict down and does not make it", "https://github.com/akheron/jansson/issues"},
+    {"libassimp.so", "Open Asset Import Library", "assimp team", "BSD-3-Clause", "reads meshes: STL, OBJ, PLY, 3DS",
+     "not used by generated cases", "https://github.com/assimp/assimp/issues"},
+    {"libnifti", "NIfTI library", "NIfTI Data Format Working Group", "NOASSERTION", "reads and writes NIfTI volumes",
+     "not used by generated cases; its licence is the public domain",
      "https://github.com/NIFTI-Imaging/nifti_clib/issues"},
-    {"libznz.so", "NIfTI library", "NIfTI Data Format Working Group", "NOASSERTION", "gzip for the NIfTI library", "not used by generated cases; its licence is the public domain",
+    {"libznz.so", "NIfTI library", "NIfTI Data Format Working Group", "NOASSERTION", "gzip for the NIfTI library",
+     "not used by generated cases; its licence is the public domain",
      "https://github.com/NIFTI-Imaging/nifti_clib/issues"},
-    {"libpng", "libpng", "PNG Development Group", "libpng-2.0", "pictures", "pictures illustrate; what is compared are voxels", "https://github.com/pnggroup/libpng/issues"},
-    {"libembree", "Embree", "Intel Corporation", "Apache-2.0", "finds candidate triangles for the voxelizer cpu:voxelizer=embree",
+    {"libpng", "libpng", "PNG Development Group", "libpng-2.0", "pictures",
+     "pictures illustrate; what is compared are voxels", "https://github.com/pnggroup/libpng/issues"},
+    {"libembree", "Embree", "Intel Corporation", "Apache-2.0",
+     "finds candidate triangles for the voxelizer cpu:voxelizer=embree",
      "not exact at edges by design; proposes only, integers decide", "https://github.com/RenderKit/embree/issues"},
-    {"libtbb", "oneTBB", "UXL Foundation", "Apache-2.0", "threads of Embree", "order of work is not fixed; no result depends on it", "https://github.com/uxlfoundation/oneTBB/issues"},
-    {"libOpenCL.so", "OpenCL ICD loader", "B. Videau and others (ocl-icd) or the Khronos Group", "BSD-2-Clause", "finds OpenCL drivers",
-     "skips drivers that it cannot load and says nothing", "https://github.com/OCL-dev/ocl-icd/issues"},
+    {"libtbb", "oneTBB", "UXL Foundation", "Apache-2.0", "threads of Embree",
+     "order of work is not fixed; no result depends on it", "https://github.com/uxlfoundation/oneTBB/issues"},
+    {"libOpenCL.so", "OpenCL ICD loader", "B. Videau and others (ocl-icd) or the Khronos Group", "BSD-2-Clause",
+     "finds OpenCL drivers", "skips drivers that it cannot load and says nothing",
+     "https://github.com/OCL-dev/ocl-icd/issues"},
     {"libpocl", "Portable Computing Language", "PoCL developers", "MIT", "OpenCL on the processor",
-     "contracts floats by default and installs a handler of SIGFPE; kernels here use integers alone, each backend a process of its own", "https://github.com/pocl/pocl/issues"},
-    {"libLLVM", "LLVM", "LLVM project", "Apache-2.0 WITH LLVM-exception", "compiles kernels for OpenCL drivers", "a compiler may err; that is what this comparison looks for",
-     "https://github.com/llvm/llvm-project/issues"},
-    {"libclang", "Clang", "LLVM project", "Apache-2.0 WITH LLVM-exception", "compiles kernels for OpenCL drivers", "a compiler may err; that is what this comparison looks for",
-     "https://github.com/llvm/llvm-project/issues"},
-    {"libRusticlOpenCL", "Mesa rusticl", "Mesa developers", "MIT", "an OpenCL driver", "lists no device unless RUSTICL_ENABLE names one", "https://gitlab.freedesktop.org/mesa/mesa/-/issues"},
-    {"libMesaOpenCL", "Mesa Clover", "Mesa developers", "MIT", "an OpenCL driver", "OpenCL 1.1 on most devices: refused here", "https://gitlab.freedesktop.org/mesa/mesa/-/issues"},
-    {"libnvidia-opencl", "NVIDIA OpenCL driver", "NVIDIA Corporation", "LicenseRef-proprietary", "an OpenCL driver", "its source is closed", "https://developer.nvidia.com/bugs"},
-    {"libamdocl", "ROCm OpenCL runtime", "Advanced Micro Devices", "MIT", "an OpenCL driver", "miscompiled integer code in past versions (ROCm 1764, 1383); fingerprints look for those",
+     "contracts floats by default and installs a handler of SIGFPE; kernels here use integers alone, each backend a "
+     "process of its own",
+     "https://github.com/pocl/pocl/issues"},
+    {"libLLVM", "LLVM", "LLVM project", "Apache-2.0 WITH LLVM-exception", "compiles kernels for OpenCL drivers",
+     "a compiler may err; that is what this comparison looks for", "https://github.com/llvm/llvm-project/issues"},
+    {"libclang", "Clang", "LLVM project", "Apache-2.0 WITH LLVM-exception", "compiles kernels for OpenCL drivers",
+     "a compiler may err; that is what this comparison looks for", "https://github.com/llvm/llvm-project/issues"},
+    {"libRusticlOpenCL", "Mesa rusticl", "Mesa developers", "MIT", "an OpenCL driver",
+     "lists no device unless RUSTICL_ENABLE names one", "https://gitlab.freedesktop.org/mesa/mesa/-/issues"},
+    {"libMesaOpenCL", "Mesa Clover", "Mesa developers", "MIT", "an OpenCL driver",
+     "OpenCL 1.1 on most devices: refused here", "https://gitlab.freedesktop.org/mesa/mesa/-/issues"},
+    {"libnvidia-opencl", "NVIDIA OpenCL driver", "NVIDIA Corporation", "LicenseRef-proprietary", "an OpenCL driver",
+     "its source is closed", "https://developer.nvidia.com/bugs"},
+    {"libamdocl", "ROCm OpenCL runtime", "Advanced Micro Devices", "MIT", "an OpenCL driver",
+     "miscompiled integer code in past versions (ROCm 1764, 1383); fingerprints look for those",
      "https://github.com/ROCm/ROCm/issues"},
-    {"libigdrcl", "Intel compute runtime", "Intel Corporation", "MIT", "an OpenCL driver", "none known that concerns integers", "https://github.com/intel/compute-runtime/issues"},
-    {"libgomp.so", "GNU OpenMP", "Free Software Foundation", GCC_EXCEPTION, "threads of the backend cpu", "order of work is not fixed; no result depends on it",
-     "https://gcc.gnu.org/bugzilla/"},
-    {"libomp.so", "LLVM OpenMP", "LLVM project", "Apache-2.0 WITH LLVM-exception", "threads of the backend cpu", "order of work is not fixed; no result depends on it",
-     "https://github.com/llvm/llvm-project/issues"},
-    {"libgcc_s.so", "GCC runtime", "Free Software Foundation", GCC_EXCEPTION, "arithmetic of 128 bits, unwinding", "none known", "https://gcc.gnu.org/bugzilla/"},
-    {"libstdc++.so", "GNU C++ library", "Free Software Foundation", GCC_EXCEPTION, "for libraries in C++", "none known that concerns osteon", "https://gcc.gnu.org/bugzilla/"},
-    {"libc.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "files, memory, processes, text", "no function of libm decides a voxel",
+    {"libigdrcl", "Intel compute runtime", "Intel Corporation", "MIT", "an OpenCL driver",
+     "none known that concerns integers", "https://github.com/intel/compute-runtime/issues"},
+    {"libgomp.so", "GNU OpenMP", "Free Software Foundation", GCC_EXCEPTION, "threads of the backend cpu",
+     "order of work is not fixed; no result depends on it", "https://gcc.gnu.org/bugzilla/"},
+    {"libomp.so", "LLVM OpenMP", "LLVM project", "Apache-2.0 WITH LLVM-exception", "threads of the backend cpu",
+     "order of work is not fixed; no result depends on it", "https://github.com/llvm/llvm-project/issues"},
+    {"libgcc_s.so", "GCC runtime", "Free Software Foundation", GCC_EXCEPTION, "arithmetic of 128 bits, unwinding",
+     "none known", "https://gcc.gnu.org/bugzilla/"},
+    {"libstdc++.so", "GNU C++ library", "Free Software Foundation", GCC_EXCEPTION, "for libraries in C++",
+     "none known that concerns osteon", "https://gcc.gnu.org/bugzilla/"},
+    {"libc.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "files, memory, processes, text",
+     "no function of libm decides a voxel", "https://sourceware.org/bugzilla/"},
+    {"libm.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "phantoms, paths, pictures",
+     "no function of libm decides a voxel", "https://sourceware.org/bugzilla/"},
+    {"libdl.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "loads drivers and plugins",
+     "none known", "https://sourceware.org/bugzilla/"},
+    {"libpthread.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "threads", "none known",
      "https://sourceware.org/bugzilla/"},
-    {"libm.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "phantoms, paths, pictures", "no function of libm decides a voxel", "https://sourceware.org/bugzilla/"},
-    {"libdl.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "loads drivers and plugins", "none known", "https://sourceware.org/bugzilla/"},
-    {"libpthread.so", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "threads", "none known", "https://sourceware.org/bugzilla/"},
-    {"ld-linux", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "loads the program", "none known", "https://sourceware.org/bugzilla/"},
+    {"ld-linux", "GNU C library", "Free Software Foundation", "LGPL-2.1-or-later", "loads the program", "none known",
+     "https://sourceware.org/bugzilla/"},
 };
 
-static const known unknown = {"", "", "NOASSERTION", "NOASSERTION", "brought along by another library", "none recorded: to be judged by the user of this bundle", ""};
+static const known unknown = {"",
+                              "",
+                              "NOASSERTION",
+                              "NOASSERTION",
+                              "brought along by another library",
+                              "none recorded: to be judged by the user of this bundle",
+                              ""};
 
 static const known *known_of(const char *soname)
 {
@@ -132,20 +160,25 @@ static const char *supplier_of(const known *k, const json_t *library)
 
 static const known *compiler_of(const char *text)
 {
-    static const known gcc = {"", "GCC", "Free Software Foundation", GCC_EXCEPTION, "", "", "https://gcc.gnu.org/bugzilla/"};
-    return strstr(text, "clang") ? known_of("libclang") : strncmp(text, "gcc", 3) == 0 || strstr(text, "GCC") ? &gcc : &unknown;
+    static const known gcc = {"", "GCC", "Free Software Foundation",     GCC_EXCEPTION,
+                              "", "",    "https://gcc.gnu.org/bugzilla/"};
+    return strstr(text, "clang")                                 ? known_of("libclang")
+           : strncmp(text, "gcc", 3) == 0 || strstr(text, "GCC") ? &gcc
+                                                                 : &unknown;
 }
 
 /* Returns the row of a library by its name in pkg-config. */
 static const known *headers_of(const char *name)
 {
     char soname[64];
-    snprintf(soname, sizeof soname, "%s%.40s.so", strncmp(name, "lib", 3) == 0 ? "" : "lib", strcmp(name, "zlib") == 0 ? "z" : name);
+    snprintf(soname, sizeof soname, "%s%.40s.so", strncmp(name, "lib", 3) == 0 ? "" : "lib",
+             strcmp(name, "zlib") == 0 ? "z" : name);
     return known_of(soname);
 }
 
 /* Writes a row of software that is used to build osteon. */
-static void put_build(FILE *to, const known *k, const char *name, const char *version, const char *purpose, const char *limits)
+static void put_build(FILE *to, const known *k, const char *name, const char *version, const char *purpose,
+                      const char *limits)
 {
     put_csv(to, name, ',');
     put_csv(to, version, ',');
@@ -163,7 +196,9 @@ static void soup(FILE *to, json_t *tools)
     const json_t *build = part_of(tools, "build");
     const char *name;
     json_t *version;
-    fputs("name,version,manufacturer,purpose,licence,known limits,anomalies published at,anomalies reviewed on,how it comes in,package,file,sha256\n", to);
+    fputs("name,version,manufacturer,purpose,licence,known limits,anomalies published at,anomalies reviewed on,how it "
+          "comes in,package,file,sha256\n",
+          to);
     for (size_t i = 0; i < json_array_size(libraries); i++) {
         const json_t *one = json_array_get(libraries, i);
         const known *k = known_of(evidence_text(one, "soname"));
@@ -175,15 +210,18 @@ static void soup(FILE *to, json_t *tools)
         put_csv(to, k->limits, ',');
         put_csv(to, k->anomalies, ',');
         fputs(",", to); /* a date, which the reviewer fills in */
-        put_csv(to, json_is_true(json_object_get(one, "linked")) ? "linked" : "loaded by another library or as a driver", ',');
+        put_csv(to,
+                json_is_true(json_object_get(one, "linked")) ? "linked" : "loaded by another library or as a driver",
+                ',');
         put_csv(to, evidence_text(one, "package"), ',');
         put_csv(to, evidence_text(one, "file"), ',');
         put_csv(to, evidence_text(one, "sha256"), '\n');
     }
-    put_build(to, compiler_of(evidence_text(build, "compiler")), evidence_text(build, "compiler"), "", "compiles osteon",
-              "a compiler may err; each build is compared with the reference and the tests");
+    put_build(to, compiler_of(evidence_text(build, "compiler")), evidence_text(build, "compiler"), "",
+              "compiles osteon", "a compiler may err; each build is compared with the reference and the tests");
     json_object_foreach(json_object_get(build, "headers"), name, version)
-        put_build(to, headers_of(name), name, json_string_value(version) ? json_string_value(version) : "", "headers at build time", "the version that runs is above");
+        put_build(to, headers_of(name), name, json_string_value(version) ? json_string_value(version) : "",
+                  "headers at build time", "the version that runs is above");
     json_decref(libraries);
 }
 
@@ -192,13 +230,15 @@ static void soup(FILE *to, json_t *tools)
 static json_t *package_reference(const char *distribution, const char *package, const char *version)
 {
     char url[256];
-    size_t n = (size_t)snprintf(url, sizeof url, "pkg:deb/%.30s/%.80s@", *distribution ? distribution : "debian", package);
+    size_t n = (size_t)snprintf(url, sizeof url, "pkg:deb/%.30s/%.80s@", *distribution ? distribution : "debian",
+                                package);
     for (; *version && n + 4 < sizeof url; version++)
         if (*version == ':' || *version == '+' || *version == '%')
             n += (size_t)snprintf(url + n, sizeof url - n, "%%%02X", (unsigned)*version);
         else
             n += (size_t)snprintf(url + n, sizeof url - n, "%c", *version);
-    return json_pack("[{s:s,s:s,s:s}]", "referenceCategory", "PACKAGE-MANAGER", "referenceType", "purl", "referenceLocator", url);
+    return json_pack("[{s:s,s:s,s:s}]", "referenceCategory", "PACKAGE-MANAGER", "referenceType", "purl",
+                     "referenceLocator", url);
 }
 
 static json_t *sbom_package(size_t number, const json_t *one, const char *distribution)
@@ -213,9 +253,12 @@ static json_t *sbom_package(size_t number, const json_t *one, const char *distri
         snprintf(supplier, sizeof supplier, "Organization: %.280s", maker);
     for (char *c = supplier; *c; c++) /* SPDX has the address in brackets */
         *c = (char)(*c == '<' ? '(' : *c == '>' ? ')' : *c);
-    json_t *o = json_pack("{s:s,s:s,s:s,s:s,s:s,s:b,s:s,s:s,s:s,s:s,s:[{s:s,s:s}]}", "SPDXID", id, "name", evidence_text(one, "soname"), "packageFileName", evidence_text(one, "file"),
-                          "supplier", supplier, "downloadLocation", "NOASSERTION", "filesAnalyzed", false, "licenseConcluded", "NOASSERTION", "licenseDeclared", licence_of(k, one),
-                          "copyrightText", "NOASSERTION", "primaryPackagePurpose", "LIBRARY", "checksums", "algorithm", "SHA256", "checksumValue", evidence_text(one, "sha256"));
+    json_t *o = json_pack("{s:s,s:s,s:s,s:s,s:s,s:b,s:s,s:s,s:s,s:s,s:[{s:s,s:s}]}", "SPDXID", id, "name",
+                          evidence_text(one, "soname"), "packageFileName", evidence_text(one, "file"), "supplier",
+                          supplier, "downloadLocation", "NOASSERTION", "filesAnalyzed", false, "licenseConcluded",
+                          "NOASSERTION", "licenseDeclared", licence_of(k, one), "copyrightText", "NOASSERTION",
+                          "primaryPackagePurpose", "LIBRARY", "checksums", "algorithm", "SHA256", "checksumValue",
+                          evidence_text(one, "sha256"));
     if (*version)
         json_object_set_new(o, "versionInfo", json_string(version));
     if (*evidence_text(one, "package"))
@@ -233,32 +276,43 @@ static void sbom(FILE *to, json_t *tools)
     bool proprietary = false;
     out_of_memory |= !text || ost_digest_bytes(text, strlen(text), &digest, &none) != OST_OK;
     free(text);
-    snprintf(space, sizeof space, "https://spdx.org/spdxdocs/osteon-%.20s-%s", evidence_text(program, "version"), ost_digest_hex(&digest, hex));
+    snprintf(space, sizeof space, "https://spdx.org/spdxdocs/osteon-%.20s-%s", evidence_text(program, "version"),
+             ost_digest_hex(&digest, hex));
     snprintf(creator, sizeof creator, "Tool: osteon-%.20s", evidence_text(program, "version"));
-    json_array_append_new(packages, json_pack("{s:s,s:s,s:s,s:s,s:s,s:b,s:s,s:s,s:s,s:s,s:[{s:s,s:s}],s:s}", "SPDXID", "SPDXRef-osteon", "supplier", "Organization: the osteon project", "name", "osteon", "versionInfo",
-                                              evidence_text(program, "version"), "downloadLocation", "NOASSERTION", "filesAnalyzed", false, "licenseConcluded", "Apache-2.0",
-                                              "licenseDeclared", "Apache-2.0", "copyrightText", "NOASSERTION", "primaryPackagePurpose", "APPLICATION", "checksums", "algorithm",
-                                              "SHA256", "checksumValue", evidence_text(program, "sha256"), "sourceInfo", evidence_text(build, "commit")));
-    json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", "SPDXRef-DOCUMENT", "relationshipType", "DESCRIBES", "relatedSpdxElement", "SPDXRef-osteon"));
+    json_array_append_new(packages,
+                          json_pack("{s:s,s:s,s:s,s:s,s:s,s:b,s:s,s:s,s:s,s:s,s:[{s:s,s:s}],s:s}", "SPDXID",
+                                    "SPDXRef-osteon", "supplier", "Organization: the osteon project", "name", "osteon",
+                                    "versionInfo", evidence_text(program, "version"), "downloadLocation", "NOASSERTION",
+                                    "filesAnalyzed", false, "licenseConcluded", "Apache-2.0", "licenseDeclared",
+                                    "Apache-2.0", "copyrightText", "NOASSERTION", "primaryPackagePurpose",
+                                    "APPLICATION", "checksums", "algorithm", "SHA256", "checksumValue",
+                                    evidence_text(program, "sha256"), "sourceInfo", evidence_text(build, "commit")));
+    json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", "SPDXRef-DOCUMENT", "relationshipType",
+                                               "DESCRIBES", "relatedSpdxElement", "SPDXRef-osteon"));
     for (size_t i = 0; i < json_array_size(libraries); i++) {
         const json_t *one = json_array_get(libraries, i);
         char id[40];
         snprintf(id, sizeof id, "SPDXRef-Library-%zu", i + 1);
         json_array_append_new(packages, sbom_package(i + 1, one, evidence_text(program, "distribution")));
         if (json_is_true(json_object_get(one, "linked")))
-            json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", "SPDXRef-osteon", "relationshipType", "DYNAMIC_LINK", "relatedSpdxElement", id));
+            json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", "SPDXRef-osteon",
+                                                       "relationshipType", "DYNAMIC_LINK", "relatedSpdxElement", id));
         else
-            json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", "SPDXRef-osteon", "relationshipType", "DEPENDS_ON", "relatedSpdxElement", id));
+            json_array_append_new(relations, json_pack("{s:s,s:s,s:s}", "spdxElementId", "SPDXRef-osteon",
+                                                       "relationshipType", "DEPENDS_ON", "relatedSpdxElement", id));
         proprietary |= strcmp(known_of(evidence_text(one, "soname"))->licence, "LicenseRef-proprietary") == 0;
     }
     const char *date = evidence_text(build, "source_date");
-    json_t *o = json_pack("{s:s,s:s,s:s,s:s,s:s,s:{s:s,s:[s],s:s},s:O,s:O}", "spdxVersion", "SPDX-2.3", "dataLicense", "CC0-1.0", "SPDXID", "SPDXRef-DOCUMENT", "name", "osteon",
-                          "documentNamespace", space, "creationInfo", "created", *date ? date : "1970-01-01T00:00:00Z", "creators", creator, "comment",
-                          "created is the date of the program's source, so that equal programs on equal machines have equal documents", "packages", packages, "relationships",
-                          relations);
+    json_t *o = json_pack(
+        "{s:s,s:s,s:s,s:s,s:s,s:{s:s,s:[s],s:s},s:O,s:O}", "spdxVersion", "SPDX-2.3", "dataLicense", "CC0-1.0",
+        "SPDXID", "SPDXRef-DOCUMENT", "name", "osteon", "documentNamespace", space, "creationInfo", "created",
+        *date ? date : "1970-01-01T00:00:00Z", "creators", creator, "comment",
+        "created is the date of the program's source, so that equal programs on equal machines have equal documents",
+        "packages", packages, "relationships", relations);
     if (proprietary)
         json_object_set_new(o, "hasExtractedLicensingInfos",
-                            json_pack("[{s:s,s:s,s:s}]", "licenseId", "LicenseRef-proprietary", "name", "the maker's own licence", "extractedText", "See the driver's package."));
+                            json_pack("[{s:s,s:s,s:s}]", "licenseId", "LicenseRef-proprietary", "name",
+                                      "the maker's own licence", "extractedText", "See the driver's package."));
     json_dumpf(o, to, JSON_SORT_KEYS | JSON_INDENT(1));
     fputc('\n', to);
     json_decref(o);
@@ -267,7 +321,8 @@ static void sbom(FILE *to, json_t *tools)
     json_decref(libraries);
 }
 
-static ost_status write_one(const char *name, void (*make)(FILE *to, json_t *tools), json_t *tools, evidence_sink *sink, void *user, ost_error *err)
+static ost_status write_one(const char *name, void (*make)(FILE *to, json_t *tools), json_t *tools, evidence_sink *sink,
+                            void *user, ost_error *err)
 {
     ost_memory_stream made;
     FILE *to = ost_memory_stream_open(&made);
@@ -276,7 +331,8 @@ static ost_status write_one(const char *name, void (*make)(FILE *to, json_t *too
     out_of_memory = false;
     make(to, tools);
     const bool complete = ost_memory_stream_close(to, &made) && !out_of_memory;
-    const ost_status status = complete ? sink(user, name, made.bytes, made.size, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
+    const ost_status status = complete ? sink(user, name, made.bytes, made.size, err)
+                                       : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     free(made.bytes);
     return status;
 }

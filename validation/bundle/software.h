@@ -3,7 +3,8 @@
  * Lists the software of others that this program runs with, for two readers:
  *
  *   tools.json --software_write--> sbom.spdx.json   SPDX 2.3, for tools
- *                                  soup.csv         software of unknown provenance (IEC 62304): purpose, licence, limits
+ *                                  soup.csv         software of unknown provenance (IEC 62304):
+ *                                                   purpose, licence, limits
  *
  * Both follow from tools.json and the table of known libraries in software.c,
  * so a check of a bundle derives them again.

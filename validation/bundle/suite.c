@@ -30,7 +30,8 @@ static void names_of_line(char *line, char **names, size_t *count)
     if (!field || *line == ',') /* a row without an id is a test that no requirement names */
         return;
     field[strcspn(field, ",")] = '\0';
-    for (char *name = strtok_r(field, ";", &remainder); name && *count < TESTS_MAX; name = strtok_r(NULL, ";", &remainder))
+    for (char *name = strtok_r(field, ";", &remainder); name && *count < TESTS_MAX;
+         name = strtok_r(NULL, ";", &remainder))
         names[(*count)++] = name;
 }
 
@@ -40,7 +41,8 @@ json_t *suite_tests(const char *requirements)
     json_t *list = text && names ? json_array() : NULL;
     size_t count = 0;
     bool heading = true;
-    for (char *line = list ? strtok_r(text, "\n", &remainder) : NULL; line; line = strtok_r(NULL, "\n", &remainder), heading = false)
+    for (char *line = list ? strtok_r(text, "\n", &remainder) : NULL; line;
+         line = strtok_r(NULL, "\n", &remainder), heading = false)
         if (!heading)
             names_of_line(line, names, &count);
     if (count)
@@ -110,7 +112,8 @@ static void check_test(const check *c, const json_t *one, const char *expected)
     const json_t *status = json_object_get(one, "status"), *bytes = json_object_get(one, "output_bytes");
     const char *derived = suite_result(json_integer_value(status), stopped);
     if (strcmp(evidence_text(one, "test"), expected) != 0)
-        report(c, "has a result of '%.150s' where " REQUIREMENTS_FILE " gives %.150s", evidence_text(one, "test"), expected);
+        report(c, "has a result of '%.150s' where " REQUIREMENTS_FILE " gives %.150s", evidence_text(one, "test"),
+               expected);
     else if (!json_is_integer(status) || !json_is_number(json_object_get(one, "seconds")) || !json_is_integer(bytes) ||
              json_integer_value(bytes) < 0 || !is_digest(evidence_text(one, "output_sha256")))
         report(c, "%.150s: has no status, no seconds, or no size and digest of its output", expected);
@@ -127,7 +130,8 @@ static void check_all(const check *c, const json_t *suite, const json_t *protoco
     if (!json_equal(json_object_get(suite, "limit_s"), json_object_get(json_object_get(protocol, "suite"), "limit_s")))
         report(c, "has another limit of time than " EVIDENCE_PROTOCOL);
     if (json_array_size(tests) != json_array_size(expected)) {
-        report(c, "has results of %zu tests; " REQUIREMENTS_FILE " names %zu", json_array_size(tests), json_array_size(expected));
+        report(c, "has results of %zu tests; " REQUIREMENTS_FILE " names %zu", json_array_size(tests),
+               json_array_size(expected));
         return;
     }
     for (size_t i = 0; i < json_array_size(expected); i++)

@@ -66,8 +66,9 @@ ost_status tools_of(const char *program, json_t **out, ost_error *err)
         status = libraries_loaded(&libraries, err);
     if (status != OST_OK)
         return status;
-    *out = json_pack("{s:{s:s,s:s,s:s,s:s,s:s,s:o},s:{s:s,s:s,s:s,s:I,s:s},s:o}", "build", "commit", BUILT_COMMIT, "source_date", BUILT_DATE, "cc", BUILT_CC, "compiler",
-                     BUILT_COMPILER, "cflags", BUILT_CFLAGS, "headers", built_with(), "program", "name", PACKAGE_NAME, "version", PACKAGE_VERSION, "sha256", hex,
-                     "size", (json_int_t)size, "distribution", distribution, "libraries", libraries);
+    *out = json_pack("{s:{s:s,s:s,s:s,s:s,s:s,s:o},s:{s:s,s:s,s:s,s:I,s:s},s:o}", "build", "commit", BUILT_COMMIT,
+                     "source_date", BUILT_DATE, "cc", BUILT_CC, "compiler", BUILT_COMPILER, "cflags", BUILT_CFLAGS,
+                     "headers", built_with(), "program", "name", PACKAGE_NAME, "version", PACKAGE_VERSION, "sha256",
+                     hex, "size", (json_int_t)size, "distribution", distribution, "libraries", libraries);
     return *out ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for " TOOLS_FILE);
 }

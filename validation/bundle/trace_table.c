@@ -157,9 +157,9 @@ static void add_text(char *to, size_t size, const char *format, ...)
 }
 
 /*
- * Writes "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row, which are split at their
- * semicolons. also: another part of this bundle covers the row. Returns false if no test passed or failed: a skipped test
- * is no evidence.
+ * Writes "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row,
+ * which are split at their semicolons. also: another part of this bundle covers the row. Returns
+ * false if no test passed or failed: a skipped test is no evidence.
  */
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
                       size_t result_size)
@@ -201,9 +201,11 @@ static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, 
             continue;
         a += (size_t)snprintf(shown + a, sizeof shown - a, "%sstage %s", a ? "; " : "", name);
         if (o->of[s].different)
-            b += (size_t)snprintf(result + b, sizeof result - b, "%s%s differs in %lld results", b ? "; " : "", name, (long long)o->of[s].different);
+            b += (size_t)snprintf(result + b, sizeof result - b, "%s%s differs in %lld results", b ? "; " : "", name,
+                                  (long long)o->of[s].different);
         else
-            b += (size_t)snprintf(result + b, sizeof result - b, "%s%s: %lld records equal", b ? "; " : "", name, (long long)o->of[s].equal);
+            b += (size_t)snprintf(result + b, sizeof result - b, "%s%s: %lld records equal", b ? "; " : "", name,
+                                  (long long)o->of[s].equal);
         snprintf(files, sizeof files, EVIDENCE_CASES);
     }
     const json_t *checks = json_object_get(common, "checks");
@@ -228,7 +230,8 @@ static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, 
     put_csv(to, files, '\n');
 }
 
-static void write_rows(FILE *to, const char *requirements, const json_t *cases, const json_t *common, const json_t *suite)
+static void write_rows(FILE *to, const char *requirements, const json_t *cases, const json_t *common,
+                       const json_t *suite)
 {
     const outcomes all = count(cases);
     bool used[TRACE_STAGES] = {[TRACE_CASE] = true};
@@ -259,7 +262,9 @@ static void write_rows(FILE *to, const char *requirements, const json_t *cases, 
     }
     for (int s = 0; s < TRACE_STAGES; s++)
         if (all.of[s].known && !used[s])
-            fprintf(to, "orphan result,\"\",\"no requirement is about stage %s\",\"\",\"\",\"stage %s\",\"%lld records equal\",\"" EVIDENCE_CASES "\"\n",
+            fprintf(to,
+                    "orphan result,\"\",\"no requirement is about stage %s\",\"\",\"\",\"stage %s\",\"%lld records "
+                    "equal\",\"" EVIDENCE_CASES "\"\n",
                     trace_stage_name((trace_stage)s), trace_stage_name((trace_stage)s), (long long)all.of[s].equal);
     const json_t *checks = json_object_get(common, "checks");
     for (size_t i = 0; i < json_array_size(checks); i++)
@@ -270,7 +275,10 @@ static void write_rows(FILE *to, const char *requirements, const json_t *cases, 
             fputs("\"common.json\"\n", to);
         }
     if (all.failed)
-        fprintf(to, "orphan result,\"\",\"results that are no comparison\",\"\",\"\",\"failed, crashed or timed out\",\"%lld\",\"" EVIDENCE_CASES "\"\n", (long long)all.failed);
+        fprintf(to,
+                "orphan result,\"\",\"results that are no comparison\",\"\",\"\",\"failed, crashed or timed "
+                "out\",\"%lld\",\"" EVIDENCE_CASES "\"\n",
+                (long long)all.failed);
 }
 
 ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite,

@@ -9,10 +9,12 @@ static json_t *by_the_tests(void)
     static const struct {
         const char *what, *tests;
     } list[] = {
-        {"an independent implementation of docs/arithmetic.md in Python, in fractions: import, tools, paths, sweeps, maps and removal, voxel by voxel",
+        {"an independent implementation of docs/arithmetic.md in Python, in fractions: import, tools, paths, sweeps, "
+         "maps and removal, voxel by voxel",
          "tests/oracle/check_pipeline.py tests/oracle/check_events.py"},
         {"the numbers of the thesis recomputed", "tests/oracle/check_thesis.py"},
-        {"readers of CT, meshes and paths, held against files with known content and broken ones", "tests/io tests/mesh tests/fuzz"},
+        {"readers of CT, meshes and paths, held against files with known content and broken ones",
+         "tests/io tests/mesh tests/fuzz"},
         {"mirrors, quarter turns and permutations of axes", "tests/ref/test_remove.c"},
     };
     json_t *rows = json_array();
@@ -36,8 +38,10 @@ ost_status common_check(uint64_t seed, json_t **out, ost_error *err)
     for (size_t i = 0; i < json_array_size(l.checks); i++)
         passed += json_is_true(json_object_get(json_array_get(l.checks, i), "passed"));
     if (l.status == OST_OK) {
-        *out = json_pack("{s:I,s:I,s:s,s:O,s:o}", "passed", passed, "failed", (json_int_t)json_array_size(l.checks) - passed, "on",
-                         "the scalar reference; other backends equal it where the cases say so", "checks", l.checks, "by_the_tests", by_the_tests());
+        *out = json_pack("{s:I,s:I,s:s,s:O,s:o}", "passed", passed, "failed",
+                         (json_int_t)json_array_size(l.checks) - passed, "on",
+                         "the scalar reference; other backends equal it where the cases say so", "checks", l.checks,
+                         "by_the_tests", by_the_tests());
         if (!*out)
             l.status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the checks");
     }
@@ -47,5 +51,6 @@ ost_status common_check(uint64_t seed, json_t **out, ost_error *err)
 
 bool common_proved(const json_t *common)
 {
-    return json_integer_value(json_object_get(common, "passed")) > 0 && json_integer_value(json_object_get(common, "failed")) == 0;
+    return json_integer_value(json_object_get(common, "passed")) > 0 &&
+           json_integer_value(json_object_get(common, "failed")) == 0;
 }

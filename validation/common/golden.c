@@ -15,11 +15,13 @@ static const char *list(const int16_t *v, int count, char text[200])
     return text;
 }
 
-static void record_list(lab *l, const char *name, const char *requirements, const char *what, const int16_t *expected, const int16_t *got, int count)
+static void record_list(lab *l, const char *name, const char *requirements, const char *what, const int16_t *expected,
+                        const int16_t *got, int count)
 {
     char a[200], b[200];
     list(expected, count, a);
-    lab_record(l, "golden", name, requirements, what, memcmp(expected, got, (size_t)count * sizeof *got) == 0, a, "%s", list(got, count, b));
+    lab_record(l, "golden", name, requirements, what, memcmp(expected, got, (size_t)count * sizeof *got) == 0, a, "%s",
+               list(got, count, b));
 }
 
 /* Scatters samples of a 2 x 2 x 2 grid, spacing 1, 1, 2 mm from (10, 20, 30), in reverse order, one of them twice. */
@@ -30,10 +32,15 @@ static void scatter(lab *l)
     ost_sample s[9];
     ost_scatter_report report = {0};
     ost_grid *rect = NULL;
-    const ost_geometry g = {.dims = {2, 2, 2}, .spacing = {LAB_MM, LAB_MM, 2 * LAB_MM}, .origin = {10 * LAB_MM, 20 * LAB_MM, 30 * LAB_MM}};
+    const ost_geometry g = {
+        .dims = {2, 2, 2}, .spacing = {LAB_MM, LAB_MM, 2 * LAB_MM}, .origin = {10 * LAB_MM, 20 * LAB_MM, 30 * LAB_MM}};
     for (int i = 0; i < 9; i++) {
         const int v = i < 8 ? 7 - i : 5; /* voxel 5 = (1, 0, 1) again, with the same density */
-        s[i] = (ost_sample){.x = (10 + v % 2) * LAB_MM, .y = (20 + v / 2 % 2) * LAB_MM, .z = (30 + 2 * (v / 4)) * LAB_MM, .density = 101 + v, .line = (uint32_t)i};
+        s[i] = (ost_sample){.x = (10 + v % 2) * LAB_MM,
+                            .y = (20 + v / 2 % 2) * LAB_MM,
+                            .z = (30 + 2 * (v / 4)) * LAB_MM,
+                            .density = 101 + v,
+                            .line = (uint32_t)i};
     }
     if (l->status == OST_OK)
         l->status = ost_grid_create(l->backend, &g, &rect, l->err);
@@ -42,7 +49,8 @@ static void scatter(lab *l)
     if (l->status == OST_OK)
         l->status = ost_grid_download(rect, 0, 2, got, l->err);
     ost_grid_free(rect);
-    record_list(l, "samples", "AR-CT-4 AR-CT-6 AR-GRID-2", "eight samples given backwards and one of them twice lie at x first, then y, then z", expected, got, 8);
+    record_list(l, "samples", "AR-CT-4 AR-CT-6 AR-GRID-2",
+                "eight samples given backwards and one of them twice lie at x first, then y, then z", expected, got, 8);
 }
 
 /*
@@ -76,7 +84,8 @@ static void layers(lab *l)
         ost_bone *bone = NULL;
         if (l->status == OST_OK)
             l->status = ost_rect_to_cubic(rect, LAB_MM, rules[r].rule, &cubic, l->err);
-        const bool eight = l->status == OST_OK && ost_grid_geometry(cubic)->dims.z == 8 && ost_grid_geometry(cubic)->origin.z == -3 * LAB_MM / 4;
+        const bool eight = l->status == OST_OK && ost_grid_geometry(cubic)->dims.z == 8 &&
+                           ost_grid_geometry(cubic)->origin.z == -3 * LAB_MM / 4;
         if (eight)
             l->status = ost_grid_download(cubic, 0, 8, cubic_got, l->err);
         if (l->status == OST_OK && r == 0)
@@ -85,7 +94,9 @@ static void layers(lab *l)
             l->status = ost_bone_download(bone, 0, 8, bone_got, l->err);
         ost_bone_free(bone);
         ost_grid_free(cubic);
-        record_list(l, rules[r].name, rules[r].requirements, "three layers 2.5 mm apart become eight layers of 1 mm that begin 0.75 mm before them", rules[r].cubic, cubic_got, 8);
+        record_list(l, rules[r].name, rules[r].requirements,
+                    "three layers 2.5 mm apart become eight layers of 1 mm that begin 0.75 mm before them",
+                    rules[r].cubic, cubic_got, 8);
         if (r == 0)
             record_list(l, "threshold", "AR-CHK-1", "119 is no bone, 120 is", bone_expected, bone_got, 8);
     }
@@ -105,19 +116,24 @@ static void cube(lab *l)
     lab_box(l, (ost_pm3){0, 0, 0}, (ost_pm3){2 * LAB_MM, 2 * LAB_MM, 2 * LAB_MM}, false, &mesh);
     lab_voxelize(l, &mesh, NULL, LAB_MM, &v);
     const ost_dims d = v.geometry.dims;
-    const bool grid = l->status == OST_OK && d.x == 4 && d.y == 4 && d.z == 4 && v.geometry.corner.x == -LAB_MM && v.geometry.corner.z == -LAB_MM;
+    const bool grid = l->status == OST_OK && d.x == 4 && d.y == 4 && d.z == 4 && v.geometry.corner.x == -LAB_MM &&
+                      v.geometry.corner.z == -LAB_MM;
     for (int i = 0; grid && i < 64; i++) {
         const int x = i % 4, y = i / 4 % 4, z = i / 16;
-        as_expected &= v.voxels[i] == ((x == 1 || x == 2) && (y == 1 || y == 2) && (z == 1 || z == 2) ? OST_TOOL_CUTTING : OST_TOOL_VOID);
+        as_expected &= v.voxels[i] == ((x == 1 || x == 2) && (y == 1 || y == 2) && (z == 1 || z == 2) ? OST_TOOL_CUTTING
+                                                                                                      : OST_TOOL_VOID);
     }
-    lab_record(l, "golden", "cube", "AR-TOOL-2 AR-TOOL-3 AR-VOX-1 AR-VOX-2 AR-VOX-3 AR-VOX-4", "a mesh of 2 mm at a voxel of 1 mm is 4 x 4 x 4 voxels with the inner 8 solid",
-               grid && as_expected, "4 x 4 x 4 from -1 mm, 8 solid", "%d x %d x %d, %lld solid", d.x, d.y, d.z, l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0);
+    lab_record(l, "golden", "cube", "AR-TOOL-2 AR-TOOL-3 AR-VOX-1 AR-VOX-2 AR-VOX-3 AR-VOX-4",
+               "a mesh of 2 mm at a voxel of 1 mm is 4 x 4 x 4 voxels with the inner 8 solid", grid && as_expected,
+               "4 x 4 x 4 from -1 mm, 8 solid", "%d x %d x %d, %lld solid", d.x, d.y, d.z,
+               l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0);
     ost_tool_volume_free(&v);
     ost_mesh_free(&mesh);
 }
 
 /* Checks that of 8 x 8 x 8 voxels exactly those with lo <= index < hi are removed. */
-static void gone(lab *l, const char *name, const char *what, const char *expected, ost_pose pose, const int lo[3], const int hi[3])
+static void gone(lab *l, const char *name, const char *what, const char *expected, ost_pose pose, const int lo[3],
+                 const int hi[3])
 {
     int16_t voxels[512];
     const ost_geometry g = lab_cube(8, 8, 8, LAB_MM);
@@ -135,7 +151,8 @@ static void gone(lab *l, const char *name, const char *what, const char *expecte
         removed += voxels[i] == 0;
     }
     ost_tool_free(tool);
-    lab_record(l, "golden", name, "AR-REM-1 AR-REM-2 AR-MAP-1 AR-POSE-1", what, right == 512, expected, "%d of 512 voxels as expected, %d gone", right, removed);
+    lab_record(l, "golden", name, "AR-REM-1 AR-REM-2 AR-MAP-1 AR-POSE-1", what, right == 512, expected,
+               "%d of 512 voxels as expected, %d gone", right, removed);
 }
 
 /* A row under the tool classes cutting, cutting, cutting, not cutting and void. Density classes are half-open, so
@@ -143,7 +160,8 @@ static void gone(lab *l, const char *name, const char *what, const char *expecte
 static void classes(lab *l)
 {
     static const int16_t expected[5] = {0, 0, 0, 700, 700};
-    static const uint8_t tool_voxels[5] = {OST_TOOL_CUTTING, OST_TOOL_CUTTING, OST_TOOL_CUTTING, OST_TOOL_NONCUTTING, OST_TOOL_VOID};
+    static const uint8_t tool_voxels[5] = {OST_TOOL_CUTTING, OST_TOOL_CUTTING, OST_TOOL_CUTTING, OST_TOOL_NONCUTTING,
+                                           OST_TOOL_VOID};
     int16_t voxels[5] = {149, 150, 650, 700, 700};
     const ost_geometry g = lab_cube(5, 1, 1, LAB_MM);
     const ost_pose here = ost_pose_identity();
@@ -151,17 +169,21 @@ static void classes(lab *l)
     ost_tool *tool = NULL;
     ost_report r = {0};
     if (l->status == OST_OK)
-        l->status = ost_tool_volume_init(&volume, &(ost_tool_geometry){{5, 1, 1}, LAB_MM, {-LAB_MM / 2, -LAB_MM / 2, -LAB_MM / 2}}, l->err);
+        l->status = ost_tool_volume_init(
+            &volume, &(ost_tool_geometry){{5, 1, 1}, LAB_MM, {-LAB_MM / 2, -LAB_MM / 2, -LAB_MM / 2}}, l->err);
     if (l->status == OST_OK) {
         memcpy(volume.voxels, tool_voxels, sizeof tool_voxels);
         l->status = ost_tool_upload(l->backend, &volume, &tool, l->err);
     }
     ost_tool_volume_free(&volume);
     lab_remove(l, &g, 16, voxels, tool, &here, 1, &r);
-    record_list(l, "not cutting", "AR-REM-1 AR-REM-2 AR-TOOL-4", "what does not cut removes nothing", expected, voxels, 5);
-    lab_record(l, "golden", "classes", "AR-CLS-1 AR-CLS-2 AR-REM-6", "149, 150 and 650 are of three classes; one voxel is touched",
-               r.voxels[0] == 1 && r.voxels[1] == 1 && r.voxels[2] == 1 && r.touched_voxels == 1, "1, 1, 1; 1 touched", "%llu, %llu, %llu; %llu touched",
-               (unsigned long long)r.voxels[0], (unsigned long long)r.voxels[1], (unsigned long long)r.voxels[2], (unsigned long long)r.touched_voxels);
+    record_list(l, "not cutting", "AR-REM-1 AR-REM-2 AR-TOOL-4", "what does not cut removes nothing", expected, voxels,
+                5);
+    lab_record(l, "golden", "classes", "AR-CLS-1 AR-CLS-2 AR-REM-6",
+               "149, 150 and 650 are of three classes; one voxel is touched",
+               r.voxels[0] == 1 && r.voxels[1] == 1 && r.voxels[2] == 1 && r.touched_voxels == 1, "1, 1, 1; 1 touched",
+               "%llu, %llu, %llu; %llu touched", (unsigned long long)r.voxels[0], (unsigned long long)r.voxels[1],
+               (unsigned long long)r.voxels[2], (unsigned long long)r.touched_voxels);
     ost_report_free(&r);
     ost_tool_free(tool);
 }
@@ -230,7 +252,8 @@ static void sweep(lab *l)
     lab_record(l, "golden", "sweep", "AR-SWEEP-2 AR-SWEEP-4",
                "a tool that moves by 0.5 mm in a bone of 0.47 mm has three poses; the first is a third of the way",
                count == 3 && first.t.x == 100000000 && first.t.y == 133333333 && first.t.z == 0,
-               "3; 100000000, 133333333, 0", "%d; %lld, %lld, %lld", count, (long long)first.t.x, (long long)first.t.y, (long long)first.t.z);
+               "3; 100000000, 133333333, 0", "%d; %lld, %lld, %lld", count, (long long)first.t.x, (long long)first.t.y,
+               (long long)first.t.z);
 }
 
 /*
@@ -250,7 +273,8 @@ static void borders(lab *l)
     lab_box(l, min, max, false, &mesh);
     lab_voxelize(l, &mesh, NULL, LAB_MM, &v);
     lab_record(l, "golden", "corner at 8 m", "AR-TOOL-1 AR-TOOL-2", "a tool's grid may begin at -8 m",
-               l->status == OST_OK && v.geometry.corner.x == -end, "-8000 mm", "%lld pm", (long long)v.geometry.corner.x);
+               l->status == OST_OK && v.geometry.corner.x == -end, "-8000 mm", "%lld pm",
+               (long long)v.geometry.corner.x);
     ost_tool_volume_free(&v);
     ost_mesh_free(&mesh);
     for (int a = 0; a < 6 && l->status == OST_OK; a++) {
@@ -262,7 +286,8 @@ static void borders(lab *l)
         refused += ost_sweep_count(&beyond, &beyond, &tool, LAB_MM, &count, NULL) == OST_ERR_RANGE;
     }
     lab_record(l, "golden", "pose beyond 8 m", "AR-POSE-3 AR-LEN-1",
-               "neither a map nor a sweep takes a pose a picometre beyond 8 m", l->status == OST_OK && refused == 12, "12 refused", "%d refused", refused);
+               "neither a map nor a sweep takes a pose a picometre beyond 8 m", l->status == OST_OK && refused == 12,
+               "12 refused", "%d refused", refused);
 }
 
 void lab_golden(lab *l)
@@ -271,12 +296,16 @@ void lab_golden(lab *l)
     scatter(l);
     layers(l);
     cube(l);
-    gone(l, "removal", "a cube of 2 mm at (2, 3, 4) takes the voxels with centres 2, 3 and 3, 4 and 4, 5: a tool's box is half-open", "8 gone",
-         (ost_pose){{2 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, 1 << 30, 0, 0, 0}, (const int[3]){2, 3, 4}, (const int[3]){4, 5, 6});
-    gone(l, "quarter turn", "turned a quarter about z its y runs along the bone's -x, so that at x = 4 it takes 3 and 4", "8 gone",
-         (ost_pose){{4 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, half, 0, 0, half}, (const int[3]){3, 3, 4}, (const int[3]){5, 5, 6});
-    gone(l, "border", "over two borders of the bone only what is inside is taken", "2 gone", (ost_pose){{-LAB_MM, 7 * LAB_MM, 0}, 1 << 30, 0, 0, 0}, (const int[3]){0, 7, 0},
-         (const int[3]){1, 8, 2});
+    gone(l, "removal",
+         "a cube of 2 mm at (2, 3, 4) takes the voxels with centres 2, 3 and 3, 4 and 4, 5: a tool's box is half-open",
+         "8 gone", (ost_pose){{2 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, 1 << 30, 0, 0, 0}, (const int[3]){2, 3, 4},
+         (const int[3]){4, 5, 6});
+    gone(l, "quarter turn",
+         "turned a quarter about z its y runs along the bone's -x, so that at x = 4 it takes 3 and 4", "8 gone",
+         (ost_pose){{4 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, half, 0, 0, half}, (const int[3]){3, 3, 4},
+         (const int[3]){5, 5, 6});
+    gone(l, "border", "over two borders of the bone only what is inside is taken", "2 gone",
+         (ost_pose){{-LAB_MM, 7 * LAB_MM, 0}, 1 << 30, 0, 0, 0}, (const int[3]){0, 7, 0}, (const int[3]){1, 8, 2});
     classes(l);
     digests(l);
     sweep(l);

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-void lab_record(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed, const char *expected, const char *got, ...)
+void lab_record(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed,
+                const char *expected, const char *got, ...)
 {
     char text[300];
     va_list args;
@@ -15,8 +16,8 @@ void lab_record(lab *l, const char *kind, const char *name, const char *requirem
     va_end(args);
     if (l->status != OST_OK)
         return;
-    json_t *row = json_pack("{s:s,s:s,s:s,s:s,s:b,s:s,s:s}", "kind", kind, "name", name, "requirements", requirements, "what", what, "passed", passed, "expected", expected,
-                            "got", text);
+    json_t *row = json_pack("{s:s,s:s,s:s,s:s,s:b,s:s,s:s}", "kind", kind, "name", name, "requirements", requirements,
+                            "what", what, "passed", passed, "expected", expected, "got", text);
     if (!row || json_array_append_new(l->checks, row) != 0)
         l->status = ost_fail(l->err, OST_ERR_MEMORY, "out of memory for a check");
 }
@@ -53,7 +54,9 @@ ost_tool *lab_random_tool(lab *l, draw *d, ost_dims dims, ost_pm voxel, ost_pm3 
     if (l->status != OST_OK)
         return NULL;
     for (int64_t i = 0; i < ost_dims_count(dims); i++)
-        volume.voxels[i] = draw_one_in(d, 4) ? OST_TOOL_VOID : draw_one_in(d, 5) ? OST_TOOL_NONCUTTING : OST_TOOL_CUTTING;
+        volume.voxels[i] = draw_one_in(d, 4)   ? OST_TOOL_VOID
+                           : draw_one_in(d, 5) ? OST_TOOL_NONCUTTING
+                                               : OST_TOOL_CUTTING;
     return upload(l, &volume);
 }
 
@@ -85,7 +88,8 @@ void lab_fill(draw *d, int16_t *voxels, int64_t count)
         voxels[i] = (int16_t)(draw_one_in(d, 4) ? 0 : draw_between(d, 120, 1000));
 }
 
-void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses, int count, ost_report *report)
+void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses,
+                int count, ost_report *report)
 {
     ost_bone *bone = NULL;
     ost_report own = {0};
@@ -113,7 +117,8 @@ void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const
     free(maps);
 }
 
-uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count, int16_t density)
+uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count,
+                     int16_t density)
 {
     const int64_t all = ost_dims_count(g->dims);
     uint64_t gone = 0;
@@ -133,7 +138,8 @@ uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const 
 void lab_box(lab *l, ost_pm3 min, ost_pm3 max, bool inside_out, ost_mesh *out)
 {
     /* Vertex v is at max on axis a where bit a of v is set. */
-    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     *out = (ost_mesh){.vertex_count = 0};
     if (l->status == OST_OK)
         l->status = ost_mesh_init(out, 8, 12, l->err);

@@ -26,8 +26,8 @@ typedef struct lab {
 
 /* Adds the result of a check. requirements are separated by blanks. Only `passed` decides; expected and got are for
    readers. */
-void lab_record(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed, const char *expected, const char *got, ...)
-    OST_PRINTF(8, 9);
+void lab_record(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed,
+                const char *expected, const char *got, ...) OST_PRINTF(8, 9);
 
 /* Returns a geometry with equal spacing on all axes and its first centre at the origin. */
 ost_geometry lab_cube(int32_t nx, int32_t ny, int32_t nz, ost_pm spacing);
@@ -39,8 +39,10 @@ ost_pose lab_random_pose(lab *l, draw *d, ost_pm size);
 void lab_fill(draw *d, int16_t *voxels, int64_t count);
 
 /* Removes from a bone made of `voxels`, which receive the result. report may be NULL. */
-void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses, int count, ost_report *report);
-uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count, int16_t density);
+void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses,
+                int count, ost_report *report);
+uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count,
+                     int16_t density);
 
 /* Makes a box of twelve triangles, counter-clockwise seen from outside, or from inside. */
 void lab_box(lab *l, ost_pm3 min, ost_pm3 max, bool inside_out, ost_mesh *out);

@@ -31,7 +31,8 @@ static void make(lab *l, draw *d, scene *s)
     lab_fill(d, s->before, COUNT);
     memcpy(s->a, s->before, COUNT * sizeof *s->a);
     memcpy(s->b, s->before, COUNT * sizeof *s->b);
-    s->tool = lab_random_tool(l, d, (ost_dims){24, 20, 16}, LAB_MM / 2, (ost_pm3){-6 * LAB_MM, -5 * LAB_MM, -4 * LAB_MM});
+    s->tool = lab_random_tool(l, d, (ost_dims){24, 20, 16}, LAB_MM / 2,
+                              (ost_pm3){-6 * LAB_MM, -5 * LAB_MM, -4 * LAB_MM});
     for (int k = 0; k < POSES; k++)
         s->poses[k] = lab_random_pose(l, d, SIDE * LAB_MM);
 }
@@ -124,7 +125,8 @@ static const law laws[] = {
     {"twice is once", "AR-LAW-2", "the same event again removes nothing", twice},
     {"order", "AR-LAW-2", "events in another order leave the same voxels", order},
     {"poses one by one", "AR-LAW-3", "an event of several poses is its poses one after the other", one_by_one},
-    {"moved together", "AR-LAW-5", "bone and tool moved by any number of picometres give the same voxels by index", moved},
+    {"moved together", "AR-LAW-5", "bone and tool moved by any number of picometres give the same voxels by index",
+     moved},
     {"moved tool", "AR-MAP-1", "a tool moved in its frame and moved back by its pose cuts the same", shifted},
 };
 
@@ -154,10 +156,12 @@ static void removal_laws(lab *l)
             }
             end(&s);
         }
-        lab_record(l, "relation", laws[k].name, laws[k].requirements, laws[k].what, wrong == 0, "0 voxels differ", "%lld voxels differ in %d rounds", (long long)wrong, rounds);
+        lab_record(l, "relation", laws[k].name, laws[k].requirements, laws[k].what, wrong == 0, "0 voxels differ",
+                   "%lld voxels differ in %d rounds", (long long)wrong, rounds);
     }
-    lab_record(l, "relation", "only removed", "AR-LAW-2 AR-REM-2", "a voxel is what it was or empty, and some are removed at all", added == 0 && removed > 0, "0 other voxels",
-               "%lld other voxels, %lld removed", (long long)added, (long long)removed);
+    lab_record(l, "relation", "only removed", "AR-LAW-2 AR-REM-2",
+               "a voxel is what it was or empty, and some are removed at all", added == 0 && removed > 0,
+               "0 other voxels", "%lld other voxels, %lld removed", (long long)added, (long long)removed);
 }
 
 static int64_t differ_tools(const ost_tool_volume *a, const ost_tool_volume *b)
@@ -191,7 +195,8 @@ static void mesh_laws(lab *l)
         lab_box(l, lo, hi, true, &m[1]);
         lab_box(l, lo, (ost_pm3){cut, hi.y, hi.z}, false, &m[2]);
         lab_box(l, (ost_pm3){cut, lo.y, lo.z}, hi, false, &m[3]);
-        lab_box(l, (ost_pm3){lo.x + by.x, lo.y + by.y, lo.z + by.z}, (ost_pm3){hi.x + by.x, hi.y + by.y, hi.z + by.z}, false, &m[4]);
+        lab_box(l, (ost_pm3){lo.x + by.x, lo.y + by.y, lo.z + by.z}, (ost_pm3){hi.x + by.x, hi.y + by.y, hi.z + by.z},
+                false, &m[4]);
         for (int i = 0; i < 5; i++)
             lab_voxelize(l, &m[i], i == 4 ? &there : &grid, voxel, &v[i]);
         if (l->status == OST_OK) {
@@ -207,10 +212,13 @@ static void mesh_laws(lab *l)
             ost_mesh_free(&m[i]);
         }
     }
-    lab_record(l, "relation", "inside out", "AR-LAW-8", "a mesh with all its faces turned over is the same body", reversed == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)reversed, rounds);
-    lab_record(l, "relation", "two halves", "AR-LAW-7 AR-VOX-2", "a mesh cut in two closed halves: each voxel is in exactly one of them", halves == 0 && solid > 0, "0 voxels differ",
-               "%lld differ in %d rounds", (long long)halves, rounds);
-    lab_record(l, "relation", "moved mesh", "AR-LAW-4", "a mesh moved by whole voxels is the same grid", moved_by == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)moved_by, rounds);
+    lab_record(l, "relation", "inside out", "AR-LAW-8", "a mesh with all its faces turned over is the same body",
+               reversed == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)reversed, rounds);
+    lab_record(l, "relation", "two halves", "AR-LAW-7 AR-VOX-2",
+               "a mesh cut in two closed halves: each voxel is in exactly one of them", halves == 0 && solid > 0,
+               "0 voxels differ", "%lld differ in %d rounds", (long long)halves, rounds);
+    lab_record(l, "relation", "moved mesh", "AR-LAW-4", "a mesh moved by whole voxels is the same grid",
+               moved_by == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)moved_by, rounds);
 }
 
 /* Scatters samples in random order and in batches of random size. */
@@ -222,7 +230,11 @@ static void sample_laws(lab *l)
     int16_t got[2][N] = {{0}};
     const ost_geometry g = {.dims = {9, 8, 7}, .spacing = {LAB_MM, 2 * LAB_MM, 3 * LAB_MM}};
     for (int i = 0; i < N; i++)
-        s[i] = (ost_sample){.x = i % 9 * LAB_MM, .y = i / 9 % 8 * 2 * LAB_MM, .z = i / 72 * 3 * LAB_MM, .density = (int32_t)draw_between(&d, -1000, 3000), .line = (uint32_t)i};
+        s[i] = (ost_sample){.x = i % 9 * LAB_MM,
+                            .y = i / 9 % 8 * 2 * LAB_MM,
+                            .z = i / 72 * 3 * LAB_MM,
+                            .density = (int32_t)draw_between(&d, -1000, 3000),
+                            .line = (uint32_t)i};
     for (int way = 0; way < 2 && l->status == OST_OK; way++) {
         ost_grid *rect = NULL;
         ost_scatter_report report = {0};
@@ -244,7 +256,9 @@ static void sample_laws(lab *l)
             s[j] = t;
         }
     }
-    lab_record(l, "relation", "samples in any order", "AR-CT-9", "shuffled and in batches of any size they make the same grid", memcmp(got[0], got[1], sizeof got[0]) == 0, "the same grid",
+    lab_record(l, "relation", "samples in any order", "AR-CT-9",
+               "shuffled and in batches of any size they make the same grid",
+               memcmp(got[0], got[1], sizeof got[0]) == 0, "the same grid",
                memcmp(got[0], got[1], sizeof got[0]) == 0 ? "the same grid" : "another grid");
 }
 

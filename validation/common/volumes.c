@@ -17,7 +17,8 @@ static void box(lab *l)
     lab_box(l, (ost_pm3){LAB_MM, -2 * LAB_MM, 3 * LAB_MM}, (ost_pm3){8 * LAB_MM, 3 * LAB_MM, 6 * LAB_MM}, false, &mesh);
     lab_voxelize(l, &mesh, NULL, LAB_MM / 2, &v);
     const long long solid = l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0;
-    lab_record(l, "volume", "box", "AR-VOX-4 AR-TOOL-2 REQ-VOLUME", "a box of 7 x 5 x 3 mm at 0.5 mm", solid == 840, "840 voxels, 105 mm3", "%lld voxels", solid);
+    lab_record(l, "volume", "box", "AR-VOX-4 AR-TOOL-2 REQ-VOLUME", "a box of 7 x 5 x 3 mm at 0.5 mm", solid == 840,
+               "840 voxels, 105 mm3", "%lld voxels", solid);
     ost_tool_volume_free(&v);
     ost_mesh_free(&mesh);
 }
@@ -35,7 +36,8 @@ static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh 
     for (int r = 1; r < rings; r++)
         for (int a = 0; a < around; a++) {
             const double polar = PI * r / rings, turn = 2 * PI * a / around;
-            out->vertices[(r - 1) * around + a] = (ost_pm3){llrint(radius_mm * 1e9 * sin(polar) * cos(turn)), llrint(radius_mm * 1e9 * sin(polar) * sin(turn)),
+            out->vertices[(r - 1) * around + a] = (ost_pm3){llrint(radius_mm * 1e9 * sin(polar) * cos(turn)),
+                                                            llrint(radius_mm * 1e9 * sin(polar) * sin(turn)),
                                                             llrint(radius_mm * 1e9 * cos(polar))};
         }
     out->vertices[poles] = (ost_pm3){0, 0, llrint(radius_mm * 1e9)};
@@ -68,10 +70,13 @@ static void ball(lab *l)
     ost_tool_volume v;
     ball_mesh(l, r, AROUND, RINGS, &mesh);
     lab_voxelize(l, &mesh, NULL, LAB_MM / 2, &v);
-    const double got = l->status == OST_OK ? (double)ost_tool_volume_count(&v, OST_TOOL_CUTTING) * s * s * s : 0, mesh_volume = l->status == OST_OK ? ost_mesh_volume_mm3(&mesh) : 0;
+    const double got = l->status == OST_OK ? (double)ost_tool_volume_count(&v, OST_TOOL_CUTTING) * s * s * s : 0,
+                 mesh_volume = l->status == OST_OK ? ost_mesh_volume_mm3(&mesh) : 0;
     snprintf(expected, sizeof expected, "between %.1f and %.1f mm3; the mesh has %.1f", least, most, mesh_volume);
-    lab_record(l, "volume", "ball", "AR-VOX-4 REQ-VOLUME", "a ball of 10 mm radius as 9,024 triangles at 0.5 mm, within half a voxel's diagonal of its surface", got >= least && got <= most, expected,
-               "%.1f mm3, %+.2f %% of the mesh's", got, mesh_volume > 0 ? 100 * (got / mesh_volume - 1) : 0.0);
+    lab_record(l, "volume", "ball", "AR-VOX-4 REQ-VOLUME",
+               "a ball of 10 mm radius as 9,024 triangles at 0.5 mm, within half a voxel's diagonal of its surface",
+               got >= least && got <= most, expected, "%.1f mm3, %+.2f %% of the mesh's", got,
+               mesh_volume > 0 ? 100 * (got / mesh_volume - 1) : 0.0);
     ost_tool_volume_free(&v);
     ost_mesh_free(&mesh);
 }
@@ -88,7 +93,9 @@ static void slot(lab *l)
     ost_tool *tool = lab_tool(l, (ost_dims){8, 8, 8}, LAB_MM / 2, (ost_pm3){0, 0, 0}, OST_TOOL_CUTTING);
     const unsigned long long gone = lab_removed(l, &g, tool, poses, STEPS, 400);
     ost_tool_free(tool);
-    lab_record(l, "volume", "slot", "AR-REM-1 AR-REM-2 AR-REM-8", "a cube of 4 mm moved 24 mm through bone of 1 mm voxels", gone == 28 * 4 * 4, "448 voxels, 448 mm3", "%llu voxels", gone);
+    lab_record(l, "volume", "slot", "AR-REM-1 AR-REM-2 AR-REM-8",
+               "a cube of 4 mm moved 24 mm through bone of 1 mm voxels", gone == 28 * 4 * 4, "448 voxels, 448 mm3",
+               "%llu voxels", gone);
 }
 
 /* Turned by 45 degrees about z, a square of half side 4 contains the integers with |x| + |y| <= 4 sqrt 2 = 5.66: 61
@@ -100,10 +107,13 @@ static void turned(lab *l)
     const double q[4] = {0.9238795325112867, 0, 0, 0.3826834323650898}, at[3] = {10, 10, 10};
     if (l->status == OST_OK)
         l->status = ost_pose_from_doubles(at, q, &pose, l->err);
-    ost_tool *tool = lab_tool(l, (ost_dims){16, 16, 16}, LAB_MM / 2, (ost_pm3){-4 * LAB_MM, -4 * LAB_MM, -4 * LAB_MM}, OST_TOOL_CUTTING);
+    ost_tool *tool = lab_tool(l, (ost_dims){16, 16, 16}, LAB_MM / 2, (ost_pm3){-4 * LAB_MM, -4 * LAB_MM, -4 * LAB_MM},
+                              OST_TOOL_CUTTING);
     const unsigned long long gone = l->status == OST_OK ? lab_removed(l, &g, tool, &pose, 1, 400) : 0;
     ost_tool_free(tool);
-    lab_record(l, "volume", "turned cube", "AR-REM-1 AR-MAP-1 AR-POSE-4", "a cube of 8 mm turned by 45 degrees: |x| + |y| <= 5 in 8 layers", gone == 61 * 8, "488 voxels", "%llu voxels", gone);
+    lab_record(l, "volume", "turned cube", "AR-REM-1 AR-MAP-1 AR-POSE-4",
+               "a cube of 8 mm turned by 45 degrees: |x| + |y| <= 5 in 8 layers", gone == 61 * 8, "488 voxels",
+               "%llu voxels", gone);
 }
 
 void lab_volumes(lab *l)

@@ -5,14 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-ost_status dense_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
-                             ost_error *err)
+ost_status dense_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                             ost_bone **out, ost_error *err)
 {
     const size_t count = (size_t)ost_dims_count(geometry->dims);
     dense_bone *bone = calloc(1, sizeof *bone);
     if (!bone)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone");
-    bone->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
+    bone->base = (ost_bone){
+        .backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
     bone->density = calloc(count, sizeof *bone->density);
     bone->active = calloc(count, 1);
     if (!bone->density || !bone->active) {
@@ -100,7 +101,8 @@ static int16_t given(const dense_bone *bone, const upload *from, int32_t i, int3
 }
 
 /* Stores a voxel by AR-CHK-1, or by a kind of mistake that violates it. */
-static void store(deviant *m, const dense_bone *bone, const upload *from, int32_t i, int32_t j, int32_t k, int16_t *density, uint8_t *active)
+static void store(deviant *m, const dense_bone *bone, const upload *from, int32_t i, int32_t j, int32_t k,
+                  int16_t *density, uint8_t *active)
 {
     const int32_t n = bone->base.chunk_size, threshold = bone->base.threshold;
     const ost_dims d = bone->base.geometry.dims;
@@ -174,7 +176,8 @@ ost_status dense_bone_upload(ost_bone *base, int32_t z0, int32_t count, const in
     return OST_OK;
 }
 
-ost_status dense_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
+ost_status dense_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                 ost_error *err)
 {
     const ost_status status = dense_bone_create(cubic->backend, &cubic->geometry, chunk_size, threshold, out, err);
     if (status != OST_OK)

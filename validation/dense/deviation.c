@@ -5,7 +5,8 @@
 
 static const deviation_about table[] = {
     {.name = "none", .unit = "", .what = "", .cause = "", .survives = "", .stage = DEVIATION_EVERY},
-#define DEVIATION_ROW(kind, name, stage, unit, what, cause, survives) {name, unit, what, cause, survives, DEVIATION_##stage},
+#define DEVIATION_ROW(kind, name, stage, unit, what, cause, survives)                                                  \
+    {name, unit, what, cause, survives, DEVIATION_##stage},
     DEVIATION_LIST(DEVIATION_ROW)
 #undef DEVIATION_ROW
 };
@@ -94,7 +95,8 @@ static int64_t cube(const ost_dims d, int32_t n, const int32_t v[3])
 
 static deviation_position position(const deviant *m, int64_t item, const int32_t *v, int64_t chunk)
 {
-    deviation_position p = {.stage = m->stage, .call = m->call, .item = item, .voxel = {-1, -1, -1}, .leaf = -1, .chunk = chunk};
+    deviation_position p = {
+        .stage = m->stage, .call = m->call, .item = item, .voxel = {-1, -1, -1}, .leaf = -1, .chunk = chunk};
     if (v) {
         memcpy(p.voxel, v, sizeof p.voxel);
         p.leaf = cube(m->dims, 32, v);

@@ -54,7 +54,8 @@ ost_status dense_grid_download(const ost_grid *grid, int32_t z0, int32_t count, 
 {
     (void)err;
     const size_t slice = slice_of(grid);
-    memcpy(voxels, ((const dense_grid *)grid)->made.voxels + (size_t)z0 * slice, (size_t)count * slice * sizeof *voxels);
+    memcpy(voxels, ((const dense_grid *)grid)->made.voxels + (size_t)z0 * slice,
+           (size_t)count * slice * sizeof *voxels);
     return OST_OK;
 }
 
@@ -105,7 +106,8 @@ static int64_t where(const batch *b, const ost_sample *s, uint64_t item, const i
     return other;
 }
 
-static void scatter(const batch *b, dense_scatter *to, const ost_sample *s, uint64_t number, int64_t line, ost_scatter_report *report)
+static void scatter(const batch *b, dense_scatter *to, const ost_sample *s, uint64_t number, int64_t line,
+                    ost_scatter_report *report)
 {
     const uint64_t item = b->first_item + number;
     const ost_pm p[3] = {s->x, s->y, s->z}, o[3] = {b->g->origin.x, b->g->origin.y, b->g->origin.z},
@@ -136,7 +138,8 @@ static void scatter(const batch *b, dense_scatter *to, const ost_sample *s, uint
     }
     if (off)
         report->off_lattice++;
-    if (worst > 0 && (worst > report->worst_offset_ppm || (worst == report->worst_offset_ppm && lower(line, report->worst_line)))) {
+    if (worst > 0 &&
+        (worst > report->worst_offset_ppm || (worst == report->worst_offset_ppm && lower(line, report->worst_line)))) {
         report->worst_offset_ppm = worst;
         report->worst_line = line;
     }
@@ -182,8 +185,8 @@ static void scatter(const batch *b, dense_scatter *to, const ost_sample *s, uint
     to->voxels[at] = stays;
 }
 
-static void run_batch(deviant *m, const dense_grid *grid, dense_scatter *to, const ost_sample *samples, size_t count, int64_t first_line,
-                      ost_duplicates duplicates, ost_scatter_report *report)
+static void run_batch(deviant *m, const dense_grid *grid, dense_scatter *to, const ost_sample *samples, size_t count,
+                      int64_t first_line, ost_duplicates duplicates, ost_scatter_report *report)
 {
     const uint64_t number = grid->batches;
     const ost_dims d = grid->base.geometry.dims;
@@ -246,8 +249,8 @@ static ost_status prepare(dense_grid *grid, ost_error *err)
     return OST_OK;
 }
 
-ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
-                            ost_scatter_report *report, ost_error *err)
+ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                            ost_duplicates duplicates, ost_scatter_report *report, ost_error *err)
 {
     dense_grid *grid = (dense_grid *)rect;
     dense *d = dense_of(rect->backend);
@@ -286,8 +289,9 @@ static void note_changes(deviant *m, ost_dims d, const int16_t *made, const int1
 static bool same_report(const ost_scatter_report *a, const ost_scatter_report *b)
 {
     return a->samples == b->samples && a->duplicates == b->duplicates && a->off_lattice == b->off_lattice &&
-           a->worst_offset_ppm == b->worst_offset_ppm && a->worst_line == b->worst_line && a->rejected_line == b->rejected_line &&
-           a->conflict_line == b->conflict_line && a->conflict_had == b->conflict_had && a->conflict_has == b->conflict_has;
+           a->worst_offset_ppm == b->worst_offset_ppm && a->worst_line == b->worst_line &&
+           a->rejected_line == b->rejected_line && a->conflict_line == b->conflict_line &&
+           a->conflict_had == b->conflict_had && a->conflict_has == b->conflict_has;
 }
 
 void dense_grid_finish(dense_grid *grid)
@@ -334,13 +338,15 @@ static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
    the first. */
 static bool on_multiple(int32_t i, ost_pm cubic, ost_pm rect, source right, ost_resample rule)
 {
-    const ost_int128 t = rule == OST_RESAMPLE_LINEAR ? (2 * (ost_int128)i + 1) * cubic - rect : 2 * (ost_int128)i * cubic;
+    const ost_int128 t = rule == OST_RESAMPLE_LINEAR ? (2 * (ost_int128)i + 1) * cubic - rect
+                                                     : 2 * (ost_int128)i * cubic;
     return right.index > 0 && rule != OST_RESAMPLE_NEAREST && (ost_int128)right.index * 2 * rect == t;
 }
 
 static source float_source(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
-    const float c = (float)((double)cubic / 1e9), s = (float)((double)rect / 1e9), first = rule == OST_RESAMPLE_THESIS ? 0 : 0.5f * c;
+    const float c = (float)((double)cubic / 1e9), s = (float)((double)rect / 1e9),
+                first = rule == OST_RESAMPLE_THESIS ? 0 : 0.5f * c;
     float t = (first + (float)i * c) / s - (rule == OST_RESAMPLE_LINEAR ? 0.5f : 0);
     t = t < 0 ? 0 : t > (float)(n - 1) ? (float)(n - 1) : t;
     const int64_t index = (int64_t)t;
@@ -348,7 +354,8 @@ static source float_source(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_
 }
 
 /* Returns the source by AR-CUB, or by a kind of mistake; axis 2 is z. */
-static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule, bool other_rule)
+static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule,
+                     bool other_rule)
 {
     const uint64_t item = (uint64_t)axis << 32 | (uint64_t)i;
     const source right = source_of(i, cubic, rect, n, rule);
@@ -433,7 +440,8 @@ static void resample(deviant *m, const dense_grid *rect, const ost_geometry *c, 
     }
 }
 
-ost_status dense_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err)
+ost_status dense_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
+                               ost_error *err)
 {
     const dense_grid *rect = (const dense_grid *)base;
     dense *d = dense_of(base->backend);

@@ -31,13 +31,14 @@ static int64_t low24(int64_t v)
 static pose prepare(deviant *m, const ost_map *map, const ost_voxel_box *box, uint64_t number)
 {
     pose p = {.m = m, .map = map, .number = number};
-    const bool transposed = deviates(m, DEVIATION_TRANSPOSED_MATRIX, number), cut = deviates(m, DEVIATION_TRUNCATED_STEP, number),
-               narrow = deviates(m, DEVIATION_MUL24, number);
+    const bool transposed = deviates(m, DEVIATION_TRANSPOSED_MATRIX, number),
+               cut = deviates(m, DEVIATION_TRUNCATED_STEP, number), narrow = deviates(m, DEVIATION_MUL24, number);
     for (int b = 0; b < 3; b++)
         for (int a = 0; a < 3; a++) {
             p.column[b][a] = transposed ? map->column[a][b] : map->column[b][a];
             p.step[b][a] = (int64_t)dense_nearest(map->column[b][a], map->divisor);
-            p.used[b][a] = cut ? (int64_t)(map->column[b][a] / map->divisor) : (int64_t)dense_nearest(p.column[b][a], map->divisor);
+            p.used[b][a] = cut ? (int64_t)(map->column[b][a] / map->divisor)
+                               : (int64_t)dense_nearest(p.column[b][a], map->divisor);
             if (narrow)
                 p.used[b][a] = low24(p.used[b][a]);
             if (p.used[b][a] != p.step[b][a])
@@ -66,14 +67,17 @@ static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t ba
                far = deviates(m, DEVIATION_WRAPPED_FAR_BLOCK, item);
     *wraps = false;
     for (int a = 0; a < 3; a++) {
-        const ost_int128 exact = map->origin[a] + f[0] * map->column[0][a] + f[1] * map->column[1][a] + f[2] * map->column[2][a];
-        const ost_int128 made = map->origin[a] + f[0] * p->column[0][a] + f[1] * p->column[1][a] + f[2] * p->column[2][a];
+        const ost_int128 exact = map->origin[a] + f[0] * map->column[0][a] + f[1] * map->column[1][a] +
+                                 f[2] * map->column[2][a];
+        const ost_int128 made = map->origin[a] + f[0] * p->column[0][a] + f[1] * p->column[1][a] +
+                                f[2] * p->column[2][a];
         const int64_t right = (int64_t)dense_nearest(exact, map->divisor);
         base[a] = (int64_t)dense_nearest(made, map->divisor);
         if (cut)
             base[a] = (int64_t)dense_floor(exact, map->divisor);
         if (p->drifting)
-            base[a] = (int64_t)dense_nearest(map->origin[a], map->divisor) + f[0] * p->step[0][a] + f[1] * p->step[1][a] + f[2] * p->step[2][a];
+            base[a] = (int64_t)dense_nearest(map->origin[a], map->divisor) + f[0] * p->step[0][a] +
+                      f[1] * p->step[1][a] + f[2] * p->step[2][a];
         if (floats) {
             const double by = (double)map->divisor;
             float sum = (float)((double)map->origin[a] / by);
@@ -162,7 +166,8 @@ static void map_block(const pose *p, const dense_bone *bone, const dense_tool *t
                     continue;
                 const bool stale = early && dz >= BLOCK / 2;
                 for (int a = 0; a < 3; a++) {
-                    u[a] = (stale ? previous[a] : base[a]) + dx * p->used[0][a] + dy * p->used[1][a] + dz * p->used[2][a];
+                    u[a] = (stale ? previous[a] : base[a]) + dx * p->used[0][a] + dy * p->used[1][a] +
+                           dz * p->used[2][a];
                     if (wraps)
                         u[a] = wrapped(u[a]);
                 }
@@ -174,8 +179,8 @@ static void map_block(const pose *p, const dense_bone *bone, const dense_tool *t
             }
 }
 
-void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map, const ost_voxel_box *box, int number,
-                    dense_marks marks)
+void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map,
+                    const ost_voxel_box *box, int number, dense_marks marks)
 {
     const ost_dims d = bone->base.geometry.dims;
     const pose p = prepare(m, map, box, (uint64_t)number);

@@ -100,27 +100,31 @@ ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry,
 void dense_grid_free(ost_grid *grid);
 ost_status dense_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status dense_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
-ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
-                            ost_scatter_report *report, ost_error *err);
-ost_status dense_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
+ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                            ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
+ost_status dense_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
+                               ost_error *err);
 
-ost_status dense_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
-ost_status dense_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold, ost_bone **out,
-                             ost_error *err);
+ost_status dense_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                 ost_error *err);
+ost_status dense_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
+                             ost_bone **out, ost_error *err);
 void dense_bone_free(ost_bone *bone);
 ost_status dense_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_error *err);
 ost_status dense_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status dense_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 ost_status dense_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
-ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
-                          ost_voxelize_report *report, ost_tool **out, ost_error *err);
+ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                          ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
 ost_status dense_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status dense_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
 void dense_tool_free(ost_tool *tool);
 
-ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
-ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                        ost_error *err);
+ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                         ost_error *err);
 
 /* ------------------------------------------------- the marks of an event's voxels */
 
@@ -146,8 +150,8 @@ static inline void dense_mark(const dense_bone *bone, dense_marks marks, const i
 }
 
 /* Adds the marks of one pose; number is its index in the event. */
-void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map, const ost_voxel_box *box, int number,
-                    dense_marks marks);
+void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map,
+                    const ost_voxel_box *box, int number, dense_marks marks);
 
 /* ----------------------------------------------------------- the thesis */
 
@@ -156,11 +160,13 @@ bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t 
 /* Computes Alg. 2.5. */
 int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
 /* Computes MinVoxelCoords of Alg. 2.1 for both meshes, in millimetres. */
-void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused, float minimum[3]);
+void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused,
+                         float minimum[3]);
 /* Computes one row's counts with float edge functions, as tool.c does with integers. */
-void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused, int32_t *count, uint32_t *times,
-                      int64_t *total, uint64_t *owners);
+void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused,
+                      int32_t *count, uint32_t *times, int64_t *total, uint64_t *owners);
 /* Computes Algs. 2.8 to 2.10. */
-void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost_map *map, bool fused, dense_marks marks);
+void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost_map *map, bool fused,
+                       dense_marks marks);
 
 #endif

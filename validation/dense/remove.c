@@ -21,7 +21,8 @@ static ost_dims chunk_dims(const dense_bone *bone)
 static cube cube_of(const dense_bone *bone, int32_t number)
 {
     const ost_dims c = chunk_dims(bone), d = bone->base.geometry.dims;
-    const int32_t n = bone->base.chunk_size, at[3] = {number % c.x, number / c.x % c.y, number / c.x / c.y}, dims[3] = {d.x, d.y, d.z};
+    const int32_t n = bone->base.chunk_size, at[3] = {number % c.x, number / c.x % c.y, number / c.x / c.y},
+                  dims[3] = {d.x, d.y, d.z};
     cube k = {.number = number};
     for (int a = 0; a < 3; a++) {
         k.lo[a] = at[a] * n;
@@ -43,7 +44,9 @@ static ost_status marks_for(const dense_bone *bone, dense_marks *out, ost_error 
     out->cut = calloc(count, sizeof *out->cut);
     out->touch = calloc(count, sizeof *out->touch);
     out->met = calloc((size_t)ost_dims_count(chunk_dims(bone)), sizeof *out->met);
-    return out->cut && out->touch && out->met ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for the marks of %zu voxels", count);
+    return out->cut && out->touch && out->met
+               ? OST_OK
+               : ost_fail(err, OST_ERR_MEMORY, "out of memory for the marks of %zu voxels", count);
 }
 
 static void free_marks(dense_marks *marks)
@@ -53,7 +56,8 @@ static void free_marks(dense_marks *marks)
     free(marks->met);
 }
 
-static void mark(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_event *event, const ost_map *stale, dense_marks marks)
+static void mark(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_event *event,
+                 const ost_map *stale, dense_marks marks)
 {
     bool fused;
     for (int p = 0; p < event->pose_count; p++) {
@@ -106,8 +110,8 @@ static int class_of(const ost_density_classes *classes, int16_t density, bool ab
     return found;
 }
 
-static ost_status report_chunk(deviant *m, const dense_bone *bone, const cube *k, dense_marks marks, const ost_density_classes *classes,
-                               ost_report *report, ost_error *err)
+static ost_status report_chunk(deviant *m, const dense_bone *bone, const cube *k, dense_marks marks,
+                               const ost_density_classes *classes, ost_report *report, ost_error *err)
 {
     const uint64_t item = (uint64_t)k->number;
     const bool above = deviates(m, DEVIATION_CLASS_BORDER, item), often = deviates(m, DEVIATION_COUNTED_PER_POSE, item),
@@ -186,7 +190,8 @@ static void note_report(deviant *m, const ost_report *made, const ost_report *ri
 static void remove_chunk(deviant *m, dense_bone *bone, const cube *k, dense_marks marks)
 {
     const uint64_t item = (uint64_t)k->number;
-    const bool stale = deviates(m, DEVIATION_STALE_CHUNK, item), uncleared = deviates(m, DEVIATION_OCCUPANCY_NOT_CLEARED, item);
+    const bool stale = deviates(m, DEVIATION_STALE_CHUNK, item),
+               uncleared = deviates(m, DEVIATION_OCCUPANCY_NOT_CLEARED, item);
     int64_t counter = 0, hits = 0;
     EACH_VOXEL (bone, *k, v, at)
         counter += bone->active[at];
@@ -235,8 +240,8 @@ static bool reaches_nothing(const ost_event *event)
     return true;
 }
 
-static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_event *event, bool apply, ost_report *report,
-                            ost_error *err)
+static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_event *event, bool apply,
+                            ost_report *report, ost_error *err)
 {
     dense *d = dense_of(bone->base.backend);
     deviant *m = d->deviant;
@@ -293,12 +298,14 @@ done:
     return status;
 }
 
-ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                        ost_error *err)
 {
     return run_event((dense_bone *)bone, (const dense_tool *)tool, event, true, report, err);
 }
 
-ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                         ost_error *err)
 {
     return run_event((dense_bone *)(uintptr_t)bone, (const dense_tool *)tool, event, false, report, err);
 }

@@ -5,7 +5,9 @@
  *
  *   steps_snap.c    mesh in pm, voxel -> tool's grid, snapped mesh   AR-TOOL-2, AR-MESH-3, AR-MESH-4
  *   steps_motor.c   rows of a device, speed -> ticks of a tool       AR-MOTOR-2 to 4, AR-MOTOR-7
- *   steps_event.c   ticks -> which are events, and their poses       AR-REM-7, AR-SWEEP-5, AR-SWEEP-6, AR-MOTOR-5, AR-MOTOR-6
+ *   steps_event.c   ticks -> which are events, and their poses       AR-REM-7, AR-SWEEP-5,
+ *                                                                    AR-SWEEP-6, AR-MOTOR-5,
+ *                                                                    AR-MOTOR-6
  *   steps_sweep.c   two poses -> how many, and each of them          AR-SWEEP-1 to 4
  *   steps_map.c     pose -> the map's integers, a block's base       AR-POSE-4, AR-MAP-1 to 5
  *   steps_box.c     pose -> voxels that a broad phase must include   AR-REM-5
@@ -51,7 +53,8 @@ bool steps_block_base(const ost_map *map, const int32_t first[3], int32_t base[3
 /* Computes the bounds that box.h promises. Returns false, with an empty box, if they contain no voxel. */
 bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_voxel_box *out);
 /* Returns true if a voxel of the bone, active or not, is inside the tool's grid; searches the blocks of the bounds. */
-bool steps_reaches(const ost_map *map, const ost_geometry *bone, const ost_tool_geometry *tool, const ost_voxel_box *bounds);
+bool steps_reaches(const ost_map *map, const ost_geometry *bone, const ost_tool_geometry *tool,
+                   const ost_voxel_box *bounds);
 
 /* Computes AR-MOTOR-7 for a path whose rows are a device's. The caller frees out with ost_path_free. */
 ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, ost_error *err);
@@ -75,7 +78,8 @@ typedef struct steps_event {
     ost_pose from; /* pose where the sweep begins; valid if count > 1 */
 } steps_event;
 
-ost_status steps_history_begin(const ost_path *path, bool sweep_off, int64_t period_ns, steps_history *out, ost_error *err);
+ost_status steps_history_begin(const ost_path *path, bool sweep_off, int64_t period_ns, steps_history *out,
+                               ost_error *err);
 void steps_history_free(steps_history *h);
 /* Determines the event of tick i. All earlier ticks must have been passed in their order; grid is the grid of the
    tick's tool. */

@@ -20,13 +20,15 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
     const ost_pm near[3] = {tool->corner.x, tool->corner.y, tool->corner.z}, t[3] = {pose->t.x, pose->t.y, pose->t.z};
     const ost_pm o[3] = {bone->origin.x, bone->origin.y, bone->origin.z},
                  s[3] = {bone->spacing.x, bone->spacing.y, bone->spacing.z};
-    const int32_t dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z}, n[3] = {bone->dims.x, bone->dims.y, bone->dims.z};
+    const int32_t dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z},
+                  n[3] = {bone->dims.x, bone->dims.y, bone->dims.z};
     const wide norm = steps_norm(pose);
     wide least[3], most[3];
     for (int which = 0; which < 8; which++) {
         wide corner[3], at[3];
         for (int a = 0; a < 3; a++)
-            corner[a] = wide_plus(wide_of(near[a]), wide_times(wide_of(which >> a & 1 ? dims[a] + 1 : -1), wide_of(tool->voxel)));
+            corner[a] = wide_plus(wide_of(near[a]),
+                                  wide_times(wide_of(which >> a & 1 ? dims[a] + 1 : -1), wide_of(tool->voxel)));
         steps_turn(pose, false, corner, at);
         for (int a = 0; a < 3; a++) {
             at[a] = wide_plus(at[a], wide_times(wide_of(t[a]), norm));
@@ -38,11 +40,15 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
         int32_t below = 0, above = n[a], first = 0, last = n[a];
         while (below < above) {
             const int32_t middle = (below + above) / 2;
-            *(side(middle, o[a], s[a], least[a], norm) < 0 ? &below : &above) = side(middle, o[a], s[a], least[a], norm) < 0 ? middle + 1 : middle;
+            *(side(middle, o[a], s[a], least[a], norm) < 0
+                  ? &below
+                  : &above) = side(middle, o[a], s[a], least[a], norm) < 0 ? middle + 1 : middle;
         }
         while (first < last) {
             const int32_t middle = (first + last) / 2;
-            *(side(middle, o[a], s[a], most[a], norm) <= 0 ? &first : &last) = side(middle, o[a], s[a], most[a], norm) <= 0 ? middle + 1 : middle;
+            *(side(middle, o[a], s[a], most[a], norm) <= 0
+                  ? &first
+                  : &last) = side(middle, o[a], s[a], most[a], norm) <= 0 ? middle + 1 : middle;
         }
         out->lo[a] = below;
         out->hi[a] = first;
@@ -84,7 +90,8 @@ static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, con
     return false;
 }
 
-bool steps_reaches(const ost_map *map, const ost_geometry *bone, const ost_tool_geometry *tool, const ost_voxel_box *bounds)
+bool steps_reaches(const ost_map *map, const ost_geometry *bone, const ost_tool_geometry *tool,
+                   const ost_voxel_box *bounds)
 {
     for (int32_t z = bounds->lo[2] / BLOCK * BLOCK; z < bounds->hi[2]; z += BLOCK)
         for (int32_t y = bounds->lo[1] / BLOCK * BLOCK; y < bounds->hi[1]; y += BLOCK)

@@ -5,7 +5,8 @@
 
 #include <stdlib.h>
 
-ost_status steps_history_begin(const ost_path *path, bool sweep_off, int64_t period_ns, steps_history *out, ost_error *err)
+ost_status steps_history_begin(const ost_path *path, bool sweep_off, int64_t period_ns, steps_history *out,
+                               ost_error *err)
 {
     *out = (steps_history){.sweep_off = sweep_off, .period_ns = period_ns, .ticks = path->ticks};
     out->taken = calloc(path->count + 1, sizeof *out->taken);
@@ -47,7 +48,8 @@ static bool turns_too_far(const steps_history *h, const ost_tick *tick)
 steps_event steps_next(steps_history *h, size_t i, const ost_tool_geometry *grid, ost_pm bone_voxel)
 {
     const ost_tick *tick = &h->ticks[i];
-    const bool on = tick->rpm != 0, restarts = h->count == 0 || taken(h, h->count - 1)->tool != tick->tool || tick->lifted;
+    const bool on = tick->rpm != 0,
+               restarts = h->count == 0 || taken(h, h->count - 1)->tool != tick->tool || tick->lifted;
     steps_event e = {.from = tick->pose};
     if (on && is_due(h, tick, restarts)) {
         e.removal = true;

@@ -23,7 +23,8 @@ static ost_pose turned(const ost_pose *handle, wide phase)
     static const int other[4] = {3, 2, 1, 0}, sign[4] = {1, -1, 1, -1}; /* w with +z, x with -y, y with +x, z with -w */
     int32_t out[4];
     for (int i = 0; i < 4; i++) {
-        const wide sum = wide_plus(wide_times(wide_of(q[i]), c), wide_times(wide_of(sign[i] * (int64_t)q[other[i]]), s));
+        const wide sum = wide_plus(wide_times(wide_of(q[i]), c),
+                                   wide_times(wide_of(sign[i] * (int64_t)q[other[i]]), s));
         out[i] = (int32_t)wide_to_int64(wide_nearest(sum, wide_power_of_two(30)));
     }
     return (ost_pose){handle->t, out[0], out[1], out[2], out[3]};
@@ -51,7 +52,8 @@ static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int 
 {
     ost_pose p = steps_sweep_pose(a, b, j, m);
     const wide r = root_of(steps_norm(&p));
-    return (ost_pose){p.t, of_unit_length(p.qw, r), of_unit_length(p.qx, r), of_unit_length(p.qy, r), of_unit_length(p.qz, r)};
+    return (ost_pose){p.t, of_unit_length(p.qw, r), of_unit_length(p.qx, r), of_unit_length(p.qy, r),
+                      of_unit_length(p.qz, r)};
 }
 
 /* Returns m of AR-MOTOR-7 for row i: the least m >= 1 with 8 n (t - t') <= m U. */
@@ -74,7 +76,8 @@ ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, os
     for (size_t i = 0; i < rows->count; i++) {
         const int64_t m = parts_of(rows, i, rpm);
         if (m > 4096)
-            return ost_fail(err, OST_ERR_RANGE, "a row of a path turns its motor by more than 4096 eighths (AR-MOTOR-7)");
+            return ost_fail(err, OST_ERR_RANGE,
+                            "a row of a path turns its motor by more than 4096 eighths (AR-MOTOR-7)");
         count += (size_t)m;
     }
     ost_status status = ost_path_init(out, count, err);

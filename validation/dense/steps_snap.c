@@ -55,7 +55,8 @@ bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *
 static int fraction_bits(const ost_tool_geometry *grid)
 {
     int f = 0;
-    while (f < 10 && grid->dims.x <= 1 << (20 - f - 1) && grid->dims.y <= 1 << (20 - f - 1) && grid->dims.z <= 1 << (20 - f - 1))
+    while (f < 10 && grid->dims.x <= 1 << (20 - f - 1) && grid->dims.y <= 1 << (20 - f - 1) &&
+           grid->dims.z <= 1 << (20 - f - 1))
         f++;
     return f;
 }

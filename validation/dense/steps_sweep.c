@@ -18,7 +18,8 @@ static void image(const ost_pose *pose, const ost_tool_geometry *tool, int which
     const int32_t dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z};
     wide corner[3], turned[3];
     for (int a = 0; a < 3; a++)
-        corner[a] = wide_plus(wide_of(near[a]), which >> a & 1 ? wide_times(wide_of(dims[a]), wide_of(tool->voxel)) : wide_of(0));
+        corner[a] = wide_plus(wide_of(near[a]),
+                              which >> a & 1 ? wide_times(wide_of(dims[a]), wide_of(tool->voxel)) : wide_of(0));
     steps_turn(pose, false, corner, turned);
     for (int a = 0; a < 3; a++)
         out[a] = wide_plus(wide_nearest(turned[a], steps_norm(pose)), wide_of(t[a]));
@@ -67,15 +68,17 @@ int steps_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geome
 
 static int64_t between(int64_t a, int64_t b, int k, int n)
 {
-    return wide_to_int64(wide_nearest(wide_plus(wide_times(wide_of(n - k), wide_of(a)), wide_times(wide_of(k), wide_of(b))), wide_of(n)));
+    return wide_to_int64(wide_nearest(
+        wide_plus(wide_times(wide_of(n - k), wide_of(a)), wide_times(wide_of(k), wide_of(b))), wide_of(n)));
 }
 
 ost_pose steps_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n)
 {
     const int64_t sign = dot(a, b).negative ? -1 : 1;
-    return (ost_pose){.t = {between(a->t.x, b->t.x, k, n), between(a->t.y, b->t.y, k, n), between(a->t.z, b->t.z, k, n)},
-                      .qw = (int32_t)between(a->qw, sign * b->qw, k, n),
-                      .qx = (int32_t)between(a->qx, sign * b->qx, k, n),
-                      .qy = (int32_t)between(a->qy, sign * b->qy, k, n),
-                      .qz = (int32_t)between(a->qz, sign * b->qz, k, n)};
+    return (ost_pose){
+        .t = {between(a->t.x, b->t.x, k, n), between(a->t.y, b->t.y, k, n), between(a->t.z, b->t.z, k, n)},
+        .qw = (int32_t)between(a->qw, sign * b->qw, k, n),
+        .qx = (int32_t)between(a->qx, sign * b->qx, k, n),
+        .qy = (int32_t)between(a->qy, sign * b->qy, k, n),
+        .qz = (int32_t)between(a->qz, sign * b->qz, k, n)};
 }

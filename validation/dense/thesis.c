@@ -88,7 +88,8 @@ static float vertex(const ost_snapped_mesh *mesh, uint32_t v, int a)
     return millimetres((double)corner[a] + mesh->vertices[v][a] * unit);
 }
 
-void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused, float minimum[3])
+void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused,
+                         float minimum[3])
 {
     const ost_snapped_mesh *meshes[] = {cutting, noncutting};
     const float size = millimetres((double)cutting->grid.voxel), half = size / 2;
@@ -117,11 +118,12 @@ static float cross(float x, float y, float z, float w, bool fused)
     return times_plus(x, y, -(z * w), fused);
 }
 
-void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused, int32_t *count, uint32_t *times,
-                      int64_t *total, uint64_t *owners)
+void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused,
+                      int32_t *count, uint32_t *times, int64_t *total, uint64_t *owners)
 {
     const float size = millimetres((double)mesh->grid.voxel);
-    const float y = times_plus((float)j + 0.5f, size, minimum[1], fused), z = times_plus((float)k + 0.5f, size, minimum[2], fused);
+    const float y = times_plus((float)j + 0.5f, size, minimum[1], fused),
+                z = times_plus((float)k + 0.5f, size, minimum[2], fused);
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         float p[3][3], u[3], w[3];
         for (int v = 0; v < 3; v++)
@@ -131,7 +133,8 @@ void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int3
             u[a] = p[1][a] - p[0][a];
             w[a] = p[2][a] - p[0][a];
         }
-        float normal[3] = {cross(u[1], w[2], u[2], w[1], fused), cross(u[2], w[0], u[0], w[2], fused), cross(u[0], w[1], u[1], w[0], fused)};
+        float normal[3] = {cross(u[1], w[2], u[2], w[1], fused), cross(u[2], w[0], u[0], w[2], fused),
+                           cross(u[0], w[1], u[1], w[0], fused)};
         if (normal[0] == 0)
             continue;
         const bool turned = normal[0] < 0;
@@ -144,7 +147,8 @@ void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int3
         ++*owners;
         for (int32_t i = 0; i < mesh->grid.dims.x; i++) {
             const float x = times_plus((float)i + 0.5f, size, minimum[0], fused);
-            const float side = times_plus(normal[0], x - a[0], times_plus(normal[1], y - a[1], normal[2] * (z - a[2]), fused), fused);
+            const float side = times_plus(normal[0], x - a[0],
+                                          times_plus(normal[1], y - a[1], normal[2] * (z - a[2]), fused), fused);
             if (sign * side >= 0) {
                 count[i] += delta;
                 times[i]++;
@@ -182,7 +186,8 @@ static void share(boxes *x, const dense_bone *bone, bool fused)
         for (int b = 0; b < 3; b++) {
             float at = 0;
             for (int a = 0; a < 3; a++) /* the inverse of the matrix is its transpose */
-                at = times_plus(x->matrix[a][b], (corner >> a & 1 ? x->tool[a] : -x->tool[a]) - x->matrix[a][3], at, fused);
+                at = times_plus(x->matrix[a][b], (corner >> a & 1 ? x->tool[a] : -x->tool[a]) - x->matrix[a][3], at,
+                                fused);
             at = fminf(fmaxf(at, -x->bone[b]), x->bone[b]);
             lo[b] = fminf(lo[b], at);
             hi[b] = fmaxf(hi[b], at);
@@ -236,7 +241,8 @@ static uint8_t class_at(const boxes *x, const dense_tool *tool, int32_t i, int32
     return tool->voxels[dense_at(dims, at[0], at[1], at[2])];
 }
 
-void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost_map *map, bool fused, dense_marks marks)
+void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost_map *map, bool fused,
+                       dense_marks marks)
 {
     const ost_dims d = bone->base.geometry.dims;
     const int32_t n = bone->base.chunk_size;

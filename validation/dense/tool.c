@@ -113,7 +113,8 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
                   *v2 = mesh->vertices[mesh->triangles[t][2]];
     const int32_t here[3] = {0, j, k};
     const int64_t y = sample_at(how, mesh, j), z = sample_at(how, mesh, k);
-    if (!how->own && (y < least(v0[1], v1[1], v2[1]) || y > most(v0[1], v1[1], v2[1]) || z < least(v0[2], v1[2], v2[2]) || z > most(v0[2], v1[2], v2[2])))
+    if (!how->own && (y < least(v0[1], v1[1], v2[1]) || y > most(v0[1], v1[1], v2[1]) ||
+                      z < least(v0[2], v1[2], v2[2]) || z > most(v0[2], v1[2], v2[2])))
         return; /* a row beyond all three corners has no owner, except by mistake */
     const int64_t right_area =
         (int64_t)(v1[1] - v0[1]) * (v2[2] - v0[2]) - (int64_t)(v2[1] - v0[1]) * (v1[2] - v0[2]);
@@ -135,7 +136,8 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
     }
     if ((area < 0) != (right_area < 0))
         deviant_acted(m, item, NULL);
-    const bool right = !how->own || (owned_right(v0, v1, y, z) && owned_right(v1, v2, y, z) && owned_right(v2, v0, y, z));
+    const bool right = !how->own ||
+                       (owned_right(v0, v1, y, z) && owned_right(v1, v2, y, z) && owned_right(v2, v0, y, z));
     const bool mine = owned(m, item, v0, v1, y, z) && owned(m, item, v1, v2, y, z) && owned(m, item, v2, v0, y, z);
     if (how->own && mine != right)
         deviant_acted(m, item, here);
@@ -168,8 +170,8 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
 /* ----------------------------------------------------------- all of them */
 
 /* Writes the solid voxels of one mesh. uncleared: counts of the previous row are kept. */
-static void add_mesh(const manner *how, const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t tool_class, const row *r, uint8_t *voxels,
-                     ost_voxelize_report *report)
+static void add_mesh(const manner *how, const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t tool_class,
+                     const row *r, uint8_t *voxels, ost_voxelize_report *report)
 {
     const ost_dims d = mesh->grid.dims;
     const size_t lost = mesh->triangle_count < how->triangles_lost ? 0 : how->triangles_lost;
@@ -206,8 +208,8 @@ static void add_mesh(const manner *how, const ost_snapped_mesh *mesh, ost_fill_r
         }
 }
 
-static void voxelize(deviant *m, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule, const row *r,
-                     uint8_t *voxels, ost_voxelize_report *report)
+static void voxelize(deviant *m, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                     ost_fill_rule rule, const row *r, uint8_t *voxels, ost_voxelize_report *report)
 {
     const int64_t count = ost_dims_count(cutting->grid.dims);
     manner how = {.m = m, .own = deviant_in(m, DEVIATION_TOOL)};
@@ -223,7 +225,8 @@ static void voxelize(deviant *m, const ost_snapped_mesh *cutting, const ost_snap
         rule = rule == OST_FILL_WINDING ? OST_FILL_PARITY : OST_FILL_WINDING;
         deviant_acted(m, 0, NULL);
     }
-    const bool lost = deviates(m, DEVIATION_TRIANGLES_LOST, 0), on_top = noncutting && deviates(m, DEVIATION_NONCUTTING_ON_TOP, 0);
+    const bool lost = deviates(m, DEVIATION_TRIANGLES_LOST, 0),
+               on_top = noncutting && deviates(m, DEVIATION_NONCUTTING_ON_TOP, 0);
     if (on_top)
         deviant_acted(m, 0, NULL);
     for (int pass = 0; pass < 2; pass++) {
@@ -243,20 +246,21 @@ static void voxelize(deviant *m, const ost_snapped_mesh *cutting, const ost_snap
     }
 }
 
-static void note_changes(deviant *m, const ost_dims d, const uint8_t *made, const uint8_t *right, const ost_voxelize_report *a,
-                         const ost_voxelize_report *b)
+static void note_changes(deviant *m, const ost_dims d, const uint8_t *made, const uint8_t *right,
+                         const ost_voxelize_report *a, const ost_voxelize_report *b)
 {
     for (int32_t k = 0; k < d.z; k++)
         for (int32_t j = 0; j < d.y; j++)
             for (int32_t i = 0; i < d.x; i++)
                 if (*made++ != *right++)
                     deviant_changed_voxel(m, (const int32_t[3]){i, j, k});
-    if (a->solid_voxels != b->solid_voxels || a->cutting_voxels != b->cutting_voxels || a->leaking_rows != b->leaking_rows)
+    if (a->solid_voxels != b->solid_voxels || a->cutting_voxels != b->cutting_voxels ||
+        a->leaking_rows != b->leaking_rows)
         deviant_changed_report(m, -1);
 }
 
-ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
-                          ost_voxelize_report *report, ost_tool **out, ost_error *err)
+ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
+                          ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
 {
     deviant *m = dense_of(backend)->deviant;
     const bool twice = deviant_in(m, DEVIATION_TOOL);
@@ -264,7 +268,8 @@ ost_status dense_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
     const ost_tool_volume empty = {.geometry = cutting->grid};
     ost_tool *right = NULL;
     const row r = {.count = malloc((size_t)d.x * sizeof *r.count), .times = malloc((size_t)d.x * sizeof *r.times)};
-    ost_status status = r.count && r.times ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a row of %d voxels", d.x);
+    ost_status status = r.count && r.times ? OST_OK
+                                           : ost_fail(err, OST_ERR_MEMORY, "out of memory for a row of %d voxels", d.x);
     if (status == OST_OK)
         status = dense_tool_upload(backend, &empty, out, err);
     if (status == OST_OK && twice)

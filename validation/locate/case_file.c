@@ -62,7 +62,8 @@ static bool read_crop(const json_t *v, scene_cut *cut)
     for (size_t end = 0; end < 2; end++)
         for (size_t a = 0; a < 3; a++) {
             int64_t at;
-            if (json_array_size(json_array_get(v, end)) != 3 || !number_in(json_array_get(json_array_get(v, end), a), 0, OST_DIM_MAX, &at))
+            if (json_array_size(json_array_get(v, end)) != 3 ||
+                !number_in(json_array_get(json_array_get(v, end), a), 0, OST_DIM_MAX, &at))
                 return false;
             (end ? cut->hi : cut->lo)[a] = (int32_t)at;
         }
@@ -85,7 +86,8 @@ static bool read_triangles(const json_t *v, scene_cut *cut)
     for (size_t i = 0; i < json_array_size(v); i++) {
         const json_t *one = json_array_get(v, i);
         int64_t tool, part;
-        if (json_array_size(one) != 4 || !number_in(json_array_get(one, 0), 0, SCENE_TOOLS_MAX - 1, &tool) || !number_in(json_array_get(one, 1), 0, 1, &part) ||
+        if (json_array_size(one) != 4 || !number_in(json_array_get(one, 0), 0, SCENE_TOOLS_MAX - 1, &tool) ||
+            !number_in(json_array_get(one, 1), 0, 1, &part) ||
             !add_range(json_array_get(one, 2), json_array_get(one, 3), &cut->triangles[tool][part]))
             return false;
     }
@@ -104,7 +106,8 @@ static ost_status read_cut(const json_t *cut_json, const char *where, scene_cut 
         while (k < sizeof keys / sizeof keys[0] && strcmp(key, keys[k]) != 0)
             k++;
         if (k == sizeof keys / sizeof keys[0])
-            return ost_fail(err, OST_ERR_INPUT, "%.200s: 'keep' has '%.40s', which this version does not know", where, key);
+            return ost_fail(err, OST_ERR_INPUT, "%.200s: 'keep' has '%.40s', which this version does not know", where,
+                            key);
         if (k < 2 && !json_is_boolean(value))
             return ost_fail(err, OST_ERR_INPUT, "%.200s: '%s' is neither true nor false", where, key);
     }
@@ -112,7 +115,8 @@ static ost_status read_cut(const json_t *cut_json, const char *where, scene_cut 
     cut->no_collide = json_is_false(json_object_get(cut_json, "collide"));
     if (!read_crop(json_object_get(cut_json, "crop"), cut))
         return bad(where, err, "'crop' must be [[x, y, z], [x, y, z]], the second beyond the first");
-    if (!read_list(json_object_get(cut_json, "samples"), &cut->samples) || !read_list(json_object_get(cut_json, "ticks"), &cut->ticks))
+    if (!read_list(json_object_get(cut_json, "samples"), &cut->samples) ||
+        !read_list(json_object_get(cut_json, "ticks"), &cut->ticks))
         return bad(where, err, "'samples' and 'ticks' must be [[from, to], ...], ascending, at most 64 of them");
     if (!read_tools(json_object_get(cut_json, "no_tools"), cut))
         return bad(where, err, "'no_tools' must be numbers of tools");
@@ -138,7 +142,9 @@ ost_status case_of_json(const json_t *o, const char *where, const plan_user *use
     if (!end || *end || errno)
         return bad(where, err, "'seed' must be a number, as text");
     if (id && strncmp(id, "user/", 5) == 0 && !user)
-        return ost_fail(err, OST_ERR_INPUT, "%.200s: case '%.40s' is made of the user's own files: give them with --ct, --tool and --path", where, id);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%.200s: case '%.40s' is made of the user's own files: give them with --ct, --tool and --path",
+                        where, id);
     if (!id || !plan_find((plan_tier)t, number, id, user, out))
         return ost_fail(err, OST_ERR_INPUT, "%.200s: tier %s has no case '%.40s'", where, tier, id ? id : "");
     const json_t *cut_json = json_object_get(o, "keep");
@@ -173,7 +179,9 @@ json_t *case_to_json(const plan_case *c, const scene_cut *cut)
     if (cut->no_collide)
         json_object_set_new(cut_json, "collide", json_false());
     if (cut->cropped)
-        json_object_set_new(cut_json, "crop", json_pack("[[i,i,i],[i,i,i]]", cut->lo[0], cut->lo[1], cut->lo[2], cut->hi[0], cut->hi[1], cut->hi[2]));
+        json_object_set_new(
+            cut_json, "crop",
+            json_pack("[[i,i,i],[i,i,i]]", cut->lo[0], cut->lo[1], cut->lo[2], cut->hi[0], cut->hi[1], cut->hi[2]));
     if (cut->samples.some)
         json_object_set_new(cut_json, "samples", list_json(&cut->samples));
     if (cut->ticks.some)
@@ -183,7 +191,9 @@ json_t *case_to_json(const plan_case *c, const scene_cut *cut)
             json_array_append_new(no_tools, json_integer(t));
         for (int part = 0; part < 2; part++)
             for (int i = 0; i < cut->triangles[t][part].count; i++)
-                json_array_append_new(triangles, json_pack("[i,i,i,i]", t, part, (int)cut->triangles[t][part].range[i][0], (int)cut->triangles[t][part].range[i][1]));
+                json_array_append_new(triangles,
+                                      json_pack("[i,i,i,i]", t, part, (int)cut->triangles[t][part].range[i][0],
+                                                (int)cut->triangles[t][part].range[i][1]));
     }
     if (json_array_size(no_tools))
         json_object_set(cut_json, "no_tools", no_tools);
@@ -191,7 +201,8 @@ json_t *case_to_json(const plan_case *c, const scene_cut *cut)
         json_object_set(cut_json, "triangles", triangles);
     json_decref(no_tools);
     json_decref(triangles);
-    json_t *o = json_pack("{s:i,s:s,s:s,s:o}", "osteon_case", 1, "id", c->id, "tier", plan_tier_name(c->tier), "keep", cut_json);
+    json_t *o = json_pack("{s:i,s:s,s:s,s:o}", "osteon_case", 1, "id", c->id, "tier", plan_tier_name(c->tier), "keep",
+                          cut_json);
     if (o)
         json_object_set_new(o, "seed", json_sprintf("%llu", (unsigned long long)c->seed));
     return o;

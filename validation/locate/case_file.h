@@ -25,8 +25,8 @@ ost_status case_of_json(const json_t *o, const char *where, const plan_user *use
 /* Returns the case as JSON, owned by the caller; NULL if memory is exhausted. */
 json_t *case_to_json(const plan_case *c, const scene_cut *cut);
 
-/* Reads all cases of a file as a plan. If document is not NULL, *document receives the content of the file, owned by the
-   caller. */
+/* Reads all cases of a file as a plan. If document is not NULL, *document receives the content
+   of the file, owned by the caller. */
 ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **document, ost_error *err);
 
 #endif

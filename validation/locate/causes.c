@@ -45,5 +45,6 @@ void causes_text(const char *class, char out[CAUSES_TEXT])
         n += snprintf(out + n, CAUSES_TEXT - (size_t)n, "%s %s %d %%", named ? "," : "", c->most[named].kind,
                       (100 * c->most[named].mistakes + c->mistakes / 2) / c->mistakes);
     if (c->kinds > named)
-        snprintf(out + n, CAUSES_TEXT - (size_t)n, ", %d other kind%s", c->kinds - named, c->kinds - named == 1 ? "" : "s");
+        snprintf(out + n, CAUSES_TEXT - (size_t)n, ", %d other kind%s", c->kinds - named,
+                 c->kinds - named == 1 ? "" : "s");
 }

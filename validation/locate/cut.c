@@ -33,7 +33,8 @@ static ost_status cut_ct(const scene_cut *cut, scene *s, ost_error *err)
         lo[a] = cut->lo[a];
         hi[a] = cut->hi[a] < n[a] ? cut->hi[a] : n[a];
         if (lo[a] < 0 || lo[a] >= hi[a])
-            return ost_fail(err, OST_ERR_INPUT, "crop: nothing of the grid's %d voxels on axis %d lies in %d..%d", n[a], a, cut->lo[a], cut->hi[a]);
+            return ost_fail(err, OST_ERR_INPUT, "crop: nothing of the grid's %d voxels on axis %d lies in %d..%d", n[a],
+                            a, cut->lo[a], cut->hi[a]);
     }
     const ost_geometry g = s->rect;
     size_t kept = 0, capacity = s->sample_count;
@@ -42,7 +43,8 @@ static ost_status cut_ct(const scene_cut *cut, scene *s, ost_error *err)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu samples", capacity);
     for (size_t i = 0; i < s->sample_count; i++) {
         const ost_sample *one = &s->samples[i];
-        const int64_t at[3] = {ost_rhe_div(one->x - g.origin.x, g.spacing.x), ost_rhe_div(one->y - g.origin.y, g.spacing.y),
+        const int64_t at[3] = {ost_rhe_div(one->x - g.origin.x, g.spacing.x),
+                               ost_rhe_div(one->y - g.origin.y, g.spacing.y),
                                ost_rhe_div(one->z - g.origin.z, g.spacing.z)};
         bool in = cut_keeps(&cut->samples, i);
         for (int a = 0; a < 3; a++)
@@ -56,7 +58,8 @@ static ost_status cut_ct(const scene_cut *cut, scene *s, ost_error *err)
         s->samples[i].line = (uint32_t)(i % s->batch);
     s->sample_count = kept;
     s->rect.dims = (ost_dims){hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]};
-    s->rect.origin = (ost_pm3){g.origin.x + lo[0] * g.spacing.x, g.origin.y + lo[1] * g.spacing.y, g.origin.z + lo[2] * g.spacing.z};
+    s->rect.origin = (ost_pm3){g.origin.x + lo[0] * g.spacing.x, g.origin.y + lo[1] * g.spacing.y,
+                               g.origin.z + lo[2] * g.spacing.z};
     return kept ? OST_OK : ost_fail(err, OST_ERR_INPUT, "no sample is left");
 }
 

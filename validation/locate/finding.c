@@ -11,9 +11,11 @@ static int32_t ceiling(int32_t n, int32_t by)
     return (n + by - 1) / by;
 }
 
-static void find_chunk(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, finding *out)
+static void find_chunk(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
+                       finding *out)
 {
-    const bool bone = d->stage == TRACE_CHUNKS || d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE || d->stage == TRACE_FINAL;
+    const bool bone = d->stage == TRACE_CHUNKS || d->stage == TRACE_TICK || d->stage == TRACE_COLLIDE ||
+                      d->stage == TRACE_FINAL;
     const int size = bone && s->chunk_size ? s->chunk_size : OST_LEAF;
     trace_block_view first;
     if (d->kind == COMPARE_VOXEL) {
@@ -33,7 +35,8 @@ static void find_chunk(const scene *s, const trace *ref, compare_range in_ref, c
 
 /* Finds the tick of the same number for a difference in a collision's report: the voxels that the tick removes show
    more than the report. */
-static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d, compare_difference *out)
+static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
+                            const compare_difference *d, compare_difference *out)
 {
     if (d->kind != COMPARE_WORD || d->stage != TRACE_COLLIDE)
         return false;
@@ -41,7 +44,8 @@ static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace 
     return out->kind == COMPARE_VOXEL && out->stage == TRACE_TICK && out->item == d->item;
 }
 
-void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d, finding *out)
+void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
+                  const compare_difference *d, finding *out)
 {
     grids g;
     *out = (finding){.chunk_size = 0};
@@ -62,7 +66,8 @@ void finding_make(const scene *s, const trace *ref, compare_range in_ref, const 
         snprintf(out->text, sizeof out->text, "no voxel differs in this record, only what was reported");
         return;
     }
-    if (d->kind != COMPARE_VOXEL || d->records < 1 || !grids_at(s, ref, in_ref, got, in_got, (size_t)d->records - 1, &g)) {
+    if (d->kind != COMPARE_VOXEL || d->records < 1 ||
+        !grids_at(s, ref, in_ref, got, in_got, (size_t)d->records - 1, &g)) {
         operands_of(s, ref, in_ref, d, NULL, &out->operands);
         return;
     }
@@ -76,7 +81,8 @@ void finding_make(const scene *s, const trace *ref, compare_range in_ref, const 
     grids_free(&g);
 }
 
-finding *finding_of_case(const plan_case *c, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d)
+finding *finding_of_case(const plan_case *c, const trace *ref, compare_range in_ref, const trace *got,
+                         compare_range in_got, const compare_difference *d)
 {
     finding *out = malloc(sizeof *out);
     ost_error none = {0};

@@ -25,10 +25,12 @@ typedef struct finding {
 
 /* Describes d, the first difference between the traces ref and got of a case with this scene. in_ref and in_got are the
    records of the case in the traces. */
-void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d, finding *out);
+void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
+                  const compare_difference *d, finding *out);
 
 /* Makes the scene of a case and describes its difference as finding_make does. The caller frees the result with free().
    Returns NULL if the scene cannot be made or memory is exhausted. */
-finding *finding_of_case(const plan_case *c, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, const compare_difference *d);
+finding *finding_of_case(const plan_case *c, const trace *ref, compare_range in_ref, const trace *got,
+                         compare_range in_got, const compare_difference *d);
 
 #endif

@@ -60,13 +60,15 @@ static bool lay(const trace_record *r, ost_dims d, int16_t *to)
     size_t walk = 0;
     trace_block_view b;
     while (trace_next_block(r, &walk, &b)) {
-        if (b.lo[0] < 0 || b.lo[1] < 0 || b.lo[2] < 0 || b.lo[0] > d.x - b.dims.x || b.lo[1] > d.y - b.dims.y || b.lo[2] > d.z - b.dims.z)
+        if (b.lo[0] < 0 || b.lo[1] < 0 || b.lo[2] < 0 || b.lo[0] > d.x - b.dims.x || b.lo[1] > d.y - b.dims.y ||
+            b.lo[2] > d.z - b.dims.z)
             return false;
         size_t i = 0;
         for (int32_t z = 0; z < b.dims.z; z++)
             for (int32_t y = 0; y < b.dims.y; y++)
                 for (int32_t x = 0; x < b.dims.x; x++)
-                    to[b.lo[0] + x + (int64_t)d.x * (b.lo[1] + y + (int64_t)d.y * (b.lo[2] + z))] = grids_voxel(&b, i++);
+                    to[b.lo[0] + x + (int64_t)d.x * (b.lo[1] + y + (int64_t)d.y * (b.lo[2] + z))] = grids_voxel(&b,
+                                                                                                                i++);
     }
     return true;
 }
@@ -86,11 +88,13 @@ static bool tick_grids(const trace *ref, compare_range in_ref, const trace_recor
         return false;
     out->ref = copied(out->before, out->dims);
     out->got = copied(out->before, out->dims);
-    return out->ref && out->got && lay(&ref->records[in_ref.first + at], out->dims, out->ref) && lay(got, out->dims, out->got);
+    return out->ref && out->got && lay(&ref->records[in_ref.first + at], out->dims, out->ref) &&
+           lay(got, out->dims, out->got);
 }
 
 /* Computes AR-CUB along an axis: the rect voxel of each cubic voxel, and the weight of the next one. */
-static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, ost_resample rule, int32_t **source, int32_t **weight)
+static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, ost_resample rule, int32_t **source,
+                         int32_t **weight)
 {
     *source = malloc((size_t)n * sizeof **source);
     *weight = malloc((size_t)n * sizeof **weight);
@@ -115,7 +119,8 @@ static int32_t *samples_behind(const scene *s)
     for (size_t i = 0; i < s->sample_count; i++) {
         const ost_sample *one = &s->samples[i];
         const size_t end = (i / s->batch + 1) * s->batch, last = end < s->sample_count ? end : s->sample_count;
-        const int64_t x = ost_rhe_div(one->x - g->origin.x, g->spacing.x), y = ost_rhe_div(one->y - g->origin.y, g->spacing.y),
+        const int64_t x = ost_rhe_div(one->x - g->origin.x, g->spacing.x),
+                      y = ost_rhe_div(one->y - g->origin.y, g->spacing.y),
                       z = ost_rhe_div(one->z - g->origin.z, g->spacing.z);
         if (x >= 0 && y >= 0 && z >= 0 && x < g->dims.x && y < g->dims.y && z < g->dims.z)
             to[x + g->dims.x * (y + g->dims.y * z)] = (int32_t)(last - 1 - i);
@@ -137,7 +142,8 @@ static bool with_input(const scene *s, const trace *ref, compare_range in_ref, g
         out->before_dims = in.dims;
         bool found = out->before;
         for (int a = 0; a < 3; a++)
-            found = find_sources(n[a], s->cubic, spacing[a], m[a], s->resample, &out->source[a], &out->weight[a]) && found;
+            found = find_sources(n[a], s->cubic, spacing[a], m[a], s->resample, &out->source[a], &out->weight[a]) &&
+                    found;
         return found;
     }
     if (out->stage == TRACE_CHUNKS && grids_block(ref, in_ref, TRACE_CUBIC, 0, &in) && same_dims(in.dims, out->dims)) {
@@ -148,7 +154,8 @@ static bool with_input(const scene *s, const trace *ref, compare_range in_ref, g
     return true;
 }
 
-bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, grids *out)
+bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
+              grids *out)
 {
     trace_block_view one, two;
     *out = (grids){.ref = NULL};
@@ -190,11 +197,19 @@ void grids_free(grids *g)
 pattern_view grids_view(const grids *g, const scene *s, bool reported_too)
 {
     const bool tool = g->stage == TRACE_TOOL;
-    pattern_view v = {.a = g->ref, .b = g->got, .dims = g->dims, .dims_b = g->dims, .tool = tool, .reported_too = reported_too, .behind = g->behind};
+    pattern_view v = {.a = g->ref,
+                      .b = g->got,
+                      .dims = g->dims,
+                      .dims_b = g->dims,
+                      .tool = tool,
+                      .reported_too = reported_too,
+                      .behind = g->behind};
     v.solid_a = v.solid_b = tool ? 1 : s->threshold;
     v.chunk = tool || !s->chunk_size ? OST_LEAF : s->chunk_size;
     if (g->before) {
-        v.input = g->stage == TRACE_CUBIC ? PATTERN_SOURCE : g->stage == TRACE_CHUNKS ? PATTERN_THRESHOLDED : PATTERN_BEFORE;
+        v.input = g->stage == TRACE_CUBIC    ? PATTERN_SOURCE
+                  : g->stage == TRACE_CHUNKS ? PATTERN_THRESHOLDED
+                                             : PATTERN_BEFORE;
         v.in = g->before;
         v.in_dims = g->before_dims;
         for (int a = 0; a < 3; a++) {

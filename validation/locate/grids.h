@@ -28,7 +28,8 @@ typedef struct grids {
 
 /* Makes the grids of record `at` of both ranges. Returns false, with nothing owned, if it has no grids of equal
    size. */
-bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at, grids *out);
+bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
+              grids *out);
 void grids_free(grids *g);
 
 /* Returns the view for pattern_find; valid as long as g. */

@@ -43,14 +43,18 @@ static ost_status write_cases(const job *j, const candidates *list, ost_error *e
     for (int i = 0; i < list->count; i++)
         json_array_append_new(cases, case_to_json(j->c, &list->cut[i]));
     json_object_set_new(o, "cases", cases);
-    const bool written = json_array_size(cases) == (size_t)list->count && json_dump_file(o, j->cases, JSON_COMPACT) == 0;
+    const bool written = json_array_size(cases) == (size_t)list->count &&
+                         json_dump_file(o, j->cases, JSON_COMPACT) == 0;
     json_decref(o);
     return written ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be written", j->cases);
 }
 
 static ost_status run_worker(job *j, trace *got, ost_error *err)
 {
-    const char *const words[] = {j->program, "validate", "--worker", j->spec, "--trace", j->trace, "--case", j->cases, j->c->store ? "--user" : NULL, NULL};
+    const char *const words[] = {j->program, "validate", "--worker",
+                                 j->spec,    "--trace",  j->trace,
+                                 "--case",   j->cases,   j->c->store ? "--user" : NULL,
+                                 NULL};
     char *argv[sizeof words / sizeof words[0]];
     worker w;
     worker_result end;
@@ -163,7 +167,8 @@ static cut_list one_range(uint32_t from, uint32_t to)
 static ost_status cut_stages(job *j, const scene *s, const compare_difference *d, bool *found, ost_error *err)
 {
     candidates list = {.count = 0};
-    scene_cut cut = {.no_ct = d->stage == TRACE_TOOL || d->stage == TRACE_SNAP, .no_collide = d->stage != TRACE_COLLIDE};
+    scene_cut cut = {.no_ct = d->stage == TRACE_TOOL || d->stage == TRACE_SNAP,
+                     .no_collide = d->stage != TRACE_COLLIDE};
     const uint32_t all = (1u << s->tool_count) - 1;
     if (d->stage == TRACE_RECT || d->stage == TRACE_CUBIC || d->stage == TRACE_CHUNKS) {
         cut.no_tools = all;
@@ -173,7 +178,8 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
         cut.no_tools = all & ~(1u << d->item);
         cut.ticks = (cut_list){.some = true};
         add(&list, &cut);
-    } else if ((d->stage == TRACE_TICK || d->stage == TRACE_STEPS || d->stage == TRACE_COLLIDE) && d->item < s->path.count) {
+    } else if ((d->stage == TRACE_TICK || d->stage == TRACE_STEPS || d->stage == TRACE_COLLIDE) &&
+               d->item < s->path.count) {
         const uint32_t tool = (uint32_t)s->path.ticks[d->item].tool;
         for (uint32_t before = 0;; before = before ? 2 * before : 1) {
             const uint32_t from = before < d->item ? d->item - before : 0;
@@ -202,7 +208,8 @@ static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3],
     const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
     const int32_t n[3] = {s->rect.dims.x, s->rect.dims.y, s->rect.dims.z};
     for (int a = 0; a < 3; a++) {
-        const int64_t top = s->resample == OST_RESAMPLE_THESIS ? 2 * voxel[a] * s->cubic : (2 * (int64_t)voxel[a] + 1) * s->cubic;
+        const int64_t top = s->resample == OST_RESAMPLE_THESIS ? 2 * voxel[a] * s->cubic
+                                                               : (2 * (int64_t)voxel[a] + 1) * s->cubic;
         const int64_t source = ost_floor_div(top, 2 * spacing[a]);
         at[a] = stage == TRACE_RECT ? voxel[a] : source < n[a] - 1 ? (int32_t)source : n[a] - 1;
     }
@@ -214,7 +221,8 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
 {
     const compare_difference *d = &j->best->difference;
     const finding *f = &j->best->found;
-    const int32_t n[3] = {s->rect.dims.x, s->rect.dims.y, s->rect.dims.z}, align = d->stage == TRACE_TICK ? OST_MAP_BLOCK : 1;
+    const int32_t n[3] = {s->rect.dims.x, s->rect.dims.y, s->rect.dims.z},
+                  align = d->stage == TRACE_TICK ? OST_MAP_BLOCK : 1;
     candidates list = {.count = 0};
     int32_t at[3];
     bool found;
@@ -223,7 +231,9 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
     if (d->kind == COMPARE_VOXEL)
         source_of(s, d->stage, d->voxel, at);
     else if (d->kind == COMPARE_WORD && f->chunk_size) { /* around the middle of the chunk whose report differs */
-        const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2, f->chunk[1] * f->chunk_size + f->chunk_size / 2, f->chunk[2] * f->chunk_size + f->chunk_size / 2};
+        const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2,
+                                   f->chunk[1] * f->chunk_size + f->chunk_size / 2,
+                                   f->chunk[2] * f->chunk_size + f->chunk_size / 2};
         source_of(s, d->stage, middle, at);
     } else
         return OST_OK;
@@ -275,7 +285,8 @@ static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
 {
     *out = (cut_list){.some = true};
     for (int i = 0; i < list->count; i++) {
-        const uint32_t from = list->range[i][0], to = list->range[i][1], parts[2][2] = {{from, to < a ? to : a}, {from > b ? from : b, to}};
+        const uint32_t from = list->range[i][0], to = list->range[i][1],
+                       parts[2][2] = {{from, to < a ? to : a}, {from > b ? from : b, to}};
         for (int p = 0; p < 2; p++) {
             if (parts[p][0] >= parts[p][1])
                 continue;
@@ -290,7 +301,8 @@ static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
 
 /* Applies delta debugging to one list: halves, quarters, ... are omitted, or kept alone. `which` returns the list in
    a cut. */
-static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut *cut, int tool), int tool, ost_error *err)
+static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut *cut, int tool), int tool,
+                            ost_error *err)
 {
     ost_status status = OST_OK;
     if (count < 2)
@@ -301,7 +313,8 @@ static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut
     for (uint32_t parts = 2; status == OST_OK && j->best->runs < RUNS;) {
         const cut_list now = *which(&j->best->cut, tool);
         candidates tried = {.count = 0};
-        const uint32_t lo = now.count ? now.range[0][0] : 0, hi = now.count ? now.range[now.count - 1][1] : 0, step = (hi - lo + parts - 1) / parts;
+        const uint32_t lo = now.count ? now.range[0][0] : 0, hi = now.count ? now.range[now.count - 1][1] : 0,
+                       step = (hi - lo + parts - 1) / parts;
         bool found = false;
         if (hi - lo < 2 || step == 0)
             break;
@@ -368,8 +381,8 @@ static ost_status cut_all(job *j, const scene *s, const compare_difference *d, b
     return status;
 }
 
-ost_status minimise(const plan_case *c, const char *spec, const compare_difference *d, const finding *f, const char *program, const char *folder, minimised *out,
-                    bool *done, ost_error *err)
+ost_status minimise(const plan_case *c, const char *spec, const compare_difference *d, const finding *f,
+                    const char *program, const char *folder, minimised *out, bool *done, ost_error *err)
 {
     job j = {.c = c, .spec = spec, .program = program, .stage = d->stage, .class = f->class, .best = out};
     scene s;
@@ -394,11 +407,11 @@ const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT])
     if (m->ticks)
         snprintf(part[0], sizeof part[0], "%llu tick%s", (unsigned long long)m->ticks, m->ticks == 1 ? "" : "s");
     if (m->tools)
-        snprintf(part[1], sizeof part[1], "%s%d tool%s of %llu triangle%s", m->ticks ? ", " : "", m->tools, m->tools == 1 ? "" : "s", (unsigned long long)m->triangles,
-                 m->triangles == 1 ? "" : "s");
+        snprintf(part[1], sizeof part[1], "%s%d tool%s of %llu triangle%s", m->ticks ? ", " : "", m->tools,
+                 m->tools == 1 ? "" : "s", (unsigned long long)m->triangles, m->triangles == 1 ? "" : "s");
     if (m->samples)
-        snprintf(part[2], sizeof part[2], "%s%llu sample%s in %d x %d x %d voxels", m->tools ? ", " : "", (unsigned long long)m->samples, m->samples == 1 ? "" : "s",
-                 m->rect.x, m->rect.y, m->rect.z);
+        snprintf(part[2], sizeof part[2], "%s%llu sample%s in %d x %d x %d voxels", m->tools ? ", " : "",
+                 (unsigned long long)m->samples, m->samples == 1 ? "" : "s", m->rect.x, m->rect.y, m->rect.z);
     snprintf(text, MINIMISED_TEXT, "%s%s%s", part[0], part[1], part[2]);
     return text;
 }

@@ -29,8 +29,8 @@ typedef struct minimised {
 
 /* Minimises a case. program: this program's file, for workers; folder: a folder for temporary files, which are removed.
    *out is valid only if *done is true. */
-ost_status minimise(const plan_case *c, const char *spec, const compare_difference *d, const finding *f, const char *program, const char *folder, minimised *out,
-                    bool *done, ost_error *err);
+ost_status minimise(const plan_case *c, const char *spec, const compare_difference *d, const finding *f,
+                    const char *program, const char *folder, minimised *out, bool *done, ost_error *err);
 
 /* Writes the contents as text: "1 tick, 1 tool of 12 triangles, 8 samples in 2 x 2 x 2 voxels". */
 const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT]);

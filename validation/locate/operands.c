@@ -40,22 +40,28 @@ static void rect_operands(const scene *s, const compare_difference *d, operands 
         if (!here)
             continue;
         if (++met <= 8)
-            add(o, "sample", "no. %zu (number %zu of batch %zu): density %d at (%lld, %lld, %lld) pm; less the origin, over the spacing: (%lld/%lld, %lld/%lld, %lld/%lld)", i,
-                i % s->batch, i / s->batch, (int)one->density, (long long)p[0], (long long)p[1], (long long)p[2], (long long)(p[0] - p0[0]), (long long)sp[0],
-                (long long)(p[1] - p0[1]), (long long)sp[1], (long long)(p[2] - p0[2]), (long long)sp[2]);
+            add(o, "sample",
+                "no. %zu (number %zu of batch %zu): density %d at (%lld, %lld, %lld) pm; less the origin, over the "
+                "spacing: (%lld/%lld, %lld/%lld, %lld/%lld)",
+                i, i % s->batch, i / s->batch, (int)one->density, (long long)p[0], (long long)p[1], (long long)p[2],
+                (long long)(p[0] - p0[0]), (long long)sp[0], (long long)(p[1] - p0[1]), (long long)sp[1],
+                (long long)(p[2] - p0[2]), (long long)sp[2]);
     }
-    add(o, "samples", "%d fall on this voxel, of %zu in batches of %zu%s", met, s->sample_count, s->batch, met > 8 ? "; the first 8 are above" : "");
+    add(o, "samples", "%d fall on this voxel, of %zu in batches of %zu%s", met, s->sample_count, s->batch,
+        met > 8 ? "; the first 8 are above" : "");
     if (met > 1)
         add(o, "duplicates", "%s", rules[s->duplicates]);
 }
 
 /* ------------------------------------------------------------------ cubic */
 
-static void cubic_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, operands *o)
+static void cubic_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
+                           operands *o)
 {
-    static const char *const rules[] = {[OST_RESAMPLE_LINEAR] = "linear: t = ((2 i + 1) cubic - rect) / (2 rect), from 0 to the last",
-                                        [OST_RESAMPLE_NEAREST] = "nearest: floor((2 i + 1) cubic / (2 rect)), at most the last",
-                                        [OST_RESAMPLE_THESIS] = "thesis: floor(i cubic / rect)"};
+    static const char *const rules[] = {
+        [OST_RESAMPLE_LINEAR] = "linear: t = ((2 i + 1) cubic - rect) / (2 rect), from 0 to the last",
+        [OST_RESAMPLE_NEAREST] = "nearest: floor((2 i + 1) cubic / (2 rect)), at most the last",
+        [OST_RESAMPLE_THESIS] = "thesis: floor(i cubic / rect)"};
     const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
     const int32_t n[3] = {s->rect.dims.x, s->rect.dims.y, s->rect.dims.z};
     resample_tap tap[3];
@@ -65,12 +71,13 @@ static void cubic_operands(const scene *s, const trace *ref, compare_range in_re
         const resample_tap *t = &tap[a];
         const char name[] = {"xyz"[a], '\0'};
         tap[a] = resample_at(d->voxel[a], s->cubic, spacing[a], n[a], s->resample);
-        add(o, name, "%lld / %lld: source %lld of %d%s", (long long)t->top, (long long)t->bottom, (long long)t->index, n[a],
-            t->weight ? " and the next" : "");
+        add(o, name, "%lld / %lld: source %lld of %d%s", (long long)t->top, (long long)t->bottom, (long long)t->index,
+            n[a], t->weight ? " and the next" : "");
         if (t->weight)
             add(o, "weight", "%lld / 32768 of the next along %s", (long long)t->weight, name);
     }
-    if (!grids_block(ref, in_ref, TRACE_RECT, 0, &rect) || rect.dims.x != n[0] || rect.dims.y != n[1] || rect.dims.z != n[2])
+    if (!grids_block(ref, in_ref, TRACE_RECT, 0, &rect) || rect.dims.x != n[0] || rect.dims.y != n[1] ||
+        rect.dims.z != n[2])
         return;
     int64_t sum = 0;
     for (int corner = 0; corner < 8; corner++) {
@@ -80,23 +87,29 @@ static void cubic_operands(const scene *s, const trace *ref, compare_range in_re
             continue;
         const int density = grids_voxel(&rect, (size_t)(q[0] + n[0] * (q[1] + n[1] * q[2])));
         sum += weight * density;
-        add(o, "source", "rect voxel (%lld, %lld, %lld) has %d", (long long)q[0], (long long)q[1], (long long)q[2], density);
+        add(o, "source", "rect voxel (%lld, %lld, %lld) has %d", (long long)q[0], (long long)q[1], (long long)q[2],
+            density);
     }
     if (tap[0].weight || tap[1].weight || tap[2].weight)
-        add(o, "mean", "%lld / 2^45, rounded half to even: %lld", (long long)sum, (long long)ost_rhe_div(sum, INT64_C(1) << 45));
+        add(o, "mean", "%lld / 2^45, rounded half to even: %lld", (long long)sum,
+            (long long)ost_rhe_div(sum, INT64_C(1) << 45));
 }
 
 /* ----------------------------------------------------------------- chunks */
 
-static void chunk_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, operands *o)
+static void chunk_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
+                           operands *o)
 {
     trace_block_view cubic;
     const int32_t *v = d->voxel;
-    if (!grids_block(ref, in_ref, TRACE_CUBIC, 0, &cubic) || v[0] >= cubic.dims.x || v[1] >= cubic.dims.y || v[2] >= cubic.dims.z)
+    if (!grids_block(ref, in_ref, TRACE_CUBIC, 0, &cubic) || v[0] >= cubic.dims.x || v[1] >= cubic.dims.y ||
+        v[2] >= cubic.dims.z)
         return;
-    const int density = grids_voxel(&cubic, (size_t)v[0] + (size_t)cubic.dims.x * ((size_t)v[1] + (size_t)cubic.dims.y * (size_t)v[2]));
+    const int density = grids_voxel(&cubic, (size_t)v[0] + (size_t)cubic.dims.x *
+                                                               ((size_t)v[1] + (size_t)cubic.dims.y * (size_t)v[2]));
     add(o, "density", "%d in the cubic grid", density);
-    add(o, "threshold", "%d: %s", s->threshold, density >= s->threshold ? "active, stored as it is" : "below it, stored as 0");
+    add(o, "threshold", "%d: %s", s->threshold,
+        density >= s->threshold ? "active, stored as it is" : "below it, stored as 0");
 }
 
 /* ------------------------------------------------------------------- tool */
@@ -115,9 +128,11 @@ static bool owns(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
 }
 
 /* Computes AR-VOX-1 to 3 of one triangle for the row of voxel v; ranges as in src/cpu/ref/voxelize.c. */
-static void cross(const ost_snapped_mesh *m, size_t t, const int32_t v[3], const char *part, crossing_sums *sums, operands *o)
+static void cross(const ost_snapped_mesh *m, size_t t, const int32_t v[3], const char *part, crossing_sums *sums,
+                  operands *o)
 {
-    const int32_t *a = m->vertices[m->triangles[t][0]], *b = m->vertices[m->triangles[t][1]], *c = m->vertices[m->triangles[t][2]];
+    const int32_t *a = m->vertices[m->triangles[t][0]], *b = m->vertices[m->triangles[t][1]],
+                  *c = m->vertices[m->triangles[t][2]];
     const int f = m->fraction_bits;
     const int64_t half = INT64_C(1) << (f - 1), width = 2 * half, y = v[1] * width + half, z = v[2] * width + half;
     int64_t p[3], q[3];
@@ -140,7 +155,8 @@ static void cross(const ost_snapped_mesh *m, size_t t, const int32_t v[3], const
     }
     if (!owns(a, b, y, z) || !owns(b, c, y, z) || !owns(c, a, y, z))
         return;
-    const int64_t crossing = nx * a[0] - ny * (y - a[1]) - nz * (z - a[2]), from = ost_ceil_div(crossing - nx * half, nx * width);
+    const int64_t crossing = nx * a[0] - ny * (y - a[1]) - nz * (z - a[2]),
+                  from = ost_ceil_div(crossing - nx * half, nx * width);
     sums->total += step;
     sums->owners++;
     if (from <= v[0]) {
@@ -148,19 +164,23 @@ static void cross(const ost_snapped_mesh *m, size_t t, const int32_t v[3], const
         sums->times++;
     }
     if (++sums->shown <= 6)
-        add(o, part, "triangle %zu crosses the row at x = %lld / %lld (lattice units, a voxel has %lld): %+d from voxel %lld on", t, (long long)crossing, (long long)nx,
-            (long long)width, step, (long long)from);
+        add(o, part,
+            "triangle %zu crosses the row at x = %lld / %lld (lattice units, a voxel has %lld): %+d from voxel %lld on",
+            t, (long long)crossing, (long long)nx, (long long)width, step, (long long)from);
 }
 
-static void mesh_operands(const ost_snapped_mesh *m, ost_fill_rule rule, const int32_t v[3], const char *part, operands *o)
+static void mesh_operands(const ost_snapped_mesh *m, ost_fill_rule rule, const int32_t v[3], const char *part,
+                          operands *o)
 {
     crossing_sums n = {0};
     const bool parity = rule == OST_FILL_PARITY;
     for (size_t t = 0; t < m->triangle_count; t++)
         cross(m, t, v, part, &n, o);
     const bool leaks = parity ? n.owners % 2 : n.total != 0, solid = parity ? n.times % 2 : n.winding != 0;
-    add(o, part, "%u crossings in the row%s, their sum %d%s; at the voxel the %s is %d: %s", n.owners, n.shown > 6 ? " (the first 6 above)" : "", n.total,
-        leaks ? ": it leaks and is void" : "", parity ? "number of crossings" : "winding number", parity ? (int)n.times : n.winding, solid && !leaks ? "solid" : "void");
+    add(o, part, "%u crossings in the row%s, their sum %d%s; at the voxel the %s is %d: %s", n.owners,
+        n.shown > 6 ? " (the first 6 above)" : "", n.total, leaks ? ": it leaks and is void" : "",
+        parity ? "number of crossings" : "winding number", parity ? (int)n.times : n.winding,
+        solid && !leaks ? "solid" : "void");
 }
 
 static void tool_operands(const scene *s, const compare_difference *d, operands *o)
@@ -168,7 +188,8 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
     if ((int)d->item >= s->tool_count)
         return;
     const scene_tool *t = &s->tools[d->item];
-    add(o, "row", "y = %d, z = %d of tool %u '%s'; %s", d->voxel[1], d->voxel[2], d->item, t->name, t->rule == OST_FILL_PARITY ? "parity" : "winding");
+    add(o, "row", "y = %d, z = %d of tool %u '%s'; %s", d->voxel[1], d->voxel[2], d->item, t->name,
+        t->rule == OST_FILL_PARITY ? "parity" : "winding");
     mesh_operands(&t->cutting, t->rule, d->voxel, "cutting", o);
     if (t->noncutting.triangle_count)
         mesh_operands(&t->noncutting, t->rule, d->voxel, "not cutting", o);
@@ -201,13 +222,15 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
         if (t->rpm == 0) {
             last[t->tool] = t->pose;
             since[t->tool] = (int64_t)i;
-        } else if (taken_up || !running || period == 0 || ost_floor_div(t->t_ns, period) != ost_floor_div(removal_t, period)) {
+        } else if (taken_up || !running || period == 0 ||
+                   ost_floor_div(t->t_ns, period) != ost_floor_div(removal_t, period)) {
             ost_error refused = {0};
             e = (event_poses){true, t->pose, t->pose, 1, -1};
             if (!taken_up && !s->world.sweep_off) {
                 e.from = last[t->tool];
                 e.since = since[t->tool];
-                if (ost_sweep_count(&e.from, &t->pose, &s->tools[t->tool].cutting.grid, voxel, &e.count, &refused) != OST_OK) {
+                if (ost_sweep_count(&e.from, &t->pose, &s->tools[t->tool].cutting.grid, voxel, &e.count, &refused) !=
+                    OST_OK) {
                     e.removal = false;
                     continue; /* the tick is refused and leaves the world unchanged */
                 }
@@ -234,7 +257,8 @@ static int class_of(const trace_block_view *tool, const int32_t at[3])
 {
     if (at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= tool->dims.x || at[1] >= tool->dims.y || at[2] >= tool->dims.z)
         return -1;
-    return grids_voxel(tool, (size_t)at[0] + (size_t)tool->dims.x * ((size_t)at[1] + (size_t)tool->dims.y * (size_t)at[2]));
+    return grids_voxel(tool,
+                       (size_t)at[0] + (size_t)tool->dims.x * ((size_t)at[1] + (size_t)tool->dims.y * (size_t)at[2]));
 }
 
 static mapped map_voxel(const ost_map *map, const trace_block_view *tool, const int32_t v[3])
@@ -256,7 +280,9 @@ static mapped map_voxel(const ost_map *map, const trace_block_view *tool, const 
         const int by[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
         int32_t neighbour[3], gap = 0;
         for (int a = 0; a < 3; a++) {
-            const int32_t in = m.u[a] & ((1 << OST_MAP_FRACTION) - 1), way = by[a] < 0 ? in + 1 : by[a] > 0 ? (1 << OST_MAP_FRACTION) - in : 0;
+            const int32_t in = m.u[a] & ((1 << OST_MAP_FRACTION) - 1), way = by[a] < 0   ? in + 1
+                                                                             : by[a] > 0 ? (1 << OST_MAP_FRACTION) - in
+                                                                                         : 0;
             neighbour[a] = m.at[a] + by[a];
             gap = way > gap ? way : gap;
         }
@@ -276,26 +302,30 @@ static void show_mapped(const mapped *m, int k, int n, operands *o)
         return;
     }
     if (m->gap >= 0)
-        snprintf(gap, sizeof gap, "; %d / 2^20 of a voxel from one that %s", m->gap, m->is == OST_TOOL_CUTTING ? "does not cut" : "cuts");
-    add(o, name, "point (%d, %d, %d) / 2^20 in tool coordinates: tool voxel (%d, %d, %d), %s%s", m->u[0], m->u[1], m->u[2], m->at[0], m->at[1], m->at[2], is[m->is + 1],
-        gap);
+        snprintf(gap, sizeof gap, "; %d / 2^20 of a voxel from one that %s", m->gap,
+                 m->is == OST_TOOL_CUTTING ? "does not cut" : "cuts");
+    add(o, name, "point (%d, %d, %d) / 2^20 in tool coordinates: tool voxel (%d, %d, %d), %s%s", m->u[0], m->u[1],
+        m->u[2], m->at[0], m->at[1], m->at[2], is[m->is + 1], gap);
 }
 
-static void tick_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, const int16_t *before, operands *o)
+static void tick_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
+                          const int16_t *before, operands *o)
 {
     trace_block_view bone, tool;
     if (d->item >= s->path.count || !grids_block(ref, in_ref, TRACE_CHUNKS, 0, &bone))
         return;
     const ost_tick *tick = &s->path.ticks[d->item];
     const int32_t *v = d->voxel;
-    if (tick->tool < 0 || tick->tool >= s->tool_count || !grids_block(ref, in_ref, TRACE_TOOL, (uint32_t)tick->tool, &tool))
+    if (tick->tool < 0 || tick->tool >= s->tool_count ||
+        !grids_block(ref, in_ref, TRACE_TOOL, (uint32_t)tick->tool, &tool))
         return;
     const ost_geometry geometry = {bone.dims, {s->cubic, s->cubic, s->cubic}, resample_origin(&s->rect, s->cubic)};
     const event_poses e = poses_at(s, d->item, s->cubic);
     const ost_pose *p = &tick->pose;
-    add(o, "tool", "%d '%s', %d x %d x %d voxels of %lld pm", tick->tool, s->tools[tick->tool].name, tool.dims.x, tool.dims.y, tool.dims.z,
-        (long long)s->tools[tick->tool].cutting.grid.voxel);
-    add(o, "pose", "t = (%lld, %lld, %lld) pm, q = (%d, %d, %d, %d) / 2^30", (long long)p->t.x, (long long)p->t.y, (long long)p->t.z, p->qw, p->qx, p->qy, p->qz);
+    add(o, "tool", "%d '%s', %d x %d x %d voxels of %lld pm", tick->tool, s->tools[tick->tool].name, tool.dims.x,
+        tool.dims.y, tool.dims.z, (long long)s->tools[tick->tool].cutting.grid.voxel);
+    add(o, "pose", "t = (%lld, %lld, %lld) pm, q = (%d, %d, %d, %d) / 2^30", (long long)p->t.x, (long long)p->t.y,
+        (long long)p->t.z, p->qw, p->qx, p->qy, p->qz);
     if (before)
         add(o, "density before", "%d", before[v[0] + (int64_t)bone.dims.x * (v[1] + (int64_t)bone.dims.y * v[2])]);
     if (!e.removal) {
@@ -328,10 +358,12 @@ static void tick_operands(const scene *s, const trace *ref, compare_range in_ref
     show_mapped(&best, best_k, e.count, o);
     if (best_k != e.count)
         show_mapped(&now, e.count, e.count, o);
-    add(o, "decided", "no pose hits the voxel%s: it stays", e.count > 1 ? " (shown: the one that comes nearest, and the last)" : "");
+    add(o, "decided", "no pose hits the voxel%s: it stays",
+        e.count > 1 ? " (shown: the one that comes nearest, and the last)" : "");
 }
 
-void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, const int16_t *before, operands *out)
+void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
+                 const int16_t *before, operands *out)
 {
     *out = (operands){.count = 0};
     if (d->kind != COMPARE_VOXEL)

@@ -32,6 +32,7 @@ typedef struct operands {
 
 /* Computes the operands of the first voxel of d; none if d is not a difference of voxels. before: for a tick the
    previous bone, else NULL. */
-void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d, const int16_t *before, operands *out);
+void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
+                 const int16_t *before, operands *out);
 
 #endif

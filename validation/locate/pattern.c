@@ -5,9 +5,10 @@
 
 const char *pattern_name(pattern p)
 {
-    static const char *const names[PATTERNS] = {"byte-order",  "axis-swap", "shift",      "row-pitch",     "offset",         "threshold",
-                                                "stale-chunk", "lost-tail", "lost-chunk", "column-parity", "tool-class", "boundary-layer", "carried-rows",
-                                                "speckle",     "unclassified"};
+    static const char *const names[PATTERNS] = {"byte-order",   "axis-swap",     "shift",       "row-pitch",
+                                                "offset",       "threshold",     "stale-chunk", "lost-tail",
+                                                "lost-chunk",   "column-parity", "tool-class",  "boundary-layer",
+                                                "carried-rows", "speckle",       "unclassified"};
     return names[p];
 }
 
@@ -59,7 +60,8 @@ static bool offset(const pattern_scan *s, char *text)
     PATTERN_EACH(s, p, i)
         if (v->b[i] - v->a[i] != by || v->a[i] < v->solid_a || v->b[i] < v->solid_b)
             return false;
-    return s->count >= PATTERN_TELLING && pattern_describe(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
+    return s->count >= PATTERN_TELLING &&
+           pattern_describe(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
 }
 
 /* Checks each chunk by the grid before the threshold. */
@@ -95,8 +97,13 @@ static bool threshold_of_chunks(const pattern_scan *s, char *text)
                 other |= differs && some_more;
             }
     if (other && most == v->solid_a)
-        return pattern_describe(text, "in every chunk that differs, all of density %d, the threshold itself, are missing and nothing denser: > in place of >=", most);
-    return other && pattern_describe(text, "in every chunk that differs, all of density %d to %d are missing and nothing denser", v->solid_a, most);
+        return pattern_describe(text,
+                                "in every chunk that differs, all of density %d, the threshold itself, are missing and "
+                                "nothing denser: > in place of >=",
+                                most);
+    return other &&
+           pattern_describe(text, "in every chunk that differs, all of density %d to %d are missing and nothing denser",
+                            v->solid_a, most);
 }
 
 static bool threshold(const pattern_scan *s, char *text)
@@ -120,7 +127,8 @@ static bool threshold(const pattern_scan *s, char *text)
     }
     if (removed && gone < unchanged && unchanged != INT32_MAX)
         return pattern_describe(text, "B lacks exactly what is less dense than %d", gone + 1);
-    return added && appeared < old && old != INT32_MAX && pattern_describe(text, "A lacks exactly what is less dense than %d", appeared + 1);
+    return added && appeared < old && old != INT32_MAX &&
+           pattern_describe(text, "A lacks exactly what is less dense than %d", appeared + 1);
 }
 
 void pattern_find(const pattern_view *view, pattern_list *out)

@@ -13,7 +13,8 @@
  *
  *   byte-order      every voxel of D is the right one with its two bytes swapped
  *   axis-swap       B is A with axes exchanged or reversed, or memory read in another order of the axes
- *   shift           every voxel of D has a neighbour's value, the same neighbour for all, or another voxel was resampled
+ *   shift           every voxel of D has a neighbour's value, the same neighbour for all, or another
+ *                   voxel was resampled
  *   row-pitch       D has the values that would be read if rows in memory were longer or shorter than they are
  *   offset          all densities of D differ by the same amount
  *   threshold       D is all voxels on one side of a density near the threshold
@@ -59,7 +60,8 @@ const char *pattern_name(pattern p);
 /* The input from which the stage made its grid, if known. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
-    PATTERN_SOURCE,      /* in is resampled: voxel (x, y, z) is in's (source[0][x], source[1][y], source[2][z]), or a mean with the next */
+    /* in is resampled: voxel (x, y, z) is in's (source[0][x], source[1][y], source[2][z]), or a mean with the next */
+    PATTERN_SOURCE,
     PATTERN_THRESHOLDED, /* in is the same grid before densities below the threshold became 0 */
     PATTERN_BEFORE       /* in is the bone before the event */
 } pattern_input;
@@ -75,7 +77,8 @@ typedef struct pattern_view {
     ost_dims in_dims;
     const int32_t *source[3];
     const int32_t *weight[3]; /* of the next voxel along each axis, in 2^-15; 0: it is not read */
-    const int32_t *behind;    /* per voxel: samples after its last one in the batch, -1 without a sample; NULL: not known */
+    /* per voxel: samples after its last one in the batch, -1 without a sample; NULL: not known */
+    const int32_t *behind;
     bool reported_too;        /* the report differs as well */
 } pattern_view;
 

@@ -53,7 +53,8 @@ bool pattern_stale_chunk(const pattern_scan *s, char *text)
         return false;
     const chunk_sums n = sum_chunks(s->v);
     return n.undone == n.differ &&
-           pattern_describe(text, "%lld chunk%s as before the event, though the report counts what was cut there", (long long)n.differ, n.differ == 1 ? " is" : "s are");
+           pattern_describe(text, "%lld chunk%s as before the event, though the report counts what was cut there",
+                            (long long)n.differ, n.differ == 1 ? " is" : "s are");
 }
 
 bool pattern_lost_chunk(const pattern_scan *s, char *text)
@@ -63,8 +64,10 @@ bool pattern_lost_chunk(const pattern_scan *s, char *text)
     const chunk_sums n = sum_chunks(s->v);
     const char *every = n.differ == 1 ? " " : "s ";
     if (n.undone == n.differ && s->v->input == PATTERN_BEFORE && s->v->reported_too)
-        return pattern_describe(text, "%lld whole chunk%sleft out: neither cut nor reported", (long long)n.differ, every);
-    return n.one_sided == n.differ && pattern_describe(text, "%lld whole chunk%ssolid on one side only", (long long)n.differ, n.differ == 1 ? " is " : "s are ");
+        return pattern_describe(text, "%lld whole chunk%sleft out: neither cut nor reported", (long long)n.differ,
+                                every);
+    return n.one_sided == n.differ && pattern_describe(text, "%lld whole chunk%ssolid on one side only",
+                                                       (long long)n.differ, n.differ == 1 ? " is " : "s are ");
 }
 
 /* Checks that only the last samples of batches are missing. */
@@ -77,7 +80,9 @@ static bool lost_samples(const pattern_scan *s, char *text)
             return false;
         most = behind > most ? behind : most;
     }
-    return s->count > 1 && pattern_describe(text, "every voxel that differs has its last sample among the last %d of a batch", most + 1);
+    return s->count > 1 &&
+           pattern_describe(text, "every voxel that differs has its last sample among the last %d of a batch",
+                            most + 1);
 }
 
 bool pattern_lost_tail(const pattern_scan *s, char *text)
@@ -88,7 +93,8 @@ bool pattern_lost_tail(const pattern_scan *s, char *text)
     if (v->input == PATTERN_BEFORE) {
         const chunk_sums n = sum_chunks(v);
         return v->reported_too && n.undone == n.differ && n.hit > n.differ && n.hit_after == 0 &&
-               pattern_describe(text, "the last %lld of %lld chunks that are hit: neither cut nor reported", (long long)n.differ, (long long)n.hit);
+               pattern_describe(text, "the last %lld of %lld chunks that are hit: neither cut nor reported",
+                                (long long)n.differ, (long long)n.hit);
     }
     if (v->behind && lost_samples(s, text))
         return true;
@@ -105,6 +111,7 @@ bool pattern_lost_tail(const pattern_scan *s, char *text)
             return false;
     for (int64_t i = 0; i < s->first && !head; i++)
         head = v->a[i] != 0;
-    return head && pattern_describe(text, "nothing is there from voxel %lld of %lld on, in the order of memory", (long long)s->first, (long long)all);
+    return head && pattern_describe(text, "nothing is there from voxel %lld of %lld on, in the order of memory",
+                                    (long long)s->first, (long long)all);
 }
 

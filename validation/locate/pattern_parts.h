@@ -27,7 +27,8 @@ typedef bool pattern_rule(const pattern_scan *s, char *text);
 
 pattern_rule pattern_axis_swap, pattern_shift, pattern_row_pitch;                                  /* pattern_place.c */
 pattern_rule pattern_stale_chunk, pattern_lost_tail, pattern_lost_chunk;                           /* pattern_chunk.c */
-pattern_rule pattern_column_parity, pattern_tool_class, pattern_boundary_layer, pattern_carried_rows, pattern_speckle; /* pattern_shape.c */
+/* pattern_shape.c */
+pattern_rule pattern_column_parity, pattern_tool_class, pattern_boundary_layer, pattern_carried_rows, pattern_speckle;
 
 /* Writes text and returns true. */
 bool pattern_describe(char *text, const char *format, ...) OST_PRINTF(2, 3);
@@ -51,10 +52,10 @@ static inline bool pattern_inside(ost_dims d, int64_t x, int64_t y, int64_t z)
 }
 
 /* Iterates over D: p is the voxel, i its index. */
-#define PATTERN_EACH(s, p, i)                                                                                             \
-    for (int32_t p[3] = {0, 0, (s)->lo[2]}; p[2] < (s)->hi[2]; p[2]++)                                                    \
-        for (p[1] = (s)->lo[1]; p[1] < (s)->hi[1]; p[1]++)                                                                \
-            for (int64_t i = pattern_at((s)->v->dims, p[0] = (s)->lo[0], p[1], p[2]); p[0] < (s)->hi[0]; p[0]++, i++)     \
+#define PATTERN_EACH(s, p, i)                                                                                          \
+    for (int32_t p[3] = {0, 0, (s)->lo[2]}; p[2] < (s)->hi[2]; p[2]++)                                                 \
+        for (p[1] = (s)->lo[1]; p[1] < (s)->hi[1]; p[1]++)                                                             \
+            for (int64_t i = pattern_at((s)->v->dims, p[0] = (s)->lo[0], p[1], p[2]); p[0] < (s)->hi[0]; p[0]++, i++)  \
                 if ((s)->v->a[i] != (s)->v->b[i])
 
 #endif

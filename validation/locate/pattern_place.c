@@ -129,15 +129,18 @@ bool pattern_axis_swap(const pattern_scan *s, char *text)
                 fits &= da[how.from[axis]] == db[axis];
             }
             if (fits && (p || f) && arranged(v, &how))
-                return pattern_describe(text, "B's axes x, y, z are A's %s%c, %s%c, %s%c", how.flip[0] ? "-" : "", "xyz"[how.from[0]], how.flip[1] ? "-" : "",
-                           "xyz"[how.from[1]], how.flip[2] ? "-" : "", "xyz"[how.from[2]]);
+                return pattern_describe(text, "B's axes x, y, z are A's %s%c, %s%c, %s%c", how.flip[0] ? "-" : "",
+                                        "xyz"[how.from[0]], how.flip[1] ? "-" : "", "xyz"[how.from[1]],
+                                        how.flip[2] ? "-" : "", "xyz"[how.from[2]]);
         }
     if (!pattern_same_dims(v->dims, v->dims_b) || s->count < PATTERN_TELLING || !s->several || v->tool)
         return false;
     for (int p = 1; p < 6; p++)
         if (misread(s, permutations[p], 0))
-            return pattern_describe(text, "every voxel that differs is what lies there if memory is read with its axes in the order %c, %c, %c", "xyz"[permutations[p][0]],
-                       "xyz"[permutations[p][1]], "xyz"[permutations[p][2]]);
+            return pattern_describe(
+                text,
+                "every voxel that differs is what lies there if memory is read with its axes in the order %c, %c, %c",
+                "xyz"[permutations[p][0]], "xyz"[permutations[p][1]], "xyz"[permutations[p][2]]);
     return false;
 }
 
@@ -163,7 +166,8 @@ static bool resampled(const pattern_scan *s, int way)
         bool found = false;
         for (int n = 1; n < 8 && !found; n++) {
             int16_t there;
-            found = neighbour(s->v, p, n & 1 ? way : 0, n & 2 ? way : 0, n & 4 ? way : 0, &there) && there == s->v->b[i];
+            found = neighbour(s->v, p, n & 1 ? way : 0, n & 2 ? way : 0, n & 4 ? way : 0, &there) &&
+                    there == s->v->b[i];
         }
         if (!found)
             return false;
@@ -187,11 +191,13 @@ bool pattern_shift(const pattern_scan *s, char *text)
     for (int axis = 0; axis < 3; axis++)
         for (int way = -1; way <= 1; way += 2)
             if (stepped(s, axis == 0 ? way : 0, axis == 1 ? way : 0, axis == 2 ? way : 0))
-                return pattern_describe(text, "every voxel that differs is its %sneighbour's at %s%c", v->input == PATTERN_SOURCE ? "source's " : "", way < 0 ? "-" : "+",
-                           "xyz"[axis]);
+                return pattern_describe(text, "every voxel that differs is its %sneighbour's at %s%c",
+                                        v->input == PATTERN_SOURCE ? "source's " : "", way < 0 ? "-" : "+",
+                                        "xyz"[axis]);
     for (int way = -1; way <= 1 && v->input == PATTERN_SOURCE; way += 2)
         if (resampled(s, way))
-            return pattern_describe(text, "every voxel that differs was taken from a source voxel one %s on some axis", way < 0 ? "lower" : "higher");
+            return pattern_describe(text, "every voxel that differs was taken from a source voxel one %s on some axis",
+                                    way < 0 ? "lower" : "higher");
     return false;
 }
 
@@ -204,7 +210,10 @@ bool pattern_row_pitch(const pattern_scan *s, char *text)
     if (s->count < PATTERN_TELLING || !s->several || v->tool)
         return false;
     for (int32_t row = n - 1; row <= n + PADDING; row++)
-        if (row > 0 && row != n && (row == n - 1 || row == n + 1 || row % ALIGNED == 0) && misread(s, permutations[0], row))
-            return pattern_describe(text, "every voxel that differs is what lies there if rows in memory have %d voxels; they have %d", row, n);
+        if (row > 0 && row != n && (row == n - 1 || row == n + 1 || row % ALIGNED == 0) &&
+            misread(s, permutations[0], row))
+            return pattern_describe(
+                text, "every voxel that differs is what lies there if rows in memory have %d voxels; they have %d", row,
+                n);
     return false;
 }

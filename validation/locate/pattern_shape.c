@@ -58,7 +58,9 @@ bool pattern_column_parity(const pattern_scan *s, char *text)
             }
             rows += runs > before;
         }
-    return s->count >= 2 * runs && pattern_describe(text, "whole runs of voxels along x, between crossings of the surface, in %lld row%s", (long long)rows, rows == 1 ? "" : "s");
+    return s->count >= 2 * runs &&
+           pattern_describe(text, "whole runs of voxels along x, between crossings of the surface, in %lld row%s",
+                            (long long)rows, rows == 1 ? "" : "s");
 }
 
 bool pattern_tool_class(const pattern_scan *s, char *text)
@@ -111,7 +113,8 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
     int64_t known = 0;
     PATTERN_EACH(s, p, i) {
         bool can;
-        if (cut ? v->in[i] == 0 || (v->a[i] != 0 && v->b[i] != 0) : !v->tool && (v->a[i] >= v->solid_a) == (v->b[i] >= v->solid_b))
+        if (cut ? v->in[i] == 0 || (v->a[i] != 0 && v->b[i] != 0)
+                : !v->tool && (v->a[i] >= v->solid_a) == (v->b[i] >= v->solid_b))
             return false;
         const bool on = on_surface(v, p, i, &can);
         if (can && !on)
@@ -133,7 +136,8 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
             }
     if (2 * known < s->count || (!cut && solid >= PATTERN_TELLING && 4 * surface > 3 * solid))
         return false;
-    return pattern_describe(text, cut ? "every difference lies on the border of what is cut, one voxel deep" : "every difference lies on A's surface, one voxel deep");
+    return pattern_describe(text, cut ? "every difference lies on the border of what is cut, one voxel deep"
+                                      : "every difference lies on A's surface, one voxel deep");
 }
 
 /*
@@ -166,7 +170,8 @@ bool pattern_carried_rows(const pattern_scan *s, char *text)
         for (int32_t y = s->lo[1]; y < s->hi[1]; y++)
             if (!is_carried(v, pattern_at(v->dims, 0, y, z), &differing))
                 return false;
-    return differing >= PATTERN_TELLING && pattern_describe(text, "every row that differs is what the row before it and its own make together");
+    return differing >= PATTERN_TELLING &&
+           pattern_describe(text, "every row that differs is what the row before it and its own make together");
 }
 
 bool pattern_speckle(const pattern_scan *s, char *text)
@@ -177,10 +182,13 @@ bool pattern_speckle(const pattern_scan *s, char *text)
         bool company = false;
         for (int w = 0; w < 6; w++) {
             const int64_t x = p[0] + ways[w][0], y = p[1] + ways[w][1], z = p[2] + ways[w][2];
-            company |= pattern_inside(v->dims, x, y, z) && v->a[pattern_at(v->dims, x, y, z)] != v->b[pattern_at(v->dims, x, y, z)];
+            company |= pattern_inside(v->dims, x, y, z) &&
+                       v->a[pattern_at(v->dims, x, y, z)] != v->b[pattern_at(v->dims, x, y, z)];
         }
         alone += !company;
     }
-    return alone * 2 > s->count && pattern_describe(text, "%lld of %lld voxel%s no neighbour that differs", (long long)alone, (long long)s->count, s->count == 1 ? " has" : "s have");
+    return alone * 2 > s->count &&
+           pattern_describe(text, "%lld of %lld voxel%s no neighbour that differs", (long long)alone,
+                            (long long)s->count, s->count == 1 ? " has" : "s have");
 }
 

@@ -40,13 +40,18 @@ void section_common(const page *p)
     if (!o)
         return;
     const json_int_t failed = json_integer_value(json_object_get(o, "failed"));
-    fputs("<h2>Mistakes that all backends could have in common</h2>\n<p>If every backend made the same mistake, all would be equal and all wrong. So the reference was also compared "
-          "with what is known without any program: small grids worked out by hand, bodies whose volume a formula gives, and laws that hold whatever the voxels are. ", p->to);
+    fputs("<h2>Mistakes that all backends could have in common</h2>\n<p>If every backend made the same mistake, all "
+          "would be equal and all wrong. So the reference was also compared "
+          "with what is known without any program: small grids worked out by hand, bodies whose volume a formula "
+          "gives, and laws that hold whatever the voxels are. ",
+          p->to);
     fprintf(p->to, "<b>%s</b> ", failed ? "Some came out otherwise." : "All came out as expected.");
     common_sums(p, checks);
     fputs("</p>\n", p->to);
     page_fold_begin(p, "checks", failed, "Check by check");
-    fputs("<div class=\"wide\"><table><thead><tr><th>Check</th><th>is</th><th>expected</th><th>came out</th><th>&#8203;</th></tr></thead>\n", p->to);
+    fputs("<div class=\"wide\"><table><thead><tr><th>Check</th><th>is</th><th>expected</th><th>came "
+          "out</th><th>&#8203;</th></tr></thead>\n",
+          p->to);
     for (size_t i = 0; i < json_array_size(checks); i++) {
         const json_t *one = json_array_get(checks, i);
         const bool passed = json_is_true(json_object_get(one, "passed"));
@@ -58,11 +63,14 @@ void section_common(const page *p)
         page_text(p, evidence_text(one, "expected"));
         fputs("</td><td>", p->to);
         page_text(p, evidence_text(one, "got"));
-        fprintf(p->to, "</td><td%s>%s</td></tr>\n", passed ? "" : " class=\"bad\"", passed ? "&#10003;" : "&#10007; FAILED");
+        fprintf(p->to, "</td><td%s>%s</td></tr>\n", passed ? "" : " class=\"bad\"",
+                passed ? "&#10003;" : "&#10007; FAILED");
     }
     fputs("</table></div>\n", p->to);
     page_fold_end(p);
-    fputs("<p><b>Not done in this bundle</b>, since it takes the source tree and its tests (<code>make check</code>):</p>\n<ul>\n", p->to);
+    fputs("<p><b>Not done in this bundle</b>, since it takes the source tree and its tests (<code>make "
+          "check</code>):</p>\n<ul>\n",
+          p->to);
     for (size_t i = 0; i < json_array_size(tests); i++) {
         fputs("<li>", p->to);
         page_text(p, evidence_text(json_array_get(tests, i), "what"));
@@ -94,7 +102,8 @@ static void device_rows(const page *p)
             page_text(p, evidence_text(says, "CL_DEVICE_VERSION"));
             fputs("; ", p->to);
         }
-        page_text(p, *evidence_text(one, "fingerprint") ? evidence_text(one, "fingerprint") : evidence_text(one, "reason"));
+        page_text(p, *evidence_text(one, "fingerprint") ? evidence_text(one, "fingerprint")
+                                                        : evidence_text(one, "reason"));
         fputs("</td></tr>\n", p->to);
     }
     json_decref(o);
@@ -124,8 +133,11 @@ void section_made_with(const page *p)
     } else
         row(p, "Machines", "several, one a shard; see the files");
     device_rows(p);
-    fprintf(p->to, "</table></div>\n<p>%zu libraries ran with it, drivers included. A device's fingerprint is what its integers and floats did when asked; one whose integers are wrong is refused.</p>\n"
-                   "<p class=\"from\">From ", json_array_size(json_object_get(o, "libraries")));
+    fprintf(p->to,
+            "</table></div>\n<p>%zu libraries ran with it, drivers included. A device's fingerprint is what its "
+            "integers and floats did when asked; one whose integers are wrong is refused.</p>\n"
+            "<p class=\"from\">From ",
+            json_array_size(json_object_get(o, "libraries")));
     page_link(p, TOOLS_FILE);
     fputs(", ", p->to);
     page_link(p, DEVICES_FILE);
@@ -161,10 +173,16 @@ void section_requirements(const page *p)
     size_t size;
     if (!page_read(p, TRACE_FILE, &bytes, &size))
         return;
-    const size_t tested = rows_that_begin(bytes, "requirement,", NULL), shown = tested - rows_that_begin(bytes, "requirement,", "\"not by this bundle");
-    const size_t untested = rows_that_begin(bytes, "orphan requirement,", NULL), tests = rows_that_begin(bytes, "orphan test,", NULL), results = rows_that_begin(bytes, "orphan result,", NULL);
-    fprintf(p->to, "<h2>Requirements</h2>\n<p>Of %zu requirements %zu have tests, and results of this very bundle bear on %zu of those. Orphans, listed in both directions: "
-                   "<b>%zu requirements without a test</b>, <b>%zu tests that no requirement names</b>, <b>%zu results that no requirement is about</b>.</p>\n<p class=\"from\">From ",
+    const size_t tested = rows_that_begin(bytes, "requirement,", NULL),
+                 shown = tested - rows_that_begin(bytes, "requirement,", "\"not by this bundle");
+    const size_t untested = rows_that_begin(bytes, "orphan requirement,", NULL),
+                 tests = rows_that_begin(bytes, "orphan test,", NULL),
+                 results = rows_that_begin(bytes, "orphan result,", NULL);
+    fprintf(p->to,
+            "<h2>Requirements</h2>\n<p>Of %zu requirements %zu have tests, and results of this very bundle bear on %zu "
+            "of those. Orphans, listed in both directions: "
+            "<b>%zu requirements without a test</b>, <b>%zu tests that no requirement names</b>, <b>%zu results that "
+            "no requirement is about</b>.</p>\n<p class=\"from\">From ",
             tested + untested, tested, shown, untested, tests, results);
     page_link(p, TRACE_FILE);
     fputs(" (requirement, tests, results, files) and ", p->to);

@@ -24,17 +24,22 @@ static void requirements(const page *p, const json_t *list)
 {
     for (size_t i = 0; i < json_array_size(list); i++) {
         const json_t *one = json_array_get(list, i);
-        const bool new = strcmp(evidence_text(one, "old"), "absent") == 0, gone = strcmp(evidence_text(one, "new"), "absent") == 0;
+        const bool new = strcmp(evidence_text(one, "old"), "absent") == 0,
+                   gone = strcmp(evidence_text(one, "new"), "absent") == 0;
         fputs("<tr><td>requirement</td><td>", p->to);
         page_text(p, evidence_text(one, "what"));
-        fprintf(p->to, "</td><td>%s</td><td>%s</td></tr>\n", new ? "absent" : "present", new ? "present" : gone ? "absent" : "another text or other tests");
+        fprintf(p->to, "</td><td>%s</td><td>%s</td></tr>\n", new ? "absent" : "present",
+                new    ? "present"
+                : gone ? "absent"
+                       : "another text or other tests");
     }
 }
 
 static void counts(const page *p, const json_t *o)
 {
     const json_t *results = json_object_get(o, "results");
-    const json_int_t compared = json_integer_value(json_object_get(results, "compared")), different = json_integer_value(json_object_get(results, "different_cases"));
+    const json_int_t compared = json_integer_value(json_object_get(results, "compared")),
+                     different = json_integer_value(json_object_get(results, "different_cases"));
     fputs("<p>", p->to);
     page_many(p, compared > 0 ? (size_t)compared : 0, "case");
     fputs(" compared by the digests of what the reference made: ", p->to);
@@ -55,7 +60,8 @@ void section_changes(const page *p)
         return;
     fputs("<h2>What changed since an older bundle</h2>\n", p->to);
     counts(p, o);
-    fputs("<table class=\"changes\"><thead><tr><th>Changed</th><th>which</th><th>was</th><th>is</th></tr></thead>\n", p->to);
+    fputs("<table class=\"changes\"><thead><tr><th>Changed</th><th>which</th><th>was</th><th>is</th></tr></thead>\n",
+          p->to);
     rows(p, json_object_get(o, "causes"), "run");
     rows(p, json_object_get(o, "libraries"), "library");
     rows(p, json_object_get(o, "devices"), "device");

@@ -48,7 +48,8 @@ static void cell(const page *p, tally t)
     if (!t.cases)
         fputs("<td class=\"n no\">none</td>", p->to);
     else if (t.bad)
-        fprintf(p->to, "<td class=\"n bad\">%lld of %lld<br>%lld NOT equal</td>", (long long)t.equal, (long long)t.cases, (long long)t.bad);
+        fprintf(p->to, "<td class=\"n bad\">%lld of %lld<br>%lld NOT equal</td>", (long long)t.equal,
+                (long long)t.cases, (long long)t.bad);
     else
         fprintf(p->to, "<td class=\"n\">%lld of %lld</td>", (long long)t.equal, (long long)t.cases);
 }
@@ -57,7 +58,8 @@ void section_compared(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
     fputs("<h2>What was compared with what</h2>\n"
-          "<p>A <b>case</b> is a bone, tools and a movement, generated or of the user's own files. Each backend (a program for one kind of processor) ran each case in its own process. "
+          "<p>A <b>case</b> is a bone, tools and a movement, generated or of the user's own files. Each backend (a "
+          "program for one kind of processor) ran each case in its own process. "
           "Everything that it made was compared byte by byte with what the <b>scalar reference</b> made: "
           "a plain, serial program that states the arithmetic. The numbers say how many cases came out equal.</p>\n"
           "<div class=\"wide\"><table><thead><tr><th>Backend, device, driver</th>",
@@ -86,7 +88,9 @@ void section_compared(const page *p)
         if (s == 0) {
             for (int f = 0; f <= PLAN_FAMILIES; f++)
                 if (has_cases(p, f))
-                    fprintf(p->to, "<td class=\"n\">%lld</td>", (long long)count(p, name, f < PLAN_FAMILIES ? plan_family_name((plan_family)f) : NULL).cases);
+                    fprintf(
+                        p->to, "<td class=\"n\">%lld</td>",
+                        (long long)count(p, name, f < PLAN_FAMILIES ? plan_family_name((plan_family)f) : NULL).cases);
         } else {
             for (int f = 0; f <= PLAN_FAMILIES; f++)
                 if (has_cases(p, f))
@@ -169,11 +173,15 @@ static void own_case(const page *p, const json_t *one)
 
 void section_own_files(const page *p)
 {
-    const json_t *user = json_object_get(p->protocol, "user"), *list = json_object_get(user, "files"), *cases = json_object_get(user, "cases");
+    const json_t *user = json_object_get(p->protocol, "user"), *list = json_object_get(user, "files"),
+                 *cases = json_object_get(user, "cases");
     if (!user)
         return;
-    fputs("<h2>The user's own files</h2>\n<p>They are not in this bundle, and neither are their names; whoever has them sees by the SHA-256 that they are the same.</p>\n"
-          "<div class=\"wide\"><table><thead><tr><th class=\"n\">File</th><th>is</th><th class=\"n\">bytes</th><th>SHA-256</th></tr></thead>\n", p->to);
+    fputs("<h2>The user's own files</h2>\n<p>They are not in this bundle, and neither are their names; whoever has "
+          "them sees by the SHA-256 that they are the same.</p>\n"
+          "<div class=\"wide\"><table><thead><tr><th class=\"n\">File</th><th>is</th><th "
+          "class=\"n\">bytes</th><th>SHA-256</th></tr></thead>\n",
+          p->to);
     for (size_t i = 0; i < json_array_size(list); i++)
         own_file(p, i + 1, json_array_get(list, i));
     fputs("</table></div>\n<ul>\n", p->to);

@@ -49,17 +49,23 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
             at[a] = json_integer_value(json_array_get(voxel, a));
         page_count(p, integer(r, "different_voxels"));
         const json_int_t size = integer(r, "chunk_size") > 0 ? integer(r, "chunk_size") : 32;
-        fprintf(p->to, " voxel%s in this record; the first at (%lld, %lld, %lld), chunk (%lld, %lld, %lld) of %lld<sup>3</sup>: <b>%lld</b> where the reference has <b>%lld</b>",
-                integer(r, "different_voxels") == 1 ? "" : "s", (long long)at[0], (long long)at[1], (long long)at[2], (long long)(at[0] / size), (long long)(at[1] / size),
-                (long long)(at[2] / size), (long long)size, (long long)integer(r, "got"), (long long)integer(r, "reference"));
+        fprintf(p->to,
+                " voxel%s in this record; the first at (%lld, %lld, %lld), chunk (%lld, %lld, %lld) of "
+                "%lld<sup>3</sup>: <b>%lld</b> where the reference has <b>%lld</b>",
+                integer(r, "different_voxels") == 1 ? "" : "s", (long long)at[0], (long long)at[1], (long long)at[2],
+                (long long)(at[0] / size), (long long)(at[1] / size), (long long)(at[2] / size), (long long)size,
+                (long long)integer(r, "got"), (long long)integer(r, "reference"));
     } else if (*evidence_text(r, "word")) {
         fputs("reported: ", p->to);
         page_text(p, evidence_text(r, "word"));
-        fprintf(p->to, " is <b>%lld</b> where the reference has <b>%lld</b>", (long long)integer(r, "got"), (long long)integer(r, "reference"));
+        fprintf(p->to, " is <b>%lld</b> where the reference has <b>%lld</b>", (long long)integer(r, "got"),
+                (long long)integer(r, "reference"));
         const json_t *chunk = json_object_get(r, "chunk");
         if (chunk)
-            fprintf(p->to, "; of chunk (%lld, %lld, %lld) first", (long long)json_integer_value(json_array_get(chunk, 0)),
-                    (long long)json_integer_value(json_array_get(chunk, 1)), (long long)json_integer_value(json_array_get(chunk, 2)));
+            fprintf(p->to, "; of chunk (%lld, %lld, %lld) first",
+                    (long long)json_integer_value(json_array_get(chunk, 0)),
+                    (long long)json_integer_value(json_array_get(chunk, 1)),
+                    (long long)json_integer_value(json_array_get(chunk, 2)));
     } else
         page_text(p, evidence_text(r, "text"));
     if (*evidence_text(r, "class")) {
@@ -99,9 +105,13 @@ static void operand_table(const page *p, const json_t *r)
     const json_t *list = json_object_get(r, "operands"), *voxel = json_object_get(r, "voxel");
     if (!json_array_size(list))
         return;
-    fprintf(p->to, "<p>What decides voxel (%lld, %lld, %lld), computed by the reference; it says what the right answer is made of, not what went wrong elsewhere:</p>\n"
-                   "<div class=\"wide\"><table>\n",
-            (long long)json_integer_value(json_array_get(voxel, 0)), (long long)json_integer_value(json_array_get(voxel, 1)), (long long)json_integer_value(json_array_get(voxel, 2)));
+    fprintf(p->to,
+            "<p>What decides voxel (%lld, %lld, %lld), computed by the reference; it says what the right answer is "
+            "made of, not what went wrong elsewhere:</p>\n"
+            "<div class=\"wide\"><table>\n",
+            (long long)json_integer_value(json_array_get(voxel, 0)),
+            (long long)json_integer_value(json_array_get(voxel, 1)),
+            (long long)json_integer_value(json_array_get(voxel, 2)));
     for (size_t i = 0; i < json_array_size(list) && i < LISTED; i++) {
         fputs("<tr><td>", p->to);
         page_text(p, evidence_text(json_array_get(list, i), "name"));
@@ -166,19 +176,28 @@ void section_differences(const page *p)
 {
     fputs("<h2>Differences</h2>\n", p->to);
     const json_t *counts = json_object_get(p->summary, "results");
-    const json_int_t found = integer(counts, case_verdict_name(CASE_DIFFERS)) + integer(counts, case_verdict_name(CASE_FAILED)) +
-                             integer(counts, case_verdict_name(CASE_CRASHED)) + integer(counts, case_verdict_name(CASE_LATE));
+    const json_int_t found = integer(counts, case_verdict_name(CASE_DIFFERS)) +
+                             integer(counts, case_verdict_name(CASE_FAILED)) +
+                             integer(counts, case_verdict_name(CASE_CRASHED)) +
+                             integer(counts, case_verdict_name(CASE_LATE));
     if (!found) {
-        fputs("<p><b>None.</b> No byte of any result that was compared differs from the reference's.</p>\n<p class=\"from\">From ", p->to);
+        fputs("<p><b>None.</b> No byte of any result that was compared differs from the reference's.</p>\n<p "
+              "class=\"from\">From ",
+              p->to);
         page_link(p, "anomalies.csv");
         fputs(", which is empty but for its head.</p>\n", p->to);
         return;
     }
     fputs("<p>", p->to);
     page_count(p, found);
-    fprintf(p->to, " result%s came out otherwise than the reference's. Of each case the first difference in the order of the stages is shown; what comes "
-                   "after it may be its consequence. What the whole of a difference looks like is a fact about its voxels (A is the reference's grid, B the other's) and a hint about the cause.</p>\n<table><thead><tr><th class=\"n\">No.</th><th>Case, backend</th><th>Verdict</th><th>Where</th>"
-                   "<th>What</th></tr></thead>\n", found == 1 ? "" : "s");
+    fprintf(p->to,
+            " result%s came out otherwise than the reference's. Of each case the first difference in the order of the "
+            "stages is shown; what comes "
+            "after it may be its consequence. What the whole of a difference looks like is a fact about its voxels (A "
+            "is the reference's grid, B the other's) and a hint about the cause.</p>\n<table><thead><tr><th "
+            "class=\"n\">No.</th><th>Case, backend</th><th>Verdict</th><th>Where</th>"
+            "<th>What</th></tr></thead>\n",
+            found == 1 ? "" : "s");
     const int listed = each_finding(p, false).found;
     fputs("</table>\n", p->to);
     if (listed > LISTED)
@@ -188,17 +207,23 @@ void section_differences(const page *p)
     fputs("; as values: ", p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(".</p>\n<h2>Differences one by one</h2>\n"
-          "<p>Axial, coronal and sagittal slices, through where most voxels differ in the first record in which voxels do; a square is a voxel. "
-          "<span class=\"key\"><i class=\"a\"></i>striped: solid in the reference alone<i class=\"b\"></i>plain: solid in the other alone"
-          "<i class=\"c\"></i>barred: another value</span></p>\n<p class=\"from\">Places and operands are from ", p->to);
+          "<p>Axial, coronal and sagittal slices, through where most voxels differ in the first record in which voxels "
+          "do; a square is a voxel. "
+          "<span class=\"key\"><i class=\"a\"></i>striped: solid in the reference alone<i class=\"b\"></i>plain: solid "
+          "in the other alone"
+          "<i class=\"c\"></i>barred: another value</span></p>\n<p class=\"from\">Places and operands are from ",
+          p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(".</p>\n", p->to);
     const totals n = each_finding(p, true);
     if (!n.drawn && !n.small)
         fputs("<p>None were kept: no voxels differ, or the program was built without pictures.</p>\n", p->to);
     else
-        fprintf(p->to, "<p>Pictures are kept of %d of them, small cases of %d: of each backend the first that differ, and the first of each stage and look. Where voxels are equal "
-                       "and only the report differs there is nothing to draw.</p>\n", n.drawn, n.small);
+        fprintf(p->to,
+                "<p>Pictures are kept of %d of them, small cases of %d: of each backend the first that differ, and the "
+                "first of each stage and look. Where voxels are equal "
+                "and only the report differs there is nothing to draw.</p>\n",
+                n.drawn, n.small);
 }
 
 /* ------------------------------------------------------------ sensitivity */
@@ -239,7 +264,8 @@ static void fault_row(const page *p, const json_t *kind)
 
 static bool fault_missed(const json_t *kind)
 {
-    return integer(kind, "detected") != integer(kind, "changed") || integer(kind, "localized") != integer(kind, "changed");
+    return integer(kind, "detected") != integer(kind, "changed") ||
+           integer(kind, "localized") != integer(kind, "changed");
 }
 
 /* Writes the sums by stage, in the order of their first kinds, and separately the kinds that were not all noticed
@@ -312,7 +338,9 @@ void section_sensitivity(const page *p)
     const json_t *kinds = json_object_get(o, "kinds");
     if (!o)
         return;
-    fputs("<h2>Would the comparison have noticed a mistake?</h2>\n<p>A second implementation (validation/dense), no backend, was run with deliberate mistakes at random places, and compared in the same way. ", p->to);
+    fputs("<h2>Would the comparison have noticed a mistake?</h2>\n<p>A second implementation (validation/dense), no "
+          "backend, was run with deliberate mistakes at random places, and compared in the same way. ",
+          p->to);
     page_count(p, integer(o, "detected"));
     fputs(" of the ", p->to);
     page_count(p, integer(o, "changed"));
@@ -323,7 +351,8 @@ void section_sensitivity(const page *p)
     fputs(" false alarms in ", p->to);
     page_count(p, integer(o, "clean_runs"));
     fprintf(p->to, " runs without a mistake. <b>%s</b></p>\n",
-            json_is_true(json_object_get(o, "proved")) ? "Every mistake that had an effect was noticed and located." : "This does not show that mistakes are noticed.");
+            json_is_true(json_object_get(o, "proved")) ? "Every mistake that had an effect was noticed and located."
+                                                       : "This does not show that mistakes are noticed.");
     fault_stages(p, o, kinds);
     fault_kinds(p, kinds);
     fputs("<p class=\"from\">From ", p->to);

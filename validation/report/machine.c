@@ -156,7 +156,8 @@ static void paths_row(const page *p, const char *backend, const json_t *paths)
     const json_t *missing = json_object_get(paths, "not_entered");
     fputs("<tr><td class=\"name\"><code>", p->to);
     page_text(p, backend);
-    fprintf(p->to, "</code></td><td class=\"n\">%zu</td><td class=\"n\">%zu</td><td>", json_object_size(json_object_get(paths, "entered")), json_array_size(missing));
+    fprintf(p->to, "</code></td><td class=\"n\">%zu</td><td class=\"n\">%zu</td><td>",
+            json_object_size(json_object_get(paths, "entered")), json_array_size(missing));
     for (size_t i = 0; i < json_array_size(missing); i++) {
         const char *name = json_string_value(json_array_get(missing, i));
         fputs(i ? ", " : "", p->to);
@@ -174,9 +175,12 @@ void section_paths(const page *p)
         json_decref(all);
         return;
     }
-    fputs("<h2>Which paths of each backend ran</h2>\n<p>A backend takes another path through its code where a bone is large, where threads share work, where memory is mapped. "
+    fputs("<h2>Which paths of each backend ran</h2>\n<p>A backend takes another path through its code where a bone is "
+          "large, where threads share work, where memory is mapped. "
           "A path that no case entered was not compared, whatever the verdict says.</p>\n"
-          "<div class=\"wide\"><table><thead><tr><th>Backend</th><th class=\"n\">entered</th><th class=\"n\">not entered</th><th>not entered are</th></tr></thead>\n", p->to);
+          "<div class=\"wide\"><table><thead><tr><th>Backend</th><th class=\"n\">entered</th><th class=\"n\">not "
+          "entered</th><th>not entered are</th></tr></thead>\n",
+          p->to);
     json_object_foreach(of_all, backend, paths)
         paths_row(p, backend, paths);
     fputs("</table></div>\n<p class=\"from\">From ", p->to);

@@ -20,7 +20,8 @@ static sums sum_of(const page *p, const char *backend, trace_stage stage)
 {
     sums s = {0};
     for (size_t i = 0; i < json_array_size(p->cases); i++) {
-        const json_t *list = json_object_get(json_object_get(json_object_get(json_array_get(p->cases, i), "results"), backend), "margins");
+        const json_t *list = json_object_get(
+            json_object_get(json_object_get(json_array_get(p->cases, i), "results"), backend), "margins");
         for (size_t k = 0; k < json_array_size(list); k++) {
             const json_t *m = json_array_get(list, k), *bins = json_object_get(m, "bins");
             if (strcmp(evidence_text(m, "stage"), trace_stage_name(stage)) != 0)
@@ -51,16 +52,20 @@ static void number(const page *p, json_int_t value)
 static void histogram(const page *p, const sums *s)
 {
     enum { BAR = 9, HEIGHT = 36 };
-    fprintf(p->to, "<svg role=\"img\" aria-label=\"voxels by margin\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\"><path d=\"M0 %d.5H%d\" stroke=\"#777\"/>", BAR * MARGIN_BINS,
-            HEIGHT + 2, BAR * MARGIN_BINS, HEIGHT + 2, HEIGHT, BAR * MARGIN_BINS);
+    fprintf(p->to,
+            "<svg role=\"img\" aria-label=\"voxels by margin\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\"><path "
+            "d=\"M0 %d.5H%d\" stroke=\"#777\"/>",
+            BAR * MARGIN_BINS, HEIGHT + 2, BAR * MARGIN_BINS, HEIGHT + 2, HEIGHT, BAR * MARGIN_BINS);
     for (int b = 0; b < MARGIN_BINS; b++) {
         int height = 0;
         for (json_int_t left = s->bins[b]; left > 0 && height < HEIGHT; left /= 2)
             height += 2;
         height = height > HEIGHT ? HEIGHT : height;
         if (height)
-            fprintf(p->to, "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"#2467bd\"><title>%lld voxel%s</title></rect>", b * BAR + 1, HEIGHT - height, BAR - 2, height,
-                    (long long)s->bins[b], s->bins[b] == 1 ? "" : "s");
+            fprintf(p->to,
+                    "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"#2467bd\"><title>%lld "
+                    "voxel%s</title></rect>",
+                    b * BAR + 1, HEIGHT - height, BAR - 2, height, (long long)s->bins[b], s->bins[b] == 1 ? "" : "s");
     }
     fputs("</svg>", p->to);
 }
@@ -74,7 +79,8 @@ static void stage_row(const page *p, trace_stage stage, const sums *s)
     number(p, s->unexplained);
     number(p, s->decided);
     if (s->decided) {
-        fprintf(p->to, "<td class=\"n\">%lld.%07lld<br>of a %s</td><td>", (long long)(s->max / MARGIN_ONE), (long long)(s->max % MARGIN_ONE * 10000000 / MARGIN_ONE), margin_unit(stage));
+        fprintf(p->to, "<td class=\"n\">%lld.%07lld<br>of a %s</td><td>", (long long)(s->max / MARGIN_ONE),
+                (long long)(s->max % MARGIN_ONE * 10000000 / MARGIN_ONE), margin_unit(stage));
         histogram(p, s);
         fputs("</td></tr>\n", p->to);
     } else
@@ -89,11 +95,14 @@ static void meaning(const page *p, const sums *all, json_int_t near)
     if (other) {
         fputs("For ", p->to);
         page_count(p, other);
-        fputs(" of these voxels no border explains the other's value: <b>that only rounding differs is refuted</b>. ", p->to);
+        fputs(" of these voxels no border explains the other's value: <b>that only rounding differs is refuted</b>. ",
+              p->to);
     }
     if (all->decided > near) {
         page_count(p, all->decided - near);
-        fputs(" of these decisions lay farther than 1/1024 of a voxel from the nearest border that could explain them: <b>that only rounding differs is refuted</b>. ", p->to);
+        fputs(" of these decisions lay farther than 1/1024 of a voxel from the nearest border that could explain them: "
+              "<b>that only rounding differs is refuted</b>. ",
+              p->to);
     }
     if (all->unmeasured) {
         page_count(p, all->unmeasured);
@@ -102,8 +111,10 @@ static void meaning(const page *p, const sums *all, json_int_t near)
     if (!other && !all->unmeasured && all->decided && all->decided == near) {
         fputs("Decisions within 1/1024 of a voxel of a border: ", p->to);
         page_count(p, all->decided);
-        fputs(", all that were measured. That agrees with <b>rounding at borders alone</b> and does not prove it: another mistake can show at borders as well, "
-              "and the greatest margin bounds these cases alone.", p->to);
+        fputs(", all that were measured. That agrees with <b>rounding at borders alone</b> and does not prove it: "
+              "another mistake can show at borders as well, "
+              "and the greatest margin bounds these cases alone.",
+              p->to);
     }
     fputs("</p>\n", p->to);
 }
@@ -119,8 +130,11 @@ static void backend_table(const page *p, const json_t *backend)
         if (!all.voxels) {
             fputs("<h3>", p->to);
             page_text(p, evidence_text(backend, "what"));
-            fputs("</h3>\n<div class=\"wide\"><table><thead><tr><th>Stage</th><th class=\"n\">voxels that<br>differ</th><th class=\"n\">handed<br>down</th><th class=\"n\">below the<br>threshold</th>"
-                  "<th class=\"n\">no border<br>explains</th><th class=\"n\">near a<br>border</th><th class=\"n\">greatest<br>margin</th><th>on the border &rarr; a voxel away</th></tr></thead>\n", p->to);
+            fputs("</h3>\n<div class=\"wide\"><table><thead><tr><th>Stage</th><th class=\"n\">voxels "
+                  "that<br>differ</th><th class=\"n\">handed<br>down</th><th class=\"n\">below the<br>threshold</th>"
+                  "<th class=\"n\">no border<br>explains</th><th class=\"n\">near a<br>border</th><th "
+                  "class=\"n\">greatest<br>margin</th><th>on the border &rarr; a voxel away</th></tr></thead>\n",
+                  p->to);
         }
         stage_row(p, (trace_stage)stage, &s);
         all.voxels += s.voxels;
@@ -146,8 +160,11 @@ void section_margins(const page *p)
             any = sum_of(p, evidence_text(json_array_get(backends, s), "name"), (trace_stage)stage).voxels > 0;
     if (!any)
         return;
-    fputs("<h2>How near the decisions were that differ</h2>\n<p>A margin is how far the reference has the deciding point from the nearest border behind which the other's answer would be right. "
-          "A voxel counts where it first differs; <i>handed down</i> are those whose input differed already. Bars go by powers of two in both directions.</p>\n", p->to);
+    fputs("<h2>How near the decisions were that differ</h2>\n<p>A margin is how far the reference has the deciding "
+          "point from the nearest border behind which the other's answer would be right. "
+          "A voxel counts where it first differs; <i>handed down</i> are those whose input differed already. Bars go "
+          "by powers of two in both directions.</p>\n",
+          p->to);
     for (size_t s = 1; s < json_array_size(backends); s++)
         backend_table(p, json_array_get(backends, s));
     fputs("<p class=\"from\">A line a case and stage: ", p->to);

@@ -81,7 +81,8 @@ static void base64(const page *p, const uint8_t *bytes, size_t size)
     static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < size; i += 3) {
         const size_t left = size - i;
-        const uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) | (left > 2 ? bytes[i + 2] : 0u);
+        const uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
+                               (left > 2 ? bytes[i + 2] : 0u);
         fputc(digit[three >> 18], p->to);
         fputc(digit[three >> 12 & 63], p->to);
         fputc(left > 1 ? digit[three >> 6 & 63] : '=', p->to);
@@ -111,7 +112,8 @@ bool page_picture(const page *p, const char *file, const char *caption)
 void page_begin(const page *p, const char *title)
 {
     static const char style[] =
-        "body{font:16px/1.5 system-ui,-apple-system,'Segoe UI','DejaVu Sans',sans-serif;color:#1d2126;background:#fff;max-width:58rem;margin:1.5rem auto;"
+        "body{font:16px/1.5 system-ui,-apple-system,'Segoe UI','DejaVu "
+        "Sans',sans-serif;color:#1d2126;background:#fff;max-width:58rem;margin:1.5rem auto;"
         "padding:0 1rem}\n"
         "h1{font-size:1.15rem;font-weight:600;margin:0;color:#444}\n"
         "h2{font-size:1.2rem;margin:2.2rem 0 .4rem;padding-top:.3rem;border-top:1px solid #ccc}\n"
@@ -119,7 +121,8 @@ void page_begin(const page *p, const char *title)
         "p{margin:.5rem 0}a{color:#0b4f9c}\n"
         ".verdict{border:2px solid;border-left-width:12px;padding:.7rem 1rem;margin:.6rem 0 1rem}\n"
         ".verdict ul{margin:.2rem 0}.verdict b{display:block;font-size:1.9rem;line-height:1.2}\n"
-        ".equal{border-color:#1c7a3e;background:#f0f8f2}.differ{border-color:#b3261e;background:#fdf1f0}.none{border-color:#8a5a00;background:#fdf6e7}\n"
+        ".equal{border-color:#1c7a3e;background:#f0f8f2}.differ{border-color:#b3261e;background:#fdf1f0}.none{border-"
+        "color:#8a5a00;background:#fdf6e7}\n"
         ".scope{font-weight:600}\n"
         ".wide{overflow-x:auto}\n"
         "table{border-collapse:collapse;font-variant-numeric:tabular-nums;width:100%;margin:.4rem 0}\n"
@@ -128,29 +131,41 @@ void page_begin(const page *p, const char *title)
         "td.bad{font-weight:700;background:#fdf1f0}td.no{color:#555}\n"
         "code,pre{font:.88em/1.45 ui-monospace,'DejaVu Sans Mono',monospace;overflow-wrap:anywhere}\n"
         "pre{background:#f5f5f5;border:1px solid #ddd;padding:.6rem .8rem;white-space:pre-wrap}\n"
-        "figure{margin:.6rem 0 1rem}figcaption{color:#333}img{max-width:100%;height:auto;display:block;margin-top:.2rem}\n"
+        "figure{margin:.6rem 0 "
+        "1rem}figcaption{color:#333}img{max-width:100%;height:auto;display:block;margin-top:.2rem}\n"
         ".pair{display:grid;grid-template-columns:1fr 1fr;gap:1rem}\n"
         ".file{font-size:.8em;display:block}\n"
-        ".fold>input{position:absolute;opacity:0}.fold>label{cursor:pointer;color:#0b4f9c}.fold>label::before{content:'\\25B8\\00A0'}\n"
+        ".fold>input{position:absolute;opacity:0}.fold>label{cursor:pointer;color:#0b4f9c}.fold>label::before{content:'"
+        "\\25B8\\00A0'}\n"
         ".fold>input:checked~label::before{content:'\\25BE\\00A0'}.fold>input:focus-visible~label{outline:2px solid}\n"
         ".fold>div{display:none}.fold>input:checked~div{display:block}\n"
-        ".wrap td{overflow-wrap:anywhere}.wrap td:nth-child(2){white-space:nowrap}td.name{min-width:11rem}.facts th{width:8rem;font-weight:400;color:#444;border-color:#ddd}.facts td.from{width:9rem}\n"
+        ".wrap td{overflow-wrap:anywhere}.wrap td:nth-child(2){white-space:nowrap}td.name{min-width:11rem}.facts "
+        "th{width:8rem;font-weight:400;color:#444;border-color:#ddd}.facts td.from{width:9rem}\n"
         ".from{font-size:.85em;color:#444}\n"
         ".sign{display:grid;grid-template-columns:1fr 1fr;gap:1rem 2.5rem}.sign div{break-inside:avoid}\n"
         ".sign span{display:block;border-bottom:1px solid #555;height:2.1rem;font-size:.85em;color:#444}\n"
-        ".key i{display:inline-block;width:1.1em;height:1.1em;vertical-align:-.2em;margin:0 .35em 0 1em;border:1px solid #333}\n"
-        ".key i.a{background:repeating-linear-gradient(135deg,#c22f27 0 3px,#fff 3px 5px)}.key i.b{background:#2467bd}\n"
+        ".key i{display:inline-block;width:1.1em;height:1.1em;vertical-align:-.2em;margin:0 .35em 0 1em;border:1px "
+        "solid #333}\n"
+        ".key i.a{background:repeating-linear-gradient(135deg,#c22f27 0 3px,#fff 3px 5px)}.key "
+        "i.b{background:#2467bd}\n"
         ".key i.c{background:repeating-linear-gradient(0deg,#e2a400 0 3px,#222 3px 5px)}\n"
         ".changes{table-layout:fixed}.changes td{overflow-wrap:anywhere}.changes th:first-child{width:6.5rem}\n"
-        "@media screen and (max-width:38rem){.pair,.sign{grid-template-columns:1fr}.facts tr,.facts th,.facts td{display:block;width:auto;border:0;padding-bottom:0}"
-        ".facts tr{border-bottom:1px solid #ddd}.changes td,.changes th{display:block;width:auto;border:0}.changes tr{display:block;border-bottom:1px solid #ddd}.changes thead{display:none}}\n"
+        "@media screen and (max-width:38rem){.pair,.sign{grid-template-columns:1fr}.facts tr,.facts th,.facts "
+        "td{display:block;width:auto;border:0;padding-bottom:0}"
+        ".facts tr{border-bottom:1px solid #ddd}.changes td,.changes th{display:block;width:auto;border:0}.changes "
+        "tr{display:block;border-bottom:1px solid #ddd}.changes thead{display:none}}\n"
         "@page{margin:14mm}\n"
-        "@media print{body{margin:0;padding:0;max-width:none;font-size:9.5pt;line-height:1.4}table,pre,.sign{font-size:.9em}h2,h3{break-after:avoid}figure,tr,pre,.verdict{break-inside:avoid}"
+        "@media "
+        "print{body{margin:0;padding:0;max-width:none;font-size:9.5pt;line-height:1.4}table,pre,.sign{font-size:.9em}"
+        "h2,h3{break-after:avoid}figure,tr,pre,.verdict{break-inside:avoid}"
         "thead{display:table-header-group}.wide{overflow:visible}p{orphans:3;widows:3}a{color:inherit}"
-        "img{max-height:54mm;width:auto}h2{margin-top:1.3rem}.sign div,ul{break-inside:avoid}.fold>div{display:block}.fold>label::before{content:none}.fold>label{color:inherit}.fold tr{font-size:.92em}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n";
+        "img{max-height:54mm;width:auto}h2{margin-top:1.3rem}.sign "
+        "div,ul{break-inside:avoid}.fold>div{display:block}.fold>label::before{content:none}.fold>label{color:inherit}."
+        "fold tr{font-size:.92em}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n";
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
           "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">"
-          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';style-src 'unsafe-inline';img-src data:\"><title>",
+          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';style-src 'unsafe-inline';img-src "
+          "data:\"><title>",
           p->to);
     page_text(p, title);
     fprintf(p->to, "</title>\n<style>\n%s</style></head><body>\n", style);
@@ -158,7 +173,8 @@ void page_begin(const page *p, const char *title)
 
 void page_fold_begin(const page *p, const char *id, bool open, const char *label)
 {
-    fprintf(p->to, "<div class=\"fold\"><input type=\"checkbox\" id=\"%s\"%s><label for=\"%s\">", id, open ? " checked" : "", id);
+    fprintf(p->to, "<div class=\"fold\"><input type=\"checkbox\" id=\"%s\"%s><label for=\"%s\">", id,
+            open ? " checked" : "", id);
     page_text(p, label);
     fputs("</label>\n", p->to);
 }

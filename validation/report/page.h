@@ -44,7 +44,8 @@ bool page_has(const page *p, const char *file);
 bool page_picture(const page *p, const char *file, const char *caption);
 
 /*
- * Begin and end a part that opens by its label on a screen and is always open on paper; the element details is not always
+ * Begin and end a part that opens by its label on a screen and is always open on paper; the element
+ * details is not always
  * open on paper in every browser.  The content is one div.  id must be unique on the page.
  */
 void page_fold_begin(const page *p, const char *id, bool open, const char *label);

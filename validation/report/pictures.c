@@ -26,7 +26,8 @@ void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, 
     snprintf(name, PICTURE_NAME, "pictures/%s-backend-%zu-%s.png", id, backend, roles[role]);
 }
 
-static ost_status put_picture(const ost_picture *picture, const char *name, evidence_sink *sink, void *user, ost_error *err)
+static ost_status put_picture(const ost_picture *picture, const char *name, evidence_sink *sink, void *user,
+                              ost_error *err)
 {
     uint8_t *png = NULL;
     size_t size = 0;
@@ -65,13 +66,16 @@ static int16_t voxel_of(const trace_block_view *b, size_t i)
 static bool lay_block(const trace_block_view *b, ost_volume *to)
 {
     const ost_dims d = to->geometry.dims;
-    if (b->lo[0] < 0 || b->lo[1] < 0 || b->lo[2] < 0 || b->lo[0] > d.x - b->dims.x || b->lo[1] > d.y - b->dims.y || b->lo[2] > d.z - b->dims.z)
+    if (b->lo[0] < 0 || b->lo[1] < 0 || b->lo[2] < 0 || b->lo[0] > d.x - b->dims.x || b->lo[1] > d.y - b->dims.y ||
+        b->lo[2] > d.z - b->dims.z)
         return false;
     size_t i = 0;
     for (int32_t z = 0; z < b->dims.z; z++)
         for (int32_t y = 0; y < b->dims.y; y++)
             for (int32_t x = 0; x < b->dims.x; x++)
-                to->voxels[(size_t)(b->lo[0] + x) + (size_t)d.x * ((size_t)(b->lo[1] + y) + (size_t)d.y * (size_t)(b->lo[2] + z))] = voxel_of(b, i++);
+                to->voxels[(size_t)(b->lo[0] + x) +
+                           (size_t)d.x * ((size_t)(b->lo[1] + y) + (size_t)d.y * (size_t)(b->lo[2] + z))] =
+                    voxel_of(b, i++);
     return true;
 }
 
@@ -111,7 +115,8 @@ static void view_direction(const scene *s, double direction[3])
     direction[2] = (double)(b.z - a.z);
 }
 
-static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume *after, evidence_sink *sink, void *user, ost_error *err)
+static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume *after, evidence_sink *sink, void *user,
+                                 ost_error *err)
 {
     ost_view_options view = {.threshold = s->threshold, .width = VIEW, .height = VIEW};
     ost_slices_options slices = {.threshold = s->threshold, .at = {-1, -1, -1}, .pixels = SLICE};
@@ -121,7 +126,8 @@ static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume 
     if (s->path.count)
         view_direction(s, view.direction);
     for (int k = 0; k < 4 && status == OST_OK; k++) {
-        static const char *const names[4] = {PICTURE_BEFORE, PICTURE_AFTER, PICTURE_SLICES_BEFORE, PICTURE_SLICES_AFTER};
+        static const char *const names[4] = {PICTURE_BEFORE, PICTURE_AFTER, PICTURE_SLICES_BEFORE,
+                                             PICTURE_SLICES_AFTER};
         const ost_volume *now = k % 2 ? after : before, *old = k % 2 ? before : NULL;
         ost_picture picture = {0};
         if (k == 2) { /* the same slices before and after: through the removed voxels */
@@ -137,7 +143,8 @@ static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume 
             for (int a = 0; a < 3 && n; a++)
                 slices.at[a] = (int32_t)(sum[a] / n);
         }
-        status = k < 2 ? ost_picture_view(now, old, &view, &picture, err) : ost_picture_slices(now, old, &slices, &picture, err);
+        status = k < 2 ? ost_picture_view(now, old, &view, &picture, err)
+                       : ost_picture_slices(now, old, &slices, &picture, err);
         if (status == OST_OK)
             status = put_picture(&picture, names[k], sink, user, err);
         ost_picture_free(&picture);
@@ -155,7 +162,8 @@ ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *u
         ost_status status = scene_make(&c->plan->cases[i], &s, err);
         if (status != OST_OK)
             return status;
-        if (volume_of(record_of(&c->reference, c->ranges[i], TRACE_CHUNKS), &before) && volume_of(record_of(&c->reference, c->ranges[i], TRACE_FINAL), &after) &&
+        if (volume_of(record_of(&c->reference, c->ranges[i], TRACE_CHUNKS), &before) &&
+            volume_of(record_of(&c->reference, c->ranges[i], TRACE_FINAL), &after) &&
             ost_geometry_equal(&before.geometry, &after.geometry))
             status = draw_operation(&s, &before, &after, sink, user, err);
         ost_volume_free(&before);
@@ -169,7 +177,8 @@ ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *u
 /* ----------------------------------------------------------- differences */
 
 /* Makes both volumes at record `at` of the case; the leaves of a tick are copied over the previous bone. */
-static bool volumes_at(const campaign *c, int case_index, size_t at, const trace_record *got, ost_volume *a, ost_volume *b)
+static bool volumes_at(const campaign *c, int case_index, size_t at, const trace_record *got, ost_volume *a,
+                       ost_volume *b)
 {
     const trace_record *in = &c->reference.records[c->ranges[case_index].first];
     if (in[at].stage != got->stage || in[at].item != got->item)
@@ -188,12 +197,15 @@ static bool volumes_at(const campaign *c, int case_index, size_t at, const trace
     return lay_record(&in[at], a) && lay_record(got, b);
 }
 
-void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got, compare_range in_got)
+void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got,
+                            compare_range in_got)
 {
     picture_keeper *k = keeper;
-    const compare_difference *d = &c->results[(size_t)case_index * (size_t)c->subjects->count + (size_t)subject_index].difference;
+    const compare_difference *d = &c->results[(size_t)case_index * (size_t)c->subjects->count + (size_t)subject_index]
+                                       .difference;
     ost_volume a = {.voxels = NULL}, b = {.voxels = NULL};
-    if (k->err.status != OST_OK || subject_index >= PICTURES_BACKENDS || k->drawn[subject_index] >= PICTURES_A_BACKEND || d->records < 1)
+    if (k->err.status != OST_OK || subject_index >= PICTURES_BACKENDS ||
+        k->drawn[subject_index] >= PICTURES_A_BACKEND || d->records < 1)
         return;
     /* A report may differ before any voxel does; until a voxel differs, both bones are the reference's. */
     const compare_range in_ref = c->ranges[case_index];

@@ -42,10 +42,12 @@ typedef struct picture_keeper {
     int drawn[PICTURES_BACKENDS]; /* number of pictures of each backend */
     ost_error err; /* the first error */
 } picture_keeper;
-void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got, compare_range in_got);
+void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got,
+                            compare_range in_got);
 
 /* Copies from the shards' bundles in a folder the pictures that a single run would have made; protocol and cases are
    those of the complete campaign. */
-ost_status pictures_of_shards(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
+ost_status pictures_of_shards(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
+                              void *user, ost_error *err);
 
 #endif

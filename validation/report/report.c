@@ -31,9 +31,11 @@ static void tally(const page *p, const char *backend, size_t *equal, size_t *oth
 {
     *equal = *other = 0;
     for (size_t i = 0; i < json_array_size(p->cases); i++) {
-        const char *is = evidence_text(json_object_get(json_object_get(json_array_get(p->cases, i), "results"), backend), "verdict");
+        const char *is = evidence_text(
+            json_object_get(json_object_get(json_array_get(p->cases, i), "results"), backend), "verdict");
         *equal += strcmp(is, case_verdict_name(CASE_EQUAL)) == 0;
-        *other += *is && strcmp(is, case_verdict_name(CASE_EQUAL)) != 0 && strcmp(is, case_verdict_name(CASE_NOT_RUN)) != 0;
+        *other += *is && strcmp(is, case_verdict_name(CASE_EQUAL)) != 0 &&
+                  strcmp(is, case_verdict_name(CASE_NOT_RUN)) != 0;
     }
 }
 
@@ -70,8 +72,10 @@ static void who_differs(const page *p)
 static void verdict(const page *p)
 {
     const json_t *counts = json_object_get(p->summary, "results");
-    const bool equal = json_is_true(json_object_get(p->summary, "equal")), evidence = json_is_true(json_object_get(p->summary, "evidence"));
-    const json_int_t same = json_integer_value(json_object_get(counts, case_verdict_name(CASE_EQUAL))), other = findings(p);
+    const bool equal = json_is_true(json_object_get(p->summary, "equal")),
+               evidence = json_is_true(json_object_get(p->summary, "evidence"));
+    const json_int_t same = json_integer_value(json_object_get(counts, case_verdict_name(CASE_EQUAL))),
+                     other = findings(p);
     if (other) {
         fputs("<div class=\"verdict differ\"><b>&#10007; NOT EQUAL</b>", p->to);
         fputs("In ", p->to);
@@ -84,12 +88,19 @@ static void verdict(const page *p)
             fputs(" (And this was a reduced run.)", p->to);
     } else if (!equal) {
         fputs(json_integer_value(json_object_get(p->summary, "compared"))
-                  ? "<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOT EVERYTHING WAS COMPARED</b>No difference was found, but cases are missing."
+                  ? "<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOT EVERYTHING WAS COMPARED</b>No difference "
+                    "was found, but cases are missing."
                   : "<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOTHING WAS COMPARED</b>"
-                    "No backend but the reference ran a case that the reference did not refuse.", p->to);
+                    "No backend but the reference ran a case that the reference did not refuse.",
+              p->to);
     } else {
-        fputs(evidence ? "<div class=\"verdict equal\"><b>&#10003; EQUAL</b>" : "<div class=\"verdict none\"><b>&#9888; REDUCED RUN: NO EVIDENCE</b>", p->to);
-        fputs(evidence ? "Every backend computed exactly what the reference computed: " : same == 1 ? "<strong>Equal in the " : "<strong>Equal in all ", p->to);
+        fputs(evidence ? "<div class=\"verdict equal\"><b>&#10003; EQUAL</b>"
+                       : "<div class=\"verdict none\"><b>&#9888; REDUCED RUN: NO EVIDENCE</b>",
+              p->to);
+        fputs(evidence    ? "Every backend computed exactly what the reference computed: "
+              : same == 1 ? "<strong>Equal in the "
+                          : "<strong>Equal in all ",
+              p->to);
         page_many(p, (size_t)same, "result");
         fputs(evidence ? ", 0 differing bytes." : same == 1 ? " that was compared" : " that were compared", p->to);
         fputs(evidence ? "" : "</strong>; but too little was compared to prove anything.", p->to);
@@ -120,7 +131,8 @@ static void suite_failed(const page *p)
         return;
     fputs("<div class=\"verdict differ\"><b>&#10007; THE TEST SUITE FAILED</b>", p->to);
     page_many(p, (size_t)failed, "test");
-    fputs(" that requirements name failed; they are listed <a href=\"#suite\">below</a>.<br><span class=\"from\">From ", p->to);
+    fputs(" that requirements name failed; they are listed <a href=\"#suite\">below</a>.<br><span class=\"from\">From ",
+          p->to);
     page_link(p, SUITE_FILE);
     fputs("</span></div>\n", p->to);
 }
@@ -128,9 +140,12 @@ static void suite_failed(const page *p)
 /* Writes the answers to the next three questions, each with its file. */
 static void in_short(const page *p)
 {
-    const json_int_t kinds = number_in(p, "sensitivity.json", "kinds_total"), kinds_changed = number_in(p, "sensitivity.json", "kinds_changed");
-    const json_int_t changed = number_in(p, "sensitivity.json", "changed"), detected = number_in(p, "sensitivity.json", "detected"),
-                     alarms = number_in(p, "sensitivity.json", "false_alarms"), passed = number_in(p, COMMON_FILE, "passed"), failed = number_in(p, COMMON_FILE, "failed");
+    const json_int_t kinds = number_in(p, "sensitivity.json", "kinds_total"),
+                     kinds_changed = number_in(p, "sensitivity.json", "kinds_changed");
+    const json_int_t changed = number_in(p, "sensitivity.json", "changed"),
+                     detected = number_in(p, "sensitivity.json", "detected"),
+                     alarms = number_in(p, "sensitivity.json", "false_alarms"),
+                     passed = number_in(p, COMMON_FILE, "passed"), failed = number_in(p, COMMON_FILE, "failed");
     fputs("<ul>\n", p->to);
     if (changed > 0) {
         fputs("<li>Would the comparison have noticed a mistake? ", p->to);
@@ -139,7 +154,8 @@ static void in_short(const page *p)
         page_count(p, changed);
         fputs(" mistakes, made on purpose in a second implementation and in no backend, were noticed", p->to);
         if (kinds >= 0)
-            fprintf(p->to, "; of %lld kinds %lld changed nothing in this tier", (long long)kinds, (long long)(kinds - kinds_changed));
+            fprintf(p->to, "; of %lld kinds %lld changed nothing in this tier", (long long)kinds,
+                    (long long)(kinds - kinds_changed));
         fputs("; ", p->to);
         page_many(p, alarms > 0 ? (size_t)alarms : 0, "false alarm");
         fputs(" (", p->to);
@@ -147,12 +163,15 @@ static void in_short(const page *p)
         fputs(").</li>\n", p->to);
     }
     if (passed >= 0) {
-        fprintf(p->to, "<li>Mistakes that all backends have in common: %lld of %lld checks against results known by hand, by formula and by law passed (", (long long)passed,
-                (long long)(passed + failed));
+        fprintf(p->to,
+                "<li>Mistakes that all backends have in common: %lld of %lld checks against results known by hand, by "
+                "formula and by law passed (",
+                (long long)passed, (long long)(passed + failed));
         page_link(p, COMMON_FILE);
         fputs(").</li>\n", p->to);
     }
-    fprintf(p->to, "<li>Not shown by this report: %zu points, listed <a href=\"#not-shown\">below</a> (", json_array_size(json_object_get(p->summary, "not_shown")));
+    fprintf(p->to, "<li>Not shown by this report: %zu points, listed <a href=\"#not-shown\">below</a> (",
+            json_array_size(json_object_get(p->summary, "not_shown")));
     page_link(p, "deviations.csv");
     fputs(").</li>\n</ul>\n", p->to);
 }
@@ -167,16 +186,20 @@ static void head(const page *p)
     verdict(p);
     suite_failed(p);
     in_short(p);
-    fputs("<p class=\"scope\">What this is: verification that all backends of osteon compute the same voxels (code verification). It is not clinical validation.</p>\n"
-          "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different programs, on processors and graphics cards. "
-          "This report says whether their results are bit-identical: here ", p->to);
+    fputs("<p class=\"scope\">What this is: verification that all backends of osteon compute the same voxels (code "
+          "verification). It is not clinical validation.</p>\n"
+          "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different "
+          "programs, on processors and graphics cards. "
+          "This report says whether their results are bit-identical: here ",
+          p->to);
     fputs("<b>", p->to);
     page_many(p, run, "backend");
     fputs("</b> on <b>", p->to);
     page_many(p, json_array_size(p->cases), "case");
     fputs("</b>, against the scalar reference. osteon ", p->to);
     page_text(p, evidence_text(p->protocol, "version"));
-    fprintf(p->to, ", arithmetic version %lld; tier ", (long long)json_integer_value(json_object_get(p->protocol, "arithmetic")));
+    fprintf(p->to, ", arithmetic version %lld; tier ",
+            (long long)json_integer_value(json_object_get(p->protocol, "arithmetic")));
     page_text(p, evidence_text(p->protocol, "tier"));
     fputs(", seed ", p->to);
     page_text(p, evidence_text(p->protocol, "seed"));
@@ -212,11 +235,16 @@ static void operation(const page *p)
 {
     fputs("<h2>What was computed, in pictures</h2>\n", p->to);
     if (!page_has(p, PICTURE_AFTER)) {
-        fputs("<p>No pictures: the case of the built-in operation was not run here, or the program was built without pictures.</p>\n", p->to);
+        fputs("<p>No pictures: the case of the built-in operation was not run here, or the program was built without "
+              "pictures.</p>\n",
+              p->to);
         return;
     }
-    fputs("<p>Case <code>operation/0</code> as the reference computed it: the socket of a generated shoulder blade (glenoid), a hole for a peg drilled into it and "
-          "its surface reamed. Cut surfaces are coloured by their depth below the old surface; in slices, red was cut away. Pictures illustrate; what was compared are the voxels behind them.</p>\n<div class=\"pair\">\n", p->to);
+    fputs("<p>Case <code>operation/0</code> as the reference computed it: the socket of a generated shoulder blade "
+          "(glenoid), a hole for a peg drilled into it and "
+          "its surface reamed. Cut surfaces are coloured by their depth below the old surface; in slices, red was cut "
+          "away. Pictures illustrate; what was compared are the voxels behind them.</p>\n<div class=\"pair\">\n",
+          p->to);
     page_picture(p, PICTURE_BEFORE, "The bone before");
     page_picture(p, PICTURE_AFTER, "The bone after; the coloured surface is cut");
     fputs("</div>\n", p->to);
@@ -232,10 +260,14 @@ static void operation(const page *p)
 static void checking(const page *p)
 {
     const json_t *shard = json_object_get(p->protocol, "shard");
-    fputs("<h2>Check it, and do it again</h2>\n<p>In the folder that this page lies in; needs neither a network nor a device:</p>\n"
-          "<pre>osteon verify .</pre>\n<p>That checks every file against ", p->to);
+    fputs("<h2>Check it, and do it again</h2>\n<p>In the folder that this page lies in; needs neither a network nor a "
+          "device:</p>\n"
+          "<pre>osteon verify .</pre>\n<p>That checks every file against ",
+          p->to);
     page_link(p, "manifest.json");
-    fputs(", the log's chain, that the protocol was frozen before the first result, and that this page and all other derived files follow, byte for byte, from ", p->to);
+    fputs(", the log's chain, that the protocol was frozen before the first result, and that this page and all other "
+          "derived files follow, byte for byte, from ",
+          p->to);
     page_link(p, EVIDENCE_PROTOCOL);
     fputs(", ", p->to);
     page_link(p, EVIDENCE_CASES);
@@ -244,7 +276,8 @@ static void checking(const page *p)
     fputs(" --seed ", p->to);
     page_shell_word(p, evidence_text(p->protocol, "seed"));
     if (json_integer_value(json_array_get(shard, 1)) > 1)
-        fprintf(p->to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)), (long long)json_integer_value(json_array_get(shard, 1)));
+        fprintf(p->to, " --shard %lld/%lld", (long long)json_integer_value(json_array_get(shard, 0)),
+                (long long)json_integer_value(json_array_get(shard, 1)));
     if (json_object_get(p->protocol, "case"))
         fputs(" --case case.json", p->to);
     if (*evidence_text(p->protocol, "only")) {
@@ -270,12 +303,17 @@ static void signing(const page *p)
 {
     fputs("<h2>Tested and reviewed by</h2>\n<div class=\"sign\">\n", p->to);
     for (int i = 0; i < 2; i++)
-        fprintf(p->to, "<div><b>%s</b><span>Name</span><span>Role</span><span>Date and time (UTC)</span><span>%s</span><span>Signature</span></div>\n",
-                i ? "Reviewer" : "Tester", i ? "Meaning: reviewed, and agreed / not agreed" : "Meaning: performed as the protocol says");
+        fprintf(p->to,
+                "<div><b>%s</b><span>Name</span><span>Role</span><span>Date and time "
+                "(UTC)</span><span>%s</span><span>Signature</span></div>\n",
+                i ? "Reviewer" : "Tester",
+                i ? "Meaning: reviewed, and agreed / not agreed" : "Meaning: performed as the protocol says");
     fputs("</div>\n<p class=\"from\">A digital signature is over ", p->to);
     page_link(p, "manifest.json");
-    fputs(", which names every other file by its SHA-256: <code>osteon sign . --key KEY --by NAME --meaning TEXT</code> makes it, "
-          "<code>osteon verify . --trust KEYS</code> checks it.</p>\n", p->to);
+    fputs(", which names every other file by its SHA-256: <code>osteon sign . --key KEY --by NAME --meaning "
+          "TEXT</code> makes it, "
+          "<code>osteon verify . --trust KEYS</code> checks it.</p>\n",
+          p->to);
 }
 
 static void files(const page *p)
@@ -285,7 +323,8 @@ static void files(const page *p)
         bool always;
     } list[] = {
         {EVIDENCE_PROTOCOL, "what was to be done and what counts as passed, frozen before anything ran", true},
-        {EVIDENCE_CASES, "a line a case: digest of its input, digests of all that the reference made, each backend's verdict", true},
+        {EVIDENCE_CASES,
+         "a line a case: digest of its input, digests of all that the reference made, each backend's verdict", true},
         {"results.json", "the verdict and its counts", true},
         {"junit.xml", "the verdicts for test reports", true},
         {"results.tap", "the verdicts for test harnesses", true},
@@ -327,7 +366,8 @@ static void files(const page *p)
     fputs("</table>\n", p->to);
 }
 
-ost_status report_write(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
+ost_status report_write(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
+                        void *user, ost_error *err)
 {
     ost_memory_stream made;
     json_t *summary;
@@ -366,7 +406,8 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     signing(&p);
     files(&p);
     page_end(&p);
-    status = ost_memory_stream_close(to, &made) ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", REPORT_FILE);
+    status = ost_memory_stream_close(to, &made) ? OST_OK
+                                                : ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", REPORT_FILE);
     if (status == OST_OK && unread.status != OST_OK)
         status = ost_fail(err, unread.status, "%s", unread.text);
     if (status == OST_OK)

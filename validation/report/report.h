@@ -15,6 +15,7 @@
 
 #define REPORT_FILE "report.html"
 
-ost_status report_write(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err);
+ost_status report_write(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
+                        void *user, ost_error *err);
 
 #endif

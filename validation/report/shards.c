@@ -11,12 +11,14 @@
 #include "validation/report/pictures.h"
 
 /* Copies a picture from the only shard that has it. */
-static ost_status take(const char *folder, const char *name, bool *taken, evidence_sink *sink, void *user, ost_error *err)
+static ost_status take(const char *folder, const char *name, bool *taken, evidence_sink *sink, void *user,
+                       ost_error *err)
 {
     DIR *dir = opendir(folder);
     ost_status status = dir ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: %s", folder, strerror(errno));
     *taken = false;
-    for (struct dirent *e; status == OST_OK && !*taken && (status = bundle_next_entry(dir, folder, &e, err)) == OST_OK && e;) {
+    for (struct dirent *e;
+         status == OST_OK && !*taken && (status = bundle_next_entry(dir, folder, &e, err)) == OST_OK && e;) {
         char path[BUNDLE_PATH], *bytes;
         size_t size;
         if (e->d_name[0] == '.' || snprintf(path, sizeof path, "%s/%s", folder, e->d_name) >= (int)sizeof path)
@@ -33,7 +35,8 @@ static ost_status take(const char *folder, const char *name, bool *taken, eviden
     return status;
 }
 
-ost_status pictures_of_shards(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink, void *user, ost_error *err)
+ost_status pictures_of_shards(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
+                              void *user, ost_error *err)
 {
     static const char *const operation[] = {PICTURE_BEFORE, PICTURE_AFTER, PICTURE_SLICES_BEFORE, PICTURE_SLICES_AFTER};
     const json_t *backends = json_object_get(protocol, "backends");
@@ -45,7 +48,8 @@ ost_status pictures_of_shards(const char *folder, const json_t *protocol, const 
         int count = 0;
         for (size_t i = 0; i < json_array_size(cases) && status == OST_OK; i++) {
             const json_t *one = json_array_get(cases, i);
-            const json_t *r = json_object_get(json_object_get(one, "results"), evidence_text(json_array_get(backends, s), "name"));
+            const json_t *r = json_object_get(json_object_get(one, "results"),
+                                              evidence_text(json_array_get(backends, s), "name"));
             if (strcmp(evidence_text(r, "verdict"), case_verdict_name(CASE_DIFFERS)) != 0)
                 continue;
             if (reproduce_name_ok(evidence_text(r, "reproduce")) && status == OST_OK)

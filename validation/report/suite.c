@@ -38,7 +38,9 @@ void section_suite(const page *p)
     json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
     const json_t *tests = json_object_get(o, "tests");
     const json_int_t failed = number(o, "failed"), skipped = number(o, "skipped");
-    fputs("<h2 id=\"suite\">The test suite</h2>\n<p>The programs that requirements name as their tests were run with this campaign: ", p->to);
+    fputs("<h2 id=\"suite\">The test suite</h2>\n<p>The programs that requirements name as their tests were run with "
+          "this campaign: ",
+          p->to);
     page_count(p, number(o, "passed"));
     fputs(" passed, ", p->to);
     page_count(p, failed);
@@ -47,7 +49,8 @@ void section_suite(const page *p)
     fputs(" were skipped. A test that was skipped shows nothing.</p>\n", p->to);
     if (failed + skipped) {
         page_fold_begin(p, "suite-tests", failed > 0, "Tests that did not pass");
-        fputs("<div class=\"wide\"><table><thead><tr><th>Test</th><th>Result</th><th>Reason</th></tr></thead>\n", p->to);
+        fputs("<div class=\"wide\"><table><thead><tr><th>Test</th><th>Result</th><th>Reason</th></tr></thead>\n",
+              p->to);
         rows(p, tests, "failed");
         rows(p, tests, "skipped");
         fputs("</table></div>\n", p->to);

@@ -66,7 +66,8 @@ static uint8_t grey_of(const triplet *t, int32_t value)
 /* Chooses pattern and colour for a pixel: solid in only one volume, or different values. x, y are pixels. */
 static void mark(const triplet *t, int32_t ref, int32_t got, int x, int y, uint8_t rgb[3])
 {
-    static const uint8_t only_ref[2][3] = {{194, 47, 39}, {255, 255, 255}}, only_got[3] = {36, 103, 189}, other[2][3] = {{226, 164, 0}, {34, 34, 34}};
+    static const uint8_t only_ref[2][3] = {{194, 47, 39}, {255, 255, 255}}, only_got[3] = {36, 103, 189},
+                         other[2][3] = {{226, 164, 0}, {34, 34, 34}};
     const int32_t solid = t->tool ? 1 : 120;
     if (ref >= solid && got < solid)
         memcpy(rgb, only_ref[(x + y) % 6 < 2], 3);
@@ -76,7 +77,8 @@ static void mark(const triplet *t, int32_t ref, int32_t got, int x, int y, uint8
         memcpy(rgb, other[y % 6 < 2], 3);
 }
 
-static void draw_panel(const triplet *t, picture_role role, int across, int down, int left, int width, int height, ost_picture *out)
+static void draw_panel(const triplet *t, picture_role role, int across, int down, int left, int width, int height,
+                       ost_picture *out)
 {
     int32_t at[3] = {t->at[0], t->at[1], t->at[2]};
     for (int y = 0; y < height; y++)
@@ -98,7 +100,9 @@ static void draw_panel(const triplet *t, picture_role role, int across, int down
 ost_status triplet_draw(const triplet *t, picture_role role, ost_picture *out, ost_error *err)
 {
     static const int axes[3][2] = {{0, 1}, {0, 2}, {1, 2}};
-    const int32_t longest = t->n[0] > t->n[1] ? (t->n[0] > t->n[2] ? t->n[0] : t->n[2]) : t->n[1] > t->n[2] ? t->n[1] : t->n[2];
+    const int32_t longest = t->n[0] > t->n[1]   ? (t->n[0] > t->n[2] ? t->n[0] : t->n[2])
+                            : t->n[1] > t->n[2] ? t->n[1]
+                                                : t->n[2];
     int width[3], height[3], total = 2 * GAP, tallest = 1;
     for (int i = 0; i < 3; i++) {
         width[i] = (int)((int64_t)PANEL * t->n[axes[i][0]] / longest);

@@ -28,7 +28,8 @@ typedef struct app_state {
        (validation/worker.h) */
     bool worker;
     json_t *result;      /* owned by main */
-    bool answered;       /* result is complete although the status is an error: --json prints it before the error's line */
+    /* result is complete although the status is an error: --json prints it before the error's line */
+    bool answered;
 } app_state;
 
 typedef struct app_verb {

@@ -20,8 +20,8 @@ ost_status backend_choose(const app_state *app, ost_backend **out, ost_error *er
                         (long long)app->threads, app->backend);
     const char *options = strchr(app->backend, ':');
     char spec[256];
-    const int n = snprintf(spec, sizeof spec, "cpu:threads=%lld%s%s", (long long)app->threads, options && options[1] ? "," : "",
-                           options ? options + 1 : "");
+    const int n = snprintf(spec, sizeof spec, "cpu:threads=%lld%s%s", (long long)app->threads,
+                           options && options[1] ? "," : "", options ? options + 1 : "");
     if (n < 0 || (size_t)n >= sizeof spec)
         return ost_fail(err, OST_ERR_USAGE, "backend '%.60s...': too long", app->backend);
     return ost_backend_open(spec, out, err);

@@ -37,14 +37,18 @@ static void print_option(const option *o)
     }
     const bool flag = o->kind == OPTION_FLAG, listed = o->kind == OPTION_CHOICE && strlen(o->value) > WIDTH / 2;
     char head[WIDTH + COLUMN], choices[OPTION_SPOKEN], text[1024];
-    int used = snprintf(head, sizeof head, "  --%s%s%s", o->name, flag ? "" : " ", flag ? "" : listed ? "NAME" : o->value);
+    int used = snprintf(head, sizeof head, "  --%s%s%s", o->name, flag ? "" : " ",
+                        flag     ? ""
+                        : listed ? "NAME"
+                                 : o->value);
     if (used >= COLUMN) {
         printf("%s\n", head);
         used = 0;
         head[0] = '\0';
     }
     printf("%s%*s", head, COLUMN - used, "");
-    snprintf(text, sizeof text, "%s%s%s", o->help, listed ? ": " : "", listed ? spoken_list(choices, o->value, "") : "");
+    snprintf(text, sizeof text, "%s%s%s", o->help, listed ? ": " : "",
+             listed ? spoken_list(choices, o->value, "") : "");
     wrapped(text);
 }
 

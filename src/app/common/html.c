@@ -31,7 +31,8 @@ void html_base64(html_page *p, const uint8_t *bytes, size_t size)
     size_t used = 0;
     for (size_t i = 0; i < size; i += 3) {
         size_t left = size - i;
-        uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) | (left > 2 ? bytes[i + 2] : 0u);
+        uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
+                         (left > 2 ? bytes[i + 2] : 0u);
         block[used++] = digit[three >> 18];
         block[used++] = digit[three >> 12 & 63];
         block[used++] = left > 1 ? digit[three >> 6 & 63] : '=';

@@ -34,46 +34,6 @@ static const option *find(const option *table, const char *name, size_t length)
     return NULL;
 }
 
-/* Computes the Levenshtein distance, capped at LENGTH_MAX: names are short. */
-static int distance(const char *a, const char *b)
-{
-    enum { LENGTH_MAX = 32 };
-    size_t m = strlen(a), n = strlen(b);
-    if (m > LENGTH_MAX || n > LENGTH_MAX)
-        return LENGTH_MAX;
-    int row[LENGTH_MAX + 1];
-    for (size_t j = 0; j <= n; j++)
-        row[j] = (int)j;
-    for (size_t i = 1; i <= m; i++) {
-        int diagonal = row[0];
-        row[0] = (int)i;
-        for (size_t j = 1; j <= n; j++) {
-            int replace = diagonal + (a[i - 1] != b[j - 1]);
-            int shift = 1 + (row[j] < row[j - 1] ? row[j] : row[j - 1]);
-            diagonal = row[j];
-            row[j] = replace < shift ? replace : shift;
-        }
-    }
-    return row[n];
-}
-
-const char *nearest_name(const char *text, const char *const *names, int count)
-{
-    const char *best = NULL;
-    int least = (int)strlen(text) / 3 + 1;
-    for (int i = 0; i < count; i++) {
-        int d = distance(text, names[i]);
-        bool begins = strlen(text) >= 3 && strncmp(names[i], text, strlen(text)) == 0;
-        if (begins)
-            d = 0;
-        if (d <= least && (!best || d < least)) {
-            best = names[i];
-            least = d;
-        }
-    }
-    return best;
-}
-
 ost_status usage_error(const app_state *app, ost_error *err, const char *format, ...)
 {
     char text[OST_ERROR_TEXT];
@@ -84,7 +44,8 @@ ost_status usage_error(const app_state *app, ost_error *err, const char *format,
     return ost_fail(err, OST_ERR_USAGE, "%s (see osteon %s --help)", text, app->verb);
 }
 
-static ost_status unknown_option(const app_state *app, const char *name, size_t length, const option *own, const option *common, ost_error *err)
+static ost_status unknown_option(const app_state *app, const char *name, size_t length, const option *own,
+                                 const option *common, ost_error *err)
 {
     const char *names[NAMES_MAX];
     int count = 0;
@@ -128,15 +89,18 @@ static bool three_decimals(const char *text, bool one, ost_decimal out[3])
     return n == 2;
 }
 
-static ost_status take_lengths(const app_state *app, const option *o, const char *text, bool one, bool positive, ost_pm3 *out, ost_error *err)
+static ost_status take_lengths(const app_state *app, const option *o, const char *text, bool one, bool positive,
+                               ost_pm3 *out, ost_error *err)
 {
     ost_decimal d[3];
     ost_pm pm[3];
     if (!three_decimals(text, one, d))
-        return usage_error(app, err, "--%s '%s': expected %s in millimetres", o->name, text, one ? "a length or x,y,z" : "x,y,z");
+        return usage_error(app, err, "--%s '%s': expected %s in millimetres", o->name, text,
+                           one ? "a length or x,y,z" : "x,y,z");
     for (int a = 0; a < 3; a++)
         if (!ost_decimal_to_pm(&d[a], &pm[a], NULL) || (positive && pm[a] <= 0))
-            return usage_error(app, err, "--%s '%s': each length must be %s 8000 mm", o->name, text, positive ? "more than 0 and at most" : "within");
+            return usage_error(app, err, "--%s '%s': each length must be %s 8000 mm", o->name, text,
+                               positive ? "more than 0 and at most" : "within");
     *out = (ost_pm3){pm[0], pm[1], pm[2]};
     return OST_OK;
 }
@@ -149,22 +113,6 @@ static double decimal_double(const ost_decimal *d)
     for (int32_t e = d->exponent; e > 0 && value < 1e300 && value > -1e300; e--)
         value *= 10;
     return value;
-}
-
-const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char *before)
-{
-    size_t used = 0;
-    text[0] = '\0';
-    for (;;) {
-        size_t length = strcspn(names, "|");
-        const char *next_name = names[length] ? names + length + 1 : NULL;
-        const char *after = !next_name ? "" : strchr(next_name, '|') ? ", " : " or ";
-        int n = snprintf(text + used, OPTION_SPOKEN - used, "%s%.*s%s", before, (int)length, names, after);
-        used += n > 0 ? (size_t)n : 0;
-        if (!next_name || used >= OPTION_SPOKEN)
-            return text;
-        names = next_name;
-    }
 }
 
 static ost_status take_choice(const app_state *app, const option *o, const char *text, ost_error *err)
@@ -192,7 +140,8 @@ static ost_status take_integer(const app_state *app, const option *o, const char
     if (!decimal_field(text, &d) || *decimal_field(text, &d) || !ost_decimal_scale(&d, 1, &value, &exact) || !exact)
         return usage_error(app, err, "--%s '%s': expected a whole number", o->name, text);
     if (value < o->min || value > o->max)
-        return usage_error(app, err, "--%s %s: must be from %lld to %lld", o->name, text, (long long)o->min, (long long)o->max);
+        return usage_error(app, err, "--%s %s: must be from %lld to %lld", o->name, text, (long long)o->min,
+                           (long long)o->max);
     *(int64_t *)o->out = value;
     return OST_OK;
 }
@@ -229,7 +178,8 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
         ost_pm pm;
         ost_error why = {0};
         if (ost_pm_parse(text, &pm, &why) != OST_OK || pm <= 0)
-            return usage_error(app, err, "--%s '%s': expected a length in millimetres, more than 0 and at most 8000", o->name, text);
+            return usage_error(app, err, "--%s '%s': expected a length in millimetres, more than 0 and at most 8000",
+                               o->name, text);
         *(ost_pm *)o->out = pm;
         return OST_OK;
     }
@@ -262,7 +212,8 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
     return ost_fail(err, OST_ERR_INTERNAL, "option kind %d", (int)o->kind);
 }
 
-static ost_status parse_all(app_state *app, const usage_text *usage, int argc, char **argv, const option *common, const bool *help, ost_error *err)
+static ost_status parse_all(app_state *app, const usage_text *usage, int argc, char **argv, const option *common,
+                            const bool *help, ost_error *err)
 {
     const operand *next = usage->operands;
     bool seen[NAMES_MAX] = {false};

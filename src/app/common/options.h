@@ -12,6 +12,7 @@
 #define OST_APP_COMMON_OPTIONS_H
 
 #include "app/common/app.h"
+#include "app/common/names.h"
 
 typedef enum option_kind {
     OPTION_FLAG,     /* bool */
@@ -73,12 +74,5 @@ bool options_parse(app_state *app, const usage_text *usage, int argc, char **arg
 
 /* Reports a wrong use of this verb: one line that ends with a reference to its help. */
 ost_status usage_error(const app_state *app, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
-
-/* Writes "a|b|c" as "a, b or c", with the text `before` in front of each. Returns text. */
-enum { OPTION_SPOKEN = 160 };
-const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char *before);
-
-/* Returns the name nearest to a misspelt one, or NULL if none is near. */
-const char *nearest_name(const char *text, const char *const *names, int count);
 
 #endif

@@ -106,7 +106,8 @@ const char *format_spacing(char text[FORMAT_TEXT], ost_pm3 s)
     if (s.x == s.y && s.y == s.z)
         snprintf(text, FORMAT_TEXT, "%s mm", ost_pm_format(s.x, x));
     else
-        snprintf(text, FORMAT_TEXT, "%s x %s x %s mm", ost_pm_format(s.x, x), ost_pm_format(s.y, y), ost_pm_format(s.z, z));
+        snprintf(text, FORMAT_TEXT, "%s x %s x %s mm", ost_pm_format(s.x, x), ost_pm_format(s.y, y),
+                 ost_pm_format(s.z, z));
     return text;
 }
 

@@ -18,7 +18,8 @@ static ost_status take_bone(const ost_bone *bone, ost_volume *out, ost_error *er
     return status == OST_OK ? ost_bone_download(bone, 0, info.geometry.dims.z, out->voxels, err) : status;
 }
 
-ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count, debrief *out, ost_error *err)
+ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count,
+                         debrief *out, ost_error *err)
 {
     ost_status status = OST_OK;
     out->plan = *plan;
@@ -119,7 +120,8 @@ static void put_rim(json_t *o, const ost_metrics *m)
         put_real(o, "height_after_mm", m->height_after_mm);
 }
 
-static void put_json(const app_state *app, const debrief *d, const ost_metrics *m, const verdict *v, const ost_density_classes *classes)
+static void put_json(const app_state *app, const debrief *d, const ost_metrics *m, const verdict *v,
+                     const ost_density_classes *classes)
 {
     json_t *o = json_object(), *by_class = json_object();
     put_text(o, "verdict", v->line);
@@ -179,27 +181,36 @@ static void print_all(const app_state *app, const debrief *d, const ost_metrics 
 {
     print_line(app, "  %s", v->line);
     if (m->floor_mm2 > 0)
-        print_line(app, "  floor: %.0f mm2, %.1f mm deep on average, %.1f at most; over-reaming %.0f mm3, deeper than %.1f mm and a margin of 1", m->floor_mm2,
-                   m->depth_mean_mm, m->depth_max_mm, m->over_mm3, d->plan.depth_mm);
+        print_line(app,
+                   "  floor: %.0f mm2, %.1f mm deep on average, %.1f at most; over-reaming %.0f mm3, deeper than %.1f "
+                   "mm and a margin of 1",
+                   m->floor_mm2, m->depth_mean_mm, m->depth_max_mm, m->over_mm3, d->plan.depth_mm);
     if (m->reamed)
-        print_line(app, "  version %+.1f degrees, planned %+.1f; inclination %+.1f, planned %+.1f (retroversion and superior are positive%s)", m->version_deg,
-                   m->version_planned_deg, m->inclination_deg, m->inclination_planned_deg, m->scapular ? "" : "; in the CT's planes");
+        print_line(app,
+                   "  version %+.1f degrees, planned %+.1f; inclination %+.1f, planned %+.1f (retroversion and "
+                   "superior are positive%s)",
+                   m->version_deg, m->version_planned_deg, m->inclination_deg, m->inclination_planned_deg,
+                   m->scapular ? "" : "; in the CT's planes");
     if (m->sphere)
         print_line(app, "  backing contact %.0f %%, gap up to %.1f mm", m->contact_percent, m->gap_max_mm);
     if (m->rim_seen_percent > 0)
         print_line(app, "  rim: lowered by more than 1 mm on %.0f %% of what is seen of it", m->rim_lowered_percent);
     if (m->hole)
-        print_line(app, "  peg hole: %.1f mm deep, axis tilt %.1f degrees, entry %.1f mm off; %s", m->hole_depth_mm, m->hole_angle_deg, m->hole_entry_mm,
-                   m->hole_breach ? "IT IS OPEN TO THE OUTSIDE" : m->hole_wall_mm < 5.9 ? "its wall holds" : "6 mm of bone around it, or more");
+        print_line(app, "  peg hole: %.1f mm deep, axis tilt %.1f degrees, entry %.1f mm off; %s", m->hole_depth_mm,
+                   m->hole_angle_deg, m->hole_entry_mm,
+                   m->hole_breach          ? "IT IS OPEN TO THE OUTSIDE"
+                   : m->hole_wall_mm < 5.9 ? "its wall holds"
+                                           : "6 mm of bone around it, or more");
 }
 
-ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
-                       const char *file, ost_error *err)
+ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes,
+                       const char *name, const char *file, ost_error *err)
 {
     ost_bone_info info;
     ost_volume after = {0};
     ost_metrics *m = malloc(sizeof *m);
-    ost_status status = m ? ost_bone_info_get(bone, &info, err) : ost_fail(err, OST_ERR_MEMORY, "out of memory for metrics");
+    ost_status status = m ? ost_bone_info_get(bone, &info, err)
+                          : ost_fail(err, OST_ERR_MEMORY, "out of memory for metrics");
     if (status == OST_OK)
         status = take_bone(bone, &after, err);
     if (status == OST_OK)

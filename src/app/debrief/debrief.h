@@ -27,20 +27,22 @@ typedef struct debrief {
 } debrief;
 
 /* Copies the bone. tools: the count tools to which ticks refer by index. */
-ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count, debrief *out, ost_error *err);
+ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count,
+                         debrief *out, ost_error *err);
 /* Adds a tick. Ticks must be added in order. */
 ost_status debrief_tick(debrief *d, const ost_session_tick *tick, ost_error *err);
 /* Adds the first count ticks of a session. */
 ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err);
 /* Computes the metrics, reports them and writes the page. file: the page; name: the input, for the
    page's title. */
-ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes, const char *name,
-                       const char *file, ost_error *err);
+ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes,
+                       const char *name, const char *file, ost_error *err);
 void debrief_free(debrief *d);
 
 /* debrief_html.c */
 struct verdict;
-ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after, const ost_density_classes *classes,
-                        int threshold, const ost_metrics *m, const struct verdict *v, ost_error *err);
+ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after,
+                        const ost_density_classes *classes, int threshold, const ost_metrics *m,
+                        const struct verdict *v, ost_error *err);
 
 #endif

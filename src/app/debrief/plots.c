@@ -88,19 +88,25 @@ static void legend(html_page *p, const debrief *d)
 {
     const double deepest = d->plan.depth_mm + 1;
     for (int k = 0; k < STEPS; k++) {
-        html_print(p, "<rect x=\"%.2f\" y=\"85\" width=\"%.2f\" height=\"3\" fill=\"", 2 + k * 40.0 / STEPS, 40.0 / STEPS + 0.1);
+        html_print(p, "<rect x=\"%.2f\" y=\"85\" width=\"%.2f\" height=\"3\" fill=\"", 2 + k * 40.0 / STEPS,
+                   40.0 / STEPS + 0.1);
         fill(p, SHADED, k);
         html_text(p, "\"/>");
     }
-    html_print(p, "<text x=\"2\" y=\"92\">0</text><text x=\"%.1f\" y=\"92\" text-anchor=\"middle\">%.0f: plan</text><text x=\"42\" y=\"92\" text-anchor=\"middle\">%.0f mm</text>\n",
+    html_print(p,
+               "<text x=\"2\" y=\"92\">0</text><text x=\"%.1f\" y=\"92\" text-anchor=\"middle\">%.0f: plan</text><text "
+               "x=\"42\" y=\"92\" text-anchor=\"middle\">%.0f mm</text>\n",
                2 + 40 * d->plan.depth_mm / deepest - 4, d->plan.depth_mm, deepest);
-    html_text(p, "<rect x=\"50\" y=\"85\" width=\"3\" height=\"3\" fill=\"#d3430d\"/><text x=\"54\" y=\"87.6\">&gt; 1 mm too deep</text>"
-                 "<rect x=\"50\" y=\"89.3\" width=\"3\" height=\"3\" fill=\"#111\" stroke=\"#888\" stroke-width=\".2\"/><text x=\"54\" y=\"92\">hole</text>\n");
+    html_text(p, "<rect x=\"50\" y=\"85\" width=\"3\" height=\"3\" fill=\"#d3430d\"/><text x=\"54\" y=\"87.6\">&gt; 1 "
+                 "mm too deep</text>"
+                 "<rect x=\"50\" y=\"89.3\" width=\"3\" height=\"3\" fill=\"#111\" stroke=\"#888\" "
+                 "stroke-width=\".2\"/><text x=\"54\" y=\"92\">hole</text>\n");
 }
 
 void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
 {
-    html_text(p, "<figure><h2>Depth of the cut</h2><svg width=\"420\" height=\"486\" viewBox=\"0 0 81 94\" role=\"img\" aria-label=\"depth of the cut over the face\">\n"
+    html_text(p, "<figure><h2>Depth of the cut</h2><svg width=\"420\" height=\"486\" viewBox=\"0 0 81 94\" "
+                 "role=\"img\" aria-label=\"depth of the cut over the face\">\n"
                  "<rect width=\"81\" height=\"81\" fill=\"var(--panel)\"/><g shape-rendering=\"crispEdges\">\n");
     for (int y = 0; y < MAP; y++)
         for (int x = 0; x < MAP;) {
@@ -116,12 +122,16 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
             }
             x += run;
         }
-    html_print(p, "</g><path d=\"M40.5 0V81M0 40.5H81\" stroke=\"var(--ink)\" stroke-width=\".15\"/>"
-                  "<text x=\"42\" y=\"4\">S</text><text x=\"42\" y=\"80\">I</text><text x=\"1.5\" y=\"39.5\">%s</text><text x=\"77\" y=\"39.5\">%s</text>"
-                  "<path d=\"M3 76v2h20v-2\" fill=\"none\" stroke=\"var(--ink)\" stroke-width=\".4\"/><text x=\"13\" y=\"76\" text-anchor=\"middle\">10 mm</text>\n",
+    html_print(p,
+               "</g><path d=\"M40.5 0V81M0 40.5H81\" stroke=\"var(--ink)\" stroke-width=\".15\"/>"
+               "<text x=\"42\" y=\"4\">S</text><text x=\"42\" y=\"80\">I</text><text x=\"1.5\" "
+               "y=\"39.5\">%s</text><text x=\"77\" y=\"39.5\">%s</text>"
+               "<path d=\"M3 76v2h20v-2\" fill=\"none\" stroke=\"var(--ink)\" stroke-width=\".4\"/><text x=\"13\" "
+               "y=\"76\" text-anchor=\"middle\">10 mm</text>\n",
                left_of(d), right_of(d));
     legend(p, d);
-    html_text(p, "</svg><figcaption>Along the planned axis, as the tool sees it. A anterior, P posterior, S superior, I inferior.</figcaption></figure>\n");
+    html_text(p, "</svg><figcaption>Along the planned axis, as the tool sees it. A anterior, P posterior, S superior, "
+                 "I inferior.</figcaption></figure>\n");
 }
 
 /* ----------------------------------------------------------------- profiles */
@@ -148,8 +158,11 @@ static void profile(html_page *p, const debrief *d, const ost_metrics *m, bool u
 {
     const double low = d->plan.depth_mm + 6;
     const int id = upward ? 2 : 1;
-    html_print(p, "<svg width=\"420\" height=\"%.0f\" viewBox=\"0 -7 40 %.1f\" role=\"img\" aria-label=\"cut through the face\"><clipPath id=\"c%d\"><rect x=\"0\" y=\"-7\" width=\"40\" "
-                  "height=\"%.1f\"/></clipPath><rect y=\"-7\" width=\"40\" height=\"%.1f\" fill=\"var(--panel)\"/><g clip-path=\"url(#c%d)\">\n",
+    html_print(p,
+               "<svg width=\"420\" height=\"%.0f\" viewBox=\"0 -7 40 %.1f\" role=\"img\" aria-label=\"cut through the "
+               "face\"><clipPath id=\"c%d\"><rect x=\"0\" y=\"-7\" width=\"40\" "
+               "height=\"%.1f\"/></clipPath><rect y=\"-7\" width=\"40\" height=\"%.1f\" fill=\"var(--panel)\"/><g "
+               "clip-path=\"url(#c%d)\">\n",
                (low + 7) * 10.5, low + 7, id, low + 7, low + 7, id);
     surface_line(p, m->before_mm, upward, "stroke=\"var(--old)\" stroke-width=\".3\"");
     if (m->sphere) {
@@ -159,14 +172,18 @@ static void profile(html_page *p, const debrief *d, const ost_metrics *m, bool u
         for (int k = 0; k <= 40; k++) {
             const double x = k - 20.0, under = m->sphere_mm * m->sphere_mm - x * x;
             if (under > 0)
-                html_print(p, "%c%d %.2f", k && m->sphere_mm * m->sphere_mm > (x - 1) * (x - 1) ? 'L' : 'M', k, d->plan.depth_mm - m->sphere_mm + sqrt(under));
+                html_print(p, "%c%d %.2f", k && m->sphere_mm * m->sphere_mm > (x - 1) * (x - 1) ? 'L' : 'M', k,
+                           d->plan.depth_mm - m->sphere_mm + sqrt(under));
         }
         html_text(p, "\" stroke=\"#d3430d\" stroke-width=\".3\" stroke-dasharray=\"1 .6\"/>");
     }
     surface_line(p, m->after_mm, upward, "stroke=\"var(--good)\" stroke-width=\".45\"");
-    html_print(p, "</g><path d=\"M20 -7V%.1f\" stroke=\"var(--ink)\" stroke-width=\".06\"/><g style=\"font-size:1.6px\">"
-                  "<text x=\".6\" y=\"-5\" style=\"font-size:1.6px\">%s</text><text x=\"38.2\" y=\"-5\" style=\"font-size:1.6px\">%s</text>"
-                  "<path d=\"M1 %.1fv.8h5v-.8\" fill=\"none\" stroke=\"var(--ink)\" stroke-width=\".15\"/><text x=\"3.5\" y=\"%.1f\" text-anchor=\"middle\" style=\"font-size:1.6px\">5 mm</text></g></svg>\n",
+    html_print(p,
+               "</g><path d=\"M20 -7V%.1f\" stroke=\"var(--ink)\" stroke-width=\".06\"/><g style=\"font-size:1.6px\">"
+               "<text x=\".6\" y=\"-5\" style=\"font-size:1.6px\">%s</text><text x=\"38.2\" y=\"-5\" "
+               "style=\"font-size:1.6px\">%s</text>"
+               "<path d=\"M1 %.1fv.8h5v-.8\" fill=\"none\" stroke=\"var(--ink)\" stroke-width=\".15\"/><text x=\"3.5\" "
+               "y=\"%.1f\" text-anchor=\"middle\" style=\"font-size:1.6px\">5 mm</text></g></svg>\n",
                low, upward ? "I" : left_of(d), upward ? "S" : right_of(d), low - 1.4, low - 1.6);
 }
 
@@ -176,8 +193,10 @@ void debrief_profiles(html_page *p, const debrief *d, const ost_metrics *m)
     profile(p, d, m, false);
     html_text(p, "<div style=\"height:.3em\"></div>\n");
     profile(p, d, m, true);
-    html_print(p, "<figcaption>Cut through the centre, across and upward; the joint is above. <span style=\"color:var(--old)\">&#9644; before</span>, "
-                  "<span style=\"color:var(--good)\">&#9644; after</span>%s</figcaption></figure>\n",
+    html_print(p,
+               "<figcaption>Cut through the centre, across and upward; the joint is above. <span "
+               "style=\"color:var(--old)\">&#9644; before</span>, "
+               "<span style=\"color:var(--good)\">&#9644; after</span>%s</figcaption></figure>\n",
                m->sphere ? ", <span style=\"color:#d3430d\">- - the same sphere where it was planned</span>" : "");
 }
 
@@ -210,7 +229,8 @@ static ost_status cut_out(const ost_volume *in, const ost_pm3 *centre, ost_volum
     int32_t n[3] = {g.dims.x, g.dims.y, g.dims.z}, from[3];
     for (int a = 0; a < 3; a++) {
         const double middle = (double)(c[a] - o[a]) / (double)s[a], half = HALF_MM / ost_pm_to_mm(s[a]);
-        const double lo = fmin(fmax(0, floor(middle - half)), n[a] - 1), hi = fmin(fmax(lo + 1, ceil(middle + half)), n[a]);
+        const double lo = fmin(fmax(0, floor(middle - half)), n[a] - 1),
+                     hi = fmin(fmax(lo + 1, ceil(middle + half)), n[a]);
         from[a] = (int32_t)lo;
         n[a] = (int32_t)(hi - lo);
         o[a] += from[a] * s[a];
@@ -222,7 +242,8 @@ static ost_status cut_out(const ost_volume *in, const ost_pm3 *centre, ost_volum
     for (int32_t z = 0; status == OST_OK && z < n[2]; z++)
         for (int32_t y = 0; y < n[1]; y++)
             memcpy(out->voxels + (size_t)n[0] * ((size_t)y + (size_t)n[1] * (size_t)z),
-                   in->voxels + (size_t)from[0] + (size_t)complete.x * ((size_t)(from[1] + y) + (size_t)complete.y * (size_t)(from[2] + z)),
+                   in->voxels + (size_t)from[0] +
+                       (size_t)complete.x * ((size_t)(from[1] + y) + (size_t)complete.y * (size_t)(from[2] + z)),
                    (size_t)n[0] * sizeof *out->voxels);
     return status;
 }
@@ -239,7 +260,8 @@ static ost_status slices(const debrief *d, const ost_volume *after, int threshol
         const ost_pm at[3] = {d->plan.at.x - g->origin.x, d->plan.at.y - g->origin.y, d->plan.at.z - g->origin.z};
         const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
         for (int a = 0; a < 3; a++) {
-            const double voxel = rint((ost_pm_to_mm(at[a]) + d->plan.axis[a] * d->plan.depth_mm / 2) / ost_pm_to_mm(g->spacing.x));
+            const double voxel = rint((ost_pm_to_mm(at[a]) + d->plan.axis[a] * d->plan.depth_mm / 2) /
+                                      ost_pm_to_mm(g->spacing.x));
             how.at[a] = voxel < 0 ? 0 : voxel >= dims[a] ? dims[a] - 1 : (int32_t)voxel;
         }
         status = ost_picture_slices(&now, &then, &how, image, err);
@@ -252,8 +274,12 @@ static ost_status slices(const debrief *d, const ost_volume *after, int threshol
 void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, int threshold)
 {
     ost_picture image = {0};
-    ost_view_options view = {.threshold = threshold, .width = 440, .height = 440, .extent_mm = 60,
-                             .centre_mm = {ost_pm_to_mm(d->plan.at.x), ost_pm_to_mm(d->plan.at.y), ost_pm_to_mm(d->plan.at.z)}};
+    ost_view_options view = {
+        .threshold = threshold,
+        .width = 440,
+        .height = 440,
+        .extent_mm = 60,
+        .centre_mm = {ost_pm_to_mm(d->plan.at.x), ost_pm_to_mm(d->plan.at.y), ost_pm_to_mm(d->plan.at.z)}};
     memcpy(view.direction, d->plan.axis, sizeof view.direction);
     if (p->status != OST_OK)
         return;
@@ -263,7 +289,8 @@ void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, i
         picture(p, &image, "CT through the plan's centre: axial, coronal, sagittal; what was removed is orange.");
     ost_picture_free(&image);
     if (status == OST_OK && (status = ost_picture_view(after, &d->before, &view, &image, p->err)) == OST_OK)
-        picture(p, &image, "The glenoid along the planned axis; bared bone is coloured by its depth below the old surface.");
+        picture(p, &image,
+                "The glenoid along the planned axis; bared bone is coloured by its depth below the old surface.");
     ost_picture_free(&image);
     html_text(p, "</div>\n");
     p->status = p->status == OST_OK ? status : p->status;
@@ -275,7 +302,8 @@ enum { COLUMNS = 300, W = 170, H = 26 };
 
 /* Draws a chart. lo and hi are the minimum and maximum of each column; the time axis begins at
    begun and spans span seconds. */
-static void chart(html_page *p, const char *what, const double lo[COLUMNS], const double hi[COLUMNS], double begun, double span)
+static void chart(html_page *p, const char *what, const double lo[COLUMNS], const double hi[COLUMNS], double begun,
+                  double span)
 {
     double most = 0;
     for (int x = 0; x < COLUMNS; x++)
@@ -283,18 +311,27 @@ static void chart(html_page *p, const char *what, const double lo[COLUMNS], cons
     if (!(most > 0) || !(span > 0))
         return;
     const double step = ost_round_down(most / 2); /* two to five lines */
-    html_print(p, "<svg width=\"552\" height=\"111\" viewBox=\"-12 -4 184 37\" role=\"img\" aria-label=\"%s over time\"><rect width=\"%d\" height=\"%d\" fill=\"var(--panel)\"/>\n", what, W, H);
+    html_print(p,
+               "<svg width=\"552\" height=\"111\" viewBox=\"-12 -4 184 37\" role=\"img\" aria-label=\"%s over "
+               "time\"><rect width=\"%d\" height=\"%d\" fill=\"var(--panel)\"/>\n",
+               what, W, H);
     for (double y = 0; y <= most; y += step)
-        html_print(p, "<path d=\"M0 %.2fH%d\" stroke=\"var(--line)\" stroke-width=\".2\"/><text x=\"-1\" y=\"%.2f\" text-anchor=\"end\">%g</text>\n", H - y / most * H, W,
-                   H - y / most * H + 1, y);
+        html_print(p,
+                   "<path d=\"M0 %.2fH%d\" stroke=\"var(--line)\" stroke-width=\".2\"/><text x=\"-1\" y=\"%.2f\" "
+                   "text-anchor=\"end\">%g</text>\n",
+                   H - y / most * H, W, H - y / most * H + 1, y);
     for (double t = 0; t <= span; t += ost_round_down(span / 2))
-        html_print(p, "<path d=\"M%.2f %dv1\" stroke=\"var(--soft)\" stroke-width=\".2\"/><text x=\"%.2f\" y=\"%d\" text-anchor=\"middle\">%g</text>\n", t / span * W, H, t / span * W,
-                   H + 5, begun + t);
+        html_print(p,
+                   "<path d=\"M%.2f %dv1\" stroke=\"var(--soft)\" stroke-width=\".2\"/><text x=\"%.2f\" y=\"%d\" "
+                   "text-anchor=\"middle\">%g</text>\n",
+                   t / span * W, H, t / span * W, H + 5, begun + t);
     html_text(p, "<path fill=\"none\" stroke=\"var(--good)\" stroke-width=\".4\" d=\"");
     for (int x = 0; x < COLUMNS; x++)
         if (isfinite(lo[x]))
-            html_print(p, "M%.2f %.2fV%.2f", x * (double)W / COLUMNS, H - lo[x] / most * H + 0.1, H - hi[x] / most * H - 0.1);
-    html_print(p, "\"/><text x=\"0\" y=\"-1.2\">%s</text><text x=\"%d\" y=\"%d\" text-anchor=\"end\">s</text></svg>\n", what, W, H - 1);
+            html_print(p, "M%.2f %.2fV%.2f", x * (double)W / COLUMNS, H - lo[x] / most * H + 0.1,
+                       H - hi[x] / most * H - 0.1);
+    html_print(p, "\"/><text x=\"0\" y=\"-1.2\">%s</text><text x=\"%d\" y=\"%d\" text-anchor=\"end\">s</text></svg>\n",
+               what, W, H - 1);
 }
 
 void debrief_charts(html_page *p, const debrief *d)

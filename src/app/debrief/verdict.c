@@ -85,7 +85,9 @@ static void judge_hole(const ost_metrics *m, verdict *v)
     if (m->hole_breach)
         notice(v, BAD, FAR_TIMES + 1, "the peg hole breaks through the wall of the vault");
     else
-        notice(v, v->wall, 1 + AIM_WALL_MM - m->hole_wall_mm, "only %.1f mm of bone are left between the peg hole and the wall of the vault; at least %.0f mm are required",
+        notice(v, v->wall, 1 + AIM_WALL_MM - m->hole_wall_mm,
+               "only %.1f mm of bone are left between the peg hole and the wall of the vault; at least %.0f mm are "
+               "required",
                m->hole_wall_mm, AIM_WALL_MM);
 }
 
@@ -109,8 +111,9 @@ static void make_line(const debrief *d, const ost_metrics *m, verdict *v)
             add(v, " (%.1f times the tolerance)", v->times);
     }
     if (m->reamed)
-        add(v, ". Reamed %.1f mm deep of %.1f planned, axis tilt %.1f degrees, entry %.1f mm off, over-reaming %.0f mm3", m->reach_mm, d->plan.depth_mm,
-            m->tilt_deg, m->entry_mm, m->over_mm3);
+        add(v,
+            ". Reamed %.1f mm deep of %.1f planned, axis tilt %.1f degrees, entry %.1f mm off, over-reaming %.0f mm3",
+            m->reach_mm, d->plan.depth_mm, m->tilt_deg, m->entry_mm, m->over_mm3);
     else
         add(v, ". The face was not reamed; over-reaming %.0f mm3", m->over_mm3);
     if (m->plate_mm3 > 0)
@@ -143,8 +146,8 @@ void verdict_make(const debrief *d, const ost_metrics *m, verdict *out)
         judge_hole(m, out);
     if (d->count) {
         out->plunge = d->technique.plunges ? WATCH : GOOD;
-        notice(out, out->plunge, 1, "the tool plunged %d time%s, %.1f mm at the most", d->technique.plunges, d->technique.plunges == 1 ? "" : "s",
-               d->technique.plunge_mm);
+        notice(out, out->plunge, 1, "the tool plunged %d time%s, %.1f mm at the most", d->technique.plunges,
+               d->technique.plunges == 1 ? "" : "s", d->technique.plunge_mm);
     }
     out->grade = out->worst == GOOD ? 0 : out->worst == WATCH ? 1 : out->times <= FAR_TIMES ? 2 : 3;
     make_line(d, m, out);

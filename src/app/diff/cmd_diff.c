@@ -40,7 +40,8 @@ static void put_geometry(json_t *o, const char *key, const char *name, const loa
 
 static void put_result(const app_state *app, const loaded_volume *a, const loaded_volume *b, const diff_result *r)
 {
-    json_t *o = app->result, *chunks = json_array(), *classes = json_array(), *patterns = json_array(), *voxels = json_array();
+    json_t *o = app->result, *chunks = json_array(), *classes = json_array(), *patterns = json_array(),
+           *voxels = json_array();
     put_bool(o, "equal", r->equal);
     put_bool(o, "same_dims", r->same_dims);
     put_bool(o, "same_spacing", r->same_spacing);
@@ -99,8 +100,8 @@ static void put_notes(const app_state *app, const ost_meta *a, const ost_meta *b
     put(app->result, "notes", notes);
 }
 
-static void print_result(const app_state *app, const char *name_a, const char *name_b, const loaded_volume *a, const loaded_volume *b,
-                         const diff_result *r, int64_t limit)
+static void print_result(const app_state *app, const char *name_a, const char *name_b, const loaded_volume *a,
+                         const loaded_volume *b, const diff_result *r, int64_t limit)
 {
     char n[FORMAT_TEXT], m[FORMAT_TEXT];
     if (r->equal) {
@@ -113,18 +114,21 @@ static void print_result(const app_state *app, const char *name_a, const char *n
         print_line(app, "different: %s and %s have other dims, so no voxel was compared", name_a, name_b);
     else
         print_line(app, "different: %s of %s voxels, in %zu of %s chunks", format_count(n, r->different),
-                   format_count(m, ost_dims_count(a->volume.geometry.dims)), r->chunk_count, format_count((char[FORMAT_TEXT]){0}, ost_dims_count(r->chunk_dims)));
+                   format_count(m, ost_dims_count(a->volume.geometry.dims)), r->chunk_count,
+                   format_count((char[FORMAT_TEXT]){0}, ost_dims_count(r->chunk_dims)));
     for (int i = 0; i < r->pattern_count; i++)
         print_line(app, "  %s: %s", r->patterns[i].name, r->patterns[i].text);
     for (int k = 0; k < DIFF_KIND_COUNT; k++)
         if (r->count[k])
-            print_line(app, "  %-8s %12s  %s", diff_kind_name((diff_kind)k), format_count(n, r->count[k]), diff_kind_text((diff_kind)k));
+            print_line(app, "  %-8s %12s  %s", diff_kind_name((diff_kind)k), format_count(n, r->count[k]),
+                       diff_kind_text((diff_kind)k));
     if (!r->different || limit == 0)
         return;
-    print_line(app, "  between voxels (%d, %d, %d) and (%d, %d, %d); the first:", r->box.lo[0], r->box.lo[1], r->box.lo[2], r->box.hi[0] - 1,
-               r->box.hi[1] - 1, r->box.hi[2] - 1);
+    print_line(app, "  between voxels (%d, %d, %d) and (%d, %d, %d); the first:", r->box.lo[0], r->box.lo[1],
+               r->box.lo[2], r->box.hi[0] - 1, r->box.hi[1] - 1, r->box.hi[2] - 1);
     for (size_t v = 0; v < r->first_count; v++)
-        print_line(app, "    (%d, %d, %d)  A %d  B %d  %s", r->first[v].at[0], r->first[v].at[1], r->first[v].at[2], r->first[v].a, r->first[v].b,
+        print_line(app, "    (%d, %d, %d)  A %d  B %d  %s", r->first[v].at[0], r->first[v].at[1], r->first[v].at[2],
+                   r->first[v].a, r->first[v].b,
                    diff_kind_name(diff_kind_of(r->first[v].a, r->first[v].b, a->threshold, b->threshold)));
 }
 
@@ -133,7 +137,8 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
     const char *name_a = NULL, *name_b = NULL, *html = NULL;
     int64_t limit = 10;
     int chunk = 1;
-    const operand operands[] = {{"A", &name_a, "no grids given; expected two"}, {"B", &name_b, "no second grid given"}, {0}};
+    const operand operands[] = {
+        {"A", &name_a, "no grids given; expected two"}, {"B", &name_b, "no second grid given"}, {0}};
     const option options[] = {
         {.name = "html", .kind = OPTION_TEXT, .out = &html, .value = "FILE",
          .help = "write a page with slices, a view of the surface with the most differences, a map of the chunks "

@@ -12,8 +12,8 @@ const char *diff_kind_name(diff_kind kind)
 
 const char *diff_kind_text(diff_kind kind)
 {
-    static const char *const text[DIFF_KIND_COUNT] = {"solid in A only", "solid in B only", "solid in both, another value",
-                                                      "solid in neither, another value"};
+    static const char *const text[DIFF_KIND_COUNT] = {
+        "solid in A only", "solid in B only", "solid in both, another value", "solid in neither, another value"};
     return text[kind];
 }
 
@@ -54,8 +54,8 @@ static int32_t most(const int64_t *count, int32_t n)
     return best;
 }
 
-static void compare_voxels(const loaded_volume *a, const loaded_volume *b, size_t limit, diff_chunk *chunks, int64_t *axis[3],
-                           diff_result *out)
+static void compare_voxels(const loaded_volume *a, const loaded_volume *b, size_t limit, diff_chunk *chunks,
+                           int64_t *axis[3], diff_result *out)
 {
     const ost_dims d = a->volume.geometry.dims, cd = out->chunk_dims;
     const int n = out->chunk_size;
@@ -106,7 +106,8 @@ static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
  */
 static void compare_geometry(const ost_geometry *a, const ost_geometry *b, diff_result *out)
 {
-    const ost_pm spacing[2][3] = {{a->spacing.x, a->spacing.y, a->spacing.z}, {b->spacing.x, b->spacing.y, b->spacing.z}};
+    const ost_pm spacing[2][3] = {{a->spacing.x, a->spacing.y, a->spacing.z},
+                                  {b->spacing.x, b->spacing.y, b->spacing.z}};
     const ost_pm origin[2][3] = {{a->origin.x, a->origin.y, a->origin.z}, {b->origin.x, b->origin.y, b->origin.z}};
     const int32_t dims[3] = {a->dims.x, a->dims.y, a->dims.z};
     out->same_spacing = out->same_origin = true;
@@ -122,7 +123,8 @@ static void compare_geometry(const ost_geometry *a, const ost_geometry *b, diff_
     out->rounded_geometry = !exact && out->same_spacing && out->same_origin;
 }
 
-ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chunk_size, size_t limit, diff_result *out, ost_error *err)
+ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chunk_size, size_t limit, diff_result *out,
+                        ost_error *err)
 {
     const ost_geometry *ga = &a->volume.geometry, *gb = &b->volume.geometry;
     out->chunk_size = chunk_size;

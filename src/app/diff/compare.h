@@ -64,7 +64,8 @@ typedef struct diff_result {
 
 /* *out must be zero-initialized; call diff_free in any case. Voxels are compared only if the dims
    are equal. */
-ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chunk_size, size_t limit, diff_result *out, ost_error *err);
+ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chunk_size, size_t limit, diff_result *out,
+                        ost_error *err);
 void diff_free(diff_result *result);
 
 /* Adds the patterns that apply; in diff_pattern.c. */
@@ -80,16 +81,18 @@ ost_status diff_bundles(const app_state *app, const char *a, const char *b, int6
 
 /* diff_picture.c: draws the three slices of `busiest`, with the differences in colour over the
    densities of A. */
-ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out, ost_error *err);
+ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
+                        ost_error *err);
 /* Draws the surface of B around `busiest`, along the glenoid's axis if B's file has it, else toward the
    bone's middle. Needs diff_has_view: both are bones or CTs on one grid of cubes, and B lacks voxels of A. */
-ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out, ost_error *err);
+ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
+                     ost_error *err);
 bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);
 /* Returns true if the directions of its axes in the patient are not known. */
 bool diff_unoriented(const loaded_volume *in);
 
 /* diff_html.c: writes one self-contained page. */
-ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a, const loaded_volume *b,
-                     const diff_result *result, ost_error *err);
+ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a,
+                     const loaded_volume *b, const diff_result *result, ost_error *err);
 
 #endif

@@ -33,19 +33,26 @@ static void geometry(const loaded_volume *a, const loaded_volume *b, diff_result
     const ost_geometry *ga = &a->volume.geometry, *gb = &b->volume.geometry;
     char text[2][3][OST_PM_TEXT];
     if (!r->same_dims) {
-        add(r, "geometry", "dims %d x %d x %d against %d x %d x %d", ga->dims.x, ga->dims.y, ga->dims.z, gb->dims.x, gb->dims.y, gb->dims.z);
+        add(r, "geometry", "dims %d x %d x %d against %d x %d x %d", ga->dims.x, ga->dims.y, ga->dims.z, gb->dims.x,
+            gb->dims.y, gb->dims.z);
         return;
     }
     const ost_pm3 va = r->same_spacing ? ga->origin : ga->spacing, vb = r->same_spacing ? gb->origin : gb->spacing;
-    add(r, "geometry", "%s (%s, %s, %s) against (%s, %s, %s) mm", r->same_spacing ? "origin" : "spacing", ost_pm_format(va.x, text[0][0]),
-        ost_pm_format(va.y, text[0][1]), ost_pm_format(va.z, text[0][2]), ost_pm_format(vb.x, text[1][0]), ost_pm_format(vb.y, text[1][1]),
-        ost_pm_format(vb.z, text[1][2]));
+    add(r, "geometry", "%s (%s, %s, %s) against (%s, %s, %s) mm", r->same_spacing ? "origin" : "spacing",
+        ost_pm_format(va.x, text[0][0]), ost_pm_format(va.y, text[0][1]), ost_pm_format(va.z, text[0][2]),
+        ost_pm_format(vb.x, text[1][0]), ost_pm_format(vb.y, text[1][1]), ost_pm_format(vb.z, text[1][2]));
 }
 
 void diff_patterns(const loaded_volume *a, const loaded_volume *b, diff_result *r)
 {
-    const pattern_view view = {.a = a->volume.voxels, .b = b->volume.voxels, .dims = a->volume.geometry.dims, .dims_b = b->volume.geometry.dims,
-                               .solid_a = a->threshold, .solid_b = b->threshold, .tool = a->kind == LOAD_TOOL, .chunk = r->chunk_size};
+    const pattern_view view = {.a = a->volume.voxels,
+                               .b = b->volume.voxels,
+                               .dims = a->volume.geometry.dims,
+                               .dims_b = b->volume.geometry.dims,
+                               .solid_a = a->threshold,
+                               .solid_b = b->threshold,
+                               .tool = a->kind == LOAD_TOOL,
+                               .chunk = r->chunk_size};
     pattern_list found;
     geometry(a, b, r);
     if (r->same_dims && !r->different)

@@ -123,11 +123,26 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
 static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
-    static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7", "-crf", "24", "-b:v", "0", NULL};
+    static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7",
+                                      "-crf", "24",         "-b:v",      "0",        NULL};
     /* These arguments give colours and even frame sizes that every player accepts. */
     char program[NAME], descriptor_path[32];
-    const char *argv[40] = {program, "-hide_banner", "-loglevel", "error", "-f", "yuv4mpegpipe", "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p", "-colorspace", "bt709",
-                      "-color_primaries", "bt709", "-color_trc", "bt709"};
+    const char *argv[40] = {program,
+                            "-hide_banner",
+                            "-loglevel",
+                            "error",
+                            "-f",
+                            "yuv4mpegpipe",
+                            "-i",
+                            "-",
+                            "-vf",
+                            "crop=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p",
+                            "-colorspace",
+                            "bt709",
+                            "-color_primaries",
+                            "bt709",
+                            "-color_trc",
+                            "bt709"};
     int count = 16;
     if (!find_program("ffmpeg", program))
         return ost_fail(err, OST_ERR_UNAVAILABLE,
@@ -215,9 +230,10 @@ static ost_status open_folder(film_file *f, ost_error *err)
     char first[NAME];
     struct stat st;
     if (has_extension(f->target) && access(f->target, F_OK) != 0)
-        return ost_fail(err, OST_ERR_USAGE,
-                        "--video %s: unknown format; expected .mp4, .mkv, .mov, .webm, .y4m, or a folder, whose name may end in /",
-                        f->target);
+        return ost_fail(
+            err, OST_ERR_USAGE,
+            "--video %s: unknown format; expected .mp4, .mkv, .mov, .webm, .y4m, or a folder, whose name may end in /",
+            f->target);
     if (mkdir(f->target, 0777) != 0 && errno != EEXIST)
         return ost_fail(err, OST_ERR_IO, "%s: cannot create: %s", f->target, strerror(errno));
     if (stat(f->target, &st) != 0 || !S_ISDIR(st.st_mode))
@@ -311,7 +327,8 @@ static ost_status broken(film_file *f, int error, ost_error *err)
             finish(f, NULL); /* its messages are complete only when it has ended */
         return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did%s", last_message(f, last));
     }
-    return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe", strerror(error));
+    return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe",
+                    strerror(error));
 }
 
 static ost_status put(film_file *f, const void *bytes, size_t size, ost_error *err)
@@ -385,7 +402,8 @@ ost_status film_file_again(film_file *f, ost_error *err)
         f->frames += status == OST_OK;
         return status;
     }
-    /* A repeated frame is a hard link to the previous file, which needs no space; if that fails, it is written again. */
+    /* A repeated frame is a hard link to the previous file, which needs no space; if that fails,
+       it is written again. */
     char before[NAME], name[NAME];
     snprintf(before, sizeof before, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames - 1);
     snprintf(name, sizeof name, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames);

@@ -85,7 +85,8 @@ static void write_still(film *f, const job *j)
             snprintf(name, sizeof name, "osteon-%03d.png", ++f->stills);
             status = ost_outfile_put_new(name, bytes, size, &taken, &err);
         } while (taken && f->stills < STILLS);
-    snprintf(text, sizeof text, status != OST_OK ? "no picture: %.150s" : "saved: %.150s", status != OST_OK ? err.text : name);
+    snprintf(text, sizeof text, status != OST_OK ? "no picture: %.150s" : "saved: %.150s",
+             status != OST_OK ? err.text : name);
     set_message(f, text);
     free(bytes);
 }
@@ -205,7 +206,8 @@ static bool queue(film *f, bool still, int64_t index, const uint32_t *pixels, in
             return false;
     }
     for (int y = 0; y < height; y++)
-        memcpy(j->pixels + (size_t)y * (size_t)width, pixels + (size_t)y * (size_t)stride, (size_t)width * sizeof *pixels);
+        memcpy(j->pixels + (size_t)y * (size_t)width, pixels + (size_t)y * (size_t)stride,
+               (size_t)width * sizeof *pixels);
     j->still = still;
     j->index = index;
     j->width = width;
@@ -312,8 +314,11 @@ void film_print_report(const app_state *app, const film_options *options, const 
     put_integer(o, "height", r->height);
     put(app->result, "video", o);
     if (r->dropped)
-        print_line(app, "  %s: %s frames of video, %.1f s; %s were left out, the disk or the encoder being too slow for them", to, format_count(a, (int64_t)r->frames),
-                   (double)r->frames / (double)options->fps, format_count(b, (int64_t)r->dropped));
+        print_line(
+            app, "  %s: %s frames of video, %.1f s; %s were left out, the disk or the encoder being too slow for them",
+            to, format_count(a, (int64_t)r->frames), (double)r->frames / (double)options->fps,
+            format_count(b, (int64_t)r->dropped));
     else
-        print_line(app, "  %s: %s frames of video, %.1f s", to, format_count(a, (int64_t)r->frames), (double)r->frames / (double)options->fps);
+        print_line(app, "  %s: %s frames of video, %.1f s", to, format_count(a, (int64_t)r->frames),
+                   (double)r->frames / (double)options->fps);
 }

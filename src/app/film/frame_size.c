@@ -13,7 +13,9 @@ ost_status frame_size(const app_state *app, const char *text, int *width, int *h
         while (*p >= '0' && *p <= '9' && n <= OST_FRAME_MAX)
             n = 10 * n + (*p++ - '0');
         if (p == begin || n < 1 || n > OST_FRAME_MAX || (*p && (i == 1 || *p != 'x')))
-            return usage_error(app, err, "--size %s: expected WIDTHxHEIGHT, or one number for a square, each from 1 to %d", text, OST_FRAME_MAX);
+            return usage_error(app, err,
+                               "--size %s: expected WIDTHxHEIGHT, or one number for a square, each from 1 to %d", text,
+                               OST_FRAME_MAX);
         *out[i] = n;
         if (i == 0 && !*p) {
             *height = n;

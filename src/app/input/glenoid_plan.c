@@ -58,18 +58,20 @@ static ost_status overlay(const char *session, const ost_session_header *header,
     return OST_OK;
 }
 
-static ost_status find_depth(const app_state *app, const glenoid_plan_options *options, const char *session, const ost_session_header *header,
-                             double *out, ost_error *err)
+static ost_status find_depth(const app_state *app, const glenoid_plan_options *options, const char *session,
+                             const ost_session_header *header, double *out, ost_error *err)
 {
     const char *stored = header ? ost_session_header_get(header, depth_key) : NULL;
     int64_t um = DEPTH_UM;
     if (options->depth.text) {
         if (!ost_decimal_scale(&options->depth.value, 1000, &um, NULL) || um < 0 || um > DEPTH_UM_MAX)
-            return usage_error(app, err, "--planned %s: must be from 0 to %d", options->depth.text, DEPTH_UM_MAX / 1000);
+            return usage_error(app, err, "--planned %s: must be from 0 to %d", options->depth.text,
+                               DEPTH_UM_MAX / 1000);
     } else if (stored) {
         ost_decimal d;
         const char *end = stored + strlen(stored);
-        if (ost_decimal_read(stored, end, &d) != end || !ost_decimal_scale(&d, 1000, &um, NULL) || um < 0 || um > DEPTH_UM_MAX)
+        if (ost_decimal_read(stored, end, &d) != end || !ost_decimal_scale(&d, 1000, &um, NULL) || um < 0 ||
+            um > DEPTH_UM_MAX)
             return ost_fail(err, OST_ERR_INPUT, "%s: its header has '%s: %.80s', which is not valid", session,
                             depth_key, stored);
     }
@@ -77,7 +79,8 @@ static ost_status find_depth(const app_state *app, const glenoid_plan_options *o
     return OST_OK;
 }
 
-static ost_status find_landmarks(const app_state *app, const glenoid_plan_options *options, const ost_meta *stored, ost_metrics_plan *out, ost_error *err)
+static ost_status find_landmarks(const app_state *app, const glenoid_plan_options *options, const ost_meta *stored,
+                                 ost_metrics_plan *out, ost_error *err)
 {
     bool trigonum = false, inferior = false;
     ost_status status = ost_point_from_meta(stored, OST_META_TRIGONUM, &out->trigonum, &trigonum, err);
@@ -92,13 +95,15 @@ static ost_status find_landmarks(const app_state *app, const glenoid_plan_option
     trigonum |= options->trigonum_given;
     inferior |= options->inferior_given;
     if (trigonum != inferior && (options->trigonum_given || options->inferior_given))
-        return usage_error(app, err, "--%s needs --%s as well", trigonum ? "trigonum" : "inferior-angle", trigonum ? "inferior-angle" : "trigonum");
+        return usage_error(app, err, "--%s needs --%s as well", trigonum ? "trigonum" : "inferior-angle",
+                           trigonum ? "inferior-angle" : "trigonum");
     out->landmarks = trigonum && inferior;
     return OST_OK;
 }
 
-ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session, const ost_session_header *header, const ost_meta *meta,
-                     const char *bone, bool needed, ost_metrics_plan *out, bool *known, ost_error *err)
+ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session,
+                             const ost_session_header *header, const ost_meta *meta, const char *bone, bool needed,
+                             ost_metrics_plan *out, bool *known, ost_error *err)
 {
     ost_meta stored = *meta;
     ost_glenoid glenoid;
@@ -122,7 +127,8 @@ ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *o
     if (status != OST_OK)
         return status;
     if (!unit_axis(glenoid.axis, out->axis, &nano))
-        return usage_error(app, err, "the glenoid's axis (%g, %g, %g) is not a direction", glenoid.axis[0], glenoid.axis[1], glenoid.axis[2]);
+        return usage_error(app, err, "the glenoid's axis (%g, %g, %g) is not a direction", glenoid.axis[0],
+                           glenoid.axis[1], glenoid.axis[2]);
     out->at = glenoid.at;
     out->left = glenoid.left;
     *known = true;
@@ -142,7 +148,8 @@ ost_status glenoid_plan_set(ost_session_header *header, const ost_metrics_plan *
     if (status == OST_OK)
         status = ost_session_header_set(header, same[2].session, plan->left ? "left" : "right", err);
     if (status == OST_OK)
-        status = ost_session_header_set(header, depth_key, ost_pm_format(llrint(plan->depth_mm * 1e3) * (OST_PM_PER_MM / 1000), depth), err);
+        status = ost_session_header_set(
+            header, depth_key, ost_pm_format(llrint(plan->depth_mm * 1e3) * (OST_PM_PER_MM / 1000), depth), err);
     if (status == OST_OK && plan->landmarks) {
         status = ost_session_header_set(header, same[3].session, point_text(plan->trigonum, text), err);
         if (status == OST_OK)

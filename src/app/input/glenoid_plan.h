@@ -23,22 +23,32 @@ typedef struct glenoid_plan_options {
 } glenoid_plan_options;
 
 /* Rows for a verb's table of options; the verb itself defines --at, --axis and --side. */
-#define GLENOID_PLAN_OPTIONS(p)                                                                                            \
-    {.name = "planned", .kind = OPTION_DECIMAL, .out = &(p).depth, .value = "MM",                                          \
-     .help = "planned reaming depth at the glenoid's centre (default: 3)"},                                                \
-    {.name = "trigonum", .kind = OPTION_POINT, .out = &(p).trigonum, .given = &(p).trigonum_given, .value = "X,Y,Z",       \
-     .help = "trigonum spinae, where the scapula's spine meets its medial border: for version and inclination "            \
-             "in the scapula's own frame (default: as in the file)"},                                                      \
-    {.name = "inferior-angle", .kind = OPTION_POINT, .out = &(p).inferior, .given = &(p).inferior_given, .value = "X,Y,Z", \
-     .help = "inferior angle, the scapula's lowest point: for the same (default: as in the file)"}
+#define GLENOID_PLAN_OPTIONS(p)                                                                                        \
+    {.name = "planned",                                                                                                \
+     .kind = OPTION_DECIMAL,                                                                                           \
+     .out = &(p).depth,                                                                                                \
+     .value = "MM",                                                                                                    \
+     .help = "planned reaming depth at the glenoid's centre (default: 3)"},                                            \
+        {.name = "trigonum",                                                                                           \
+         .kind = OPTION_POINT,                                                                                         \
+         .out = &(p).trigonum,                                                                                         \
+         .given = &(p).trigonum_given,                                                                                 \
+         .value = "X,Y,Z",                                                                                             \
+         .help = "trigonum spinae, where the scapula's spine meets its medial border: for version and inclination "    \
+                 "in the scapula's own frame (default: as in the file)"},                                              \
+    {                                                                                                                  \
+        .name = "inferior-angle", .kind = OPTION_POINT, .out = &(p).inferior, .given = &(p).inferior_given,            \
+        .value = "X,Y,Z", .help = "inferior angle, the scapula's lowest point: for the same (default: as in the file)" \
+    }
 
 /*
  * Finds the plan. header: the header of the session named session, or NULL. *known becomes false if
  * no source contains the glenoid's position, which is an error if needed is true or a part of the
  * plan is given. The plan has exactly the values that a session can store.
  */
-ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session, const ost_session_header *header, const ost_meta *meta,
-                     const char *bone, bool needed, ost_metrics_plan *out, bool *known, ost_error *err);
+ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session,
+                             const ost_session_header *header, const ost_meta *meta, const char *bone, bool needed,
+                             ost_metrics_plan *out, bool *known, ost_error *err);
 
 /* Stores the plan in the header of a new session. */
 ost_status glenoid_plan_set(ost_session_header *header, const ost_metrics_plan *plan, ost_error *err);

@@ -56,7 +56,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
     return OST_OK;
 }
 
-static const char *builtin_name(const char *name)
+const char *builtin_name(const char *name)
 {
     return strncmp(name, "builtin:", 8) == 0 ? name + 8 : NULL;
 }
@@ -88,7 +88,8 @@ static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_b
     return OST_OK;
 }
 
-ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out, ost_error *err)
+ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
+                               ost_error *err)
 {
     *out = (ost_import_options){
         .spacing = ct->spacing,
@@ -124,8 +125,8 @@ static ost_status phantom_volume(const char *kind_name, ost_volume *out, ost_err
     return ost_fail(err, OST_ERR_USAGE, "builtin:%s: unknown bone; see osteon phantom --help", kind_name);
 }
 
-static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume, const ost_import_options *options, ost_bone **out,
-                                 ost_import_result *result, ost_error *err)
+static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume, const ost_import_options *options,
+                                 ost_bone **out, ost_import_result *result, ost_error *err)
 {
     ost_grid *rect = NULL, *cubic = NULL;
     const int32_t threshold = options->threshold ? options->threshold : THRESHOLD;
@@ -133,12 +134,16 @@ static ost_status volume_to_bone(ost_backend *backend, const ost_volume *volume,
     if (status == OST_OK)
         status = ost_grid_upload(rect, 0, volume->geometry.dims.z, volume->voxels, err);
     if (status == OST_OK)
-        status = ost_rect_to_cubic(rect, options->cubic ? options->cubic : volume->geometry.spacing.x, options->resample, &cubic, err);
+        status = ost_rect_to_cubic(rect, options->cubic ? options->cubic : volume->geometry.spacing.x,
+                                   options->resample, &cubic, err);
     if (status == OST_OK)
         status = ost_cubic_to_chunks(cubic, options->chunk_size, threshold, out, err);
     if (status == OST_OK) {
-        *result = (ost_import_result){.kind = OST_FILE_UNKNOWN, .rect = volume->geometry, .cubic = *ost_grid_geometry(cubic),
-                                      .meta = volume->meta, .resample = options->resample};
+        *result = (ost_import_result){.kind = OST_FILE_UNKNOWN,
+                                      .rect = volume->geometry,
+                                      .cubic = *ost_grid_geometry(cubic),
+                                      .meta = volume->meta,
+                                      .resample = options->resample};
         char text[16];
         snprintf(text, sizeof text, "%d", threshold);
         status = ost_meta_set(&result->meta, OST_META_THRESHOLD, text, err);
@@ -154,8 +159,11 @@ void load_warn_orientation(const app_state *app, const char *name, const ost_met
 {
     const char *fact = ost_meta_get(meta, OST_META_ORIENTATION);
     if (fact && strcmp(fact, "assumed LPS") == 0)
-        warn(app, "%s: its orientation is assumed to be LPS: the CT does not state where its axes point, so left may be right and front may be "
-             "back; import the CT with --orientation XYZ, such as LPS or RAS", name);
+        warn(app,
+             "%s: its orientation is assumed to be LPS: the CT does not state where its axes point, so left may be "
+             "right and front may be "
+             "back; import the CT with --orientation XYZ, such as LPS or RAS",
+             name);
 }
 
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r)
@@ -164,8 +172,10 @@ void load_warn_import(const app_state *app, const char *name, const ost_import_r
     const ost_scatter_report *s = &r->scatter;
     load_warn_orientation(app, name, &r->meta);
     if (s->off_lattice)
-        warn(app, "%s: %s positions lie more than 1/8 of a voxel off the lattice; the worst, %.3f of a voxel, in line %lld", name,
-             format_count(text, (int64_t)s->off_lattice), (double)s->worst_offset_ppm * 1e-6, (long long)s->worst_line);
+        warn(app,
+             "%s: %s positions lie more than 1/8 of a voxel off the lattice; the worst, %.3f of a voxel, in line %lld",
+             name, format_count(text, (int64_t)s->off_lattice), (double)s->worst_offset_ppm * 1e-6,
+             (long long)s->worst_line);
     if (r->rounded_positions)
         warn(app, "%s: %s positions have more than nine decimals and were rounded to a picometre", name,
              format_count(text, (int64_t)r->rounded_positions));
@@ -174,13 +184,15 @@ void load_warn_import(const app_state *app, const char *name, const ost_import_r
     if (r->volume.resampled)
         warn(app, "%s: the volume is tilted and was resampled onto straight axes (nearest voxel)", name);
     if (r->volume.rounded_values)
-        warn(app, "%s: %s densities were not whole numbers and were rounded", name, format_count(text, (int64_t)r->volume.rounded_values));
+        warn(app, "%s: %s densities were not whole numbers and were rounded", name,
+             format_count(text, (int64_t)r->volume.rounded_values));
     if (r->volume.clamped_values)
-        warn(app, "%s: %s densities lay beyond int16 and were cut to its ends", name, format_count(text, (int64_t)r->volume.clamped_values));
+        warn(app, "%s: %s densities lay beyond int16 and were cut to its ends", name,
+             format_count(text, (int64_t)r->volume.clamped_values));
 }
 
-ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests, ost_bone **out,
-                     ost_import_result *result, ost_error *err)
+ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests,
+                     ost_bone **out, ost_import_result *result, ost_error *err)
 {
     ost_import_options options;
     ost_status status = load_import_options(app, ct, digests, &options, err);
@@ -222,153 +234,6 @@ ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume
     return status;
 }
 
-/* ------------------------------------------------------------------ tools */
-
-/* Returns the kind of a built-in tool; OST_TOOL_KIND_COUNT if there is no tool of that name. */
-static ost_tool_kind builtin_tool(const char *name)
-{
-    const char *kind = builtin_name(name);
-    int k = 0;
-    while (k < OST_TOOL_KIND_COUNT && !(kind && strcmp(kind, ost_tool_kind_name((ost_tool_kind)k)) == 0))
-        k++;
-    return (ost_tool_kind)k;
-}
-
-static ost_status load_part(const char *name, ost_unit unit, ost_tool_part part, ost_mesh *out, ost_mesh_report *report, ost_error *err)
-{
-    const ost_tool_kind k = builtin_tool(name);
-    if (!builtin_name(name))
-        return ost_mesh_read(name, unit, out, report, err);
-    if (k == OST_TOOL_KIND_COUNT)
-        return ost_fail(err, OST_ERR_USAGE, "%s: unknown tool; see osteon tool --help", name);
-    ost_status status = ost_tool_make(k, &(ost_tool_options){.part = part}, out, err);
-    if (status == OST_OK) {
-        snprintf(report->format, sizeof report->format, "built in");
-        report->file_triangles = out->triangle_count;
-        report->bodies = 1;
-    }
-    return status;
-}
-
-ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err)
-{
-    return load_part(name, unit, OST_TOOL_COMPLETE, out, report, err);
-}
-
-char *load_other_units(char out[LOAD_UNITS_TEXT], double mm)
-{
-    static const struct {
-        const char *name;
-        double mm;
-    } units[] = {{"centimetres", 10}, {"inches", 25.4}, {"metres", 1000}, {"micrometres", 0.001}};
-    size_t used = 0;
-    out[0] = '\0';
-    for (size_t u = 0; u < sizeof units / sizeof units[0]; u++)
-        if (mm * units[u].mm >= 20 && mm * units[u].mm <= 600)
-            used += (size_t)snprintf(out + used, LOAD_UNITS_TEXT - used, "%s%.3g mm if its lengths are %s",
-                                     used ? ", or " : ": it would be ", mm * units[u].mm, units[u].name);
-    return out;
-}
-
-/* Warns about a mesh of less than 5 mm whose unit is not given: it may be a burr, but bones and
-   reamers are larger. */
-static void warn_mesh_size(const app_state *app, const char *name, const ost_mesh_report *r)
-{
-    char text[LOAD_UNITS_TEXT];
-    double largest = 0;
-    for (int a = 0; a < 3; a++)
-        largest = r->bounds_mm[3 + a] - r->bounds_mm[a] > largest ? r->bounds_mm[3 + a] - r->bounds_mm[a] : largest;
-    if (largest < 5)
-        warn(app, "%s: the mesh is %.3g mm across when its lengths are taken as millimetres%s; --unit mm confirms millimetres", name, largest,
-             load_other_units(text, largest));
-}
-
-static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
-                                  const tool_options *options, ost_tool **out, tool_report *report, ost_error *err)
-{
-    ost_mesh mesh = {0}, shaft = {0};
-    ost_snapped_mesh snapped = {0}, snapped_shaft = {0};
-    ost_mesh_report shaft_report = {0};
-    ost_tool_geometry grid;
-    ost_pm3 lo, hi, lo2, hi2;
-    char text[FORMAT_TEXT];
-
-    /* The shaft of a built-in tool touches bone and does not cut it. */
-    const ost_tool_kind kind = builtin_tool(name);
-    const bool two_parts = !noncutting && kind < OST_TOOL_KIND_COUNT && ost_tool_has_shaft(kind);
-    ost_status status = load_part(name, (ost_unit)options->unit, two_parts ? OST_TOOL_HEAD : OST_TOOL_COMPLETE, &mesh, &report->mesh, err);
-    if (status == OST_OK && !builtin_name(name) && options->unit == OST_UNIT_AUTO)
-        warn_mesh_size(app, name, &report->mesh);
-    if (status == OST_OK)
-        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
-    if (status == OST_OK && (noncutting || two_parts)) {
-        status = load_part(two_parts ? name : noncutting, (ost_unit)options->unit, two_parts ? OST_TOOL_SHAFT : OST_TOOL_COMPLETE, &shaft, &shaft_report, err);
-        if (status == OST_OK)
-            status = ost_mesh_bounds(&shaft, &lo2, &hi2, err);
-        if (status == OST_OK) {
-            ost_pm3_widen(&lo, &hi, lo2);
-            ost_pm3_widen(&lo, &hi, hi2);
-        }
-    }
-    if (status == OST_OK)
-        status = ost_mesh_open_edges(&mesh, &report->open_edges, err);
-    if (status == OST_OK && (status = ost_tool_geometry_from_bounds(lo, hi, options->voxel, &grid, err)) != OST_OK)
-        ost_fail_context(err, "%s", name);
-    if (status == OST_OK)
-        status = ost_mesh_snap(&mesh, &grid, &snapped, err);
-    if (status == OST_OK && shaft.triangle_count)
-        status = ost_mesh_snap(&shaft, &grid, &snapped_shaft, err);
-    if (status == OST_OK)
-        status = ost_snapped_mesh_digest(&snapped, &report->snapped, err);
-    if (status == OST_OK) {
-        double start = now_ms();
-        status = ost_voxelize(backend, &snapped, shaft.triangle_count ? &snapped_shaft : NULL, (ost_fill_rule)options->rule, &report->voxels, out, err);
-        report->time_ms = now_ms() - start;
-    }
-    if (status == OST_OK) {
-        report->triangles = mesh.triangle_count + shaft.triangle_count;
-        report->dropped_triangles = snapped.dropped_triangles + snapped_shaft.dropped_triangles;
-        report->mesh_volume_mm3 = ost_mesh_volume_mm3(&mesh);
-        if (report->voxels.leaking_rows)
-            warn(app, "%s: the surface is not closed (%zu open edges): %s rows of voxels leak and were left empty", name, report->open_edges,
-                 format_count(text, (int64_t)report->voxels.leaking_rows));
-        if (!report->voxels.solid_voxels)
-            warn(app, "%s: no voxel of %g mm is inside the mesh; use a smaller --voxel", name,
-                 ost_pm_to_mm(options->voxel));
-    }
-    ost_snapped_mesh_free(&snapped);
-    ost_snapped_mesh_free(&snapped_shaft);
-    ost_mesh_free(&mesh);
-    ost_mesh_free(&shaft);
-    return status;
-}
-
-ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting, const tool_options *options,
-                     ost_tool **out, tool_report *report, ost_error *err)
-{
-    tool_report own = {0};
-    if (!report)
-        report = &own;
-    *report = (tool_report){0};
-    ost_file_kind kind = OST_FILE_MESH;
-    if (!builtin_name(name)) {
-        ost_status status = ost_file_kind_find(name, &kind, err);
-        if (status != OST_OK)
-            return status;
-    }
-    if (kind == OST_FILE_NRRD && !noncutting) {
-        ost_tool_volume volume = {0};
-        ost_status status = ost_tool_volume_read(name, &volume, err);
-        if (status == OST_OK)
-            status = ost_tool_upload(backend, &volume, out, err);
-        ost_tool_volume_free(&volume);
-        return status;
-    }
-    if (kind != OST_FILE_MESH && kind != OST_FILE_UNKNOWN)
-        return ost_fail(err, OST_ERR_INPUT, "%s: not a mesh or a tool grid", name);
-    return voxelize_meshes(app, backend, name, noncutting, options, out, report, err);
-}
-
 /* ---------------------------------------------------------------- volumes */
 
 static ost_status load_tool_volume(const char *name, loaded_volume *out, ost_error *err)
@@ -405,8 +270,8 @@ static int32_t threshold_of(const ost_meta *meta)
     ost_decimal d;
     int64_t value;
     bool exact;
-    if (text && ost_decimal_read(text, text + strlen(text), &d) == text + strlen(text) && ost_decimal_scale(&d, 1, &value, &exact) &&
-        exact && value >= 1 && value <= 32767)
+    if (text && ost_decimal_read(text, text + strlen(text), &d) == text + strlen(text) &&
+        ost_decimal_scale(&d, 1, &value, &exact) && exact && value >= 1 && value <= 32767)
         return (int32_t)value;
     return THRESHOLD;
 }

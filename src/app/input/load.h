@@ -82,11 +82,15 @@ typedef struct tool_report {
     double time_ms; /* duration of the voxelization alone */
 } tool_report;
 
-ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests, ost_bone **out,
-                     ost_import_result *result, ost_error *err);
+/* Returns what follows "builtin:" in a name; NULL if it is a file's name. */
+const char *builtin_name(const char *name);
+
+ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests,
+                     ost_bone **out, ost_import_result *result, ost_error *err);
 
 /* Converts the options of a verb to those of ost_import. */
-ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out, ost_error *err);
+ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
+                               ost_error *err);
 /* Warns if the orientation of a file was assumed, now or when it was imported. */
 void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta);
 /* Warns about effects of an import that the user may not expect. */
@@ -100,8 +104,8 @@ char *load_other_units(char out[LOAD_UNITS_TEXT], double mm);
 ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
 
 /* noncutting: the name of a second mesh on the same grid, or NULL. report may be NULL. */
-ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting, const tool_options *options,
-                     ost_tool **out, tool_report *report, ost_error *err);
+ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
+                     const tool_options *options, ost_tool **out, tool_report *report, ost_error *err);
 
 typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
 typedef struct loaded_volume {

@@ -23,11 +23,14 @@ static ost_status set_triple(const char *name, const char *key, ost_pm3 v, ost_m
    1000 or shorter than 0.001 is normalized first. */
 static ost_status set_axis(const char *name, const double axis[3], ost_meta *meta, ost_error *err)
 {
-    const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]), by = length > 1000 || length < 0.001 ? length : 1;
+    const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]),
+                 by = length > 1000 || length < 0.001 ? length : 1;
     if (!isfinite(length) || length == 0)
-        return ost_fail(err, OST_ERR_USAGE, "%s: the axis (%g, %g, %g) is not a direction", name, axis[0], axis[1], axis[2]);
+        return ost_fail(err, OST_ERR_USAGE, "%s: the axis (%g, %g, %g) is not a direction", name, axis[0], axis[1],
+                        axis[2]);
     return set_triple(name, OST_META_GLENOID_AXIS,
-                      (ost_pm3){llrint(axis[0] / by * 1e9), llrint(axis[1] / by * 1e9), llrint(axis[2] / by * 1e9)}, meta, err);
+                      (ost_pm3){llrint(axis[0] / by * 1e9), llrint(axis[1] / by * 1e9), llrint(axis[2] / by * 1e9)},
+                      meta, err);
 }
 
 /* ------------------------------------------------------------------ checks */
@@ -63,9 +66,11 @@ static ost_status resolve_orientation(const char *name, const ost_geometry *g, o
         char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT];
         const ost_pm3 hi = {g->origin.x + (g->dims.x - 1) * g->spacing.x, g->origin.y + (g->dims.y - 1) * g->spacing.y,
                             g->origin.z + (g->dims.z - 1) * g->spacing.z};
-        status = ost_fail(err, OST_ERR_INPUT, "the glenoid at %s lies outside the grid, which is from %s to %s%s", format_point(a, at),
-                          format_point(b, g->origin), format_point(c, hi),
-                          is_inside(g, (ost_pm3){-at.x, -at.y, at.z}) ? "; with x and y negated it lies inside, so it is probably in RAS" : "");
+        status = ost_fail(err, OST_ERR_INPUT, "the glenoid at %s lies outside the grid, which is from %s to %s%s",
+                          format_point(a, at), format_point(b, g->origin), format_point(c, hi),
+                          is_inside(g, (ost_pm3){-at.x, -at.y, at.z})
+                              ? "; with x and y negated it lies inside, so it is probably in RAS"
+                              : "");
     }
     if (status == OST_OK && has_axis) {
         status = ost_glenoid_side(axis, side, &left, err);
@@ -84,7 +89,8 @@ static ost_status resolve_orientation(const char *name, const ost_geometry *g, o
 
 /* ----------------------------------------------------------------- options */
 
-static ost_status take_landmarks(const app_state *app, const char *file, const char *name, ost_meta *meta, ost_error *err)
+static ost_status take_landmarks(const app_state *app, const char *file, const char *name, ost_meta *meta,
+                                 ost_error *err)
 {
     ost_landmarks all;
     const ost_landmark *found[OST_LANDMARK_INFERIOR_ANGLE + 1] = {NULL};
@@ -125,12 +131,13 @@ static ost_status take_landmarks(const app_state *app, const char *file, const c
     return status;
 }
 
-ost_status patient_take(const app_state *app, const patient_options *options, const char *name, const ost_geometry *geometry, ost_meta *meta,
-                        ost_error *err)
+ost_status patient_take(const app_state *app, const patient_options *options, const char *name,
+                        const ost_geometry *geometry, ost_meta *meta, ost_error *err)
 {
     const target_options *t = &options->target;
     ost_status status = OST_OK;
-    if (!t->at_given && !t->axis_given && !t->side_given && !options->trigonum_given && !options->inferior_given && !options->landmarks)
+    if (!t->at_given && !t->axis_given && !t->side_given && !options->trigonum_given && !options->inferior_given &&
+        !options->landmarks)
         return OST_OK;
     if (options->landmarks)
         status = take_landmarks(app, options->landmarks, name, meta, err);
@@ -190,18 +197,22 @@ static ost_status set_one(const app_state *app, const char *text, ost_meta *meta
             ost_pm3 point;
             bool there;
             /* Stored in the header's form: exact decimals separated by blanks. */
-            if (status == OST_OK && facts[f].point && (status = ost_point_from_meta(meta, facts[f].key, &point, &there, err)) == OST_OK)
+            if (status == OST_OK && facts[f].point &&
+                (status = ost_point_from_meta(meta, facts[f].key, &point, &there, err)) == OST_OK)
                 status = set_triple("--set", facts[f].key, point, meta, err);
             double axis[3];
-            if (status == OST_OK && strcmp(facts[f].key, OST_META_GLENOID_AXIS) == 0 && (status = ost_axis_from_meta(meta, axis, &there, err)) == OST_OK)
+            if (status == OST_OK && strcmp(facts[f].key, OST_META_GLENOID_AXIS) == 0 &&
+                (status = ost_axis_from_meta(meta, axis, &there, err)) == OST_OK)
                 status = set_axis("--set", axis, meta, err);
             return status;
         }
     }
-    return usage_error(app, err, "--set '%s': expected KEY=VALUE with the key at, axis, side, trigonum or inferior-angle", text);
+    return usage_error(app, err,
+                       "--set '%s': expected KEY=VALUE with the key at, axis, side, trigonum or inferior-angle", text);
 }
 
-ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry, ost_meta *meta, ost_error *err)
+ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry,
+                       ost_meta *meta, ost_error *err)
 {
     const char *kind = ost_meta_get(meta, OST_META_KIND);
     if (kind && strcmp(kind, "tool") == 0)

@@ -25,27 +25,50 @@ typedef struct patient_options {
 } patient_options;
 
 /* Rows for a verb's table of options. */
-#define PATIENT_OPTIONS(p)                                                                                                   \
-    {.name = "at", .kind = OPTION_POINT, .out = &(p).target.at, .given = &(p).target.at_given, .value = "X,Y,Z",             \
-     .help = "centre of the glenoid's face"},                                                                                \
-    {.name = "axis", .kind = OPTION_VECTOR, .out = (p).target.axis, .given = &(p).target.axis_given, .value = "X,Y,Z",       \
-     .help = "direction into the bone at this centre"},                                                                      \
-    {.name = "side", .kind = OPTION_CHOICE, .out = &(p).target.side, .given = &(p).target.side_given, .value = "left|right", \
-     .help = "side of the body (default: as in the file, else derived from the axis)"},                                      \
-    {.name = "trigonum", .kind = OPTION_POINT, .out = &(p).trigonum, .given = &(p).trigonum_given, .value = "X,Y,Z",         \
-     .help = "trigonum spinae, where the scapula's spine meets its medial border"},                                          \
-    {.name = "inferior-angle", .kind = OPTION_POINT, .out = &(p).inferior, .given = &(p).inferior_given, .value = "X,Y,Z",   \
-     .help = "inferior angle, the scapula's lowest point"},                                                                  \
-    {.name = "landmarks", .kind = OPTION_TEXT, .out = &(p).landmarks, .value = "FILE",                                       \
-     .help = "file with these points: .mrk.json or .fcsv of 3D Slicer, or a CSV label,x,y,z (LPS); labels: "                 \
-             "glenoid, axis (a point inside the bone on the axis), trigonum, inferior angle"}
+#define PATIENT_OPTIONS(p)                                                                                             \
+    {.name = "at",                                                                                                     \
+     .kind = OPTION_POINT,                                                                                             \
+     .out = &(p).target.at,                                                                                            \
+     .given = &(p).target.at_given,                                                                                    \
+     .value = "X,Y,Z",                                                                                                 \
+     .help = "centre of the glenoid's face"},                                                                          \
+        {.name = "axis",                                                                                               \
+         .kind = OPTION_VECTOR,                                                                                        \
+         .out = (p).target.axis,                                                                                       \
+         .given = &(p).target.axis_given,                                                                              \
+         .value = "X,Y,Z",                                                                                             \
+         .help = "direction into the bone at this centre"},                                                            \
+        {.name = "side",                                                                                               \
+         .kind = OPTION_CHOICE,                                                                                        \
+         .out = &(p).target.side,                                                                                      \
+         .given = &(p).target.side_given,                                                                              \
+         .value = "left|right",                                                                                        \
+         .help = "side of the body (default: as in the file, else derived from the axis)"},                            \
+        {.name = "trigonum",                                                                                           \
+         .kind = OPTION_POINT,                                                                                         \
+         .out = &(p).trigonum,                                                                                         \
+         .given = &(p).trigonum_given,                                                                                 \
+         .value = "X,Y,Z",                                                                                             \
+         .help = "trigonum spinae, where the scapula's spine meets its medial border"},                                \
+        {.name = "inferior-angle",                                                                                     \
+         .kind = OPTION_POINT,                                                                                         \
+         .out = &(p).inferior,                                                                                         \
+         .given = &(p).inferior_given,                                                                                 \
+         .value = "X,Y,Z",                                                                                             \
+         .help = "inferior angle, the scapula's lowest point"},                                                        \
+    {                                                                                                                  \
+        .name = "landmarks", .kind = OPTION_TEXT, .out = &(p).landmarks, .value = "FILE",                              \
+        .help = "file with these points: .mrk.json or .fcsv of 3D Slicer, or a CSV label,x,y,z (LPS); labels: "        \
+                "glenoid, axis (a point inside the bone on the axis), trigonum, inferior angle"                        \
+    }
 
-/* Sets in meta what the options and their file of landmarks state, for the volume called name; reports unknown labels. */
-ost_status patient_take(const app_state *app, const patient_options *options, const char *name, const ost_geometry *geometry, ost_meta *meta,
-                        ost_error *err);
+/* Sets in meta what the options and their file of landmarks state, for the volume called name;
+   reports unknown labels. */
+ost_status patient_take(const app_state *app, const patient_options *options, const char *name,
+                        const ost_geometry *geometry, ost_meta *meta, ost_error *err);
 
 /* Sets in meta the facts of --set KEY=VALUE, one after the other; an empty VALUE removes the fact. */
-ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry, ost_meta *meta,
-                       ost_error *err);
+ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry,
+                       ost_meta *meta, ost_error *err);
 
 #endif

@@ -9,27 +9,33 @@
 
 enum { GAP_NS = 1000000 };
 
-ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out, ost_error *err)
+ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out,
+                       ost_error *err)
 {
-    const ost_side given = !options->side_given ? OST_SIDE_UNKNOWN : options->side == 0 ? OST_SIDE_LEFT : OST_SIDE_RIGHT;
+    const ost_side given = !options->side_given ? OST_SIDE_UNKNOWN
+                           : options->side == 0 ? OST_SIDE_LEFT
+                                                : OST_SIDE_RIGHT;
     ost_status status = ost_side_from_meta(meta, out, err);
     if (status == OST_OK && given != OST_SIDE_UNKNOWN && *out != OST_SIDE_UNKNOWN && given != *out) {
         const char *name = given == OST_SIDE_LEFT ? "left" : "right";
-        return ost_fail(err, OST_ERR_INPUT, "--side %s contradicts %s, whose header has side %s; 'osteon info %s --set side=%s' corrects it", name,
-                        bone, *out == OST_SIDE_LEFT ? "left" : "right", bone, name);
+        return ost_fail(
+            err, OST_ERR_INPUT,
+            "--side %s contradicts %s, whose header has side %s; 'osteon info %s --set side=%s' corrects it", name,
+            bone, *out == OST_SIDE_LEFT ? "left" : "right", bone, name);
     }
     *out = given == OST_SIDE_UNKNOWN ? *out : given;
     return status;
 }
 
-ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone, ost_glenoid *out,
-                       ost_error *err)
+ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone,
+                       ost_glenoid *out, ost_error *err)
 {
     ost_side side;
     bool has_at = true, has_axis = true;
     *out = (ost_glenoid){.at = options->at};
     memcpy(out->axis, options->axis, sizeof out->axis);
-    ost_status status = options->at_given ? OST_OK : ost_point_from_meta(meta, OST_META_GLENOID_AT, &out->at, &has_at, err);
+    ost_status status = options->at_given ? OST_OK
+                                          : ost_point_from_meta(meta, OST_META_GLENOID_AT, &out->at, &has_at, err);
     if (status == OST_OK && !options->axis_given)
         status = ost_axis_from_meta(meta, out->axis, &has_axis, err);
     if (status != OST_OK) {
@@ -38,17 +44,20 @@ ost_status target_find(const app_state *app, const target_options *options, cons
     }
     if (!has_at || !has_axis)
         return usage_error(app, err, "%s: the glenoid's %s not set: pass %s%s%s, or import with %s", bone,
-                           has_at ? "axis is" : has_axis ? "position is" : "position and axis are", has_at ? "" : "--at X,Y,Z",
-                           has_at || has_axis ? "" : " and ", has_axis ? "" : "--axis X,Y,Z (into the bone)",
-                           has_at ? "--axis" : "--at or --landmarks");
+                           has_at     ? "axis is"
+                           : has_axis ? "position is"
+                                      : "position and axis are",
+                           has_at ? "" : "--at X,Y,Z", has_at || has_axis ? "" : " and ",
+                           has_axis ? "" : "--axis X,Y,Z (into the bone)", has_at ? "--axis" : "--at or --landmarks");
     status = target_side(options, meta, bone, &side, err);
     if (status == OST_OK && (status = ost_glenoid_side(out->axis, side, &out->left, err)) != OST_OK)
         ost_fail_context(err, "%s", bone);
     return status;
 }
 
-static ost_status builtin_path(const app_state *app, const char *name, const target_options *target, const ost_meta *meta, const char *bone,
-                               const ost_tool_geometry *tool, int32_t index, ost_path *out, ost_error *err)
+static ost_status builtin_path(const app_state *app, const char *name, const target_options *target,
+                               const ost_meta *meta, const char *bone, const ost_tool_geometry *tool, int32_t index,
+                               ost_path *out, ost_error *err)
 {
     const char *names[OST_BUILTIN_COUNT];
     for (int b = 0; b < OST_BUILTIN_COUNT; b++) {
@@ -84,14 +93,15 @@ static ost_status session_path(const app_state *app, const char *name, ost_path 
 }
 
 /* Reads a file of ticks. If all of them name tool 0, they move tool `index` instead (AR-PATH-6). */
-static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count, const ost_path_options *gaps, ost_path *out,
-                            ream_gaps *counted, ost_error *err)
+static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count,
+                            const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err)
 {
     /* A file whose kind cannot be found, such as a pipe, is read as text. */
     ost_file_kind kind;
     const bool known = ost_file_kind_find(name, &kind, NULL) == OST_OK;
     ost_path_report report = {0};
-    ost_status status = known && kind == OST_FILE_SESSION ? session_path(app, name, out, err) : ost_path_read(name, gaps, out, &report, err);
+    ost_status status = known && kind == OST_FILE_SESSION ? session_path(app, name, out, err)
+                                                          : ost_path_read(name, gaps, out, &report, err);
     if (status != OST_OK)
         return status;
     int32_t last = 0;
@@ -115,7 +125,8 @@ static ost_status join(ost_path *all, const ost_path *part, ost_error *err)
 {
     if (part->count > OST_PATH_TICKS_MAX - all->count)
         return ost_fail(err, OST_ERR_RANGE, "the paths together have more than %d ticks", OST_PATH_TICKS_MAX);
-    const ost_int128 shift = all->count ? (ost_int128)all->ticks[all->count - 1].t_ns + GAP_NS - part->ticks[0].t_ns : 0;
+    const ost_int128 shift = all->count ? (ost_int128)all->ticks[all->count - 1].t_ns + GAP_NS - part->ticks[0].t_ns
+                                        : 0;
     const ost_int128 end = part->ticks[part->count - 1].t_ns + shift;
     if (all->count && end > OST_PATH_TIME_MAX_NS)
         return ost_fail(err, OST_ERR_RANGE, "the paths together last until %.9g s; expected times up to 4 * 10^9 s",
@@ -134,9 +145,9 @@ static ost_status join(ost_path *all, const ost_path *part, ost_error *err)
     return OST_OK;
 }
 
-ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target, const ost_meta *meta, const char *bone,
-                          const ost_tool_geometry *const *tools, int tool_count, const ost_path_options *gaps, ost_path *out, ream_gaps *counted,
-                          ost_error *err)
+ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target,
+                          const ost_meta *meta, const char *bone, const ost_tool_geometry *const *tools, int tool_count,
+                          const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err)
 {
     *out = (ost_path){0};
     *counted = (ream_gaps){0};
@@ -188,12 +199,14 @@ ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options
         return OST_OK;
     }
     const char *end = text + strlen(text), *p = ost_decimal_read(text, end, &ms);
-    bool right = p && ost_decimal_scale(&ms, 1000000, &out->max_gap_ns, NULL) && out->max_gap_ns > 0 && out->max_gap_ns <= GAP_MS_MAX * INT64_C(1000000);
+    bool right = p && ost_decimal_scale(&ms, 1000000, &out->max_gap_ns, NULL) && out->max_gap_ns > 0 &&
+                 out->max_gap_ns <= GAP_MS_MAX * INT64_C(1000000);
     if (right && *p == ',')
-        right = (p = ost_decimal_read(p + 1, end, &mm)) && ost_decimal_to_pm(&mm, &out->max_jump_pm, NULL) && out->max_jump_pm > 0 &&
-                out->max_jump_pm <= JUMP_UM_MAX * (OST_PM_PER_MM / 1000);
+        right = (p = ost_decimal_read(p + 1, end, &mm)) && ost_decimal_to_pm(&mm, &out->max_jump_pm, NULL) &&
+                out->max_jump_pm > 0 && out->max_jump_pm <= JUMP_UM_MAX * (OST_PM_PER_MM / 1000);
     if (!right || p != end)
-        return usage_error(app, err, "--max-gap %s: must be MS or MS,MM, up to %d ms and %d mm, or off", text, GAP_MS_MAX, JUMP_UM_MAX / 1000);
+        return usage_error(app, err, "--max-gap %s: must be MS or MS,MM, up to %d ms and %d mm, or off", text,
+                           GAP_MS_MAX, JUMP_UM_MAX / 1000);
     return OST_OK;
 }
 
@@ -203,5 +216,6 @@ void ream_print_gaps(const app_state *app, const ream_gaps *gaps)
     put_integer(app->result, "gaps", (int64_t)gaps->gaps);
     put_integer(app->result, "lost_rows", (int64_t)gaps->lost_rows);
     if (gaps->gaps)
-        print_line(app, "  %s gap%s in the path, across which nothing was cut", format_count(a, (int64_t)gaps->gaps), gaps->gaps == 1 ? "" : "s");
+        print_line(app, "  %s gap%s in the path, across which nothing was cut", format_count(a, (int64_t)gaps->gaps),
+                   gaps->gaps == 1 ? "" : "s");
 }

@@ -28,11 +28,12 @@ typedef struct target_options {
  * side also follows from the axis. Returns OST_ERR_USAGE if a value is not set, OST_ERR_INPUT if
  * the side, the axis and the header contradict each other.
  */
-ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone, ost_glenoid *out,
-                       ost_error *err);
+ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone,
+                       ost_glenoid *out, ost_error *err);
 
 /* Finds the side from --side or else from the header. The two must not contradict each other. */
-ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out, ost_error *err);
+ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out,
+                       ost_error *err);
 
 /* The number of gaps at which the paths lift a tool, and the number of rows without a pose. */
 typedef struct ream_gaps {
@@ -49,9 +50,9 @@ typedef struct ream_gaps {
 ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options *out, ost_error *err);
 void ream_print_gaps(const app_state *app, const ream_gaps *gaps);
 
-ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target, const ost_meta *meta, const char *bone,
-                          const ost_tool_geometry *const *tools, int tool_count, const ost_path_options *gaps, ost_path *out, ream_gaps *counted,
-                          ost_error *err);
+ost_status ream_path_make(const app_state *app, const option_list *paths, const target_options *target,
+                          const ost_meta *meta, const char *bone, const ost_tool_geometry *const *tools, int tool_count,
+                          const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err);
 
 /* Computes the period of a rate of removal; 0 without a rate: every tick removes. */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err);

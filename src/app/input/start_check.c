@@ -51,14 +51,16 @@ void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX])
 static void tool_size(const ost_tool *tool, double *radius_mm, double *length_mm)
 {
     const ost_tool_geometry *g = ost_tool_geometry_get(tool);
-    const ost_pm ends[4] = {g->corner.x, g->corner.x + g->dims.x * g->voxel, g->corner.y, g->corner.y + g->dims.y * g->voxel};
+    const ost_pm ends[4] = {g->corner.x, g->corner.x + g->dims.x * g->voxel, g->corner.y,
+                            g->corner.y + g->dims.y * g->voxel};
     *radius_mm = 0;
     for (int i = 0; i < 4; i++)
         *radius_mm = fmax(*radius_mm, fabs(ost_pm_to_mm(ends[i])));
     *length_mm = ost_pm_to_mm(g->dims.z * g->voxel);
 }
 
-static ost_status check_front(const app_state *app, const start_setup *setup, const ost_glenoid *glenoid, bool axis_good, ost_error *err)
+static ost_status check_front(const app_state *app, const start_setup *setup, const ost_glenoid *glenoid,
+                              bool axis_good, ost_error *err)
 {
     int64_t most = 0;
     int which = 0;
@@ -78,11 +80,15 @@ static ost_status check_front(const app_state *app, const start_setup *setup, co
     /* Without a valid axis, bone in front of the face is meaningless; the axis has already been reported. */
     if (status != OST_OK || mm3 < FRONT_LEAST_MM3 || !axis_good)
         return status;
-    return problem(app, setup->strict, err, "%s: %.0f mm3 of bone lie in front of the glenoid's face, in the way of %s: probably a humeral head that "
-                   "was not resected", setup->bone_name, mm3, setup->names->value[which]);
+    return problem(
+        app, setup->strict, err,
+        "%s: %.0f mm3 of bone lie in front of the glenoid's face, in the way of %s: probably a humeral head that "
+        "was not resected",
+        setup->bone_name, mm3, setup->names->value[which]);
 }
 
-static ost_status check_axis(const app_state *app, const start_setup *setup, const ost_glenoid *glenoid, bool *good, ost_error *err)
+static ost_status check_axis(const app_state *app, const start_setup *setup, const ost_glenoid *glenoid, bool *good,
+                             ost_error *err)
 {
     double inward, outward;
     ost_status status = ost_bone_along_axis(setup->bone, glenoid, &inward, &outward, err);
@@ -93,8 +99,10 @@ static ost_status check_axis(const app_state *app, const start_setup *setup, con
     if (*good)
         return OST_OK;
     const double *a = glenoid->axis;
-    return problem(app, setup->strict, err, "%s: the axis (%.4g, %.4g, %.4g) does not point into bone: %.0f %% of the way from 1 to 11 mm "
-                   "below the face is bone, and %.0f %% of the same way in front of it; %s", setup->bone_name, a[0], a[1], a[2], inward, outward,
+    return problem(app, setup->strict, err,
+                   "%s: the axis (%.4g, %.4g, %.4g) does not point into bone: %.0f %% of the way from 1 to 11 mm "
+                   "below the face is bone, and %.0f %% of the same way in front of it; %s",
+                   setup->bone_name, a[0], a[1], a[2], inward, outward,
                    outward >= BONE_LEAST_PERCENT ? "the axis is probably reversed" : "check --at and --axis");
 }
 
@@ -110,8 +118,10 @@ static ost_status check_overlap(const app_state *app, const start_setup *setup, 
         status = ost_bone_overlap(setup->bone, setup->tools[i], setup->first[i], &voxels, err);
         all += voxels;
         if (status == OST_OK && voxels)
-            status = problem(app, setup->strict, err, "%s overlaps %s bone voxels at its first pose, with its origin at %s: begin clear of the bone",
-                             setup->names->value[i], format_count(count, voxels), format_point(at, setup->first[i]->t));
+            status = problem(
+                app, setup->strict, err,
+                "%s overlaps %s bone voxels at its first pose, with its origin at %s: begin clear of the bone",
+                setup->names->value[i], format_count(count, voxels), format_point(at, setup->first[i]->t));
     }
     put_integer(app->result, "overlap_voxels", all);
     return status;
@@ -152,5 +162,6 @@ void start_check_report(const app_state *app, const start_checked *checked, doub
         return;
     put_integer(app->result, "near_side_voxels", checked->near_side);
     put_real(app->result, "near_side_mm3", (double)checked->near_side * mm3);
-    print_line(app, "  on the near side of the glenoid's face: %s voxels, %.1f mm3", format_count(text, checked->near_side), (double)checked->near_side * mm3);
+    print_line(app, "  on the near side of the glenoid's face: %s voxels, %.1f mm3",
+               format_count(text, checked->near_side), (double)checked->near_side * mm3);
 }

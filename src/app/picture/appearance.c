@@ -23,7 +23,8 @@ static bool six_numbers(const char *text, double out[6])
         ost_decimal d;
         int64_t micro;
         const char *after = ost_decimal_read(p, end, &d);
-        if (!after || after == p || (i < 5 ? after == end || *after != ',' : after != end) || !ost_decimal_scale(&d, 1000000, &micro, NULL))
+        if (!after || after == p || (i < 5 ? after == end || *after != ',' : after != end) ||
+            !ost_decimal_scale(&d, 1000000, &micro, NULL))
             return false;
         out[i] = (double)micro * 1e-6;
         p = after + 1;
@@ -31,7 +32,8 @@ static bool six_numbers(const char *text, double out[6])
     return true;
 }
 
-static ost_status thousandths(const app_state *app, const option_decimal *given, const char *name, int most, double *out, ost_error *err)
+static ost_status thousandths(const app_state *app, const option_decimal *given, const char *name, int most,
+                              double *out, ost_error *err)
 {
     int64_t n;
     if (!given->text)
@@ -46,7 +48,8 @@ static ost_status check_clip(const app_state *app, appearance_options *o, ost_er
 {
     double n[6];
     if (!o->clip_text)
-        return o->shift.text || o->turn.text ? usage_error(app, err, "--clip-shift and --clip-turn need --clip") : OST_OK;
+        return o->shift.text || o->turn.text ? usage_error(app, err, "--clip-shift and --clip-turn need --clip")
+                                             : OST_OK;
     for (int i = 1; i < CLIP_NAMES; i++)
         if (strcmp(o->clip_text, clip_names[i]) == 0)
             o->clip = i;
@@ -59,8 +62,9 @@ static ost_status check_clip(const app_state *app, appearance_options *o, ost_er
     }
     if (o->clip == CLIP_NONE) {
         const char *near = nearest_name(o->clip_text, clip_names + 1, CLIP_NAMES - 1);
-        return usage_error(app, err, "--clip %s: expected plan, across, axial, coronal, sagittal or x,y,z,nx,ny,nz%s%s%s", o->clip_text,
-                           near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+        return usage_error(app, err,
+                           "--clip %s: expected plan, across, axial, coronal, sagittal or x,y,z,nx,ny,nz%s%s%s",
+                           o->clip_text, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
     }
     if (o->turn.text && o->clip != CLIP_PLAN && o->clip != CLIP_ACROSS)
         return usage_error(app, err, "--clip-turn needs --clip plan or across");
@@ -108,7 +112,10 @@ static void plane(const appearance *a, double at[3], double normal[3])
     memcpy(at, a->subject->has_face ? a->subject->face : a->subject->middle, 3 * sizeof(double));
     const double turn = (a->turn_deg + (kind == CLIP_ACROSS ? 90 : 0)) * RADIANS, c = cos(turn), s = sin(turn);
     for (int i = 0; i < 3; i++)
-        normal[i] = kind == CLIP_AXIAL ? i == 2 : kind == CLIP_CORONAL ? i == 1 : kind == CLIP_SAGITTAL ? i == 0 : c * right[i] + s * above[i];
+        normal[i] = kind == CLIP_AXIAL      ? i == 2
+                    : kind == CLIP_CORONAL  ? i == 1
+                    : kind == CLIP_SAGITTAL ? i == 0
+                                            : c * right[i] + s * above[i];
     if (kind == CLIP_FREE) {
         memcpy(at, a->clip_at, 3 * sizeof(double));
         memcpy(normal, a->clip_normal, 3 * sizeof(double));
@@ -170,7 +177,8 @@ static ost_status set_ghost(appearance *a, ost_error *err)
     for (int i = 0; i < 3; i++)
         back[i] = -inward[i];
     ost_vector_cross(above, back, right);  /* right-handed: x, y, z */
-    const double columns[3][3] = {{right[0], right[1], right[2]}, {above[0], above[1], above[2]}, {back[0], back[1], back[2]}};
+    const double columns[3][3] = {
+        {right[0], right[1], right[2]}, {above[0], above[1], above[2]}, {back[0], back[1], back[2]}};
     ost_quaternion_of_columns(columns, q);
     const double deep = a->depth_mm - (a->ghost == GHOST_TOOL && a->tool ? tip_of(a->tool) : 0);
     for (int i = 0; i < 3; i++)
@@ -186,8 +194,9 @@ static ost_status set_ghost(appearance *a, ost_error *err)
 
 /* ------------------------------------------------------------------- begin */
 
-ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_subject *subject, double depth_mm, const ost_tool_volume *tool,
-                            const appearance_options *options, const double eye_mm[3], ost_error *err)
+ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_subject *subject, double depth_mm,
+                            const ost_tool_volume *tool, const appearance_options *options, const double eye_mm[3],
+                            ost_error *err)
 {
     *a = (appearance){
         .viewer = viewer,
@@ -225,7 +234,8 @@ void appearance_free(appearance *a)
 
 ost_legend appearance_legend_of(const appearance *a)
 {
-    return (ost_legend){a->colouring, a->viewer->reference.scale_mm, a->viewer->reference.has_face, a->clip != CLIP_NONE};
+    return (ost_legend){a->colouring, a->viewer->reference.scale_mm, a->viewer->reference.has_face,
+                        a->clip != CLIP_NONE};
 }
 
 ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented, ost_error *err)
@@ -259,8 +269,8 @@ static void turn_overlays(appearance *a, char *text)
                                      1u << OST_OVERLAY_BOXES | 1u << OST_OVERLAY_HITS,
                                      1u << OST_OVERLAY_CHUNKS,
                                      1u << OST_OVERLAY_TOOL_VOXELS | 1u << OST_OVERLAY_BONE_VOXELS};
-    static const char *const names[] = {"no lines", "the planned axis", "boxes, and the chunks that the tool meets", "chunks: active ones red",
-                                        "voxels: the tool's green, the bone's red"};
+    static const char *const names[] = {"no lines", "the planned axis", "boxes, and the chunks that the tool meets",
+                                        "chunks: active ones red", "voxels: the tool's green, the bone's red"};
     a->overlay_step = (a->overlay_step + 1) % (int)(sizeof steps / sizeof *steps);
     a->viewer->overlays = steps[a->overlay_step];
     snprintf(text, TEXT, "lines: %s", names[a->overlay_step]);
@@ -268,7 +278,8 @@ static void turn_overlays(appearance *a, char *text)
 
 static void turn_clip(appearance *a, bool shift, const double eye_mm[3], char *text)
 {
-    static const char *const names[] = {"none", "along the axis, upright", "along the axis, across", "axial", "coronal", "sagittal", "as given"};
+    static const char *const names[] = {
+        "none", "along the axis, upright", "along the axis, across", "axial", "coronal", "sagittal", "as given"};
     if (shift && a->clip != CLIP_NONE)
         a->flipped = !a->flipped;
     else {
@@ -276,7 +287,8 @@ static void turn_clip(appearance *a, bool shift, const double eye_mm[3], char *t
         a->shift_mm = a->turn_deg = 0;
         face_the_eye(a, eye_mm);
     }
-    snprintf(text, TEXT, "clip plane: %s%s", names[a->clip], a->clip == CLIP_NONE ? "" : "; page up and down move it, with shift they turn it");
+    snprintf(text, TEXT, "clip plane: %s%s", names[a->clip],
+             a->clip == CLIP_NONE ? "" : "; page up and down move it, with shift they turn it");
 }
 
 static void turn_colours(appearance *a, char *text)

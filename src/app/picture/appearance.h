@@ -16,7 +16,16 @@
 #include "render/viewer.h"
 #include "render/views.h"
 
-typedef enum clip_kind { CLIP_NONE, CLIP_PLAN, CLIP_ACROSS, CLIP_AXIAL, CLIP_CORONAL, CLIP_SAGITTAL, CLIP_NAMES, CLIP_FREE = CLIP_NAMES } clip_kind;
+typedef enum clip_kind {
+    CLIP_NONE,
+    CLIP_PLAN,
+    CLIP_ACROSS,
+    CLIP_AXIAL,
+    CLIP_CORONAL,
+    CLIP_SAGITTAL,
+    CLIP_NAMES,
+    CLIP_FREE = CLIP_NAMES
+} clip_kind;
 typedef enum ghost_kind { GHOST_NONE, GHOST_IMPLANT, GHOST_TOOL } ghost_kind;
 
 typedef struct appearance_options {
@@ -34,25 +43,46 @@ typedef struct appearance_options {
     unsigned overlay_bits;
 } appearance_options;
 
-#define APPEARANCE_OPTIONS(a)                                                                                                      \
-    {.name = "colour", .kind = OPTION_CHOICE, .out = &(a).colour, .given = &(a).colour_given, .value = "bone|class|depth|density", \
-     .help = "colour of the cut surface: as bone, by density class, by depth below the uncut surface, or by "                      \
-             "density (default: bone; of render --before: depth)"},                                                                \
-    {.name = "clip", .kind = OPTION_TEXT, .out = &(a).clip_text, .value = "plan|across|axial|coronal|sagittal|X,Y,Z,NX,NY,NZ",     \
-     .help = "cut the bone open along a plane and show the CT's densities on it: through the glenoid's centre "                    \
-             "along its axis, upright (plan) or across; axial, coronal or sagittal; or through a point, where "                    \
-             "N points to the side that is hidden"},                                                                               \
-    {.name = "clip-shift", .kind = OPTION_DECIMAL, .out = &(a).shift, .value = "MM",                                               \
-     .help = "distance by which the plane is moved away from the camera"},                                                         \
-    {.name = "clip-turn", .kind = OPTION_DECIMAL, .out = &(a).turn, .value = "DEG",                                                \
-     .help = "angle by which plan or across is rotated about the glenoid's axis"},                                                 \
-    {.name = "ghost", .kind = OPTION_CHOICE, .out = &(a).ghost, .value = "none|implant|tool",                                      \
-     .help = "draw an implant, or the tool, translucent at the planned depth"},                                                    \
-    {.name = "overlay", .kind = OPTION_LIST, .out = &(a).overlays, .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis",      \
-     .help = "draw lines: chunks, bounding boxes, the chunks hit, solid voxels of the tool, surface voxels of "                    \
-             "the bone, or the glenoid's axis; may repeat"},                                                                       \
-    {.name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend,                                                              \
-     .help = "draw no legend, scale bar or directions"}
+#define APPEARANCE_OPTIONS(a)                                                                                          \
+    {.name = "colour",                                                                                                 \
+     .kind = OPTION_CHOICE,                                                                                            \
+     .out = &(a).colour,                                                                                               \
+     .given = &(a).colour_given,                                                                                       \
+     .value = "bone|class|depth|density",                                                                              \
+     .help = "colour of the cut surface: as bone, by density class, by depth below the uncut surface, or by "          \
+             "density (default: bone; of render --before: depth)"},                                                    \
+        {.name = "clip",                                                                                               \
+         .kind = OPTION_TEXT,                                                                                          \
+         .out = &(a).clip_text,                                                                                        \
+         .value = "plan|across|axial|coronal|sagittal|X,Y,Z,NX,NY,NZ",                                                 \
+         .help = "cut the bone open along a plane and show the CT's densities on it: through the glenoid's centre "    \
+                 "along its axis, upright (plan) or across; axial, coronal or sagittal; or through a point, where "    \
+                 "N points to the side that is hidden"},                                                               \
+        {.name = "clip-shift",                                                                                         \
+         .kind = OPTION_DECIMAL,                                                                                       \
+         .out = &(a).shift,                                                                                            \
+         .value = "MM",                                                                                                \
+         .help = "distance by which the plane is moved away from the camera"},                                         \
+        {.name = "clip-turn",                                                                                          \
+         .kind = OPTION_DECIMAL,                                                                                       \
+         .out = &(a).turn,                                                                                             \
+         .value = "DEG",                                                                                               \
+         .help = "angle by which plan or across is rotated about the glenoid's axis"},                                 \
+        {.name = "ghost",                                                                                              \
+         .kind = OPTION_CHOICE,                                                                                        \
+         .out = &(a).ghost,                                                                                            \
+         .value = "none|implant|tool",                                                                                 \
+         .help = "draw an implant, or the tool, translucent at the planned depth"},                                    \
+        {.name = "overlay",                                                                                            \
+         .kind = OPTION_LIST,                                                                                          \
+         .out = &(a).overlays,                                                                                         \
+         .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis",                                                    \
+         .help = "draw lines: chunks, bounding boxes, the chunks hit, solid voxels of the tool, surface voxels of "    \
+                 "the bone, or the glenoid's axis; may repeat"},                                                       \
+    {                                                                                                                  \
+        .name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend,                                               \
+        .help = "draw no legend, scale bar or directions"                                                              \
+    }
 
 ost_status appearance_check(const app_state *app, appearance_options *options, ost_error *err);
 
@@ -73,12 +103,14 @@ typedef struct appearance {
 /* Initializes *a and applies the options to the viewer. The viewer's uncut surface, if any, must be
    set before. eye_mm is the camera's position; the part of the bone between it and a clip plane is
    hidden. */
-ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_subject *subject, double depth_mm, const ost_tool_volume *tool,
-                            const appearance_options *options, const double eye_mm[3], ost_error *err);
+ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_subject *subject, double depth_mm,
+                            const ost_tool_volume *tool, const appearance_options *options, const double eye_mm[3],
+                            ost_error *err);
 void appearance_free(appearance *a); /* a may be zeroed */
 
 ost_legend appearance_legend_of(const appearance *a);
-/* Draws the legend over the viewer's frame; with an orbit, also a scale bar and, if oriented, the patient's directions. */
+/* Draws the legend over the viewer's frame; with an orbit, also a scale bar and, if oriented,
+   the patient's directions. */
 ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented, ost_error *err);
 
 /*

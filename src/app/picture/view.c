@@ -3,8 +3,9 @@
 
 #include <string.h>
 
-ost_status view_subject(const app_state *app, const view_options *options, const target_options *target, const ost_meta *meta,
-                        const ost_geometry *geometry, const char *bone, ost_glenoid *glenoid, ost_view_subject *out, ost_error *err)
+ost_status view_subject(const app_state *app, const view_options *options, const target_options *target,
+                        const ost_meta *meta, const ost_geometry *geometry, const char *bone, ost_glenoid *glenoid,
+                        ost_view_subject *out, ost_error *err)
 {
     ost_side side = OST_SIDE_UNKNOWN;
     ost_status status = target_find(app, target, meta, bone, glenoid, err);
@@ -19,7 +20,8 @@ ost_status view_subject(const app_state *app, const view_options *options, const
         if (side == OST_SIDE_UNKNOWN && (options->view == OST_VIEW_LATERAL || options->view == OST_VIEW_MEDIAL))
             return usage_error(app, err, "%s: the side is not set: pass --side left or --side right", bone);
     }
-    *out = ost_view_subject_make(geometry, &glenoid->at, known ? glenoid->axis : NULL, known ? glenoid->left : side == OST_SIDE_LEFT);
+    *out = ost_view_subject_make(geometry, &glenoid->at, known ? glenoid->axis : NULL,
+                                 known ? glenoid->left : side == OST_SIDE_LEFT);
     if (!known && target->at_given) {
         out->middle[0] = ost_pm_to_mm(target->at.x);
         out->middle[1] = ost_pm_to_mm(target->at.y);

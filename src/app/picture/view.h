@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The options of a view of a bone, which osteon render and osteon export have in common, and the camera that follows from them. */
+/* The options of a view of a bone, which osteon render and osteon export have in common, and the
+   camera that follows from them. */
 #ifndef OST_APP_PICTURE_VIEW_H
 #define OST_APP_PICTURE_VIEW_H
 
@@ -14,8 +15,11 @@ typedef struct view_options {
     bool no_legend;
 } view_options;
 
-#define VIEW_OPTION(v, text)                                                                                                               \
-    {.name = "view", .kind = OPTION_CHOICE, .out = &(v).view, .given = &(v).view_given, .value = OST_VIEW_NAMES, .help = text}
+#define VIEW_OPTION(v, text)                                                                                           \
+    {                                                                                                                  \
+        .name = "view", .kind = OPTION_CHOICE, .out = &(v).view, .given = &(v).view_given, .value = OST_VIEW_NAMES,    \
+        .help = text                                                                                                   \
+    }
 #define VIEW_EXTENT_OPTION(v)                                                                       \
     {.name = "extent", .kind = OPTION_LENGTH, .out = &(v).extent, .value = "MM",                    \
      .help = "height of the view at its centre (default: 83 at the glenoid, else the entire bone)"}
@@ -25,8 +29,9 @@ typedef struct view_options {
  * given --at becomes the middle of the view.  Returns OST_ERR_USAGE if the view is lateral or medial
  * and the side is not known, OST_ERR_INPUT as target_find does.
  */
-ost_status view_subject(const app_state *app, const view_options *options, const target_options *target, const ost_meta *meta,
-                        const ost_geometry *geometry, const char *bone, ost_glenoid *glenoid, ost_view_subject *out, ost_error *err);
+ost_status view_subject(const app_state *app, const view_options *options, const target_options *target,
+                        const ost_meta *meta, const ost_geometry *geometry, const char *bone, ost_glenoid *glenoid,
+                        ost_view_subject *out, ost_error *err);
 /* Fits the subject to the bone's voxels, unless --at sets its middle. */
 void view_fit(const target_options *target, const ost_volume *volume, int32_t threshold, ost_view_subject *subject);
 /* Returns the orbit of the view; tool as for ost_view_orbit. */

@@ -62,7 +62,8 @@ static ost_status load_all(const app_state *app, const ream_args *args, ream_job
         if (status == OST_OK) {
             ost_dims d = ost_tool_geometry_get(j->tools[i])->dims;
             if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
-                status = ost_fail(err, OST_ERR_RANGE, "%s: %d x %d x %d voxels; reaming needs at most %d per side: use a larger --voxel",
+                status = ost_fail(err, OST_ERR_RANGE,
+                                  "%s: %d x %d x %d voxels; reaming needs at most %d per side: use a larger --voxel",
                                   args->tools.value[i], d.x, d.y, d.z, OST_TOOL_DIM_REMOVE_MAX);
         }
     }
@@ -74,8 +75,8 @@ static ost_status load_all(const app_state *app, const ream_args *args, ream_job
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
         grids[i] = ost_tool_geometry_get(j->tools[i]);
     if (status == OST_OK)
-        status = ream_path_make(app, &args->paths, &args->plan.target, &j->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &j->path,
-                                &j->gaps, err);
+        status = ream_path_make(app, &args->paths, &args->plan.target, &j->imported.meta, args->bone, grids,
+                                args->tools.count, &args->gaps, &j->path, &j->gaps, err);
     return status;
 }
 
@@ -92,21 +93,29 @@ static ost_status motor_run(const app_state *app, const ream_args *args, ream_jo
 {
     ost_motor motor = {0};
     if (args->rpm_given && !has_device_speed(&j->path))
-        return usage_error(app, err, "--rpm %lld: %s contains motor speeds; omit --rpm", (long long)args->rpm, args->paths.value[0]);
+        return usage_error(app, err, "--rpm %lld: %s contains motor speeds; omit --rpm", (long long)args->rpm,
+                           args->paths.value[0]);
     return ost_motor_path(&j->path, (int32_t)args->rpm, &motor, err);
 }
 
 /* Finds the plan, and stores a copy of the bone for the debrief if there is to be one. */
 static ost_status plan_take(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
-    ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone, args->debrief != NULL, &j->plan, &j->planned, err);
-    return status == OST_OK && args->debrief ? debrief_begin(j->bone, &j->plan, j->tools, args->tools.count, &j->debrief, err) : status;
+    ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone,
+                                          args->debrief != NULL, &j->plan, &j->planned, err);
+    return status == OST_OK && args->debrief
+               ? debrief_begin(j->bone, &j->plan, j->tools, args->tools.count, &j->debrief, err)
+               : status;
 }
 
 static ost_status check_start(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
-    start_setup setup = {.bone_name = args->bone, .bone = j->bone, .plan = j->planned ? &j->plan : NULL, .names = &args->tools,
-                         .tools = j->tools, .strict = args->strict};
+    start_setup setup = {.bone_name = args->bone,
+                         .bone = j->bone,
+                         .plan = j->planned ? &j->plan : NULL,
+                         .names = &args->tools,
+                         .tools = j->tools,
+                         .strict = args->strict};
     start_poses(&j->path, setup.first);
     return start_check(app, &setup, &j->site, err);
 }
@@ -117,7 +126,8 @@ static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
     if (status == OST_OK)
         status = ream_max_gap(app, args->max_gap, &args->gaps, err);
-    if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
+    if (status == OST_OK && args->classes_text &&
+        (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
         ost_fail_context(err, "--classes");
     if (status != OST_OK)
         return status;
@@ -126,7 +136,8 @@ static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
     if (!args->paths.count)
         return usage_error(app, err, "--path PATH is missing");
     if (args->tools.count > 1 && args->paths.count > args->tools.count)
-        return usage_error(app, err, "%d paths and %d tools; pass one tool for all paths, or one per path in the same order",
+        return usage_error(app, err,
+                           "%d paths and %d tools; pass one tool for all paths, or one per path in the same order",
                            args->paths.count, args->tools.count);
     if (args->record && (status = out_check(app, args->record, "session", err)) != OST_OK)
         return status;
@@ -140,41 +151,90 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
     ream_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1, .rpm = OST_RPM_REAMER};
     target_options *t = &args.plan.target;
     const option options[] = {
-        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE", .required = true,
+        {.name = "bone",
+         .kind = OPTION_TEXT,
+         .out = &args.bone,
+         .value = "BONE",
+         .required = true,
          .help = "a bone that osteon import wrote, a CT, or builtin:scapula"},
-        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL",
+        {.name = "tool",
+         .kind = OPTION_LIST,
+         .out = &args.tools,
+         .value = "TOOL",
          .help = "a tool grid that osteon voxelize wrote, a mesh, or builtin:reamer; may repeat"},
-        {.name = "path", .kind = OPTION_LIST, .out = &args.paths, .value = "PATH",
+        {.name = "path",
+         .kind = OPTION_LIST,
+         .out = &args.paths,
+         .value = "PATH",
          .help = "a CSV, a session, builtin:peg-hole or builtin:glenoid-ream; may repeat: the paths follow each "
                  "other, each with the tool given at the same place"},
-        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
+        {.name = "out",
+         .kind = OPTION_TEXT,
+         .out = &args.out,
+         .value = "FILE",
+         .required = true,
          .help = "the remaining bone: .nrrd, .nii, .nii.gz or .txt"},
-        {.name = "record", .kind = OPTION_TEXT, .out = &args.record, .value = "SESSION",
+        {.name = "record",
+         .kind = OPTION_TEXT,
+         .out = &args.record,
+         .value = "SESSION",
          .help = "record every tick, for osteon replay, info and export; the name ends in .session"},
-        {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
+        {.name = "debrief",
+         .kind = OPTION_TEXT,
+         .out = &args.debrief,
+         .value = "FILE.html",
          .help = "page that compares the result with the plan: angles, depths, hole, seat, pictures"},
         HEADING("glenoid and plan"),
-        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
+        {.name = "at",
+         .kind = OPTION_POINT,
+         .out = &t->at,
+         .given = &t->at_given,
+         .value = "X,Y,Z",
          .help = "centre of the glenoid's face, for the built-in paths (default: as in the bone's file)"},
-        {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
+        {.name = "axis",
+         .kind = OPTION_VECTOR,
+         .out = t->axis,
+         .given = &t->axis_given,
+         .value = "X,Y,Z",
          .help = "direction into the bone at this centre (default: as in the file)"},
-        {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
+        {.name = "side",
+         .kind = OPTION_CHOICE,
+         .out = &t->side,
+         .given = &t->side_given,
+         .value = "left|right",
          .help = "side of the body (default: as in the file, else derived from the axis)"},
         GLENOID_PLAN_OPTIONS(args.plan),
         HEADING("removal"),
-        {.name = "rpm", .kind = OPTION_INTEGER, .out = &args.rpm, .given = &args.rpm_given, .min = 0, .max = OST_RPM_MAX, .value = "N",
+        {.name = "rpm",
+         .kind = OPTION_INTEGER,
+         .out = &args.rpm,
+         .given = &args.rpm_given,
+         .min = 0,
+         .max = OST_RPM_MAX,
+         .value = "N",
          .help = "speed of the tool's motor in turns per minute, clockwise seen from behind; 0: off, and nothing "
                  "is removed (default: 200)"},
-        {.name = "rate", .kind = OPTION_DECIMAL, .out = &args.rate, .value = "HZ",
+        {.name = "rate",
+         .kind = OPTION_DECIMAL,
+         .out = &args.rate,
+         .value = "HZ",
          .help = "removals per second (default: at every tick)"},
-        {.name = "sweep", .kind = OPTION_CHOICE, .out = &args.sweep, .value = "off|on",
+        {.name = "sweep",
+         .kind = OPTION_CHOICE,
+         .out = &args.sweep,
+         .value = "off|on",
          .help = "remove along the way between two ticks too (default: on)"},
         MAX_GAP_OPTION(args.max_gap),
-        {.name = "classes", .kind = OPTION_TEXT, .out = &args.classes_text, .value = "NAME:HU,...",
+        {.name = "classes",
+         .kind = OPTION_TEXT,
+         .out = &args.classes_text,
+         .value = "NAME:HU,...",
          .help = "density classes of the counts, each from its HU upwards (default: "
                  "cartilage:120,cancellous:150,cortical:650)"},
         STRICT_OPTION(args.strict),
-        {.name = "no-failover", .kind = OPTION_FLAG, .out = &args.no_failover,
+        {.name = "no-failover",
+         .kind = OPTION_FLAG,
+         .out = &args.no_failover,
          .help = "with --backend cl: stop if the device fails (default: continue on cpu after the last complete "
                  "tick, with the same result)"},
         HEADING("reading a CT"),
@@ -221,7 +281,8 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         status = ream_run(app, &args, &j, err);
     if (status == OST_OK) {
         status = ream_take_results(&args, &j, err);
-        if (ream_may_fail_over(app, &args, &j, status) && (status = ream_fail_over(app, &j, j.path.count, err)) == OST_OK)
+        if (ream_may_fail_over(app, &args, &j, status) &&
+            (status = ream_fail_over(app, &j, j.path.count, err)) == OST_OK)
             status = ream_take_results(&args, &j, err);
     }
     if (status == OST_OK)

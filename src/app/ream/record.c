@@ -62,8 +62,11 @@ ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job
         return OST_OK;
     ost_world_totals totals;
     ost_world_totals_get(j->world, &totals);
-    const ost_session_end end = {
-        .ticks = totals.ticks, .removals = totals.removals, .removed_voxels = totals.removed_voxels, .has_root = true, .root = j->root};
+    const ost_session_end end = {.ticks = totals.ticks,
+                                 .removals = totals.removals,
+                                 .removed_voxels = totals.removed_voxels,
+                                 .has_root = true,
+                                 .root = j->root};
     ost_recorder *recorder = j->recorder;
     j->recorder = NULL;
     ost_status status = ost_recorder_close(recorder, &end, err);

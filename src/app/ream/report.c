@@ -25,7 +25,8 @@ static void put_tick_times(const app_state *app, ream_job *j)
     print_line(app, "  a tick: %.4g us median, %.4g us at 99 %%, %.4g us at most", p50, p99, max);
 }
 
-static void put_classes(const app_state *app, const ost_world_totals *totals, const ost_density_classes *classes, double voxel_mm3)
+static void put_classes(const app_state *app, const ost_world_totals *totals, const ost_density_classes *classes,
+                        double voxel_mm3)
 {
     json_t *array = json_array();
     char text[FORMAT_TEXT];
@@ -39,8 +40,9 @@ static void put_classes(const app_state *app, const ost_world_totals *totals, co
         put_integer(row, "density_sum", totals->density_by_class[c]);
         append(array, row);
         if (voxels)
-            print_line(app, "  %-12s %12s voxels %10.1f mm3, %.0f HU on average", classes->name[c], format_count(text, voxels),
-                       (double)voxels * voxel_mm3, (double)totals->density_by_class[c] / (double)voxels);
+            print_line(app, "  %-12s %12s voxels %10.1f mm3, %.0f HU on average", classes->name[c],
+                       format_count(text, voxels), (double)voxels * voxel_mm3,
+                       (double)totals->density_by_class[c] / (double)voxels);
     }
     put(app->result, "removed_by_class", array);
 }
@@ -54,7 +56,8 @@ static void warn_nothing(const app_state *app, const ream_job *j)
     hi.z += j->before.geometry.spacing.z * (j->before.geometry.dims.z - 1);
     char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT];
     warn(app, "no bone was removed: the tool %s; the bone's grid is from %s to %s, the tool halfway at %s",
-         j->met ? "entered the grid but touched no bone" : "did not reach the grid", format_point(a, lo), format_point(b, hi), format_point(c, at));
+         j->met ? "entered the grid but touched no bone" : "did not reach the grid", format_point(a, lo),
+         format_point(b, hi), format_point(c, at));
 }
 
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err)
@@ -95,12 +98,13 @@ ost_status ream_report(const app_state *app, const ream_args *args, ream_job *j,
     put_real(o, "run_ms", j->run_ms);
     if (!totals.removed_voxels)
         warn_nothing(app, j);
-    print_line(app, "%s: %s of %s bone voxels removed, %.1f mm3", args->out, format_count(a, (int64_t)totals.removed_voxels),
-               format_count(b, j->before.active_voxels), (double)totals.removed_voxels * mm3);
+    print_line(app, "%s: %s of %s bone voxels removed, %.1f mm3", args->out,
+               format_count(a, (int64_t)totals.removed_voxels), format_count(b, j->before.active_voxels),
+               (double)totals.removed_voxels * mm3);
     put_classes(app, &totals, ost_world_classes(j->world), mm3);
     start_check_report(app, &j->site, mm3);
-    print_line(app, "  %s ticks, %s removals, in %s", format_count(a, (int64_t)totals.ticks), format_count(b, (int64_t)totals.removals),
-               format_time(c, j->run_ms));
+    print_line(app, "  %s ticks, %s removals, in %s", format_count(a, (int64_t)totals.ticks),
+               format_count(b, (int64_t)totals.removals), format_time(c, j->run_ms));
     ream_print_gaps(app, &j->gaps);
     put_tick_times(app, j);
     put_digest(o, "sha256", &j->root);

@@ -81,7 +81,8 @@ static ost_status open_other(const app_state *app, const replay *here, replay *o
 }
 
 /* Replays the session on both backends from the beginning and compares the bones after so many ticks. */
-static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_difference *difference, ost_error *err)
+static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_difference *difference,
+                               ost_error *err)
 {
     replay here = {0}, other = {0};
     ost_status status = replay_open(app, model->session, model->name, &model->setup, &here, err);
@@ -100,7 +101,8 @@ static ost_status differ_after(const app_state *app, const replay *model, uint64
 
 /* Finds, by halving, the first tick after which the bones of two backends differ. Called if every
    digest was equal but the bone is not. */
-static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick, replay_difference *difference, ost_error *err)
+static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick,
+                                  replay_difference *difference, ost_error *err)
 {
     uint64_t equal = 0, unequal = here->done;
     ost_status status = differ_after(app, here, unequal, difference, err);
@@ -178,10 +180,12 @@ static ost_status print_tick(const app_state *app, replay *here, ost_error *err)
     put(app->result, "first_difference", o);
     if (difference.found)
         ost_fail(err, OST_ERR_DIFFER,
-                 "%s: differs from tick %llu on: %s removed %llu voxels there, recorded are %u; chunk %lld, voxel (%d, %d, %d) is %d with %s and %d "
+                 "%s: differs from tick %llu on: %s removed %llu voxels there, recorded are %u; chunk %lld, voxel (%d, "
+                 "%d, %d) is %d with %s and %d "
                  "with %s, which %s with the recording",
-                 here->name, (unsigned long long)t->number, name, (unsigned long long)removed, (unsigned)t->removed, (long long)difference.chunk,
-                 difference.voxel[0], difference.voxel[1], difference.voxel[2], difference.here, name, difference.there, second, recording_right ? "agrees" : "does not agree either");
+                 here->name, (unsigned long long)t->number, name, (unsigned long long)removed, (unsigned)t->removed,
+                 (long long)difference.chunk, difference.voxel[0], difference.voxel[1], difference.voxel[2],
+                 difference.here, name, difference.there, second, recording_right ? "agrees" : "does not agree either");
     else
         ost_fail(err, OST_ERR_DIFFER,
                  "%s: differs from tick %llu on: removed were %llu voxels, recorded are %u; %s and %s agree on every "
@@ -196,7 +200,8 @@ static ost_status print_end(const app_state *app, replay *here, const ending *e,
     uint64_t tick = 0;
     replay_difference difference = {0};
     ost_status status = OST_OK;
-    const bool counts = e->end.ticks != e->totals.ticks || e->end.removals != e->totals.removals || e->end.removed_voxels != e->totals.removed_voxels;
+    const bool counts = e->end.ticks != e->totals.ticks || e->end.removals != e->totals.removals ||
+                        e->end.removed_voxels != e->totals.removed_voxels;
     if (!counts)
         status = find_by_halving(app, here, &tick, &difference, err);
     if (status != OST_OK)
@@ -207,10 +212,11 @@ static ost_status print_end(const app_state *app, replay *here, const ending *e,
         put_integer(o, "tick", (int64_t)tick);
         put_difference(o, &difference);
         ost_fail(err, OST_ERR_DIFFER,
-                 "%s: every tick removed as many voxels as recorded, but not the same: from tick %llu on, chunk %lld, voxel (%d, %d, %d) is %d and "
+                 "%s: every tick removed as many voxels as recorded, but not the same: from tick %llu on, chunk %lld, "
+                 "voxel (%d, %d, %d) is %d and "
                  "should be %d",
-                 here->name, (unsigned long long)tick, (long long)difference.chunk, difference.voxel[0], difference.voxel[1], difference.voxel[2], difference.here,
-                 difference.there);
+                 here->name, (unsigned long long)tick, (long long)difference.chunk, difference.voxel[0],
+                 difference.voxel[1], difference.voxel[2], difference.here, difference.there);
     } else if (counts) {
         ost_fail(err, OST_ERR_DIFFER, "%s: every tick is as recorded, but the totals are %llu ticks and %llu voxels; "
                  "recorded are %llu and %llu", here->name, (unsigned long long)e->totals.ticks,
@@ -271,14 +277,20 @@ static ost_status report(app_state *app, const replay_args *args, replay *r, con
     print_line(app, "  grid %s", ost_digest_hex(&e->root, hex));
     if (verified_in_part(args, r, e)) {
         app->answered = true;
-        return ost_fail(err, OST_ERR_INPUT, "%s: verified only up to tick %llu of %s%llu; these are equal, the rest is not in the file: %.300s", args->session,
-                        (unsigned long long)r->done, e->found ? "" : "at least ", (unsigned long long)e->ticks, ost_session_missing(r->session, missing));
+        return ost_fail(
+            err, OST_ERR_INPUT,
+            "%s: verified only up to tick %llu of %s%llu; these are equal, the rest is not in the file: %.300s",
+            args->session, (unsigned long long)r->done, e->found ? "" : "at least ", (unsigned long long)e->ticks,
+            ost_session_missing(r->session, missing));
     }
     if (!differs) {
-        print_line(app, e->compared ? "  every tick and the bone at the end are as recorded" : "  every tick is as recorded");
+        print_line(app, e->compared ? "  every tick and the bone at the end are as recorded"
+                                    : "  every tick is as recorded");
         return OST_OK;
     }
-    ost_status status = !args->verify ? print_briefly(app, r, err) : r->differs ? print_tick(app, r, err) : print_end(app, r, e, err);
+    ost_status status = !args->verify ? print_briefly(app, r, err)
+                        : r->differs  ? print_tick(app, r, err)
+                                      : print_end(app, r, e, err);
     if (status == OST_ERR_DIFFER)
         print_line(app, "%s", err->text);
     return status;
@@ -291,8 +303,8 @@ static ost_status debrief_take(const app_state *app, const replay_args *args, re
     int tools = 0;
     if (!args->debrief)
         return OST_OK;
-    ost_status status = glenoid_plan_find(app, &args->plan, args->session, ost_session_header_of(r->session), &r->imported.meta, r->setup.bone, true, &plan,
-                                  &known, err);
+    ost_status status = glenoid_plan_find(app, &args->plan, args->session, ost_session_header_of(r->session),
+                                          &r->imported.meta, r->setup.bone, true, &plan, &known, err);
     while (tools < OPTION_LIST_MAX && r->tools[tools])
         tools++;
     return status == OST_OK ? debrief_begin(r->bone, &plan, r->tools, tools, d, err) : status;
@@ -304,8 +316,8 @@ static ost_status film_take(const app_state *app, const replay_args *args, repla
     bool known = false;
     if (!args->film.video.target && !args->film.video.pipe)
         return OST_OK;
-    ost_status status = glenoid_plan_find(app, &args->plan, args->session, ost_session_header_of(r->session), &r->imported.meta, r->setup.bone, false, &plan,
-                                          &known, err);
+    ost_status status = glenoid_plan_find(app, &args->plan, args->session, ost_session_header_of(r->session),
+                                          &r->imported.meta, r->setup.bone, false, &plan, &known, err);
     return status == OST_OK ? replay_film_begin(app, &args->film, r, known ? &plan : NULL, out, err) : status;
 }
 
@@ -353,26 +365,58 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
     target_options *t = &args.plan.target;
     const operand operands[] = {{"SESSION", &args.session, "no session given"}, {0}};
     const option options[] = {
-        {.name = "verify", .kind = OPTION_FLAG, .out = &args.verify,
+        {.name = "verify",
+         .kind = OPTION_FLAG,
+         .out = &args.verify,
          .help = "compare up to the end of the recording; if something differs, find the tick, chunk and voxel "
                  "with a second backend"},
-        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE",
+        {.name = "out",
+         .kind = OPTION_TEXT,
+         .out = &args.out,
+         .value = "FILE",
          .help = "the bone after the last tick: .nrrd, .nii, .nii.gz or .txt"},
-        {.name = "ticks", .kind = OPTION_INTEGER, .out = &args.ticks, .given = &args.ticks_given, .value = "N", .min = 1, .max = INT64_MAX,
+        {.name = "ticks",
+         .kind = OPTION_INTEGER,
+         .out = &args.ticks,
+         .given = &args.ticks_given,
+         .value = "N",
+         .min = 1,
+         .max = INT64_MAX,
          .help = "repeat only the first N ticks"},
-        {.name = "bone", .kind = OPTION_TEXT, .out = &args.bone, .value = "BONE",
+        {.name = "bone",
+         .kind = OPTION_TEXT,
+         .out = &args.bone,
+         .value = "BONE",
          .help = "where the bone is now (default: where it was recorded)"},
-        {.name = "tool", .kind = OPTION_LIST, .out = &args.tools, .value = "TOOL",
+        {.name = "tool",
+         .kind = OPTION_LIST,
+         .out = &args.tools,
+         .value = "TOOL",
          .help = "where the tools are now, in order; may repeat (default: where they were recorded)"},
-        {.name = "debrief", .kind = OPTION_TEXT, .out = &args.debrief, .value = "FILE.html",
+        {.name = "debrief",
+         .kind = OPTION_TEXT,
+         .out = &args.debrief,
+         .value = "FILE.html",
          .help = "page that compares the result with the plan: angles, depths, hole, seat, force, pictures"},
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "compress a .nrrd with gzip"},
         HEADING("glenoid and plan, for --debrief"),
-        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
+        {.name = "at",
+         .kind = OPTION_POINT,
+         .out = &t->at,
+         .given = &t->at_given,
+         .value = "X,Y,Z",
          .help = "centre of the glenoid's face (default: as in the session, else as in the bone's file)"},
-        {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
+        {.name = "axis",
+         .kind = OPTION_VECTOR,
+         .out = t->axis,
+         .given = &t->axis_given,
+         .value = "X,Y,Z",
          .help = "direction into the bone at this centre (default: likewise)"},
-        {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
+        {.name = "side",
+         .kind = OPTION_CHOICE,
+         .out = &t->side,
+         .given = &t->side_given,
+         .value = "left|right",
          .help = "side of the body (default: likewise, else derived from the axis)"},
         GLENOID_PLAN_OPTIONS(args.plan),
         HEADING("video and its appearance"),

@@ -45,7 +45,9 @@ static ost_status draw(replay_film *f, ost_error *err)
     ost_status status = ost_live_flush(f->live, err);
     if (status == OST_OK)
         status = ost_viewer_update(&f->viewer, err);
-    const ost_orbit orbit = f->options->view == OST_VIEW_TOOL ? ost_view_orbit(OST_VIEW_TOOL, &f->subject, &f->viewer.state.pose) : f->orbit;
+    const ost_orbit orbit = f->options->view == OST_VIEW_TOOL
+                                ? ost_view_orbit(OST_VIEW_TOOL, &f->subject, &f->viewer.state.pose)
+                                : f->orbit;
     if (status == OST_OK)
         status = ost_orbit_camera(&orbit, width, height, &camera, err);
     if (status == OST_OK)
@@ -73,9 +75,18 @@ static ost_status on_tick(void *user, const ost_session_tick *tick, const ost_st
     f->removed += step->report ? step->report->total_voxels : 0;
     f->missed += tick->missed;
     f->t_ns = tick->tick.t_ns;
-    ost_live_state state = {.ticks = f->ticks, .t_ns = f->t_ns, .tool = tick->tick.tool, .device = tick->tick.pose, .pose = tick->tick.pose,
-                            .removals = f->removals, .removed_voxels = f->removed, .missed = f->missed, .wake_ns = tick->wake_ns,
-                            .exec_ns = tick->exec_ns, .touching = tick->removed + tick->touched, .fault = tick->fault};
+    ost_live_state state = {.ticks = f->ticks,
+                            .t_ns = f->t_ns,
+                            .tool = tick->tick.tool,
+                            .device = tick->tick.pose,
+                            .pose = tick->tick.pose,
+                            .removals = f->removals,
+                            .removed_voxels = f->removed,
+                            .missed = f->missed,
+                            .wake_ns = tick->wake_ns,
+                            .exec_ns = tick->exec_ns,
+                            .touching = tick->removed + tick->touched,
+                            .fault = tick->fault};
     double square = 0;
     for (int a = 0; a < 3; a++) {
         state.force_n[a] = tick->force_un[a] * 1e-6;
@@ -97,11 +108,13 @@ static ost_status on_tick(void *user, const ost_session_tick *tick, const ost_st
 /* Reads the scales of the forces from the session. Without them the defaults remain. */
 static void take_forces(replay_film *f, const ost_session_header *header)
 {
-    const char *max = ost_session_header_get(header, "force.max_force"), *scale = ost_session_header_get(header, "force.scale");
+    const char *max = ost_session_header_get(header, "force.max_force"),
+               *scale = ost_session_header_get(header, "force.scale");
     ost_decimal a, b;
     int64_t n, s;
-    if (max && scale && ost_decimal_read(max, max + strlen(max), &a) && ost_decimal_read(scale, scale + strlen(scale), &b) &&
-        ost_decimal_scale(&a, 1000000, &n, NULL) && ost_decimal_scale(&b, 1000000000, &s, NULL) && n > 0 && s > 0)
+    if (max && scale && ost_decimal_read(max, max + strlen(max), &a) &&
+        ost_decimal_read(scale, scale + strlen(scale), &b) && ost_decimal_scale(&a, 1000000, &n, NULL) &&
+        ost_decimal_scale(&b, 1000000000, &s, NULL) && n > 0 && s > 0)
         sim_scene_forces(&f->scene, (double)n * 1e-6, (double)s * 1e-9);
 }
 
@@ -115,7 +128,8 @@ static ost_status make_appearance(replay_film *f, const replay *r, const ost_met
     if (status == OST_OK)
         status = bone_to_volume(r->bone, NULL, &uncut, err);
     if (status == OST_OK)
-        status = ost_viewer_set_uncut(&f->viewer, &uncut, info.threshold, ost_world_classes(r->world), plan ? &plan->at : NULL, plan ? plan->axis : NULL, err);
+        status = ost_viewer_set_uncut(&f->viewer, &uncut, info.threshold, ost_world_classes(r->world),
+                                      plan ? &plan->at : NULL, plan ? plan->axis : NULL, err);
     ost_volume_free(&uncut);
     if (status == OST_OK)
         status = ost_tool_download(r->tools[0], &f->ghost_tool, err);
@@ -125,7 +139,8 @@ static ost_status make_appearance(replay_film *f, const replay *r, const ost_met
     ost_orbit_frame(&f->orbit, right, up, eye);
     for (int a = 0; a < 3; a++)
         eye[a] = f->orbit.at[a] + f->orbit.distance * eye[a];
-    return appearance_begin(&f->look, &f->viewer, &f->subject, plan ? plan->depth_mm : PLANNED_MM, &f->ghost_tool, &f->options->look, eye, err);
+    return appearance_begin(&f->look, &f->viewer, &f->subject, plan ? plan->depth_mm : PLANNED_MM, &f->ghost_tool,
+                            &f->options->look, eye, err);
 }
 
 static ost_status add_tools(replay_film *f, const replay *r, ost_error *err)
@@ -141,8 +156,8 @@ static ost_status add_tools(replay_film *f, const replay *r, ost_error *err)
     return status;
 }
 
-ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r, const ost_metrics_plan *plan, replay_film **out,
-                             ost_error *err)
+ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r,
+                             const ost_metrics_plan *plan, replay_film **out, ost_error *err)
 {
     *out = NULL;
     if (!options->video.target && !options->video.pipe)
@@ -153,7 +168,8 @@ ost_status replay_film_begin(const app_state *app, const replay_film_options *op
     f->options = options;
     ost_status status = ost_live_create(r->bone, &f->live, err);
     if (status == OST_OK)
-        status = ost_viewer_init(&f->viewer, ost_live_geometry(f->live), options->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, (int)app->threads, err);
+        status = ost_viewer_init(&f->viewer, ost_live_geometry(f->live),
+                                 options->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, (int)app->threads, err);
     if (status == OST_OK)
         status = add_tools(f, r, err);
     const ost_geometry *g = status == OST_OK ? ost_live_geometry(f->live) : NULL;

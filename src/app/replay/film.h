@@ -35,8 +35,8 @@ typedef struct replay_film replay_film;
 ost_status replay_film_check(const app_state *app, replay_film_options *options, ost_error *err);
 /* Begins the video; the ticks that r replays are then drawn. Does nothing if no video is requested.
    plan: NULL if there is none. */
-ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r, const ost_metrics_plan *plan, replay_film **out,
-                             ost_error *err);
+ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r,
+                             const ost_metrics_plan *plan, replay_film **out, ost_error *err);
 /* Completes the video and reports it. */
 ost_status replay_film_end(const app_state *app, replay_film *f, ost_error *err);
 void replay_film_free(replay_film *f); /* f may be NULL */

@@ -20,7 +20,8 @@ static ost_status make_world(replay *r, ost_error *err)
     return status;
 }
 
-ost_status replay_open(const app_state *app, ost_session *session, const char *name, const session_setup *setup, replay *out, ost_error *err)
+ost_status replay_open(const app_state *app, ost_session *session, const char *name, const session_setup *setup,
+                       replay *out, ost_error *err)
 {
     *out = (replay){.session = session, .name = name, .setup = *setup};
     ost_status status = backend_choose(app, &out->backend, err);
@@ -54,7 +55,8 @@ bool replay_as_recorded(const replay *r, const ost_session_tick *tick)
 {
     const ost_step_result *step = &r->step;
     const uint32_t flags = (step->removal ? OST_TICK_REMOVAL : 0) | (step->boxes_meet ? OST_TICK_MET : 0);
-    return r->digest == tick->digest && step->pose_count == tick->poses && flags == (tick->flags & (OST_TICK_REMOVAL | OST_TICK_MET)) &&
+    return r->digest == tick->digest && step->pose_count == tick->poses &&
+           flags == (tick->flags & (OST_TICK_REMOVAL | OST_TICK_MET)) &&
            tick->removed == (step->report ? at_most_32(step->report->total_voxels) : 0) &&
            tick->touched == (step->report ? at_most_32(step->report->touched_voxels) : 0);
 }
@@ -93,7 +95,8 @@ ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err)
 
 /* ------------------------------------------------------------ two bones */
 
-static void compare_slice(const ost_bone_info *info, int32_t k, const int16_t *here, const int16_t *there, replay_difference *out)
+static void compare_slice(const ost_bone_info *info, int32_t k, const int16_t *here, const int16_t *there,
+                          replay_difference *out)
 {
     const ost_dims d = info->geometry.dims, chunks = info->chunk_dims;
     const int n = info->chunk_size;

@@ -36,7 +36,8 @@ typedef struct replay {
  * Opens a replay. setup comes from session_keys_read; its file names may have been replaced. app
  * chooses the backend. Returns an error if bone or tools are not those of the recording.
  */
-ost_status replay_open(const app_state *app, ost_session *session, const char *name, const session_setup *setup, replay *out, ost_error *err);
+ost_status replay_open(const app_state *app, ost_session *session, const char *name, const session_setup *setup,
+                       replay *out, ost_error *err);
 void replay_close(replay *r);
 
 /* Replays at most count ticks, starting with the first one. If compare is true, stops after the first tick

@@ -77,7 +77,8 @@ ost_status export_session(const app_state *app, const char *name, const char *ou
     put_summary(app, name, session);
     status = ost_session_write_csv(session, out, err);
     if (status == OST_OK)
-        print_line(app, "%s: a table of %s ticks", out, format_count(a, (int64_t)ost_session_summary_of(session)->ticks));
+        print_line(app, "%s: a table of %s ticks", out,
+                   format_count(a, (int64_t)ost_session_summary_of(session)->ticks));
     ost_session_close(session);
     return status;
 }

@@ -58,15 +58,17 @@ static void set_choice(writer *w, const char *key, const char *choices, int inde
     set(w, key, text);
 }
 
-static const char yes_no[] = "no|yes", units[] = "auto|mm|cm|m|inch|um", rules[] = "winding|parity", duplicates[] = "error|first|last|max",
-                  sweeps[] = "off|on", forms[] = "auto|qform|sform", resample_rules[] = "linear|nearest|thesis";
+static const char yes_no[] = "no|yes", units[] = "auto|mm|cm|m|inch|um", rules[] = "winding|parity",
+                  duplicates[] = "error|first|last|max", sweeps[] = "off|on", forms[] = "auto|qform|sform",
+                  resample_rules[] = "linear|nearest|thesis";
 
 static void set_classes(writer *w, const ost_density_classes *classes)
 {
     char text[OST_CLASS_MAX * (OST_CLASS_NAME + 8)] = "";
     size_t used = 0;
     for (int c = 0; c < classes->count; c++)
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s:%d", c ? "," : "", classes->name[c], classes->border[c]);
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s:%d", c ? "," : "", classes->name[c],
+                                 classes->border[c]);
     set(w, "config.classes", text);
 }
 
@@ -140,8 +142,8 @@ static void set_objects(writer *w, const session_setup *setup, const ost_bone *b
     set_integer(w, "config.chunk", info.chunk_size);
 }
 
-ost_status session_keys_make(const session_setup *setup, ost_backend *backend, const ost_bone *bone, ost_tool *const *tools,
-                             const char *device, ost_session_header **out, ost_error *err)
+ost_status session_keys_make(const session_setup *setup, ost_backend *backend, const ost_bone *bone,
+                             ost_tool *const *tools, const char *device, ost_session_header **out, ost_error *err)
 {
     writer w = {.err = err};
     w.status = ost_session_header_create(out, err);
@@ -217,7 +219,8 @@ static int64_t get_integer(reader *r, const char *key, int64_t lo, int64_t hi)
     int64_t number = lo;
     bool exact = false;
     const char *value = get(r, key, true), *end = value ? value + strlen(value) : NULL;
-    if (value && (ost_decimal_read(value, end, &d) != end || !ost_decimal_scale(&d, 1, &number, &exact) || !exact || number < lo || number > hi)) {
+    if (value && (ost_decimal_read(value, end, &d) != end || !ost_decimal_scale(&d, 1, &number, &exact) || !exact ||
+                  number < lo || number > hi)) {
         wrong(r, key, value);
         return lo;
     }
@@ -277,7 +280,8 @@ ost_status session_keys_read(const char *session, const ost_session_header *head
     char key[OST_SESSION_KEY];
     *out = (session_setup){.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
     if (get_integer(&r, "arithmetic", 0, INT32_MAX) != OST_ARITHMETIC_VERSION && r.status == OST_OK)
-        return ost_fail(err, OST_ERR_INPUT, "%s: was recorded with version %s of the arithmetic; this osteon has version %d", session,
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: was recorded with version %s of the arithmetic; this osteon has version %d", session,
                         ost_session_header_get(header, "arithmetic"), OST_ARITHMETIC_VERSION);
     out->bone = get(&r, "bone", true);
     for (int i = 0; i < OPTION_LIST_MAX; i++) {
@@ -303,7 +307,8 @@ ost_status session_keys_read(const char *session, const ost_session_header *head
     out->ct.spacing = get_mm3(&r, "load.spacing");
     out->ct.cubic = get_mm(&r, "load.cubic", false);
     out->ct.crop = get(&r, "load.crop", false);
-    out->ct.resample = ost_session_header_get(header, "load.resample") ? get_choice(&r, "load.resample", resample_rules) : -1;
+    out->ct.resample = ost_session_header_get(header, "load.resample") ? get_choice(&r, "load.resample", resample_rules)
+                                                                       : -1;
     out->ct.duplicates = get_choice(&r, "load.duplicates", duplicates);
     out->ct.clamp = get_choice(&r, "load.clamp", yes_no) == 1;
     out->ct.resample_oblique = get_choice(&r, "load.resample_oblique", yes_no) == 1;
@@ -313,21 +318,22 @@ ost_status session_keys_read(const char *session, const ost_session_header *head
 }
 
 /* what: "bone" or "tool 1". */
-static ost_status check_digest(const char *session, const ost_session_header *header, const char *key, const char *what, const char *name,
-                               const ost_digest *digest, ost_error *err)
+static ost_status check_digest(const char *session, const ost_session_header *header, const char *key, const char *what,
+                               const char *name, const ost_digest *digest, ost_error *err)
 {
     char hex[OST_DIGEST_HEX];
     const char *recorded = ost_session_header_get(header, key);
     if (!recorded)
         return ost_fail(err, OST_ERR_INPUT, "%s: its header has no '%s'", session, key);
     if (strcmp(recorded, ost_digest_hex(digest, hex)) != 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %s is not the %s of this session: its grid is %.12s..., recorded was %.12s...", session, name,
-                        what, hex, recorded);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: %s is not the %s of this session: its grid is %.12s..., recorded was %.12s...", session,
+                        name, what, hex, recorded);
     return OST_OK;
 }
 
-ost_status session_keys_check(const char *session, const ost_session_header *header, const session_setup *setup, const ost_bone *bone,
-                              ost_tool *const *tools, ost_error *err)
+ost_status session_keys_check(const char *session, const ost_session_header *header, const session_setup *setup,
+                              const ost_bone *bone, ost_tool *const *tools, ost_error *err)
 {
     ost_digest digest;
     char key[OST_SESSION_KEY], what[20];

@@ -14,7 +14,8 @@ typedef struct session_key {
  * that ends with a NULL key. Call it immediately before the first tick: if an earlier step fails,
  * an existing session of that name remains unchanged. more and options may be NULL.
  */
-ost_status session_record(const char *name, const session_setup *setup, ost_backend *backend, const ost_bone *bone, ost_tool *const *tools,
-                          const char *device, const session_key *more, const ost_recorder_options *options, ost_recorder **out, ost_error *err);
+ost_status session_record(const char *name, const session_setup *setup, ost_backend *backend, const ost_bone *bone,
+                          ost_tool *const *tools, const char *device, const session_key *more,
+                          const ost_recorder_options *options, ost_recorder **out, ost_error *err);
 
 #endif

@@ -34,7 +34,8 @@ ost_status sim_appearance_make(const sim_args *args, simulation *s, const ost_gl
         return status;
     ost_viewer_set_contact(&show->viewer, args->contact || !args->headless);
     sim_appearance_eye(show, eye);
-    return appearance_begin(&show->look, &show->viewer, &show->subject, s->planned ? s->plan.depth_mm : PLANNED_MM, &show->ghost_tool, &args->look, eye, err);
+    return appearance_begin(&show->look, &show->viewer, &show->subject, s->planned ? s->plan.depth_mm : PLANNED_MM,
+                            &show->ghost_tool, &args->look, eye, err);
 }
 
 void sim_appearance_free(sim_show *show)

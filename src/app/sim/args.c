@@ -17,20 +17,24 @@ static ost_status check_motor(const app_state *app, sim_args *args, ost_error *e
 {
     ost_haptic_info info;
     if (args->period_ns > OST_MOTOR_TURN / 4 / (args->rpm ? args->rpm : 1) && args->rpm && !args->sweep_off)
-        return usage_error(app, err, "--rate %s: at %lld turns a minute the motor turns by more than 90 degrees between two removals; at least %.3g Hz",
+        return usage_error(app, err,
+                           "--rate %s: at %lld turns a minute the motor turns by more than 90 degrees between two "
+                           "removals; at least %.3g Hz",
                            args->rate.text, (long long)args->rpm, (double)args->rpm / 15);
     if (!sim_device_info(args, &info))
         return OST_OK; /* reported when the device is opened */
     ost_status status = ost_buttons_parse(&info, args->buttons_text, args->buttons, err);
     for (int i = 0; i < OST_BUTTONS_MAX; i++)
-        args->motor_waits = args->motor_waits || args->buttons[i] == OST_ACTION_MOTOR || args->buttons[i] == OST_ACTION_SWITCH;
+        args->motor_waits = args->motor_waits || args->buttons[i] == OST_ACTION_MOTOR ||
+                            args->buttons[i] == OST_ACTION_SWITCH;
     if (status == OST_ERR_USAGE)
         ost_fail_context(err, "--buttons");
     return status;
 }
 
 /* Converts seconds to ticks of a millisecond. */
-static ost_status ticks_of(const app_state *app, const char *name, const option_decimal *seconds, uint64_t *ticks, ost_error *err)
+static ost_status ticks_of(const app_state *app, const char *name, const option_decimal *seconds, uint64_t *ticks,
+                           ost_error *err)
 {
     int64_t ms;
     if (!ost_decimal_scale(&seconds->value, 1000, &ms, NULL) || ms < 0 || ms > INT64_C(86400000))
@@ -42,14 +46,16 @@ static ost_status ticks_of(const app_state *app, const char *name, const option_
 static ost_status check_show(const app_state *app, sim_args *args, ost_error *err)
 {
     ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
-    if (status == OST_OK && (args->picture || args->video.target || args->video.pipe || !args->headless) && !args->renderer_given)
+    if (status == OST_OK && (args->picture || args->video.target || args->video.pipe || !args->headless) &&
+        !args->renderer_given)
         args->renderer = SIM_RENDERER_POINTS;
     if (status == OST_OK && !args->headless && args->renderer < SIM_RENDERER_POINTS)
         return usage_error(app, err, "--renderer %s: a window needs points, gl or thesis; otherwise pass --headless",
                            sim_renderer_names[args->renderer]);
     if (status == OST_OK && !args->headless && args->no_clock)
         return usage_error(app, err, "--no-clock: a window needs the clock; pass --headless");
-    if (status == OST_OK && (args->hud || args->video.target || args->video.pipe) && args->renderer < SIM_RENDERER_POINTS)
+    if (status == OST_OK && (args->hud || args->video.target || args->video.pipe) &&
+        args->renderer < SIM_RENDERER_POINTS)
         return usage_error(app, err, "%s: needs --renderer points, gl or thesis", args->hud ? "--hud" : "--video");
     if (status == OST_OK)
         status = film_check(app, &args->video, err);
@@ -67,7 +73,8 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
         args->device = args->headless ? "sim" : "mouse";
     if (args->print_force)
         return sim_force_params(app, args, err);
-    if (status == OST_OK && args->classes_text && (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
+    if (status == OST_OK && args->classes_text &&
+        (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
         ost_fail_context(err, "--classes");
     args->ticks = args->headless ? 10000 : 0;
     if (status == OST_OK && args->seconds.text)
@@ -90,14 +97,16 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     /* The defaults are set here, so that a session records values that a replay can read. */
     args->tools_given = args->tools.count > 0;
     if (!args->tools.count && !args->resume)
-        args->tools = args->motor_waits ? (option_list){3, {"builtin:peg", "builtin:reamer", "builtin:burr"}} : (option_list){1, {"builtin:reamer"}};
+        args->tools = args->motor_waits ? (option_list){3, {"builtin:peg", "builtin:reamer", "builtin:burr"}}
+                                        : (option_list){1, {"builtin:reamer"}};
     args->paths_given = args->paths.count > 0;
     /* With force feedback the simulated operator may press on the bone; without it the tool would
        move straight in. */
     const bool pressing = sim_device_is(args, "sim") && !(args->force_given && !args->force);
     if (!args->paths.count)
         args->paths = (option_list){1, {pressing ? "builtin:glenoid-press" : "builtin:glenoid-slow"}};
-    args->plan.target.press_ticks = args->ticks && args->ticks < PRESS_TICKS_MAX ? (size_t)args->ticks : PRESS_TICKS_MAX;
+    args->plan.target.press_ticks = args->ticks && args->ticks < PRESS_TICKS_MAX ? (size_t)args->ticks
+                                                                                 : PRESS_TICKS_MAX;
     if (!args->resume && args->tools.count > 1 && args->paths.count > args->tools.count)
         return usage_error(app, err,
                            "%d paths and %d tools; pass one tool for all paths, or one per path in the same order",

@@ -6,8 +6,8 @@
 
 static const double DEG = 57.29577951308232;
 
-ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone, const ost_metrics_plan *plan,
-                          ost_error *err)
+ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone,
+                          const ost_metrics_plan *plan, ost_error *err)
 {
     const double mm = 1e-9 * (double)bone->spacing.x;
     *scene = (sim_scene){.tools = *names, .voxel_mm3 = mm * mm * mm, .planned = plan != NULL};

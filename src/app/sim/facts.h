@@ -26,8 +26,8 @@ typedef struct sim_scene {
 } sim_scene;
 
 /* tools: one for each name; plan: NULL if there is none. */
-ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone, const ost_metrics_plan *plan,
-                          ost_error *err);
+ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone,
+                          const ost_metrics_plan *plan, ost_error *err);
 /* Sets the scales of the forces: max_n is the device's maximum, and the hand force is scale times
    the contact force. */
 void sim_scene_forces(sim_scene *scene, double max_n, double scale);

@@ -63,7 +63,8 @@ void sim_force_print(const app_state *app, const sim_args *args)
         const double value = ost_force_key_value(i, &args->force_params, &args->safety);
         print_line(app, "%s", "");
         print_line(app, "# %s", key->about);
-        print_line(app, "%s: %s   # %s, %g to %g", key->name, ost_force_value_text(value, text), key->unit, key->lo, key->hi);
+        print_line(app, "%s: %s   # %s, %g to %g", key->name, ost_force_value_text(value, text), key->unit, key->lo,
+                   key->hi);
         put_real(o, key->name, value);
     }
     put(app->result, "force_params", o);

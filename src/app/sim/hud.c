@@ -9,7 +9,16 @@
 #include "app/common/print.h"
 #include "render/marks.h"
 
-enum { WHITE = 0xf4f1ee, PALE = 0xb9b2aa, GREEN = 0x8fce7a, AMBER = 0x4fb4f2, RED = 0x5a5af0, PANEL = 0x0e0c0a, BACK = 0x1c1816, BAR = 0x4a423a };
+enum {
+    WHITE = 0xf4f1ee,
+    PALE = 0xb9b2aa,
+    GREEN = 0x8fce7a,
+    AMBER = 0x4fb4f2,
+    RED = 0x5a5af0,
+    PANEL = 0x0e0c0a,
+    BACK = 0x1c1816,
+    BAR = 0x4a423a
+};
 enum { SHADE = 150, LINE = 220 };
 enum { ROWS = 9, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
 /* height of capitals in units; limits of a unit in pixels at 96 dpi */
@@ -94,7 +103,10 @@ static void add_angle(table *t, const char *name, double degrees, const char *mo
 {
     char text[ROW_TEXT];
     const double size = fabs(degrees);
-    snprintf(text, sizeof text, "%.1f\xc2\xb0%s%s", size, size < 0.05 ? "" : " ", size < 0.05 ? "" : degrees > 0 ? more : less);
+    snprintf(text, sizeof text, "%.1f\xc2\xb0%s%s", size, size < 0.05 ? "" : " ",
+             size < 0.05   ? ""
+             : degrees > 0 ? more
+                           : less);
     add(t, name, size < 3 ? GREEN : size < 8 ? AMBER : RED, text);
 }
 
@@ -123,7 +135,13 @@ static table device_table(const sim_hud_facts *f)
 {
     table t = {0};
     char text[ROW_TEXT];
-    add(&t, "tool", f->fault ? RED : f->touching ? AMBER : GREEN, f->fault ? f->fault : f->touching ? "in the bone" : "free");
+    add(&t, "tool",
+        f->fault      ? RED
+        : f->touching ? AMBER
+                      : GREEN,
+        f->fault      ? f->fault
+        : f->touching ? "in the bone"
+                      : "free");
     if (f->force_given) {
         add_force(&t, "contact force", f->contact_n, f->contact_full_n);
         add_force(&t, "hand force", f->force_n, f->force_full_n);
@@ -159,7 +177,8 @@ static table rates_table(const sim_hud_facts *f)
         snprintf(text, sizeof text, "%.0f a second, %.1f ms", f->frames_s, f->frame_ms);
         add(&t, "frames", WHITE, text);
     }
-    snprintf(text, sizeof text, "%d:%02d%s", (int)(f->seconds / 60), (int)f->seconds % 60, f->recording ? ", recorded" : "");
+    snprintf(text, sizeof text, "%d:%02d%s", (int)(f->seconds / 60), (int)f->seconds % 60,
+             f->recording ? ", recorded" : "");
     add(&t, "operation", f->recording ? GREEN : PALE, text);
     if (f->filming) {
         snprintf(text, sizeof text, "%s left out", format_count(count, (int64_t)f->dropped));
@@ -183,7 +202,8 @@ static sim_hud_box table_box(const sim_hud *h, const table *t, int least, bool t
 {
     int width = px(h, least);
     for (int i = 0; i < t->rows; i++) {
-        const int w = ost_lettering_width(h->plain, t->row[i].name) + px(h, GAP) + ost_lettering_width(h->plain, t->row[i].value);
+        const int w = ost_lettering_width(h->plain, t->row[i].name) + px(h, GAP) +
+                      ost_lettering_width(h->plain, t->row[i].value);
         width = w > width ? w : width;
     }
     return (sim_hud_box){0, 0, width + px(h, 2 * INSIDE), px(h, (title ? 26 : 0) + STEP * t->rows + 12 + bar_units(t))};
@@ -194,7 +214,8 @@ static void draw_table(const sim_hud *h, const ost_sheet *s, const sim_hud_box *
     const int x = box->x + px(h, INSIDE), width = box->width - 2 * px(h, INSIDE);
     for (int i = 0; i < t->rows; i++, y += px(h, STEP)) {
         ost_lettering_draw(h->plain, s, x, y, t->row[i].name, PALE);
-        ost_lettering_draw(h->plain, s, x + width - ost_lettering_width(h->plain, t->row[i].value), y, t->row[i].value, t->row[i].colour);
+        ost_lettering_draw(h->plain, s, x + width - ost_lettering_width(h->plain, t->row[i].value), y, t->row[i].value,
+                           t->row[i].colour);
         const double share = t->row[i].share;
         if (share < 0)
             continue;
@@ -288,13 +309,15 @@ static const char *foot_text(const sim_hud_facts *f)
 
 static bool apart(const sim_hud_box *a, const sim_hud_box *b)
 {
-    return !a->width || !b->width || a->x >= b->x + b->width || b->x >= a->x + a->width || a->y >= b->y + b->height || b->y >= a->y + a->height;
+    return !a->width || !b->width || a->x >= b->x + b->width || b->x >= a->x + a->width || a->y >= b->y + b->height ||
+           b->y >= a->y + a->height;
 }
 
 /* Returns box if it is within the frame and overlaps none of those placed before, else an empty box. */
 static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_box *const *before, int count)
 {
-    bool available = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height;
+    bool available = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width &&
+                     box.y + box.height <= height;
     for (int i = 0; i < count && available; i++)
         available = apart(&box, before[i]);
     return available ? box : (sim_hud_box){0};
@@ -303,7 +326,8 @@ static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_
 sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const sim_hud_facts *f)
 {
     sim_hud_layout l = {0};
-    const sim_hud_box *all[] = {&l.help, &l.device, &l.scale, &l.foot, &l.legend, &l.rates, &l.edge[0], &l.edge[1], &l.edge[2]};
+    const sim_hud_box *all[] = {&l.help,  &l.device,  &l.scale,   &l.foot,   &l.legend,
+                                &l.rates, &l.edge[0], &l.edge[1], &l.edge[2]};
     const table device = device_table(f), rates = rates_table(f);
     const int margin = px(h, MARGIN);
     if (f->help) {
@@ -323,7 +347,8 @@ sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const si
             widest = w > widest ? w : widest;
         }
         const int t = px(h, 10 + 20 * lines.lines);
-        l.foot = placed((sim_hud_box){margin, height - margin - t, widest + px(h, 2 * INSIDE), t}, width, height, all, 3);
+        l.foot = placed((sim_hud_box){margin, height - margin - t, widest + px(h, 2 * INSIDE), t}, width, height, all,
+                        3);
     }
     ost_legend_size(&f->legend, h->unit, &box.width, &box.height);
     box.x = margin;
@@ -349,7 +374,13 @@ sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const si
         if (!letters[0])
             continue;
         const int w = ost_lettering_width(h->plain, letters) + px(h, 8), t = px(h, PLAIN + 10);
-        box = (sim_hud_box){e == 0 ? margin : e == 1 ? width - margin - w : (width - w) / 2, e == 2 ? margin : e == 3 ? height - margin - t : (height - t) / 2, w, t};
+        box = (sim_hud_box){e == 0   ? margin
+                            : e == 1 ? width - margin - w
+                                     : (width - w) / 2,
+                            e == 2   ? margin
+                            : e == 3 ? height - margin - t
+                                     : (height - t) / 2,
+                            w, t};
         l.edge[e] = placed(box, width, height, all, 6 + e);
     }
     return l;
@@ -362,10 +393,12 @@ void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_fact
         const table t = device_table(facts);
         char text[FORMAT_TEXT];
         ost_sheet_box(sheet, l.device.x, l.device.y, l.device.width, l.device.height, PANEL, SHADE);
-        ost_lettering_draw(hud->large, sheet, l.device.x + px(hud, INSIDE), l.device.y + px(hud, 26), facts->tool, WHITE);
+        ost_lettering_draw(hud->large, sheet, l.device.x + px(hud, INSIDE), l.device.y + px(hud, 26), facts->tool,
+                           WHITE);
         if (facts->tools > 1) {
             snprintf(text, sizeof text, "%d of %d", facts->number, facts->tools);
-            ost_lettering_draw(hud->plain, sheet, l.device.x + l.device.width - px(hud, INSIDE) - ost_lettering_width(hud->plain, text),
+            ost_lettering_draw(hud->plain, sheet,
+                               l.device.x + l.device.width - px(hud, INSIDE) - ost_lettering_width(hud->plain, text),
                                l.device.y + px(hud, 26), text, PALE);
         }
         draw_table(hud, sheet, &l.device, &t, l.device.y + px(hud, 26 + STEP + 3));
@@ -378,21 +411,23 @@ void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_fact
     if (l.legend.width)
         ost_legend_draw(&facts->legend, hud->plain, sheet, l.legend.x, l.legend.y + l.legend.height, hud->unit);
     if (l.scale.width)
-        ost_scale_bar(hud->plain, sheet, l.scale.x + l.scale.width - px(hud, 4), l.scale.y + l.scale.height - px(hud, 4), false,
-                      px(hud, 150), facts->mm_per_pixel, hud->unit, PALE);
+        ost_scale_bar(hud->plain, sheet, l.scale.x + l.scale.width - px(hud, 4),
+                      l.scale.y + l.scale.height - px(hud, 4), false, px(hud, 150), facts->mm_per_pixel, hud->unit,
+                      PALE);
     for (int e = 0; e < 4; e++)
         if (l.edge[e].width) {
             char letters[4];
             ost_edge_letters(facts->right, facts->up, e, letters);
             ost_sheet_box(sheet, l.edge[e].x, l.edge[e].y, l.edge[e].width, l.edge[e].height, PANEL, SHADE);
-            ost_lettering_draw(hud->plain, sheet, l.edge[e].x + px(hud, 5), l.edge[e].y + l.edge[e].height - px(hud, 5), letters, PALE);
+            ost_lettering_draw(hud->plain, sheet, l.edge[e].x + px(hud, 5), l.edge[e].y + l.edge[e].height - px(hud, 5),
+                               letters, PALE);
         }
     if (l.foot.width) {
         const foot lines = foot_of(hud, foot_text(facts), l.foot.width - px(hud, 2 * INSIDE));
         ost_sheet_box(sheet, l.foot.x, l.foot.y, l.foot.width, l.foot.height, PANEL, SHADE);
         for (int i = 0; i < lines.lines; i++)
-            ost_lettering_draw(hud->plain, sheet, l.foot.x + px(hud, INSIDE), l.foot.y + px(hud, 20 * (i + 1)), lines.line[i],
-                               facts->message ? WHITE : PALE);
+            ost_lettering_draw(hud->plain, sheet, l.foot.x + px(hud, INSIDE), l.foot.y + px(hud, 20 * (i + 1)),
+                               lines.line[i], facts->message ? WHITE : PALE);
     }
     if (l.help.width)
         draw_help(hud, sheet, &l.help);

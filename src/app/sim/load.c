@@ -33,18 +33,25 @@ void simulation_free(simulation *s)
 }
 
 /* Finds the plan and the target of built-in paths; a resumed session contains them. */
-static ost_status take_plan(const app_state *app, const sim_args *args, simulation *s, target_options *target, ost_error *err)
+static ost_status take_plan(const app_state *app, const sim_args *args, simulation *s, target_options *target,
+                            ost_error *err)
 {
     const ost_session_header *header = s->resumed ? ost_session_header_of(s->resumed) : NULL;
-    ost_status status = glenoid_plan_find(app, &args->plan, args->resume, header, &s->imported.meta, args->bone, args->debrief != NULL, &s->plan,
-                                          &s->planned, err);
+    ost_status status = glenoid_plan_find(app, &args->plan, args->resume, header, &s->imported.meta, args->bone,
+                                          args->debrief != NULL, &s->plan, &s->planned, err);
     *target = args->plan.target;
     if (status == OST_OK && s->resumed && s->planned) {
-        *target = (target_options){.at = s->plan.at, .at_given = true, .axis_given = true, .side = s->plan.left ? 0 : 1, .side_given = true,
-                                    .press_ticks = args->plan.target.press_ticks};
+        *target = (target_options){.at = s->plan.at,
+                                   .at_given = true,
+                                   .axis_given = true,
+                                   .side = s->plan.left ? 0 : 1,
+                                   .side_given = true,
+                                   .press_ticks = args->plan.target.press_ticks};
         memcpy(target->axis, s->plan.axis, sizeof target->axis);
     }
-    return status == OST_OK && args->debrief ? debrief_begin(s->bone, &s->plan, s->tools, args->tools.count, &s->debrief, err) : status;
+    return status == OST_OK && args->debrief
+               ? debrief_begin(s->bone, &s->plan, s->tools, args->tools.count, &s->debrief, err)
+               : status;
 }
 
 /* Moves a pose back along the tool's axis, at least CLEAR_MM, until none of the tools touches bone there. */
@@ -95,14 +102,15 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
     if (status == OST_OK)
         status = take_plan(app, args, s, &target, err);
     if (status == OST_OK && !sim_device_is(args, "replay"))
-        status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count, &args->gaps, &s->path,
-                                &s->gaps, err);
+        status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count,
+                                &args->gaps, &s->path, &s->gaps, err);
     if (status == OST_ERR_USAGE && !sim_follows_path(args) && !args->paths_given) {
         /* The bone has no glenoid. A device that follows no path needs only an initial pose. */
         status = OST_OK;
         *err = (ost_error){0};
     }
-    const ost_world_options options = {.sweep_off = args->sweep_off, .removal_period_ns = args->period_ns, .classes = args->classes};
+    const ost_world_options options = {
+        .sweep_off = args->sweep_off, .removal_period_ns = args->period_ns, .classes = args->classes};
     if (status == OST_OK)
         status = ost_world_create(s->bone, &options, &s->world, err);
     for (int i = 0; i < args->tools.count && status == OST_OK; i++)
@@ -110,7 +118,8 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
     if (status != OST_OK)
         return status;
     const ost_pose first = s->path.count ? s->path.ticks[0].pose : over_the_bone(s->bone);
-    const ost_pose start = s->home = sim_follows_path(args) || args->paths_given ? first : back_from_the_bone(args, s, &first);
+    const ost_pose start = s->home = sim_follows_path(args) || args->paths_given ? first
+                                                                                 : back_from_the_bone(args, s, &first);
     if (s->window && sim_device_is(args, "mouse") && (status = sim_window_mouse_create(s, &start, err)) != OST_OK)
         return status;
     const ost_haptic_setup setup = {
@@ -125,8 +134,12 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
 
 ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
-    start_setup site = {.bone_name = args->bone, .bone = s->bone, .plan = s->planned ? &s->plan : NULL, .names = &args->tools,
-                        .tools = s->tools, .strict = args->strict};
+    start_setup site = {.bone_name = args->bone,
+                        .bone = s->bone,
+                        .plan = s->planned ? &s->plan : NULL,
+                        .names = &args->tools,
+                        .tools = s->tools,
+                        .strict = args->strict};
     /* A resumed session was checked when it began. */
     if (s->resumed)
         return OST_OK;
@@ -157,5 +170,6 @@ ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err)
     sim_force_texts texts;
     sim_force_session(args, &texts, more + 2);
     const ost_recorder_options options = {.capacity = SIM_RECORDER_CAPACITY};
-    return session_record(args->record, &setup, s->backend, s->bone, s->tools, args->device, more, &options, &s->recorder, err);
+    return session_record(args->record, &setup, s->backend, s->bone, s->tools, args->device, more, &options,
+                          &s->recorder, err);
 }

@@ -6,8 +6,8 @@
 /* A working disk is written to every 25 ms; two seconds without progress are more than a short delay. */
 enum { STUCK_MS = 2000 };
 
-const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state, uint64_t capacity, double now_ms,
-                                  char text[RECORDER_WATCH_TEXT])
+const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state,
+                                  uint64_t capacity, double now_ms, char text[RECORDER_WATCH_TEXT])
 {
     const uint64_t waiting = state->put - state->written;
     const double left_s = (double)(capacity > waiting ? capacity - waiting : 0) * 1e-3;
@@ -20,27 +20,32 @@ const char *recorder_watch_update(recorder_watch *watch, const char *name, const
     if (losing) {
         watch->losing = true;
         watch->reported_lost = state->lost;
-        snprintf(text, RECORDER_WATCH_TEXT, "%s: there is no room left: what happens from here on is not recorded; the operation goes on", name);
+        snprintf(text, RECORDER_WATCH_TEXT,
+                 "%s: there is no room left: what happens from here on is not recorded; the operation goes on", name);
         return text;
     }
     if (state->failing && !watch->failing) {
         watch->failing = true;
-        snprintf(text, RECORDER_WATCH_TEXT, "%s: %s; the operation goes on, and the recording waits: there is room for %.0f s", name, state->reason,
-                 left_s);
+        snprintf(text, RECORDER_WATCH_TEXT,
+                 "%s: %s; the operation goes on, and the recording waits: there is room for %.0f s", name,
+                 state->reason, left_s);
         return text;
     }
     if (stuck && !watch->stuck) {
         watch->stuck = true;
         snprintf(text, RECORDER_WATCH_TEXT,
-                 "%s: nothing could be written for 2 s: the disk is slow, or the recorder was stopped; the operation goes on, and there is room for %.0f s",
+                 "%s: nothing could be written for 2 s: the disk is slow, or the recorder was stopped; the operation "
+                 "goes on, and there is room for %.0f s",
                  name, left_s);
         return text;
     }
     /* Recovery is reported only after the recorder has written again. */
-    if ((watch->failing || watch->stuck || watch->losing) && !state->failing && !stuck && state->lost == watch->reported_lost && waiting < capacity / 2) {
+    if ((watch->failing || watch->stuck || watch->losing) && !state->failing && !stuck &&
+        state->lost == watch->reported_lost && waiting < capacity / 2) {
         watch->failing = watch->stuck = watch->losing = false;
         if (state->lost)
-            snprintf(text, RECORDER_WATCH_TEXT, "%s: recording goes on; %llu ticks were lost", name, (unsigned long long)state->lost);
+            snprintf(text, RECORDER_WATCH_TEXT, "%s: recording goes on; %llu ticks were lost", name,
+                     (unsigned long long)state->lost);
         else
             snprintf(text, RECORDER_WATCH_TEXT, "%s: recording goes on; nothing was lost", name);
         return text;

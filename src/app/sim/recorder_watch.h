@@ -20,7 +20,7 @@ typedef struct recorder_watch {
 enum { RECORDER_WATCH_TEXT = 320 };
 /* Checks the state of the recorder of the file name, whose ring holds `capacity` records. Returns
    text with a message, or NULL if there is no new one. */
-const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state, uint64_t capacity, double now_ms,
-                                  char text[RECORDER_WATCH_TEXT]);
+const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state,
+                                  uint64_t capacity, double now_ms, char text[RECORDER_WATCH_TEXT]);
 
 #endif

@@ -10,9 +10,12 @@
 
 static void put_times(const app_state *app, bool stats, const char *key, const char *what, const ost_times *times)
 {
-    const double p50 = ost_times_share_us(times, 0.5), p99 = ost_times_share_us(times, 0.99), p999 = ost_times_share_us(times, 0.999);
+    const double p50 = ost_times_share_us(times, 0.5), p99 = ost_times_share_us(times, 0.99),
+                 p999 = ost_times_share_us(times, 0.999);
     const double max = (double)times->max_ns * 1e-3;
-    put(app->result, key, json_pack("{s:f,s:f,s:f,s:f,s:I}", "p50", p50, "p99", p99, "p99_9", p999, "max", max, "count", (json_int_t)times->count));
+    put(app->result, key,
+        json_pack("{s:f,s:f,s:f,s:f,s:I}", "p50", p50, "p99", p99, "p99_9", p999, "max", max, "count",
+                  (json_int_t)times->count));
     if (stats && times->count)
         print_line(app, "  %-30s %8.0f %8.0f %8.0f %10.0f us", what, p50, p99, p999, max);
 }
@@ -45,7 +48,8 @@ static void report_counts(const app_state *app, bool stats, const simulation *s)
             *p = ' ';
         const size_t used = strlen(text);
         if (counts[i].value)
-            snprintf(text + used, sizeof text - used, "%s%s %s", used ? ", " : "", name, format_count(number, (int64_t)counts[i].value));
+            snprintf(text + used, sizeof text - used, "%s%s %s", used ? ", " : "", name,
+                     format_count(number, (int64_t)counts[i].value));
     }
     put(app->result, "device_counts", o);
     if (stats)
@@ -64,8 +68,8 @@ static void report_times(const app_state *app, const sim_args *args, const simul
     put_times(app, stats, "completion_us", "end of a tick, from its due time", &r->completion);
     if (!stats || args->no_clock)
         return;
-    print_line(app, "  scheduling: %s; memory: %s; servo loop: %s%s", r->realtime.scheduling, r->realtime.memory, r->realtime.core,
-               s->core >= 0 ? ", other threads on the other cores" : " core");
+    print_line(app, "  scheduling: %s; memory: %s; servo loop: %s%s", r->realtime.scheduling, r->realtime.memory,
+               r->realtime.core, s->core >= 0 ? ", other threads on the other cores" : " core");
     if (r->lead_ns)
         print_line(app, "  each tick is rehearsed %lld us before it is due", (long long)r->lead_ns / 1000);
     if (r->stolen_ms > 0)
@@ -94,8 +98,9 @@ static void report_force(const app_state *app, const sim_args *args, const simul
     put_integer(o, "damped_ticks", (int64_t)s->done.damped_ticks);
     if (!args->stats)
         return;
-    print_line(app, "  hand force: %.2f N at most; contact force: %.0f N at most; %.1f J of cutting in %.1f s of contact", s->done.peak_n,
-               s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
+    print_line(app,
+               "  hand force: %.2f N at most; contact force: %.0f N at most; %.1f J of cutting in %.1f s of contact",
+               s->done.peak_n, s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
     print_line(app, "  limit of the hand force: %g N (%s)", args->safety.max_n, from);
 }
 
@@ -107,9 +112,10 @@ static void report_tracking(const app_state *app, const simulation *s)
     put_real(o, "dropout_s", (double)s->done.dropout_ticks * 1e-3);
     put_real(o, "longest_dropout_s", (double)s->done.longest_dropout * 1e-3);
     if (s->done.dropouts)
-        print_line(app, "  the device lost tracking %llu time%s, %.3f s in all, at most %.3f s; the tool remained in place",
-                   (unsigned long long)s->done.dropouts, s->done.dropouts == 1 ? "" : "s", (double)s->done.dropout_ticks * 1e-3,
-                   (double)s->done.longest_dropout * 1e-3);
+        print_line(app,
+                   "  the device lost tracking %llu time%s, %.3f s in all, at most %.3f s; the tool remained in place",
+                   (unsigned long long)s->done.dropouts, s->done.dropouts == 1 ? "" : "s",
+                   (double)s->done.dropout_ticks * 1e-3, (double)s->done.longest_dropout * 1e-3);
 }
 
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s)
@@ -121,7 +127,8 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     if (s->resumed) {
         put_text(o, "resumed", args->resume);
         put_integer(o, "ticks_before", (int64_t)s->before);
-        print_line(app, "%s: %s recorded ticks were executed again before this operation", args->resume, format_count(a, (int64_t)s->before));
+        print_line(app, "%s: %s recorded ticks were executed again before this operation", args->resume,
+                   format_count(a, (int64_t)s->before));
     }
     put_text(o, "end", end_text(r->end));
     put_integer(o, "ticks", (int64_t)r->ticks);
@@ -140,8 +147,9 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_text(o, "core", r->realtime.core);
     print_line(app, "%s ticks; %s", format_count(a, (int64_t)r->ticks), end_text(r->end));
     if (!args->no_clock && r->missed)
-        print_line(app, "  deadlines missed: %s of %s: %llu woken late, %llu preempted, %llu by the work of a tick", format_count(a, (int64_t)r->missed),
-                   format_count(b, (int64_t)r->ticks), (unsigned long long)r->missed_woken_late, (unsigned long long)r->missed_taken,
+        print_line(app, "  deadlines missed: %s of %s: %llu woken late, %llu preempted, %llu by the work of a tick",
+                   format_count(a, (int64_t)r->missed), format_count(b, (int64_t)r->ticks),
+                   (unsigned long long)r->missed_woken_late, (unsigned long long)r->missed_taken,
                    (unsigned long long)r->missed_by_work);
     else if (!args->no_clock)
         print_line(app, "  deadlines missed: 0 of %s", format_count(a, (int64_t)r->ticks));
@@ -160,9 +168,10 @@ ost_status sim_device_end(app_state *app, const sim_args *args, const simulation
     if (s->loop->end != OST_SERVO_DEVICE_LOST && s->loop->end != OST_SERVO_WATCHDOG)
         return OST_OK;
     app->answered = true;
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "device %s: %s after %s ticks, before the end of the operation%s%s%s", ost_haptic_name(s->device),
-                    end_text(s->loop->end), format_count(a, (int64_t)s->loop->ticks), args->record ? "; the ticks before are in " : "",
-                    args->record ? args->record : "", args->record ? ", which --resume continues" : "");
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "device %s: %s after %s ticks, before the end of the operation%s%s%s",
+                    ost_haptic_name(s->device), end_text(s->loop->end), format_count(a, (int64_t)s->loop->ticks),
+                    args->record ? "; the ticks before are in " : "", args->record ? args->record : "",
+                    args->record ? ", which --resume continues" : "");
 }
 
 /* Makes the debrief. Motion and forces are read from the recording, which is complete by now. */
@@ -208,8 +217,11 @@ ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s,
         }
     }
     if (status == OST_OK && s->recorder) {
-        const ost_session_end end = {
-            .ticks = totals.ticks, .removals = totals.removals, .removed_voxels = totals.removed_voxels, .has_root = true, .root = root};
+        const ost_session_end end = {.ticks = totals.ticks,
+                                     .removals = totals.removals,
+                                     .removed_voxels = totals.removed_voxels,
+                                     .has_root = true,
+                                     .root = root};
         ost_recorder *recorder = s->recorder;
         s->recorder = NULL;
         status = ost_recorder_close(recorder, &end, err);

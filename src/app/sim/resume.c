@@ -12,7 +12,8 @@ ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, 
     session_setup setup;
     char missing[OST_SESSION_MISSING];
     struct stat a, b;
-    if (args->record && stat(args->record, &a) == 0 && stat(args->resume, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
+    if (args->record && stat(args->record, &a) == 0 && stat(args->resume, &b) == 0 && a.st_dev == b.st_dev &&
+        a.st_ino == b.st_ino)
         return usage_error(app, err,
                            "--record %s: is the session to resume; pass another file, which will hold both parts",
                            args->record);
@@ -41,7 +42,8 @@ ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err)
 {
     const session_setup names = {.bone = args->bone, .tools = args->tools};
     const uint64_t count = ost_session_summary_of(s->resumed)->complete_ticks;
-    ost_status status = session_keys_check(args->resume, ost_session_header_of(s->resumed), &names, s->bone, s->tools, err);
+    ost_status status = session_keys_check(args->resume, ost_session_header_of(s->resumed), &names, s->bone, s->tools,
+                                           err);
     while (status == OST_OK && s->before < count) {
         ost_record record;
         ost_step_result step;

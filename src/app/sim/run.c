@@ -35,7 +35,8 @@ static int64_t lead_ns(const sim_args *args, const simulation *s)
 }
 
 /* Runs the servo loop, with a thread that reports progress. A signal requests the end of the loop. */
-static ost_status run_loop(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s, ost_error *err)
+static ost_status run_loop(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s,
+                           ost_error *err)
 {
     sim_watch *watch;
     const double seconds = args->no_clock || !how->ticks ? 0 : (double)how->ticks * 1e-3;
@@ -93,13 +94,15 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
         .rehearse = ost_operation_rehearse,
     };
     if (!app->json && !app->quiet && !args->no_clock && args->ticks)
-        print_line(app, "device %s moves %s in %s for %.4g s", args->device, args->tools.value[0], args->bone, (double)args->ticks * 1e-3);
+        print_line(app, "device %s moves %s in %s for %.4g s", args->device, args->tools.value[0], args->bone,
+                   (double)args->ticks * 1e-3);
     char about[OST_HAPTIC_TEXT];
     if (!app->quiet && ost_haptic_about(s->device, about)[0])
         print_line_to(stderr, "osteon sim: device %s %s", ost_haptic_name(s->device), about);
     status = run_loop(app, args, &how, s, err);
     ost_operation_report_get(s->operation, &s->done);
     if (status == OST_OK && s->done.status != OST_OK)
-        status = ost_fail(err, s->done.status, "tick %llu: %.500s", (unsigned long long)s->loop->ticks, s->done.error.text);
+        status = ost_fail(err, s->done.status, "tick %llu: %.500s", (unsigned long long)s->loop->ticks,
+                          s->done.error.text);
     return status == OST_OK ? ost_backend_finish(s->backend, err) : status;
 }

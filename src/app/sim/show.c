@@ -59,9 +59,11 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     if (status != OST_OK)
         return status;
     const ost_geometry *g = ost_live_geometry(show->live);
-    status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(), err);
+    status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(),
+                             err);
     if (status == OST_OK && args->renderer >= SIM_RENDERER_GL)
-        status = ost_viewer_use_gl(&show->viewer, args->renderer == SIM_RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis, err);
+        status = ost_viewer_use_gl(&show->viewer, args->renderer == SIM_RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis,
+                                   err);
     if (status == OST_OK)
         status = add_tools(show, s, err);
     if (status != OST_OK)
@@ -235,7 +237,8 @@ static void print_gl(const app_state *app, const sim_show *show, json_t *row)
         put_text(row, "opengl", info.version);
         put_text(row, "driver", info.driver);
         if (show->args->stats)
-            print_line(app, "  renderer: OpenGL %s, %s%s", info.version, info.driver, info.software ? " (software; --renderer points is faster)" : "");
+            print_line(app, "  renderer: OpenGL %s, %s%s", info.version, info.driver,
+                       info.software ? " (software; --renderer points is faster)" : "");
     } else if (*show->viewer.lost) {
         put_text(row, "lost", show->viewer.lost);
         print_line(app, "  renderer: OpenGL failed, so the processor drew the remaining frames: %s", show->viewer.lost);
@@ -261,7 +264,9 @@ void sim_show_report(const app_state *app, const sim_show *show)
     put(app->result, "renderer", o);
     print_gl(app, show, o);
     if (apart->count && show->args->stats)
-        print_line(app, "  frames: %s; rate %.0f per second at the median, %.0f in the worst hundredth; %.1f ms per frame, %.1f ms at 99 %%",
+        print_line(app,
+                   "  frames: %s; rate %.0f per second at the median, %.0f in the worst hundredth; %.1f ms per frame, "
+                   "%.1f ms at 99 %%",
                    format_count(a, (int64_t)drawn->count), 1000 / p50, 1000 / worst, work50, work99);
     if (show->args->picture)
         print_line(app, "  last frame: %s", show->args->picture);

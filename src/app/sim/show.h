@@ -16,7 +16,13 @@
 #include "render/viewer.h"
 #include "render/views.h"
 
-typedef enum sim_renderer { SIM_RENDERER_NONE, SIM_RENDERER_NULL, SIM_RENDERER_POINTS, SIM_RENDERER_GL, SIM_RENDERER_THESIS } sim_renderer;
+typedef enum sim_renderer {
+    SIM_RENDERER_NONE,
+    SIM_RENDERER_NULL,
+    SIM_RENDERER_POINTS,
+    SIM_RENDERER_GL,
+    SIM_RENDERER_THESIS
+} sim_renderer;
 extern const char *const sim_renderer_names[]; /* "none", "null", "points", "gl", "thesis" */
 
 typedef struct sim_show {

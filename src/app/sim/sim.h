@@ -53,7 +53,8 @@ typedef struct sim_args {
     bool max_force_given, max_torque_given; /* by the file of --force-params */
     const char *max_force_from; /* "force-params", "device" or "default" */
     ost_haptic_limits limits;   /* set if max_force_from is "device" */
-    bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given, tools_given;
+    bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given,
+        tools_given;
 } sim_args;
 
 /* Names by args.force: "off", "energy", "instant". */

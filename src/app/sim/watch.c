@@ -54,8 +54,8 @@ static void *work(void *user)
     return NULL;
 }
 
-ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity, double seconds, sim_watch **out,
-                           ost_error *err)
+ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity,
+                           double seconds, sim_watch **out, ost_error *err)
 {
     sim_watch *w = calloc(1, sizeof *w);
     *out = NULL;

@@ -9,8 +9,8 @@ typedef struct sim_watch sim_watch;
 
 /* recorder may be NULL; capacity: of its ring, in records. name, app and recorder must outlive the
    watch. seconds: the expected duration, 0 if it is unknown. */
-ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity, double seconds, sim_watch **out,
-                           ost_error *err);
+ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity,
+                           double seconds, sim_watch **out, ost_error *err);
 /* Waits for the thread; watch may be NULL. */
 void sim_watch_end(sim_watch *watch);
 

@@ -28,7 +28,8 @@
 
 enum { ASTRAY_MAX = 100, MESSAGE = 200, DISTANCE_KEY_MM_S = 12 };
 static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TWIST_KEY = 1.2;
-static const double FACTS_S = 0.1, HIDDEN_S = 0.1; /* interval at which numbers change; interval at which a hidden window is polled */
+/* interval at which numbers change; interval at which a hidden window is polled */
+static const double FACTS_S = 0.1, HIDDEN_S = 0.1;
 
 typedef struct rates {
     double since; /* s */
@@ -117,7 +118,9 @@ static ost_status draw_loading(sim_window *w, ost_error *err)
     char text[MESSAGE];
     snprintf(text, sizeof text, "%.100s: a moment", w->args->bone);
     sim_hud_draw_message(w->hud, &sheet, text);
-    status = ost_window_present(w->window, &(ost_window_picture){.pixels = w->blank, .stride = width, .width = width, .height = height}, false, err);
+    status = ost_window_present(
+        w->window, &(ost_window_picture){.pixels = w->blank, .stride = width, .width = width, .height = height}, false,
+        err);
     ost_window_poll(w->window, 0);
     free(w->blank);
     w->blank = NULL;
@@ -294,11 +297,13 @@ static void take_events(sim_window *w, int height)
 static void hold_keys(sim_window *w, double dt)
 {
     const bool *k = w->key_down;
-    sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN], k[OST_KEY_PLUS] - k[OST_KEY_MINUS],
-                    w->mods & OST_WINDOW_SHIFT, dt);
+    sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN],
+                    k[OST_KEY_PLUS] - k[OST_KEY_MINUS], w->mods & OST_WINDOW_SHIFT, dt);
     /* Keys act like a device's buttons. For the mouse the window handles the hand itself. */
-    ost_operation_keys(w->s->operation, w->mouse ? 0 : (uint32_t)k[' '] << OST_ACTION_MOTOR | (uint32_t)k[OST_KEY_TAB] << OST_ACTION_TOOL |
-                                                          (uint32_t)k[OST_KEY_HOME] << OST_ACTION_HOME);
+    ost_operation_keys(w->s->operation, w->mouse ? 0
+                                                 : (uint32_t)k[' '] << OST_ACTION_MOTOR |
+                                                       (uint32_t)k[OST_KEY_TAB] << OST_ACTION_TOOL |
+                                                       (uint32_t)k[OST_KEY_HOME] << OST_ACTION_HOME);
     if (!w->mouse)
         return;
     if (!(w->mods & OST_WINDOW_CONTROL))
@@ -377,15 +382,21 @@ static void take_facts(sim_window *w, int height, double now)
 
 static bool same_sight(const sight *a, const sight *b)
 {
-    return memcmp(&a->pose, &b->pose, sizeof a->pose) == 0 && memcmp(&a->orbit, &b->orbit, sizeof a->orbit) == 0 && a->changed == b->changed &&
-           a->tool == b->tool && a->style == b->style && a->width == b->width && a->height == b->height;
+    return memcmp(&a->pose, &b->pose, sizeof a->pose) == 0 && memcmp(&a->orbit, &b->orbit, sizeof a->orbit) == 0 &&
+           a->changed == b->changed && a->tool == b->tool && a->style == b->style && a->width == b->width &&
+           a->height == b->height;
 }
 
 static sight sight_of(const sim_window *w, int width, int height)
 {
     const ost_viewer *v = &w->s->show->viewer;
-    return (sight){.pose = v->state.pose, .orbit = w->camera.orbit, .changed = v->changed, .tool = v->has_state ? v->state.tool : -1, .style = v->style,
-                   .width = width, .height = height};
+    return (sight){.pose = v->state.pose,
+                   .orbit = w->camera.orbit,
+                   .changed = v->changed,
+                   .tool = v->has_state ? v->state.tool : -1,
+                   .style = v->style,
+                   .width = width,
+                   .height = height};
 }
 
 /* Returns the cells in which the frame may differ from the previous one; NULL if all may. */
@@ -409,7 +420,8 @@ static const ost_cells *changed_of(sim_window *w)
 /* Presents a frame. follows: the frame drawn before this one was presented. */
 static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, ost_error *err)
 {
-    ost_window_picture picture = {.pixels = sheet->pixels, .stride = sheet->stride, .width = sheet->width, .height = sheet->height};
+    ost_window_picture picture = {
+        .pixels = sheet->pixels, .stride = sheet->stride, .width = sheet->width, .height = sheet->height};
     const ost_cells *changed = follows ? changed_of(w) : NULL;
     if (changed) {
         picture.changed = changed->bit;
@@ -448,7 +460,8 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
         show_message(w, message);
     take_facts(w, height, now);
     const sight seen = sight_of(w, width, height);
-    if (w->args->fps > 0 && !w->outdated && !w->shoot && !ost_window_damaged(w->window) && same_sight(&seen, &w->seen)) {
+    if (w->args->fps > 0 && !w->outdated && !w->shoot && !ost_window_damaged(w->window) &&
+        same_sight(&seen, &w->seen)) {
         show->last_ns = 0;
         return OST_OK;
     }
@@ -542,7 +555,8 @@ ost_status sim_window_run(simulation *s, const ost_servo_options *how, ost_servo
     sim_window *w = s->window;
     server v = {.s = s, .how = how, .tick = tick};
     pthread_t thread;
-    w->camera = sim_camera_at((ost_view_name)w->args->view, &s->show->subject, 1e-9 * (double)ost_live_geometry(s->show->live)->spacing.x);
+    w->camera = sim_camera_at((ost_view_name)w->args->view, &s->show->subject,
+                              1e-9 * (double)ost_live_geometry(s->show->live)->spacing.x);
     const int error = ost_thread_begin(&thread, run_servo, &v);
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for the loop: %s", strerror(error));

@@ -55,22 +55,25 @@ static void print_margins(const app_state *app, const margins *m)
             continue;
         if (x->decided)
             snprintf(most, sizeof most, "%.7f of a %s", (double)x->max / MARGIN_ONE, margin_unit((trace_stage)i));
-        print_line(app, "  %-8s %9llu   %9llu   %10llu   %11llu   %10llu   %s", trace_stage_name((trace_stage)i), (unsigned long long)x->voxels,
-                   (unsigned long long)x->inherited, (unsigned long long)x->below_threshold, (unsigned long long)(x->unexplained + x->unmeasured),
+        print_line(app, "  %-8s %9llu   %9llu   %10llu   %11llu   %10llu   %s", trace_stage_name((trace_stage)i),
+                   (unsigned long long)x->voxels, (unsigned long long)x->inherited,
+                   (unsigned long long)x->below_threshold, (unsigned long long)(x->unexplained + x->unmeasured),
                    (unsigned long long)x->decided, most);
     }
     for (int i = 0; i < TRACE_STAGES; i++) {
         const margin_stage *x = &m->of[i];
         if (!x->decided)
             continue;
-        print_line(app, "  margins of stage %s, in parts of a %s", trace_stage_name((trace_stage)i), margin_unit((trace_stage)i));
+        print_line(app, "  margins of stage %s, in parts of a %s", trace_stage_name((trace_stage)i),
+                   margin_unit((trace_stage)i));
         for (int b = 0; b < MARGIN_BINS; b++)
             if (x->bins[b] && b == 0)
                 print_line(app, "    on the border  %10llu", (unsigned long long)x->bins[b]);
             else if (x->bins[b] && b == MARGIN_BINS - 1)
                 print_line(app, "    a voxel, more  %10llu", (unsigned long long)x->bins[b]);
             else if (x->bins[b])
-                print_line(app, "    below %8.6f %10llu", (double)(1 << b) / MARGIN_ONE, (unsigned long long)x->bins[b]);
+                print_line(app, "    below %8.6f %10llu", (double)(1 << b) / MARGIN_ONE,
+                           (unsigned long long)x->bins[b]);
     }
 }
 
@@ -107,8 +110,12 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
             append(cases, o);
         }
         compared += of_this;
-        print_line(app, "%s: %s, %d of %d case%s equal%s", equal == of_this && of_this ? "EQUAL" : of_this ? "NOT EQUAL" : "NOT COMPARED", c->subjects->subjects[s].spec, equal, of_this,
-                   of_this == 1 ? "" : "s", apart ? ", every stage and tick apart" : "");
+        print_line(app, "%s: %s, %d of %d case%s equal%s",
+                   equal == of_this && of_this ? "EQUAL"
+                   : of_this                   ? "NOT EQUAL"
+                                               : "NOT COMPARED",
+                   c->subjects->subjects[s].spec, equal, of_this, of_this == 1 ? "" : "s",
+                   apart ? ", every stage and tick apart" : "");
         for (int i = 0; i < c->plan->count; i++)
             print_case(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
         margins_add(&total, &all);
@@ -135,14 +142,16 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
     if (!compared)
         return ost_fail(err, OST_ERR_INPUT, "no grid of these cases found; see docs/dumps.md for their names");
     if (!campaign_equal(c))
-        return ost_fail(err, OST_ERR_DIFFER, "%d of %d results differ from the reference's, %d failed", c->counts[CASE_DIFFERS], compared,
+        return ost_fail(err, OST_ERR_DIFFER, "%d of %d results differ from the reference's, %d failed",
+                        c->counts[CASE_DIFFERS], compared,
                         c->counts[CASE_FAILED] + c->counts[CASE_CRASHED] + c->counts[CASE_LATE]);
     return OST_OK;
 }
 
 /* Finds the subject to compare: a folder is a dump, whose head holds the tier and seed of its
    campaign; any other name is a backend. */
-static ost_status find_subject(const app_state *app, compare_args *args, char spec[SUBJECT_SPEC], char only[PLAN_ID], ost_error *err)
+static ost_status find_subject(const app_state *app, compare_args *args, char spec[SUBJECT_SPEC], char only[PLAN_ID],
+                               ost_error *err)
 {
     struct stat info;
     dump_head head;
@@ -173,19 +182,41 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     compare_args args = {.seed = 1, .limit_s = 3600, .own = USER_FILES_DEFAULT};
     const operand names[] = {{"DUMPS", &args.subject_spec, "no dumps or backend given"}, {NULL, NULL, NULL}};
     const option options[] = {
-        {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE",
+        {.name = "only",
+         .kind = OPTION_TEXT,
+         .out = &args.only,
+         .value = "CASE",
          .help = "compare the cases whose name starts with CASE, such as import, static/2 or operation"},
-        {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart,
+        {.name = "apart",
+         .kind = OPTION_FLAG,
+         .out = &args.apart,
          .help = "give every stage and tick the reference's input, so that a difference does not affect later "
                  "stages; not for dumps"},
-        {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .given = &args.tier_given, .value = "smoke|standard|full",
+        {.name = "tier",
+         .kind = OPTION_CHOICE,
+         .out = &args.tier,
+         .given = &args.tier_given,
+         .value = "smoke|standard|full",
          .help = "tier of the cases (default: smoke; a dump states its own)"},
-        {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .given = &args.seed_given, .value = "N", .min = 1, .max = INT64_MAX,
+        {.name = "seed",
+         .kind = OPTION_INTEGER,
+         .out = &args.seed,
+         .given = &args.seed_given,
+         .value = "N",
+         .min = 1,
+         .max = INT64_MAX,
          .help = "seed of the cases (default: 1; a dump states its own)"},
-        {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
+        {.name = "limit",
+         .kind = OPTION_INTEGER,
+         .out = &args.limit_s,
+         .value = "S",
+         .min = 1,
+         .max = 1000000,
          .help = "seconds after which a backend is stopped (default: 3600)"},
         HEADING("your own files"),
-        USER_FILES(args.own, "a CT of your own, for case user/1 as in osteon validate; may repeat", "a mesh of your own, or builtin:reamer; may repeat", "a CSV, builtin:peg-hole or builtin:glenoid-ream; may repeat"),
+        USER_FILES(args.own, "a CT of your own, for case user/1 as in osteon validate; may repeat",
+                   "a mesh of your own, or builtin:reamer; may repeat",
+                   "a CSV, builtin:peg-hole or builtin:glenoid-ream; may repeat"),
         HEADING("reading your own files"),
         USER_FILES_HOW(args.own),
         {.name = NULL}};
@@ -212,7 +243,8 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     plan p = {.count = 0};
     subject_list subjects = {.count = 0};
     campaign run = {.plan = NULL};
-    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = find_subject(app, &args, spec, only, err)) != OST_OK)
+    if (!options_parse(app, &usage, argc, argv, &status, err) ||
+        (status = find_subject(app, &args, spec, only, err)) != OST_OK)
         return status;
     const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
     if (n < 0)
@@ -229,7 +261,8 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK && subjects.count > 1 && !subjects.subjects[1].available)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "%s", subjects.subjects[1].reason);
     if (status == OST_OK) {
-        const campaign_options how = {.program = program, .limit_s = (double)args.limit_s, .apart = args.apart, .show = show};
+        const campaign_options how = {
+            .program = program, .limit_s = (double)args.limit_s, .apart = args.apart, .show = show};
         progress_begin(app);
         status = campaign_run(&p, &subjects, &how, &run, err);
         progress_clear();

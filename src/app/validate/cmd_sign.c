@@ -77,7 +77,8 @@ ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = sign_bundle(folder, key, by, meaning, name, err);
     if (status == OST_OK) {
-        print_line(app, "%s/%s: signs the verdict %s", folder, name, json_string_value(json_object_get(summary, "verdict")));
+        print_line(app, "%s/%s: signs the verdict %s", folder, name,
+                   json_string_value(json_object_get(summary, "verdict")));
         put_text(app->result, "bundle", folder);
         put_text(app->result, "signature", name);
         put_text(app->result, "verdict", json_string_value(json_object_get(summary, "verdict")));

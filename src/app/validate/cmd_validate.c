@@ -71,73 +71,166 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     enum { LIMIT_OWN = 36000 }; /* the duration of the user's own cases is unknown */
     validate_args args = {.seed = 1, .suite_limit_s = 1800, .own = USER_FILES_DEFAULT};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "BUNDLE",
+        {.name = "out",
+         .kind = OPTION_TEXT,
+         .out = &args.out,
+         .value = "BUNDLE",
          .help = "folder for the evidence; must not exist"},
-        {.name = "tier", .kind = OPTION_CHOICE, .out = &args.tier, .value = "smoke|standard|full",
+        {.name = "tier",
+         .kind = OPTION_CHOICE,
+         .out = &args.tier,
+         .value = "smoke|standard|full",
          .help = "number of cases: smoke takes under a minute, standard about 10 minutes, full hours (default: "
                  "smoke)"},
-        {.name = "backends", .kind = OPTION_TEXT, .out = &args.backends, .value = "A;B",
+        {.name = "backends",
+         .kind = OPTION_TEXT,
+         .out = &args.backends,
+         .value = "A;B",
          .help = "backends to compare with the reference (default: all that are available, and dense, a second "
                  "implementation of all steps)"},
-        {.name = "cpu-only", .kind = OPTION_FLAG, .out = &args.cpu_only,
+        {.name = "cpu-only",
+         .kind = OPTION_FLAG,
+         .out = &args.cpu_only,
          .help = "compare the CPU's variants only; a missing OpenCL device is then no failure"},
-        {.name = "seed", .kind = OPTION_INTEGER, .out = &args.seed, .value = "N", .min = 1, .max = INT64_MAX,
+        {.name = "seed",
+         .kind = OPTION_INTEGER,
+         .out = &args.seed,
+         .value = "N",
+         .min = 1,
+         .max = INT64_MAX,
          .help = "seed of the generated cases (default: 1)"},
-        {.name = "only", .kind = OPTION_TEXT, .out = &args.only, .value = "CASE",
+        {.name = "only",
+         .kind = OPTION_TEXT,
+         .out = &args.only,
+         .value = "CASE",
          .help = "run the cases whose name starts with CASE, such as mesh or session/1"},
-        {.name = "apart", .kind = OPTION_FLAG, .out = &args.apart,
+        {.name = "apart",
+         .kind = OPTION_FLAG,
+         .out = &args.apart,
          .help = "give every stage and tick the reference's input, so that each is compared on its own; writes no "
                  "bundle"},
-        {.name = "limit", .kind = OPTION_INTEGER, .out = &args.limit_s, .value = "S", .min = 1, .max = 1000000,
+        {.name = "limit",
+         .kind = OPTION_INTEGER,
+         .out = &args.limit_s,
+         .value = "S",
+         .min = 1,
+         .max = 1000000,
          .help = "seconds after which a backend is stopped (default: 120, 1800 or 36000, by tier)"},
-        {.name = "jobs", .kind = OPTION_INTEGER, .out = &args.jobs, .value = "N", .min = 1, .max = WORKERS_MAX,
+        {.name = "jobs",
+         .kind = OPTION_INTEGER,
+         .out = &args.jobs,
+         .value = "N",
+         .min = 1,
+         .max = WORKERS_MAX,
          .help = "number of backends that run at the same time (default: number of cores)"},
         HEADING("your own files"),
-        USER_FILES(args.own, "a CT of your own, for a case with all tools and paths given; may repeat", "a mesh of your own, or builtin:reamer; may repeat", "a CSV, builtin:peg-hole or builtin:glenoid-ream; may repeat"),
+        USER_FILES(args.own, "a CT of your own, for a case with all tools and paths given; may repeat",
+                   "a mesh of your own, or builtin:reamer; may repeat",
+                   "a CSV, builtin:peg-hole or builtin:glenoid-ream; may repeat"),
         HEADING("reading your own files"),
         USER_FILES_HOW(args.own),
         HEADING("evidence"),
-        {.name = "sign", .kind = OPTION_TEXT, .out = &args.sign, .value = "KEY",
+        {.name = "sign",
+         .kind = OPTION_TEXT,
+         .out = &args.sign,
+         .value = "KEY",
          .help = "sign the bundle with this private key (PEM), as osteon sign does"},
-        {.name = "passphrase-file", .kind = OPTION_TEXT, .out = &args.passphrase, .value = "FILE",
+        {.name = "passphrase-file",
+         .kind = OPTION_TEXT,
+         .out = &args.passphrase,
+         .value = "FILE",
          .help = "file whose first line is the passphrase of --sign's key"},
-        {.name = "against", .kind = OPTION_TEXT, .out = &args.against, .value = "BUNDLE",
+        {.name = "against",
+         .kind = OPTION_TEXT,
+         .out = &args.against,
+         .value = "BUNDLE",
          .help = "with --out: report what changed since this older bundle, and why"},
-        {.name = "with-suite", .kind = OPTION_TEXT, .out = &args.suite, .value = "FOLDER",
+        {.name = "with-suite",
+         .kind = OPTION_TEXT,
+         .out = &args.suite,
+         .value = "FOLDER",
          .help = "with --out: run the tests that the requirements name in the folder where osteon was built (after "
                  "make check), and store their results in the bundle; a failed test gives exit status 1"},
-        {.name = "suite-limit", .kind = OPTION_INTEGER, .out = &args.suite_limit_s, .value = "S", .min = 1, .max = 1000000,
+        {.name = "suite-limit",
+         .kind = OPTION_INTEGER,
+         .out = &args.suite_limit_s,
+         .value = "S",
+         .min = 1,
+         .max = 1000000,
          .help = "seconds after which a test of --with-suite is stopped (default: 1800)"},
         HEADING("sensitivity proof alone"),
-        {.name = "faults-only", .kind = OPTION_FLAG, .out = &args.faults_only,
+        {.name = "faults-only",
+         .kind = OPTION_FLAG,
+         .out = &args.faults_only,
          .help = "run the sensitivity proof only: deliberate mistakes in the second implementation, none in a "
                  "backend"},
-        {.name = "faults", .kind = OPTION_INTEGER, .out = &args.faults, .value = "N", .min = 1, .max = 100000000,
+        {.name = "faults",
+         .kind = OPTION_INTEGER,
+         .out = &args.faults,
+         .value = "N",
+         .min = 1,
+         .max = 100000000,
          .help = "number of mistakes, with --faults-only (default: the tier's)"},
         HEADING("several machines"),
-        {.name = "shard", .kind = OPTION_TEXT, .out = &args.shard, .value = "I/N",
+        {.name = "shard",
+         .kind = OPTION_TEXT,
+         .out = &args.shard,
+         .value = "I/N",
          .help = "run every N-th case only, starting with the I-th"},
-        {.name = "merge", .kind = OPTION_TEXT, .out = &args.merge, .value = "FOLDER",
+        {.name = "merge",
+         .kind = OPTION_TEXT,
+         .out = &args.merge,
+         .value = "FOLDER",
          .help = "merge the shards' bundles in FOLDER into --out; runs nothing"},
         HEADING("other programs"),
-        {.name = "export-cases", .kind = OPTION_TEXT, .out = &args.export_to, .value = "FOLDER",
+        {.name = "export-cases",
+         .kind = OPTION_TEXT,
+         .out = &args.export_to,
+         .value = "FOLDER",
          .help = "write the inputs of the cases as files, for another program; runs nothing"},
-        {.name = "case", .kind = OPTION_TEXT, .out = &args.case_file, .value = "FILE",
+        {.name = "case",
+         .kind = OPTION_TEXT,
+         .out = &args.case_file,
+         .value = "FILE",
          .help = "run the cases of this file only, in the format of a bundle's cases/"},
         HEADING("single backend (osteon validate starts such processes)"),
-        {.name = "worker", .kind = OPTION_TEXT, .out = &args.worker, .value = "BACKEND",
+        {.name = "worker",
+         .kind = OPTION_TEXT,
+         .out = &args.worker,
+         .value = "BACKEND",
          .help = "run the cases on this backend only, write --trace and compare nothing"},
-        {.name = "trace", .kind = OPTION_TEXT, .out = &args.trace, .value = "FILE",
+        {.name = "trace",
+         .kind = OPTION_TEXT,
+         .out = &args.trace,
+         .value = "FILE",
          .help = "file for the results of --worker"},
-        {.name = "given", .kind = OPTION_TEXT, .out = &args.given, .value = "FILE",
+        {.name = "given",
+         .kind = OPTION_TEXT,
+         .out = &args.given,
+         .value = "FILE",
          .help = "the reference's trace, from which every stage of --worker takes its input"},
-        {.name = "dump", .kind = OPTION_TEXT, .out = &args.dump, .value = "FOLDER",
+        {.name = "dump",
+         .kind = OPTION_TEXT,
+         .out = &args.dump,
+         .value = "FOLDER",
          .help = "write the results of --worker as a dump for osteon compare; --trace is not needed"},
-        {.name = "user", .kind = OPTION_FLAG, .out = &args.from_parent,
+        {.name = "user",
+         .kind = OPTION_FLAG,
+         .out = &args.from_parent,
          .help = "--worker receives the cases of --ct, --tool and --path from its parent process"},
-        {.name = "from", .kind = OPTION_INTEGER, .out = &args.from, .value = "N", .min = 0, .max = 1000000,
+        {.name = "from",
+         .kind = OPTION_INTEGER,
+         .out = &args.from,
+         .value = "N",
+         .min = 0,
+         .max = 1000000,
          .help = "first case of --worker, counted from 0"},
-        {.name = "to", .kind = OPTION_INTEGER, .out = &args.to, .value = "N", .min = 0, .max = 1000000,
+        {.name = "to",
+         .kind = OPTION_INTEGER,
+         .out = &args.to,
+         .value = "N",
+         .min = 0,
+         .max = 1000000,
          .help = "case before which --worker ends (default: none)"},
         {.name = NULL}};
     const usage_text usage = {
@@ -162,7 +255,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     ost_status status;
     plan p;
     int shard, shards;
-    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = shard_of(app, args.shard, &shard, &shards, err)) != OST_OK)
+    if (!options_parse(app, &usage, argc, argv, &status, err) ||
+        (status = shard_of(app, args.shard, &shard, &shards, err)) != OST_OK)
         return status;
     if (!args.worker != !(args.trace || args.dump) || (args.trace && args.dump))
         return usage_error(app, err, "--worker needs --trace or --dump, and the reverse");
@@ -204,13 +298,15 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     }
     user_store *store = NULL;
     json_t *from_file = NULL;
-    status = args.from_parent ? user_store_open(WORKER_USER, &store, err) : user_files_of(app, &args.own, argc, argv, &store, &args.record, err);
+    status = args.from_parent ? user_store_open(WORKER_USER, &store, err)
+                              : user_files_of(app, &args.own, argc, argv, &store, &args.record, err);
     const plan_user own = {.count = user_store_count(store), .store = store};
     if (!args.limit_s)
         args.limit_s = own.count ? LIMIT_OWN : limits[args.tier];
     if (status == OST_OK)
-        status = args.case_file ? case_file_read(args.case_file, own.count ? &own : NULL, &p, &from_file, err)
-                                : plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &own, &p, err);
+        status = args.case_file
+                     ? case_file_read(args.case_file, own.count ? &own : NULL, &p, &from_file, err)
+                     : plan_make((plan_tier)args.tier, (uint64_t)args.seed, shard, shards, args.only, &own, &p, err);
     if (status != OST_OK) {
         json_decref(args.record);
         sign_key_free(args.key);
@@ -219,7 +315,8 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     }
     status = args.export_to ? export_cases(args.export_to, &p, err)
              : args.dump    ? dump_worker(&p, args.worker, args.dump, err)
-             : args.worker  ? worker_run(&p, (int)args.from, args.to ? (int)args.to : p.count, args.worker, args.trace, args.given, err)
+             : args.worker  ? worker_run(&p, (int)args.from, args.to ? (int)args.to : p.count, args.worker, args.trace,
+                                         args.given, err)
                             : validate_run(app, &args, &p, from_file, err);
     if (status == OST_OK && args.export_to) {
         print_line(app, "%s: inputs of %d case%s", args.export_to, p.count, p.count == 1 ? "" : "s");

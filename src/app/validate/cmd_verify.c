@@ -69,7 +69,8 @@ static ost_status rerun_all(app_state *app, const user_files *own, const char *b
         status = ost_fail(err, OST_ERR_USAGE,
                           "%s: the bundle has no cases of user files; omit --ct, --tool and --path", folder);
     if (status == OST_OK && record && !json_equal(record, again)) {
-        list_problem(l, BUNDLE_DIFFERENT, PROTOCOL, "says otherwise what became of the user's files than they come out here");
+        list_problem(l, BUNDLE_DIFFERENT, PROTOCOL,
+                     "says otherwise what became of the user's files than they come out here");
         ++*found;
     }
     const plan_user user = {.count = user_store_count(store), .store = store};
@@ -109,7 +110,8 @@ static void print_signature(const app_state *app, const json_t *one)
     const json_t *keys = json_object_get(one, "keys");
     const bool checked = json_is_true(json_object_get(one, "checked"));
     print_line(app, "  %s %s%s%s on %s (claimed): %s", checked ? "signed" : "NOT CHECKED: signature",
-               *by ? "by " : "without a name", by, checked ? "" : ",", text_of(one, "claimed_time"), text_of(one, "meaning"));
+               *by ? "by " : "without a name", by, checked ? "" : ",", text_of(one, "claimed_time"),
+               text_of(one, "meaning"));
     for (size_t k = 0; k < json_array_size(keys); k++)
         print_line(app, "    key %s", json_string_value(json_array_get(keys, k)));
     if (*stamp)
@@ -178,14 +180,23 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     user_files own = USER_FILES_DEFAULT;
     signature_args signatures = {.authority = NULL};
     const option options[] = {
-        {.name = "trust", .kind = OPTION_LIST, .out = &signatures.trust, .value = "KEYS",
+        {.name = "trust",
+         .kind = OPTION_LIST,
+         .out = &signatures.trust,
+         .value = "KEYS",
          .help = "verify the signatures with these public keys: a PEM file, or a folder of *.pem; may repeat"},
-        {.name = "timestamp-ca", .kind = OPTION_TEXT, .out = &signatures.authority, .value = "FILE",
+        {.name = "timestamp-ca",
+         .kind = OPTION_TEXT,
+         .out = &signatures.authority,
+         .value = "FILE",
          .help = "with --trust: certificates (PEM) of the time-stamping authority; every signature must then have "
                  "a time stamp"},
-        {.name = "rerun", .kind = OPTION_FLAG, .out = &rerun,
+        {.name = "rerun",
+         .kind = OPTION_FLAG,
+         .out = &rerun,
          .help = "run the cases again on the reference here and compare"},
-        USER_FILES(own, "for --rerun: a CT of the bundle's cases user/1, user/2, ...; may repeat", "a mesh of these cases; may repeat", "a path of these cases; may repeat"),
+        USER_FILES(own, "for --rerun: a CT of the bundle's cases user/1, user/2, ...; may repeat",
+                   "a mesh of these cases; may repeat", "a path of these cases; may repeat"),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BUNDLE [--trust KEYS] [--rerun [--backend BACKEND]] [options]",
@@ -208,7 +219,8 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
                  "or cannot be read, so there is no verdict.",
         .operands = operands,
         .options = options,
-        .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun\n  osteon verify bundle --trust reviewers.pem",
+        .example = "  osteon validate --out bundle\n  osteon verify bundle --rerun\n  osteon verify bundle --trust "
+                   "reviewers.pem",
     };
     ost_status status;
     struct stat info;
@@ -245,17 +257,23 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     if (summary)
         json_object_update_missing(app->result, summary);
     if (found == 0)
-        print_line(app, "%s: valid%s; it says %s, %lld case%s%s%s", folder, !rerun ? "" : backend ? ", and the reference and the backend give the same here" : ", and the reference gives the same here", json_string_value(json_object_get(summary, "verdict")),
-                   (long long)json_integer_value(json_object_get(summary, "cases")), json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
-                   json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)", about_signatures(app, &signatures));
+        print_line(app, "%s: valid%s; it says %s, %lld case%s%s%s", folder,
+                   !rerun    ? ""
+                   : backend ? ", and the reference and the backend give the same here"
+                             : ", and the reference gives the same here",
+                   json_string_value(json_object_get(summary, "verdict")),
+                   (long long)json_integer_value(json_object_get(summary, "cases")),
+                   json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
+                   json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)",
+                   about_signatures(app, &signatures));
     if (found == 0)
         status = print_suite(app, folder, err);
     json_decref(summary);
     if (status != OST_OK)
         return status;
     if (l.absent)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s: an incomplete bundle cannot be verified", folder, l.first,
-                        found > 1 ? ", and there are more problems" : "");
+        return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s: an incomplete bundle cannot be verified", folder,
+                        l.first, found > 1 ? ", and there are more problems" : "");
     return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER,
                                           "%s: %d problem%s: the bundle was changed after it was written", folder,
                                           found, found == 1 ? "" : "s");

@@ -26,7 +26,8 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
     if (status == OST_OK)
         status = validate_freeze(b, m.protocol, err);
     if (status == OST_OK)
-        status = bundle_log(b, "merged", err, "%d shards of %s, their machines in environment.json", m.shards, args->merge);
+        status = bundle_log(b, "merged", err, "%d shards of %s, their machines in environment.json", m.shards,
+                            args->merge);
     if (status == OST_OK)
         status = evidence_write(m.protocol, m.cases, validate_into_bundle, b, err);
     if (status == OST_OK)
@@ -60,8 +61,8 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
         json_object_update(app->result, summary);
         put_text(app->result, "out", args->out);
         put_integer(app->result, "shards", m.shards);
-        print_line(app, "%s: %zu case%s from %d shard%s", evidence_text(summary, "verdict"), json_array_size(m.cases), json_array_size(m.cases) == 1 ? "" : "s", m.shards,
-                   m.shards == 1 ? "" : "s");
+        print_line(app, "%s: %zu case%s from %d shard%s", evidence_text(summary, "verdict"), json_array_size(m.cases),
+                   json_array_size(m.cases) == 1 ? "" : "s", m.shards, m.shards == 1 ? "" : "s");
         if (m.suite) {
             put(app->result, "suite", json_incref(m.suite));
             validate_print_suite(app, m.suite);
@@ -70,7 +71,8 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
         if (!json_integer_value(json_object_get(summary, "compared")))
             status = validate_nothing(err);
         else if (!equal)
-            status = ost_fail(err, OST_ERR_DIFFER, "%s: results differ from the reference's; see anomalies.csv", args->out);
+            status = ost_fail(err, OST_ERR_DIFFER, "%s: results differ from the reference's; see anomalies.csv",
+                              args->out);
         else if (m.suite)
             status = validate_judge_suite(m.suite, err);
     }

@@ -22,15 +22,18 @@ void validate_print_faults(const app_state *app, const sensitivity *s)
     char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT], statement[FAULTS_STATEMENT];
     faults_statement(s, statement);
     print_line(app, "SENSITIVITY%s: %s", faults_proved(s) ? "" : " NOT PROVED", statement);
-    print_line(app, "  %s mistakes, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms in %llu right runs",
-               format_count(a, (int64_t)s->all.injected), format_count(b, (int64_t)s->all.changed), format_count(c, (int64_t)(s->all.changed - s->all.not_detected)),
-               (unsigned long long)s->all.not_located, (unsigned long long)s->false_alarms, (unsigned long long)s->clean_runs);
+    print_line(app,
+               "  %s mistakes, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms "
+               "in %llu right runs",
+               format_count(a, (int64_t)s->all.injected), format_count(b, (int64_t)s->all.changed),
+               format_count(c, (int64_t)(s->all.changed - s->all.not_detected)), (unsigned long long)s->all.not_located,
+               (unsigned long long)s->false_alarms, (unsigned long long)s->clean_runs);
     if (s->first_problem[0])
         print_line(app, "  %s", s->first_problem);
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
         if (!s->of[k].changed)
-            print_line(app, "  %s changed nothing; its mistakes survive when %s", deviation_describe((deviation_kind)k)->name,
-                       deviation_describe((deviation_kind)k)->survives);
+            print_line(app, "  %s changed nothing; its mistakes survive when %s",
+                       deviation_describe((deviation_kind)k)->name, deviation_describe((deviation_kind)k)->survives);
 }
 
 static const case_result *result_at(const campaign *c, int i, int s)
@@ -48,31 +51,34 @@ void validate_print_difference(const app_state *app, const plan_case *c, const s
     if (r->verdict != CASE_DIFFERS)
         print_line(app, "  %s on %s: %s: %s", c->id, s->spec, case_verdict_name(r->verdict), r->text);
     else if (d->kind == COMPARE_VOXEL)
-        print_line(app, "  %s on %s: %s%s: %llu voxel%s, the first at (%d, %d, %d): %d, the reference has %d", c->id, s->spec,
-                   trace_stage_name(d->stage), where, (unsigned long long)d->voxels, d->voxels == 1 ? "" : "s", d->voxel[0], d->voxel[1], d->voxel[2],
-                   d->voxel_got, d->voxel_ref);
+        print_line(app, "  %s on %s: %s%s: %llu voxel%s, the first at (%d, %d, %d): %d, the reference has %d", c->id,
+                   s->spec, trace_stage_name(d->stage), where, (unsigned long long)d->voxels, d->voxels == 1 ? "" : "s",
+                   d->voxel[0], d->voxel[1], d->voxel[2], d->voxel_got, d->voxel_ref);
     else if (d->kind == COMPARE_WORD)
-        print_line(app, "  %s on %s: %s%s: %s is %lld, the reference has %lld", c->id, s->spec, trace_stage_name(d->stage), where,
-                   trace_word_name(d->stage, d->word, d->line_words, name), (long long)d->word_got, (long long)d->word_ref);
+        print_line(app, "  %s on %s: %s%s: %s is %lld, the reference has %lld", c->id, s->spec,
+                   trace_stage_name(d->stage), where, trace_word_name(d->stage, d->word, d->line_words, name),
+                   (long long)d->word_got, (long long)d->word_ref);
     else
         print_line(app, "  %s on %s: %s%s: %s", c->id, s->spec, trace_stage_name(d->stage), where,
-                   d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not" : "its blocks are not those of the reference");
+                   d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not"
+                                              : "its blocks are not those of the reference");
     if (r->verdict == CASE_DIFFERS && r->found && r->found->class)
     {
         char hint[CAUSES_TEXT];
         causes_text(r->found->class, hint);
         if (r->found->chunk_size)
-            print_line(app, "    in chunk (%d, %d, %d) of %d^3", r->found->chunk[0], r->found->chunk[1], r->found->chunk[2],
-                       r->found->chunk_size);
+            print_line(app, "    in chunk (%d, %d, %d) of %d^3", r->found->chunk[0], r->found->chunk[1],
+                       r->found->chunk[2], r->found->chunk_size);
         print_line(app, "    looks like %s: %s", r->found->class, r->found->text);
         if (*hint)
             print_line(app, "    %s", hint);
     }
     if (r->verdict == CASE_DIFFERS && strcmp(s->spec, SUBJECT_DENSE) == 0)
-        print_line(app, "    suspect: the core (src/core, src/sim), which every backend shares, or the second implementation of it");
+        print_line(app, "    suspect: the core (src/core, src/sim), which every backend shares, or the second "
+                        "implementation of it");
     if (r->verdict == CASE_DIFFERS && r->found && r->found->reproduce[0])
-        print_line(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'%s", r->found->small, r->found->reproduce, s->spec,
-                   c->family == PLAN_USER ? " and the files that you gave" : "");
+        print_line(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'%s", r->found->small,
+                   r->found->reproduce, s->spec, c->family == PLAN_USER ? " and the files that you gave" : "");
 }
 
 /* Stores the code paths that a backend's workers entered and those that they did not; prints the latter. */
@@ -97,10 +103,11 @@ static void print_paths(const app_state *app, const path_list *list, json_t *o)
 static void print_second(const app_state *app, const campaign *c, bool equal)
 {
     char ticks[FORMAT_TEXT], tools[FORMAT_TEXT];
-    print_line(app,
-               "    src/core's sweep, map, boxes, poses and snapping against a second implementation: %s, %s ticks, %s tools",
-               equal ? "equal" : "NOT equal", format_count(ticks, (int64_t)c->stage_records[TRACE_STEPS]),
-               format_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
+    print_line(
+        app,
+        "    src/core's sweep, map, boxes, poses and snapping against a second implementation: %s, %s ticks, %s tools",
+        equal ? "equal" : "NOT equal", format_count(ticks, (int64_t)c->stage_records[TRACE_STEPS]),
+        format_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
 }
 
 /* Prints whether a plugin computed the steps before the voxels itself or received them from src/core. */
@@ -110,7 +117,8 @@ static void print_made(const app_state *app, const campaign *c, int s)
     for (int i = 0; i < c->plan->count; i++)
         made += result_at(c, i, s)->own_steps;
     if (made)
-        print_line(app, "    made itself, and compared: %llu records of stages snap and steps", (unsigned long long)made);
+        print_line(app, "    made itself, and compared: %llu records of stages snap and steps",
+                   (unsigned long long)made);
     else
         print_line(app, "    handed to it: sweep, map, boxes, poses and snapping, as src/core made them");
 }
@@ -123,7 +131,8 @@ static void print_backends(app_state *app, const campaign *c)
         const subject *one = &c->subjects->subjects[s];
         int equal = 0, refused = 0;
         for (int i = 0; i < c->plan->count; i++) {
-            const bool shown = result_at(c, i, 0)->verdict == CASE_EQUAL, same = result_at(c, i, s)->verdict == CASE_EQUAL;
+            const bool shown = result_at(c, i, 0)->verdict == CASE_EQUAL,
+                       same = result_at(c, i, s)->verdict == CASE_EQUAL;
             equal += same && shown;
             refused += s > 0 && same && !shown;
         }
@@ -141,8 +150,8 @@ static void print_backends(app_state *app, const campaign *c)
         else if (s == 0)
             print_line(app, "  %-32s the reference, %s", one->spec, format_time(time, 1e3 * c->seconds[s]));
         else
-            print_line(app, "  %-32s %d of %d equal%s, %s", one->spec, equal, c->plan->count, refused ? ", others refused as by the reference" : "",
-                       format_time(time, 1e3 * c->seconds[s]));
+            print_line(app, "  %-32s %d of %d equal%s, %s", one->spec, equal, c->plan->count,
+                       refused ? ", others refused as by the reference" : "", format_time(time, 1e3 * c->seconds[s]));
         print_paths(app, &c->paths[s], o);
         if (s > 0 && one->available && strcmp(one->spec, SUBJECT_DENSE) == 0)
             print_second(app, c, equal + refused == c->plan->count);
@@ -172,8 +181,11 @@ void validate_print_last(app_state *app, const char *out, const json_t *summary)
     snprintf(path, sizeof path, "%s/%s", out, PICTURE_AFTER);
     const bool picture = stat(path, &info) == 0;
     print_line(app, "  check it   osteon verify %s", out);
-    print_line(app, "  verdict    %s%s%s", evidence_text(summary, "verdict"), json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)",
-               json_integer_value(json_object_get(json_object_get(app->result, "suite"), "failed")) ? "; the test suite FAILED" : "");
+    print_line(app, "  verdict    %s%s%s", evidence_text(summary, "verdict"),
+               json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)",
+               json_integer_value(json_object_get(json_object_get(app->result, "suite"), "failed"))
+                   ? "; the test suite FAILED"
+                   : "");
     if (picture) {
         print_line(app, "  picture    %s", path);
         put_text(app->result, "picture", path);
@@ -205,7 +217,8 @@ void validate_print_impact(app_state *app, const char *against, json_t *impact)
                (long long)json_integer_value(json_object_get(results, "compared")),
                json_integer_value(json_object_get(results, "compared")) == 1 ? "" : "s",
                (long long)json_integer_value(json_object_get(results, "different_cases")),
-               json_array_size(json_object_get(results, "not_compared")), json_array_size(json_object_get(impact, "verdicts")),
+               json_array_size(json_object_get(results, "not_compared")),
+               json_array_size(json_object_get(impact, "verdicts")),
                json_array_size(json_object_get(impact, "verdicts")) == 1 ? "" : "s");
     print_changes(app, json_object_get(impact, "causes"), "run:");
     print_changes(app, json_object_get(impact, "libraries"), "library");
@@ -253,8 +266,8 @@ ost_status validate_nothing(ost_error *err)
 }
 
 /* Adds to the JSON what the summary lacks; everything else is in the bundle. */
-ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, const json_t *common,
-                         ost_error *err)
+ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary,
+                          const sensitivity *proof, const json_t *common, ost_error *err)
 {
     char records[FORMAT_TEXT], bytes[FORMAT_TEXT];
     const json_t *list = json_object_get(summary, "not_shown");
@@ -265,24 +278,30 @@ ost_status validate_print(app_state *app, const validate_args *args, const campa
     put(app->result, "stages", stages_of(c));
     if (args->out)
         put_text(app->result, "out", args->out);
-    const bool equal = json_is_true(json_object_get(summary, "equal")), something = json_integer_value(json_object_get(summary, "compared")) > 0;
+    const bool equal = json_is_true(json_object_get(summary, "equal")),
+               something = json_integer_value(json_object_get(summary, "compared")) > 0;
     put_bool(app->result, "apart", args->apart);
-    print_line(app, "%s: %d case%s on %d backend%s, tier %s, seed %llu%s%s", evidence_text(summary, "verdict"), c->plan->count,
-               c->plan->count == 1 ? "" : "s", c->subjects->count, c->subjects->count == 1 ? "" : "s",
+    print_line(app, "%s: %d case%s on %d backend%s, tier %s, seed %llu%s%s", evidence_text(summary, "verdict"),
+               c->plan->count, c->plan->count == 1 ? "" : "s", c->subjects->count, c->subjects->count == 1 ? "" : "s",
                plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
-               json_is_true(json_object_get(summary, "evidence")) && !args->apart ? "" : " (a reduced run: no evidence)",
+               json_is_true(json_object_get(summary, "evidence")) && !args->apart ? ""
+                                                                                  : " (a reduced run: no evidence)",
                args->apart ? ", every stage and tick apart" : "");
     print_backends(app, c);
     for (int i = 0; i < c->plan->count; i++)
         for (int s = 1; s < c->subjects->count; s++)
             if (result_at(c, i, s)->verdict != CASE_EQUAL && result_at(c, i, s)->verdict != CASE_NOT_RUN)
                 validate_print_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
-    print_line(app, equal ? "  %s records, %s of results, compared byte by byte and found equal" : "  %s records compared byte by byte; the cases that are equal: %s of results",
+    print_line(app,
+               equal ? "  %s records, %s of results, compared byte by byte and found equal"
+                     : "  %s records compared byte by byte; the cases that are equal: %s of results",
                format_count(records, (int64_t)c->records), format_bytes(bytes, (int64_t)c->bytes));
     for (size_t i = 0; i < json_array_size(list); i++)
         print_line(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
-    print_line(app, "COMMON MISTAKES %s: %lld of %lld checks by hand, by volume and by law passed on the reference", common_proved(common) ? "NONE FOUND" : "FOUND",
-               (long long)json_integer_value(json_object_get(common, "passed")), (long long)json_array_size(json_object_get(common, "checks")));
+    print_line(app, "COMMON MISTAKES %s: %lld of %lld checks by hand, by volume and by law passed on the reference",
+               common_proved(common) ? "NONE FOUND" : "FOUND",
+               (long long)json_integer_value(json_object_get(common, "passed")),
+               (long long)json_array_size(json_object_get(common, "checks")));
     if (proof)
         validate_print_faults(app, proof);
     if (json_object_get(app->result, "suite"))
@@ -292,13 +311,15 @@ ost_status validate_print(app_state *app, const validate_args *args, const campa
     if (!something)
         return validate_nothing(err);
     if (!equal)
-        return ost_fail(err, OST_ERR_DIFFER, "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
+        return ost_fail(err, OST_ERR_DIFFER,
+                        "%d results differ from the reference's, %d failed, %d crashed, %d took too long",
                         c->counts[CASE_DIFFERS], c->counts[CASE_FAILED], c->counts[CASE_CRASHED], c->counts[CASE_LATE]);
     if (proof && !faults_proved(proof))
-        return ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", proof->first_problem[0] ? proof->first_problem :
-                        "no result was changed");
+        return ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s",
+                        proof->first_problem[0] ? proof->first_problem : "no result was changed");
     if (!common_proved(common))
-        return ost_fail(err, OST_ERR_DIFFER, "%lld of the checks of common mistakes failed; common.json and the report say which",
+        return ost_fail(err, OST_ERR_DIFFER,
+                        "%lld of the checks of common mistakes failed; common.json and the report say which",
                         (long long)json_integer_value(json_object_get(common, "failed")));
     if (!c->subjects->opencl && !args->cpu_only && !args->backends)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; pass --cpu-only if this is intended",

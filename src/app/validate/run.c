@@ -131,8 +131,9 @@ static ost_status put_impact(bundle *b, const char *against, json_t **out, ost_e
     return status == OST_OK ? bundle_put_json(b, IMPACT_FILE, *out, err) : status;
 }
 
-static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases, const json_t *faults, const json_t *common,
-                               const json_t *summary, const char *program, const char *against, json_t **impact, ost_error *err)
+static ost_status put_evidence(bundle *b, const campaign *c, const json_t *protocol, const json_t *cases,
+                               const json_t *faults, const json_t *common, const json_t *summary, const char *program,
+                               const char *against, json_t **impact, ost_error *err)
 {
     ost_status status = evidence_write(protocol, cases, validate_into_bundle, b, err);
     if (status == OST_OK && faults)
@@ -208,8 +209,15 @@ static ost_status take_batch(void *user, const campaign *c, int first, int count
 static ost_status run_all(job *j, const validate_args *args, const plan *p, ost_error *err)
 {
     picture_keeper keeper = {.sink = validate_into_bundle, .user = j->b};
-    const campaign_options how = {.program = j->program, .jobs = (int)args->jobs, .limit_s = (double)args->limit_s, .apart = args->apart, .show = show,
-                                  .differs = j->b ? pictures_of_difference : NULL, .keeper = &keeper, .done = take_batch, .done_keeper = j};
+    const campaign_options how = {.program = j->program,
+                                  .jobs = (int)args->jobs,
+                                  .limit_s = (double)args->limit_s,
+                                  .apart = args->apart,
+                                  .show = show,
+                                  .differs = j->b ? pictures_of_difference : NULL,
+                                  .keeper = &keeper,
+                                  .done = take_batch,
+                                  .done_keeper = j};
     ost_status status = campaign_run(p, &j->subjects, &how, &j->run, err);
     if (status == OST_OK && j->b && j->run.counts[CASE_DIFFERS]) {
         char folder[SCRATCH_PATH];
@@ -240,9 +248,14 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
     if (status == OST_OK && args->out)
         status = bundle_begin(args->out, &j.b, err);
     if (status == OST_OK)
-        status = subjects_find(p->tier, args->backends ? args->backends : args->cpu_only ? "cpu" : NULL, &j.subjects, err);
+        status = subjects_find(p->tier,
+                               args->backends   ? args->backends
+                               : args->cpu_only ? "cpu"
+                                                : NULL,
+                               &j.subjects, err);
     if (status == OST_OK)
-        status = evidence_protocol(p, &j.subjects, args->backends ? args->backends : "", args->cpu_only, &j.protocol, err);
+        status = evidence_protocol(p, &j.subjects, args->backends ? args->backends : "", args->cpu_only, &j.protocol,
+                                   err);
     if (status == OST_OK && from_file)
         json_object_set(j.protocol, "case", from_file);
     if (status == OST_OK && args->record)
@@ -296,8 +309,9 @@ ost_status validate_faults(app_state *app, const validate_args *args, ost_error 
     sensitivity s;
     json_t *faults;
     progress_begin(app);
-    ost_status status = sensitivity_run((uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier),
-                                        args->jobs ? (int)args->jobs : campaign_cores(), show, NULL, &s, err);
+    ost_status status = sensitivity_run(
+        (uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier),
+        args->jobs ? (int)args->jobs : campaign_cores(), show, NULL, &s, err);
     progress_clear();
     if (status == OST_OK)
         status = faults_json(&s, &faults, err);
@@ -305,5 +319,7 @@ ost_status validate_faults(app_state *app, const validate_args *args, ost_error 
         return status;
     put(app->result, "faults", faults);
     validate_print_faults(app, &s);
-    return faults_proved(&s) ? OST_OK : ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s", s.first_problem[0] ? s.first_problem : "no result was changed");
+    return faults_proved(&s) ? OST_OK
+                             : ost_fail(err, OST_ERR_DIFFER, "the sensitivity proof failed: %s",
+                                        s.first_problem[0] ? s.first_problem : "no result was changed");
 }

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A user's own files as cases: read by the options of import, voxelize and ream, recorded in a
+ * bundle by size and digest, and found again among given files for a rerun.
+ *
+ * The file has more than 500 lines, because the record of a file is written and compared here,
+ * next to the reader whose options it stores.
+ */
 #include "app/validate/user_files.h"
 
 #include <errno.h>
@@ -55,7 +62,8 @@ static ost_status parse_how(app_state *app, const json_t *how, user_files *u, os
     for (size_t i = 0; i < json_array_size(how); i++) {
         const char *word = json_string_value(json_array_get(how, i));
         const option *o = table;
-        while (o->name && (!word || strncmp(word, "--", 2) != 0 || strcspn(word + 2, "=") != strlen(o->name) || strncmp(word + 2, o->name, strlen(o->name)) != 0))
+        while (o->name && (!word || strncmp(word, "--", 2) != 0 || strcspn(word + 2, "=") != strlen(o->name) ||
+                           strncmp(word + 2, o->name, strlen(o->name)) != 0))
             o++;
         if (!o->name || n == WORDS)
             return ost_fail(err, OST_ERR_INPUT, "protocol.json: the user's files were read with '%.60s', which this "
@@ -134,7 +142,8 @@ static ost_status still_the_same(const user_files *u, const json_t *files, ost_e
     json_t *again = json_array();
     ost_status status = add_files(u, again, err);
     for (size_t i = 0; i < json_array_size(files) && status == OST_OK; i++) {
-        const json_t *was = json_object_get(json_array_get(files, i), "sha256"), *is = json_object_get(json_array_get(again, i), "sha256");
+        const json_t *was = json_object_get(json_array_get(files, i), "sha256"),
+                     *is = json_object_get(json_array_get(again, i), "sha256");
         if (was && !json_equal(was, is))
             status = ost_fail(err, OST_ERR_INPUT,
                               "%s: file changed while it was read; try again when no program writes to it",
@@ -149,7 +158,8 @@ static ost_status still_the_same(const user_files *u, const json_t *files, ost_e
 /* Returns true if a sample lies in the grid. Positions are within 8 m, so the difference is below 2^54. */
 static bool lies_in(const ost_geometry *g, const ost_text_row *row)
 {
-    const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z}, spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z},
+                  spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     const int32_t dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     for (int a = 0; a < 3; a++) {
         const int64_t at = ost_rhe_div(row->position[a] - origin[a], spacing[a]);
@@ -160,7 +170,8 @@ static bool lies_in(const ost_geometry *g, const ost_text_row *row)
 }
 
 /* Stores every line of a CT given as text, in the file's order; with crop, only those within the grid. */
-static ost_status put_text_samples(const char *path, const ost_geometry *rect, bool crop, user_store *store, ost_error *err)
+static ost_status put_text_samples(const char *path, const ost_geometry *rect, bool crop, user_store *store,
+                                   ost_error *err)
 {
     ost_text_source source;
     ost_text_row *rows = malloc(ROWS * sizeof *rows);
@@ -178,7 +189,10 @@ static ost_status put_text_samples(const char *path, const ost_geometry *rect, b
             status = ost_text_source_next(&source, rows, ROWS, &count, err);
             for (size_t i = 0; i < count && status == OST_OK; i++)
                 if (!crop || lies_in(rect, &rows[i]))
-                    samples[n++] = (ost_sample){.x = rows[i].position[0], .y = rows[i].position[1], .z = rows[i].position[2], .density = rows[i].density};
+                    samples[n++] = (ost_sample){.x = rows[i].position[0],
+                                                .y = rows[i].position[1],
+                                                .z = rows[i].position[2],
+                                                .density = rows[i].density};
             if (status == OST_OK && n)
                 status = user_case_samples(store, samples, n, BATCH, err);
         }
@@ -190,14 +204,16 @@ static ost_status put_text_samples(const char *path, const ost_geometry *rect, b
 }
 
 /* Stores every voxel as a sample at its lattice point, x fastest. */
-static ost_status put_volume_samples(const char *path, const ost_import_options *options, const ost_geometry *rect, user_store *store, ost_error *err)
+static ost_status put_volume_samples(const char *path, const ost_import_options *options, const ost_geometry *rect,
+                                     user_store *store, ost_error *err)
 {
     ost_volume volume = {0};
     ost_status status = ost_volume_read(path, &options->volume, &volume, NULL, err);
     const ost_dims from = volume.geometry.dims;
     const ost_voxel_box box = options->crop ? options->crop_box : (ost_voxel_box){{0, 0, 0}, {from.x, from.y, from.z}};
-    const bool fits = status == OST_OK && box.hi[0] <= from.x && box.hi[1] <= from.y && box.hi[2] <= from.z && box.hi[0] - box.lo[0] == rect->dims.x &&
-                      box.hi[1] - box.lo[1] == rect->dims.y && box.hi[2] - box.lo[2] == rect->dims.z;
+    const bool fits = status == OST_OK && box.hi[0] <= from.x && box.hi[1] <= from.y && box.hi[2] <= from.z &&
+                      box.hi[0] - box.lo[0] == rect->dims.x && box.hi[1] - box.lo[1] == rect->dims.y &&
+                      box.hi[2] - box.lo[2] == rect->dims.z;
     if (status == OST_OK && !fits)
         status = ost_fail(err, OST_ERR_INPUT,
                           "%s: file changed while it was read; try again when no program writes to it", path);
@@ -206,9 +222,14 @@ static ost_status put_volume_samples(const char *path, const ost_import_options 
         status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a row of %d voxels", path, rect->dims.x);
     for (int32_t k = 0; status == OST_OK && k < rect->dims.z; k++)
         for (int32_t j = 0; status == OST_OK && j < rect->dims.y; j++) {
-            const int16_t *voxels = volume.voxels + (size_t)box.lo[0] + (size_t)from.x * ((size_t)(box.lo[1] + j) + (size_t)from.y * (size_t)(box.lo[2] + k));
+            const int16_t *voxels = volume.voxels + (size_t)box.lo[0] +
+                                    (size_t)from.x *
+                                        ((size_t)(box.lo[1] + j) + (size_t)from.y * (size_t)(box.lo[2] + k));
             for (int32_t i = 0; i < rect->dims.x; i++)
-                row[i] = (ost_sample){.x = rect->origin.x + rect->spacing.x * i, .y = rect->origin.y + rect->spacing.y * j, .z = rect->origin.z + rect->spacing.z * k, .density = voxels[i]};
+                row[i] = (ost_sample){.x = rect->origin.x + rect->spacing.x * i,
+                                      .y = rect->origin.y + rect->spacing.y * j,
+                                      .z = rect->origin.z + rect->spacing.z * k,
+                                      .density = voxels[i]};
             status = user_case_samples(store, row, (size_t)rect->dims.x, BATCH, err);
         }
     free(row);
@@ -238,7 +259,8 @@ static void put_imported(json_t *to, const ost_import_result *r, const ost_bone_
 
 /* Adds a CT. It is also imported once by the reference, as osteon import does, so that errors in
    the file are reported now. */
-static ost_status put_ct(const app_state *app, const user_files *u, const char *path, user_store *store, scene *head, ost_meta *meta, json_t *one, ost_error *err)
+static ost_status put_ct(const app_state *app, const user_files *u, const char *path, user_store *store, scene *head,
+                         ost_meta *meta, json_t *one, ost_error *err)
 {
     ost_import_options options;
     ost_import_result result;
@@ -265,12 +287,14 @@ static ost_status put_ct(const app_state *app, const user_files *u, const char *
     head->threshold = info.threshold;
     *meta = result.meta;
     put_imported(one, &result, &info);
-    return result.kind == OST_FILE_CT_TEXT ? put_text_samples(path, &result.rect, options.crop, store, err) : put_volume_samples(path, &options, &result.rect, store, err);
+    return result.kind == OST_FILE_CT_TEXT ? put_text_samples(path, &result.rect, options.crop, store, err)
+                                           : put_volume_samples(path, &options, &result.rect, store, err);
 }
 
 /* ------------------------------------------------------------------- tools */
 
-static ost_status snap_tool(const user_files *u, const char *name, bool moves, scene_tool *out, json_t *tools, ost_error *err)
+static ost_status snap_tool(const user_files *u, const char *name, bool moves, scene_tool *out, json_t *tools,
+                            ost_error *err)
 {
     ost_mesh mesh = {0};
     ost_mesh_report report = {0};
@@ -287,7 +311,9 @@ static ost_status snap_tool(const user_files *u, const char *name, bool moves, s
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);
     if (status == OST_OK && (status = ost_tool_geometry_from_bounds(lo, hi, u->how.voxel, &grid, err)) != OST_OK)
         ost_fail_context(err, "%s", name);
-    if (status == OST_OK && moves && (grid.dims.x > OST_TOOL_DIM_REMOVE_MAX || grid.dims.y > OST_TOOL_DIM_REMOVE_MAX || grid.dims.z > OST_TOOL_DIM_REMOVE_MAX))
+    if (status == OST_OK && moves &&
+        (grid.dims.x > OST_TOOL_DIM_REMOVE_MAX || grid.dims.y > OST_TOOL_DIM_REMOVE_MAX ||
+         grid.dims.z > OST_TOOL_DIM_REMOVE_MAX))
         status = ost_fail(err, OST_ERR_RANGE,
                           "%s: %d x %d x %d voxels; reaming needs at most %d per side: use a larger --voxel", name,
                           grid.dims.x, grid.dims.y, grid.dims.z, OST_TOOL_DIM_REMOVE_MAX);
@@ -324,7 +350,8 @@ static ost_status check_counts(const app_state *app, const user_files *u, ost_er
     return OST_OK;
 }
 
-static ost_status add_case(const app_state *app, const user_files *u, int ct, const scene *tools, user_store *store, json_t *one, ost_error *err)
+static ost_status add_case(const app_state *app, const user_files *u, int ct, const scene *tools, user_store *store,
+                           json_t *one, ost_error *err)
 {
     scene head = *tools; /* the caller keeps ownership of the tools */
     ream_gaps counted = {0};
@@ -334,7 +361,8 @@ static ost_status add_case(const app_state *app, const user_files *u, int ct, co
     for (int t = 0; t < head.tool_count; t++)
         grids[t] = &head.tools[t].cutting.grid;
     if (status == OST_OK && u->paths.count)
-        status = ream_path_make(app, &u->paths, &u->target, &meta, u->cts.value[ct], grids, head.tool_count, NULL, &head.path, &counted, err);
+        status = ream_path_make(app, &u->paths, &u->target, &meta, u->cts.value[ct], grids, head.tool_count, NULL,
+                                &head.path, &counted, err);
     if (status == OST_OK && u->paths.count)
         status = scene_turn(&head, OST_RPM_REAMER, err);
     if (status == OST_OK) {
@@ -347,7 +375,8 @@ static ost_status add_case(const app_state *app, const user_files *u, int ct, co
     return status;
 }
 
-ost_status user_files_read(const app_state *app, const user_files *u, json_t *how, user_store **store, json_t **record, ost_error *err)
+ost_status user_files_read(const app_state *app, const user_files *u, json_t *how, user_store **store, json_t **record,
+                           ost_error *err)
 {
     scene tools = {.world = {.sweep_off = u->sweep == 0}, .collide_every = COLLIDE_EVERY};
     json_t *files = json_array(), *cases = json_array(), *made = json_array();
@@ -390,7 +419,8 @@ ost_status user_files_read(const app_state *app, const user_files *u, json_t *ho
     return status;
 }
 
-ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store, json_t **record, ost_error *err)
+ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store,
+                         json_t **record, ost_error *err)
 {
     json_t *how = user_files_how(argc, argv);
     ost_status status = OST_OK;
@@ -423,7 +453,8 @@ static void describe_needed(const json_t *files, char text[96])
 }
 
 /* Finds the given file that has the size and digest of the record. */
-static ost_status find_file(const option_list *given, const char *kind, const json_t *file, const char **out, ost_error *err)
+static ost_status find_file(const option_list *given, const char *kind, const json_t *file, const char **out,
+                            ost_error *err)
 {
     const json_int_t size = json_integer_value(json_object_get(file, "bytes"));
     const char *wanted = json_string_value(json_object_get(file, "sha256"));
@@ -432,14 +463,17 @@ static ost_status find_file(const option_list *given, const char *kind, const js
         ost_digest digest;
         char hex[OST_DIGEST_HEX];
         ost_status status = identify_file(given->value[i], &bytes, NULL, err);
-        if (status == OST_OK && bytes == size && (status = file_digest(given->value[i], &digest, err)) == OST_OK && wanted && strcmp(ost_digest_hex(&digest, hex), wanted) == 0) {
+        if (status == OST_OK && bytes == size && (status = file_digest(given->value[i], &digest, err)) == OST_OK &&
+            wanted && strcmp(ost_digest_hex(&digest, hex), wanted) == 0) {
             *out = given->value[i];
             return OST_OK;
         }
         if (status != OST_OK)
             return status;
     }
-    return ost_fail(err, OST_ERR_INPUT, "none of the files given with --%s is the bundle's of %lld bytes and SHA-256 %.64s", kind, (long long)size, wanted ? wanted : "");
+    return ost_fail(err, OST_ERR_INPUT,
+                    "none of the files given with --%s is the bundle's of %lld bytes and SHA-256 %.64s", kind,
+                    (long long)size, wanted ? wanted : "");
 }
 
 static ost_status take_file(const user_files *given, user_files *u, json_t *names, const json_t *file, ost_error *err)
@@ -447,7 +481,8 @@ static ost_status take_file(const user_files *given, user_files *u, json_t *name
     static const char *const kinds[] = {"ct", "tool", "path"};
     const option_list *const from[] = {&given->cts, &given->tools, &given->paths};
     option_list *const to[] = {&u->cts, &u->tools, &u->paths};
-    const char *kind = json_string_value(json_object_get(file, "option")), *builtin = json_string_value(json_object_get(file, "builtin")), *name = NULL;
+    const char *kind = json_string_value(json_object_get(file, "option")),
+               *builtin = json_string_value(json_object_get(file, "builtin")), *name = NULL;
     ost_status status = OST_OK;
     int k = 0;
     while (k < 3 && (!kind || strcmp(kind, kinds[k]) != 0))
@@ -465,7 +500,8 @@ static ost_status take_file(const user_files *given, user_files *u, json_t *name
     return status;
 }
 
-ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store, json_t **again, ost_error *err)
+ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store,
+                            json_t **again, ost_error *err)
 {
     user_files u = USER_FILES_DEFAULT;
     json_t *names = json_array();

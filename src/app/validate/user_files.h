@@ -35,19 +35,35 @@ typedef struct user_files {
     {.name = "path", .kind = OPTION_LIST, .out = &(u).paths, .value = "FILE", .help = about_path}
 
 /* Rows for the options by which they are read, as in import, voxelize and ream. */
-#define USER_FILES_HOW(u)                                                                                                    \
-    CT_OPTIONS((u).ct),                                                                                                      \
-    TOOL_OPTIONS((u).how),                                                                                                   \
-    {.name = "at", .kind = OPTION_POINT, .out = &(u).target.at, .given = &(u).target.at_given, .value = "X,Y,Z",             \
-     .help = "centre of the glenoid's face, for the built-in paths"},                                                        \
-    {.name = "axis", .kind = OPTION_VECTOR, .out = (u).target.axis, .given = &(u).target.axis_given, .value = "X,Y,Z",       \
-     .help = "direction into the bone at this centre"},                                                                      \
-    {.name = "side", .kind = OPTION_CHOICE, .out = &(u).target.side, .given = &(u).target.side_given, .value = "left|right", \
-     .help = "side of the body (default: as in the file, else derived from the axis)"},                                      \
-    {.name = "rate", .kind = OPTION_DECIMAL, .out = &(u).rate, .value = "HZ",                                                \
-     .help = "removals per second (default: at every tick)"},                                                                \
-    {.name = "sweep", .kind = OPTION_CHOICE, .out = &(u).sweep, .value = "off|on",                                           \
-     .help = "remove along the way between two ticks too (default: on)"}
+#define USER_FILES_HOW(u)                                                                                              \
+    CT_OPTIONS((u).ct), TOOL_OPTIONS((u).how),                                                                         \
+        {.name = "at",                                                                                                 \
+         .kind = OPTION_POINT,                                                                                         \
+         .out = &(u).target.at,                                                                                        \
+         .given = &(u).target.at_given,                                                                                \
+         .value = "X,Y,Z",                                                                                             \
+         .help = "centre of the glenoid's face, for the built-in paths"},                                              \
+        {.name = "axis",                                                                                               \
+         .kind = OPTION_VECTOR,                                                                                        \
+         .out = (u).target.axis,                                                                                       \
+         .given = &(u).target.axis_given,                                                                              \
+         .value = "X,Y,Z",                                                                                             \
+         .help = "direction into the bone at this centre"},                                                            \
+        {.name = "side",                                                                                               \
+         .kind = OPTION_CHOICE,                                                                                        \
+         .out = &(u).target.side,                                                                                      \
+         .given = &(u).target.side_given,                                                                              \
+         .value = "left|right",                                                                                        \
+         .help = "side of the body (default: as in the file, else derived from the axis)"},                            \
+        {.name = "rate",                                                                                               \
+         .kind = OPTION_DECIMAL,                                                                                       \
+         .out = &(u).rate,                                                                                             \
+         .value = "HZ",                                                                                                \
+         .help = "removals per second (default: at every tick)"},                                                      \
+    {                                                                                                                  \
+        .name = "sweep", .kind = OPTION_CHOICE, .out = &(u).sweep, .value = "off|on",                                  \
+        .help = "remove along the way between two ticks too (default: on)"                                             \
+    }
 
 bool user_files_given(const user_files *u);
 
@@ -56,13 +72,16 @@ bool user_files_given(const user_files *u);
 json_t *user_files_how(int argc, char **argv);
 
 /* Reads the files. how: as returned by user_files_how. *store and *record are owned by the caller. */
-ost_status user_files_read(const app_state *app, const user_files *u, json_t *how, user_store **store, json_t **record, ost_error *err);
+ost_status user_files_read(const app_state *app, const user_files *u, json_t *how, user_store **store, json_t **record,
+                           ost_error *err);
 
 /* Reads the files of a verb's command line; *store and *record are NULL if there are none. */
-ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store, json_t **record, ost_error *err);
+ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store,
+                         json_t **record, ost_error *err);
 
 /* Finds the files of a bundle's record among the given ones, by size and digest, and reads them
    with the same options. *again: their new record. */
-ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store, json_t **again, ost_error *err);
+ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store,
+                            json_t **again, ost_error *err);
 
 #endif

@@ -49,7 +49,8 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
 /* ------------------------------------------------------------ validate_print.c */
 
 /* Prints the results of a campaign and returns the verb's status. proof: NULL if there is none. */
-ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary, const sensitivity *proof, const json_t *common, ost_error *err);
+ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary,
+                          const sensitivity *proof, const json_t *common, ost_error *err);
 /* Prints the last lines: the command that checks the bundle, the verdict, the picture, the report. */
 void validate_print_last(app_state *app, const char *out, const json_t *summary);
 /* Prints a result that is not equal: its position, both values, and its pattern. */

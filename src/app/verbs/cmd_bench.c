@@ -120,21 +120,25 @@ static void print_distribution(const app_state *app, const bench_row *row)
     char t[6][FIGURE];
     if (!p50 || !p99 || !max || !mean || !best99 || !best)
         return;
-    print_line(app, "    a tick: p50 %s, p99 %s, max %s; least of all repetitions: mean %s, p99 %s, max %s", figure(t[0], *p50),
-               figure(t[1], *p99), figure(t[2], *max), figure(t[3], *mean), figure(t[4], *best99), figure(t[5], *best));
+    print_line(app, "    a tick: p50 %s, p99 %s, max %s; least of all repetitions: mean %s, p99 %s, max %s",
+               figure(t[0], *p50), figure(t[1], *p99), figure(t[2], *max), figure(t[3], *mean), figure(t[4], *best99),
+               figure(t[5], *best));
 }
 
 static void print_deadlines(const app_state *app, const bench_row *row)
 {
-    const double *ticks = extra_of(row, "ticks"), *missed = extra_of(row, "missed"), *p99 = extra_of(row, "p99_us"), *p999 = extra_of(row, "p99_9_us");
+    const double *ticks = extra_of(row, "ticks"), *missed = extra_of(row, "missed"), *p99 = extra_of(row, "p99_us"),
+                 *p999 = extra_of(row, "p99_9_us");
     char a[FIGURE], b[FIGURE];
     if (ticks && missed && p99 && p999)
-        print_line(app, "    deadlines missed: %.0f of %.0f; delay at 99 %% %s us, at 99.9 %% %s us", *missed, *ticks, figure(a, *p99), figure(b, *p999));
+        print_line(app, "    deadlines missed: %.0f of %.0f; delay at 99 %% %s us, at 99.9 %% %s us", *missed, *ticks,
+                   figure(a, *p99), figure(b, *p999));
 }
 
 static void print_row(const app_state *app, const bench_row *row)
 {
-    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "-", baseline_range[RANGE] = "-", ratio[FIGURE] = "-", best[FIGURE] = "-";
+    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "-", baseline_range[RANGE] = "-", ratio[FIGURE] = "-",
+                                          best[FIGURE] = "-";
     if (row->reason[0]) {
         print_line(app, "%-30s not run: %s", row->name, row->reason);
         return;
@@ -149,8 +153,8 @@ static void print_row(const app_state *app, const bench_row *row)
         figure(ratio, bench_row_ratio(row));
         figure(best, bench_row_ratio_of_minima(row));
     }
-    print_line(app, "%-30s %2s %8s %-15s %8s %-15s %7s %7s", row->name, row->unit, figure(ours, row->ours.median), range(ours_range, &row->ours),
-               baseline, baseline_range, ratio, best);
+    print_line(app, "%-30s %2s %8s %-15s %8s %-15s %7s %7s", row->name, row->unit, figure(ours, row->ours.median),
+               range(ours_range, &row->ours), baseline, baseline_range, ratio, best);
     print_distribution(app, row);
     print_deadlines(app, row);
 }
@@ -162,7 +166,8 @@ static void print_disturbed(const app_state *app, const bench_table *table)
     for (size_t i = 0; i < table->count; i++)
         disturbed += bench_row_disturbed(&table->rows[i]);
     if (disturbed) {
-        print_line(app, "  In %zu of %zu rows the median is more than half above the minimum: the machine was busy.", disturbed, table->count);
+        print_line(app, "  In %zu of %zu rows the median is more than half above the minimum: the machine was busy.",
+                   disturbed, table->count);
         print_line(app, "  'of min' is less affected, if there were enough repetitions (--repeat N).");
     }
 }
@@ -186,14 +191,16 @@ static void print_baselines(const app_state *app, const bench_table *table)
 static void print_heading(const app_state *app, const bench_options *options)
 {
     char cpu[BENCH_TEXT];
-    print_line(app, "backend %s (%s), %d thread%s (one: tick, rows in /1), %s", options->backend, bench_isa(options), options->threads,
-               options->threads == 1 ? "" : "s", bench_cpu_model(cpu));
+    print_line(app, "backend %s (%s), %d thread%s (one: tick, rows in /1), %s", options->backend, bench_isa(options),
+               options->threads, options->threads == 1 ? "" : "s", bench_cpu_model(cpu));
     print_line(app, "medians and min..max of repetitions that alternate with the baseline's; every grid was first");
-    print_line(app, "compared with the reference's, byte by byte; clock CLOCK_MONOTONIC; baselines: %s", OST_BENCH_CFLAGS);
+    print_line(app, "compared with the reference's, byte by byte; clock CLOCK_MONOTONIC; baselines: %s",
+               OST_BENCH_CFLAGS);
     if (options->quick)
         print_line(app, "--quick: few repetitions and small inputs; not for quoting");
     print_line(app, "%s", "");
-    print_line(app, "%-30s %2s %8s %-15s %8s %-15s %7s %7s", "row", "", "ours", "min..max", "baseline", "min..max", "ratio", "of min");
+    print_line(app, "%-30s %2s %8s %-15s %8s %-15s %7s %7s", "row", "", "ours", "min..max", "baseline", "min..max",
+               "ratio", "of min");
 }
 
 /* ---------------------------------------------------------------- Markdown */
@@ -201,9 +208,11 @@ static void print_heading(const app_state *app, const bench_options *options)
 static void print_markdown_heading(const app_state *app, const bench_options *options, const char *suite)
 {
     char cpu[BENCH_TEXT];
-    print_line(app, "`osteon bench --suite %s --backend %s --threads %d%s --markdown`: %s, instruction set %s, %s, baselines %s.", suite,
-               options->backend, options->threads, options->quick ? " --quick" : "", bench_cpu_model(cpu), bench_isa(options), COMPILER,
-               OST_BENCH_CFLAGS);
+    print_line(
+        app,
+        "`osteon bench --suite %s --backend %s --threads %d%s --markdown`: %s, instruction set %s, %s, baselines %s.",
+        suite, options->backend, options->threads, options->quick ? " --quick" : "", bench_cpu_model(cpu),
+        bench_isa(options), COMPILER, OST_BENCH_CFLAGS);
     print_line(app, "%s", "");
     print_line(app, "| row | unit | ours | min..max | baseline | min..max | ratio | of minima | repetitions |");
     print_line(app, "|---|---|---:|---|---:|---|---:|---:|---:|");
@@ -211,7 +220,8 @@ static void print_markdown_heading(const app_state *app, const bench_options *op
 
 static void print_markdown_row(const app_state *app, const bench_row *row)
 {
-    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "", baseline_range[RANGE] = "", ratio[FIGURE] = "", least[FIGURE] = "";
+    char ours[FIGURE], ours_range[RANGE], baseline[FIGURE] = "", baseline_range[RANGE] = "", ratio[FIGURE] = "",
+                                          least[FIGURE] = "";
     if (row->reason[0] || !row->equal) {
         print_line(app, "| `%s` | %s | %s | | | | | | |", row->name, row->unit, row->reason[0] ? row->reason : "wrong");
         return;
@@ -222,13 +232,14 @@ static void print_markdown_row(const app_state *app, const bench_row *row)
         figure(ratio, bench_row_ratio(row));
         figure(least, bench_row_ratio_of_minima(row));
     }
-    print_line(app, "| `%s` | %s | %s | %s | %s | %s | %s | %s | %zu |", row->name, row->unit, figure(ours, row->ours.median),
-               range(ours_range, &row->ours), baseline, baseline_range, ratio, least, row->ours.count);
+    print_line(app, "| `%s` | %s | %s | %s | %s | %s | %s | %s | %zu |", row->name, row->unit,
+               figure(ours, row->ours.median), range(ours_range, &row->ours), baseline, baseline_range, ratio, least,
+               row->ours.count);
     const double *p99 = extra_of(row, "p99"), *max = extra_of(row, "max"), *best = extra_of(row, "undisturbed_p99");
     char a[FIGURE], b[FIGURE], c[FIGURE];
     if (p99 && max && best)
-        print_line(app, "| p99, max a tick | %s | %s, %s | least of all repetitions, p99: %s | | | | | |", row->unit, figure(a, *p99), figure(b, *max),
-                   figure(c, *best));
+        print_line(app, "| p99, max a tick | %s | %s, %s | least of all repetitions, p99: %s | | | | | |", row->unit,
+                   figure(a, *p99), figure(b, *max), figure(c, *best));
 }
 
 /* --------------------------------------------------------------------- verb */
@@ -247,7 +258,8 @@ typedef struct tally {
 } tally;
 
 /* Prints the rows of a suite, under the heading if they are the first. */
-static void show_rows(app_state *app, const bench_options *options, const char *suite, const bench_table *table, tally *all, bool markdown)
+static void show_rows(app_state *app, const bench_options *options, const char *suite, const bench_table *table,
+                      tally *all, bool markdown)
 {
     const bool first = all->rows == 0;
     progress_clear();
@@ -275,7 +287,8 @@ static void show_rows(app_state *app, const bench_options *options, const char *
     }
 }
 
-static ost_status run_suites(app_state *app, const bench_options *options, const char *suite, bool markdown, ost_error *err)
+static ost_status run_suites(app_state *app, const bench_options *options, const char *suite, bool markdown,
+                             ost_error *err)
 {
     ost_backend *backend = NULL;
     tally all = {.rows = 0};
@@ -322,7 +335,8 @@ static bool suite_is_built(const char *suite)
 ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const char suites[] = "removal|tick|transfer|parse|voxelize|opencl|render|servo|all";
-    static const char *const names[] = {"removal", "tick", "transfer", "parse", "voxelize", "opencl", "render", "servo", "all"};
+    static const char *const names[] = {"removal", "tick",   "transfer", "parse", "voxelize",
+                                        "opencl",  "render", "servo",    "all"};
     int suite = 8;
     int64_t repeat = 0;
     bool markdown = false;
@@ -359,7 +373,8 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
                  "Exit status 0: rows were measured; 1: the grid of a row differs from the\n"
                  "reference's; 2: wrong usage; 3: no row could run, or the backend is not\n"
                  "available.",
-        .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend cpu:voxelizer=embree\n"
+        .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend "
+                   "cpu:voxelizer=embree\n"
                    "  osteon bench --backend cpu:isa=avx2 --json",
     };
     ost_status status;
@@ -368,7 +383,8 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
     if (!suite_is_built(names[suite]))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "suite %s is not part of this build", names[suite]);
     int64_t millionths = 1000000;
-    if (scale.text && (!ost_decimal_scale(&scale.value, 1000000, &millionths, NULL) || millionths < 1 || millionths > 1000000))
+    if (scale.text &&
+        (!ost_decimal_scale(&scale.value, 1000000, &millionths, NULL) || millionths < 1 || millionths > 1000000))
         return usage_error(app, err, "--scale %s: must be from 0.000001 to 1", scale.text);
     how.scale = (double)millionths / 1e6;
     how.backend = app->backend;

@@ -37,8 +37,10 @@ static ost_status path_of(const char *name, ost_path *out, ost_error *err)
 
 static void put_times(const app_state *app, const char *key, const char *what, const ost_times *times)
 {
-    const double p50 = ost_times_share_us(times, 0.5), p99 = ost_times_share_us(times, 0.99), max = (double)times->max_ns * 1e-3;
-    put(app->result, key, json_pack("{s:f,s:f,s:f,s:I}", "p50", p50, "p99", p99, "max", max, "count", (json_int_t)times->count));
+    const double p50 = ost_times_share_us(times, 0.5), p99 = ost_times_share_us(times, 0.99),
+                 max = (double)times->max_ns * 1e-3;
+    put(app->result, key,
+        json_pack("{s:f,s:f,s:f,s:I}", "p50", p50, "p99", p99, "max", max, "count", (json_int_t)times->count));
     if (times->count)
         print_line(app, "  %-22s %8.0f %8.0f %10.0f us", what, p50, p99, max);
 }
@@ -74,7 +76,8 @@ static void report(const app_state *app, const bridge_args *args, const bridge_r
     put_integer(o, "unseen", (int64_t)r->loop.tracking_lost);
     put_integer(o, "fault_ticks", (int64_t)r->fault_ticks);
     put_real(o, "peak_force_n", r->peak_n);
-    print_line(app, "%s ticks of %s with %s: %s", format_count(a, (int64_t)r->loop.ticks), args->device, r->to, end_text(r));
+    print_line(app, "%s ticks of %s with %s: %s", format_count(a, (int64_t)r->loop.ticks), args->device, r->to,
+               end_text(r));
     print_line(app, "  %-22s %8s %8s %10s", "", "median", "99 %", "max");
     put_times(app, "wake_us", "late by", &r->loop.wake);
     put_times(app, "exec_us", "a tick takes", &r->loop.exec);
@@ -100,8 +103,11 @@ static ost_status run(app_state *app, const bridge_args *args, uint64_t ticks, o
     if (status == OST_OK)
         status = ost_haptic_open(args->device, &setup, &device, err);
     if (status == OST_OK) {
-        const bridge_options options = {
-            .to = args->to, .key = args->key, .ticks = ticks, .no_realtime = args->no_realtime, .stop_requested = interrupt_requested};
+        const bridge_options options = {.to = args->to,
+                                        .key = args->key,
+                                        .ticks = ticks,
+                                        .no_realtime = args->no_realtime,
+                                        .stop_requested = interrupt_requested};
         interrupt_begin();
         status = bridge_run(device, &options, r, err);
         interrupt_end();
@@ -110,7 +116,8 @@ static ost_status run(app_state *app, const bridge_args *args, uint64_t ticks, o
         report(app, args, r);
     if (status == OST_OK && (r->loop.end == OST_SERVO_DEVICE_LOST || r->loop.end == OST_SERVO_WATCHDOG)) {
         app->answered = true;
-        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device %s: %s after %llu ticks", args->device, end_text(r), (unsigned long long)r->loop.ticks);
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "device %s: %s after %llu ticks", args->device, end_text(r),
+                          (unsigned long long)r->loop.ticks);
     }
     ost_haptic_close(device);
     ost_path_free(&path);
@@ -152,7 +159,8 @@ ost_status cmd_bridge(app_state *app, int argc, char **argv, ost_error *err)
     int64_t ms = 0;
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
-    if (args.seconds.text && (!ost_decimal_scale(&args.seconds.value, 1000, &ms, NULL) || ms < 1 || ms > INT64_C(86400000)))
+    if (args.seconds.text &&
+        (!ost_decimal_scale(&args.seconds.value, 1000, &ms, NULL) || ms < 1 || ms > INT64_C(86400000)))
         return usage_error(app, err, "--seconds %s: must be from 0.001 to 86400", args.seconds.text);
     return run(app, &args, (uint64_t)ms, err);
 }

@@ -46,8 +46,8 @@ static void one_device(const ost_device_info *device, void *user)
     put_text(row, "reason", device->reason);
     put_text(row, "notes", device->notes);
     append(list->array, row);
-    print_line(list->app, "  %-24s %-4s %s%s%s", device->spec, device->available ? "yes" : "no", device->name, *device->name ? ", " : "",
-               device->platform);
+    print_line(list->app, "  %-24s %-4s %s%s%s", device->spec, device->available ? "yes" : "no", device->name,
+               *device->name ? ", " : "", device->platform);
     if (*device->reason)
         print_line(list->app, "  %-24s      %s", "", device->reason);
     if (*device->notes)
@@ -173,7 +173,8 @@ static void list_buttons(const app_state *app, json_t *row, const ost_haptic_inf
     for (int i = 0; i < info->button_count; i++) {
         const size_t used = strlen(text);
         put_text(buttons, info->buttons[i].name, ost_action_name(info->buttons[i].action));
-        snprintf(text + used, sizeof text - used, "%s%s=%s", used ? "," : "", info->buttons[i].name, ost_action_name(info->buttons[i].action));
+        snprintf(text + used, sizeof text - used, "%s%s=%s", used ? "," : "", info->buttons[i].name,
+                 ost_action_name(info->buttons[i].action));
     }
     put(row, "buttons", buttons);
     if (*text)
@@ -250,7 +251,8 @@ static void list_libraries(const app_state *app)
 #if defined HAVE_EMBREE4 || defined HAVE_EMBREE3
     one(app, array, "embree", true, "--backend cpu:voxelizer=embree, and Embree's rows in osteon bench");
 #else
-    one(app, array, "embree", false, "no --backend cpu:voxelizer=embree (same grids without); install libembree-dev and build again");
+    one(app, array, "embree", false,
+        "no --backend cpu:voxelizer=embree (same grids without); install libembree-dev and build again");
 #endif
     put(app->result, "libraries", array);
 }

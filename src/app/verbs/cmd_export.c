@@ -42,56 +42,67 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
     if (status == OST_OK)
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);
     if (status == OST_OK)
-        status = ends_with(args->out, "ply") ? ost_mesh_write_ply(args->out, &mesh, err) : ost_mesh_write_stl(args->out, &mesh, err);
+        status = ends_with(args->out, "ply") ? ost_mesh_write_ply(args->out, &mesh, err)
+                                             : ost_mesh_write_stl(args->out, &mesh, err);
     if (status == OST_OK) {
         char n[FORMAT_TEXT];
         double volume = ost_mesh_volume_mm3(&mesh);
         put_integer(app->result, "triangles", (int64_t)mesh.triangle_count);
         put_integer(app->result, "vertices", (int64_t)mesh.vertex_count);
         put_real(app->result, "volume_mm3", volume);
-        put(app->result, "bounds_mm", json_pack("[[f,f,f],[f,f,f]]", ost_pm_to_mm(lo.x), ost_pm_to_mm(lo.y), ost_pm_to_mm(lo.z),
-                                                ost_pm_to_mm(hi.x), ost_pm_to_mm(hi.y), ost_pm_to_mm(hi.z)));
-        print_line(app, "%s: a closed surface of %s triangles, %.4g mm3, millimetres", args->out, format_count(n, (int64_t)mesh.triangle_count), volume);
+        put(app->result, "bounds_mm",
+            json_pack("[[f,f,f],[f,f,f]]", ost_pm_to_mm(lo.x), ost_pm_to_mm(lo.y), ost_pm_to_mm(lo.z),
+                      ost_pm_to_mm(hi.x), ost_pm_to_mm(hi.y), ost_pm_to_mm(hi.z)));
+        print_line(app, "%s: a closed surface of %s triangles, %.4g mm3, millimetres", args->out,
+                   format_count(n, (int64_t)mesh.triangle_count), volume);
     }
     ost_mesh_free(&mesh);
     return status;
 }
 
 /* Computes the indices of the voxel that contains --at; -1 on each axis (the middle) if --at is not given. */
-static ost_status voxel_at(const app_state *app, const export_args *args, const ost_geometry *g, int32_t at[3], ost_error *err)
+static ost_status voxel_at(const app_state *app, const export_args *args, const ost_geometry *g, int32_t at[3],
+                           ost_error *err)
 {
     at[0] = at[1] = at[2] = -1;
     if (!args->target.at_given)
         return OST_OK;
-    const ost_pm p[3] = {args->target.at.x - g->origin.x, args->target.at.y - g->origin.y, args->target.at.z - g->origin.z};
+    const ost_pm p[3] = {args->target.at.x - g->origin.x, args->target.at.y - g->origin.y,
+                         args->target.at.z - g->origin.z};
     const ost_pm s[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
     for (int a = 0; a < 3; a++) {
         int64_t v = (int64_t)floor((double)p[a] / (double)s[a] + 0.5);
         if (v < 0 || v >= n[a]) {
             char text[FORMAT_TEXT];
-            return usage_error(app, err, "--at %s lies outside the grid of %s", format_point(text, args->target.at), args->bone);
+            return usage_error(app, err, "--at %s lies outside the grid of %s", format_point(text, args->target.at),
+                               args->bone);
         }
         at[a] = (int32_t)v;
     }
     return OST_OK;
 }
 
-static ost_status draw_view(const app_state *app, const export_args *args, loaded_volume *in, loaded_volume *before, ost_picture *out,
-                            ost_error *err)
+static ost_status draw_view(const app_state *app, const export_args *args, loaded_volume *in, loaded_volume *before,
+                            ost_picture *out, ost_error *err)
 {
     ost_glenoid glenoid;
     ost_view_subject subject;
-    ost_view_options options = {.width = 800, .height = 800, .threads = (int)app->threads, .tool = in->kind == LOAD_TOOL,
+    ost_view_options options = {.width = 800,
+                                .height = 800,
+                                .threads = (int)app->threads,
+                                .tool = in->kind == LOAD_TOOL,
                                 .unoriented = !view_oriented(&in->volume.meta)};
     double right[3], back[3];
-    ost_status status = args->view.size ? frame_size(app, args->view.size, &options.width, &options.height, err) : OST_OK;
+    ost_status status = args->view.size ? frame_size(app, args->view.size, &options.width, &options.height, err)
+                                        : OST_OK;
     if (status == OST_OK)
         status = loaded_to_bone(app, args->bone, in, err);
     if (status == OST_OK && args->before)
         status = loaded_to_bone(app, args->before, before, err);
     if (status == OST_OK)
-        status = view_subject(app, &args->view, &args->target, &in->volume.meta, &in->volume.geometry, args->bone, &glenoid, &subject, err);
+        status = view_subject(app, &args->view, &args->target, &in->volume.meta, &in->volume.geometry, args->bone,
+                              &glenoid, &subject, err);
     if (status != OST_OK)
         return status;
     view_fit(&args->target, args->before ? &before->volume : &in->volume, in->threshold, &subject);
@@ -105,10 +116,11 @@ static ost_status draw_view(const app_state *app, const export_args *args, loade
     return ost_picture_view(&in->volume, args->before ? &before->volume : NULL, &options, out, err);
 }
 
-static ost_status draw_slices(const app_state *app, const export_args *args, const loaded_volume *in, const ost_volume *before, ost_picture *out,
-                              ost_error *err)
+static ost_status draw_slices(const app_state *app, const export_args *args, const loaded_volume *in,
+                              const ost_volume *before, ost_picture *out, ost_error *err)
 {
-    ost_slices_options options = {.threshold = in->threshold, .unoriented = in->kind == LOAD_TOOL || !view_oriented(&in->volume.meta)};
+    ost_slices_options options = {.threshold = in->threshold,
+                                  .unoriented = in->kind == LOAD_TOOL || !view_oriented(&in->volume.meta)};
     int height = 0;
     ost_status status = voxel_at(app, args, &in->volume.geometry, options.at, err);
     if (status == OST_OK && args->view.size)
@@ -131,7 +143,8 @@ static ost_status export_picture(const app_state *app, const export_args *args, 
     if (args->before) {
         status = load_volume(app, args->before, &before, err);
         if (status == OST_OK && !ost_geometry_equal(&before.volume.geometry, &in->volume.geometry))
-            status = ost_fail(err, OST_ERR_INPUT, "%s and %s have other dims, spacing or origin", args->before, args->bone);
+            status = ost_fail(err, OST_ERR_INPUT, "%s and %s have other dims, spacing or origin", args->before,
+                              args->bone);
     }
     if (status == OST_OK && args->view.view_given)
         status = draw_view(app, args, in, &before, &picture, err);
@@ -157,7 +170,8 @@ static ost_status export_volume(const app_state *app, const export_args *args, c
     ost_status status = ost_volume_write(args->out, &in->volume, &write, err);
     if (status == OST_OK) {
         char d[FORMAT_TEXT], s[FORMAT_TEXT];
-        print_line(app, "%s: %s voxels of %s", args->out, format_dims(d, in->volume.geometry.dims), format_spacing(s, in->volume.geometry.spacing));
+        print_line(app, "%s: %s voxels of %s", args->out, format_dims(d, in->volume.geometry.dims),
+                   format_spacing(s, in->volume.geometry.spacing));
     }
     return status;
 }
@@ -173,7 +187,9 @@ static ost_status check_args(app_state *app, const export_args *args, ost_error 
     if (args->decimals && !ends_with(args->out, "txt"))
         return usage_error(app, err, "--decimals needs a .txt file, not %s", args->out);
     if (ends_with(args->out, "mcap") || ends_with(args->out, "h5") || ends_with(args->out, "hdf5"))
-        return usage_error(app, err, "%s: osteon does not write this format: export the session to a table, --out FILE.csv", args->out);
+        return usage_error(app, err,
+                           "%s: osteon does not write this format: export the session to a table, --out FILE.csv",
+                           args->out);
     return out_check(app, args->out, "nrrd|nii|nii.gz|txt|stl|ply|png|csv", err);
 }
 
@@ -183,26 +199,61 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
     target_options *t = &args.target;
     const operand operands[] = {{"BONE", &args.bone, "no bone given"}, {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE", .required = true,
+        {.name = "out",
+         .kind = OPTION_TEXT,
+         .out = &args.out,
+         .value = "FILE",
+         .required = true,
          .help = "volume: .nrrd, .nii, .nii.gz or .txt; surface: .stl or .ply; picture: .png; session: .csv"},
-        {.name = "threshold", .kind = OPTION_INTEGER, .out = &args.threshold, .given = &args.threshold_given, .value = "HU", .min = 1, .max = 32767,
+        {.name = "threshold",
+         .kind = OPTION_INTEGER,
+         .out = &args.threshold,
+         .given = &args.threshold_given,
+         .value = "HU",
+         .min = 1,
+         .max = 32767,
          .help = "lowest density of bone (default: as in the bone's file, else 120)"},
-        {.name = "slices", .kind = OPTION_FLAG, .out = &args.slices,
+        {.name = "slices",
+         .kind = OPTION_FLAG,
+         .out = &args.slices,
          .help = ".png: an axial, a coronal and a sagittal slice (default)"},
         VIEW_OPTION(args.view, ".png: the surface as osteon render draws it, in this direction"),
         VIEW_EXTENT_OPTION(args.view),
-        {.name = "before", .kind = OPTION_TEXT, .out = &args.before, .value = "BONE",
+        {.name = "before",
+         .kind = OPTION_TEXT,
+         .out = &args.before,
+         .value = "BONE",
          .help = ".png: the bone before removal; the bone removed since is coloured"},
-        {.name = "at", .kind = OPTION_POINT, .out = &t->at, .given = &t->at_given, .value = "X,Y,Z",
+        {.name = "at",
+         .kind = OPTION_POINT,
+         .out = &t->at,
+         .given = &t->at_given,
+         .value = "X,Y,Z",
          .help = ".png: point through which the slices pass, or at which the view is directed"},
-        {.name = "axis", .kind = OPTION_VECTOR, .out = t->axis, .given = &t->axis_given, .value = "X,Y,Z",
+        {.name = "axis",
+         .kind = OPTION_VECTOR,
+         .out = t->axis,
+         .given = &t->axis_given,
+         .value = "X,Y,Z",
          .help = "direction into the bone at the glenoid (default: as in the file)"},
-        {.name = "side", .kind = OPTION_CHOICE, .out = &t->side, .given = &t->side_given, .value = "left|right",
+        {.name = "side",
+         .kind = OPTION_CHOICE,
+         .out = &t->side,
+         .given = &t->side_given,
+         .value = "left|right",
          .help = "side of the body (default: as in the file, else derived from the axis)"},
-        {.name = "size", .kind = OPTION_TEXT, .out = &args.view.size, .value = "WxH",
+        {.name = "size",
+         .kind = OPTION_TEXT,
+         .out = &args.view.size,
+         .value = "WxH",
          .help = ".png: size of a view in pixels (default: 800x800), or one number, the longest side of a slice "
                  "(default: 480)"},
-        {.name = "decimals", .kind = OPTION_INTEGER, .out = &args.decimals, .value = "N", .min = 1, .max = 9,
+        {.name = "decimals",
+         .kind = OPTION_INTEGER,
+         .out = &args.decimals,
+         .value = "N",
+         .min = 1,
+         .max = 9,
          .help = "digits after the decimal point in a .txt (default: as many as needed)"},
         {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "compress a .nrrd with gzip"},
         {.name = NULL}};

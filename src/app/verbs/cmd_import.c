@@ -31,14 +31,15 @@ static const char *kind_text(ost_file_kind kind)
 static void warn_size(const app_state *app, const char *name, const ost_import_result *r)
 {
     const ost_geometry *g = &r->rect;
-    const double size[3] = {g->dims.x * ost_pm_to_mm(g->spacing.x), g->dims.y * ost_pm_to_mm(g->spacing.y), g->dims.z * ost_pm_to_mm(g->spacing.z)};
+    const double size[3] = {g->dims.x * ost_pm_to_mm(g->spacing.x), g->dims.y * ost_pm_to_mm(g->spacing.y),
+                            g->dims.z * ost_pm_to_mm(g->spacing.z)};
     double largest = size[0] > size[1] ? size[0] : size[1];
     char text[LOAD_UNITS_TEXT];
     largest = largest > size[2] ? largest : size[2];
     if ((largest >= 20 && largest <= 3000) || ost_meta_get(&r->meta, "phantom"))
         return;
-    warn(app, "%s: the CT is %.3g mm across, too %s for a patient's bone%s", name, largest, largest < 20 ? "small" : "large",
-         load_other_units(text, largest));
+    warn(app, "%s: the CT is %.3g mm across, too %s for a patient's bone%s", name, largest,
+         largest < 20 ? "small" : "large", load_other_units(text, largest));
 }
 
 static void put_result(const app_state *app, const ost_import_result *r, const ost_bone_info *info)
@@ -47,7 +48,8 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
     put_text(o, "format", kind_text(r->kind));
     put_dims(o, "rect_dims", r->rect.dims);
     put_mm3(o, "rect_spacing_mm", r->rect.spacing);
-    put(o, "spacing_inferred", json_pack("[b,b,b]", r->spacing_inferred[0], r->spacing_inferred[1], r->spacing_inferred[2]));
+    put(o, "spacing_inferred",
+        json_pack("[b,b,b]", r->spacing_inferred[0], r->spacing_inferred[1], r->spacing_inferred[2]));
     put_dims(o, "cubic_dims", r->cubic.dims);
     put_mm(o, "cubic_spacing_mm", r->cubic.spacing.x);
     put_mm3(o, "origin_mm", r->cubic.origin);
@@ -89,16 +91,18 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
     put_meta(o, "meta", &r->meta);
 }
 
-static void print_result(const app_state *app, const char *ct, const char *out, const ost_import_result *r, const ost_bone_info *info)
+static void print_result(const app_state *app, const char *ct, const char *out, const ost_import_result *r,
+                         const ost_bone_info *info)
 {
     char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT], d[FORMAT_TEXT];
     bool found = r->spacing_inferred[0] || r->spacing_inferred[1] || r->spacing_inferred[2];
-    print_line(app, "%s: %s, %s voxels at %s%s%s", ct, kind_text(r->kind), format_dims(a, r->rect.dims), format_spacing(b, r->rect.spacing),
-               found ? " (spacing found from the positions)" : "", r->volume.reoriented ? " (axes turned to LPS)" : "");
-    print_line(app, "%s: %s cubic voxels of %s, %s of them bone (%d HU or more)", out, format_dims(a, r->cubic.dims), format_spacing(b, r->cubic.spacing),
-               format_count(c, info->active_voxels), info->threshold);
-    print_line(app, "  %s chunks of %d^3, %s of %s in use, %s", format_dims(a, info->chunk_dims), info->chunk_size, format_count(b, info->active_chunks),
-               format_count(c, info->chunks), format_bytes(d, info->chunk_bytes));
+    print_line(app, "%s: %s, %s voxels at %s%s%s", ct, kind_text(r->kind), format_dims(a, r->rect.dims),
+               format_spacing(b, r->rect.spacing), found ? " (spacing found from the positions)" : "",
+               r->volume.reoriented ? " (axes turned to LPS)" : "");
+    print_line(app, "%s: %s cubic voxels of %s, %s of them bone (%d HU or more)", out, format_dims(a, r->cubic.dims),
+               format_spacing(b, r->cubic.spacing), format_count(c, info->active_voxels), info->threshold);
+    print_line(app, "  %s chunks of %d^3, %s of %s in use, %s", format_dims(a, info->chunk_dims), info->chunk_size,
+               format_count(b, info->active_chunks), format_count(c, info->chunks), format_bytes(d, info->chunk_bytes));
     for (int i = 0; i < r->stage_count; i++)
         print_line(app, "  %-8s %9s", r->stages[i].name, format_time(a, r->stages[i].time_ms));
 }
@@ -134,7 +138,8 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
     };
     ost_status status;
-    if (!options_parse(app, &usage, argc, argv, &status, err) || (status = out_check(app, out, "nrrd|nii|nii.gz|txt", err)) != OST_OK)
+    if (!options_parse(app, &usage, argc, argv, &status, err) ||
+        (status = out_check(app, out, "nrrd|nii|nii.gz|txt", err)) != OST_OK)
         return status;
 
     ost_backend *backend = NULL;

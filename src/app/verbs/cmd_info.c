@@ -16,13 +16,15 @@
 static void put_geometry(const app_state *app, const ost_geometry *g)
 {
     char a[FORMAT_TEXT], b[FORMAT_TEXT];
-    double size[3] = {g->dims.x * ost_pm_to_mm(g->spacing.x), g->dims.y * ost_pm_to_mm(g->spacing.y), g->dims.z * ost_pm_to_mm(g->spacing.z)};
+    double size[3] = {g->dims.x * ost_pm_to_mm(g->spacing.x), g->dims.y * ost_pm_to_mm(g->spacing.y),
+                      g->dims.z * ost_pm_to_mm(g->spacing.z)};
     put_dims(app->result, "dims", g->dims);
     put_mm3(app->result, "spacing_mm", g->spacing);
     put_mm3(app->result, "origin_mm", g->origin);
     put(app->result, "size_mm", json_pack("[f,f,f]", size[0], size[1], size[2]));
     put_integer(app->result, "voxels", ost_dims_count(g->dims));
-    print_line(app, "  %s voxels of %s, %.4g x %.4g x %.4g mm", format_dims(a, g->dims), format_spacing(b, g->spacing), size[0], size[1], size[2]);
+    print_line(app, "  %s voxels of %s, %.4g x %.4g x %.4g mm", format_dims(a, g->dims), format_spacing(b, g->spacing),
+               size[0], size[1], size[2]);
     print_line(app, "  first voxel at %s", format_point(a, g->origin));
 }
 
@@ -49,8 +51,8 @@ static ost_status info_volume(const app_state *app, const char *name, const char
     put_text(app->result, "element_type", report.type);
     put_text(app->result, "encoding", report.encoding);
     put_text(app->result, "orientation", report.orientation);
-    print_line(app, "%s: a %s in %s, %s, %s%s%s", name, strcmp(kind, "ct") == 0 ? "CT" : kind, format, report.type, report.encoding,
-               report.orientation[0] ? ", axes to " : "", report.orientation);
+    print_line(app, "%s: a %s in %s, %s, %s%s%s", name, strcmp(kind, "ct") == 0 ? "CT" : kind, format, report.type,
+               report.encoding, report.orientation[0] ? ", axes to " : "", report.orientation);
     put_bool(app->result, "orientation_assumed", report.assumed);
     put_geometry(app, &geometry);
     print_meta(app, &meta);
@@ -121,7 +123,8 @@ static ost_status info_text(const app_state *app, const char *name, ost_error *e
     put_text(app->result, "kind", "ct");
     put_text(app->result, "format", "text");
     put_integer(app->result, "samples", (int64_t)r.scatter.samples);
-    print_line(app, "%s: a CT as text, %s lines of x y z density", name, format_count(text, (int64_t)r.scatter.samples));
+    print_line(app, "%s: a CT as text, %s lines of x y z density", name,
+               format_count(text, (int64_t)r.scatter.samples));
     put_geometry(app, &r.rect);
     print_meta(app, &r.meta);
     return OST_OK;
@@ -148,14 +151,18 @@ static ost_status info_mesh(const app_state *app, const char *name, ost_error *e
         put_integer(app->result, "vertices", (int64_t)mesh.vertex_count);
         put_integer(app->result, "bodies", (int64_t)report.bodies);
         put_integer(app->result, "open_edges", (int64_t)open_edges);
-        put(app->result, "bounds_mm", json_pack("[[f,f,f],[f,f,f]]", ost_pm_to_mm(lo.x), ost_pm_to_mm(lo.y), ost_pm_to_mm(lo.z),
-                                                ost_pm_to_mm(hi.x), ost_pm_to_mm(hi.y), ost_pm_to_mm(hi.z)));
-        put(app->result, "dims", json_pack("[f,f,f]", ost_pm_to_mm(hi.x - lo.x), ost_pm_to_mm(hi.y - lo.y), ost_pm_to_mm(hi.z - lo.z)));
+        put(app->result, "bounds_mm",
+            json_pack("[[f,f,f],[f,f,f]]", ost_pm_to_mm(lo.x), ost_pm_to_mm(lo.y), ost_pm_to_mm(lo.z),
+                      ost_pm_to_mm(hi.x), ost_pm_to_mm(hi.y), ost_pm_to_mm(hi.z)));
+        put(app->result, "dims",
+            json_pack("[f,f,f]", ost_pm_to_mm(hi.x - lo.x), ost_pm_to_mm(hi.y - lo.y), ost_pm_to_mm(hi.z - lo.z)));
         put_real(app->result, "volume_mm3", volume);
-        print_line(app, "%s: a mesh, %s, %s triangles, %zu part%s, %s", name, report.format, format_count(a, (int64_t)mesh.triangle_count), report.bodies,
-                   report.bodies == 1 ? "" : "s", open_edges ? "not closed" : "closed");
+        print_line(app, "%s: a mesh, %s, %s triangles, %zu part%s, %s", name, report.format,
+                   format_count(a, (int64_t)mesh.triangle_count), report.bodies, report.bodies == 1 ? "" : "s",
+                   open_edges ? "not closed" : "closed");
         print_line(app, "  from %s to %s, if its unit is the millimetre", format_point(b, lo), format_point(c, hi));
-        print_line(app, "  volume %.4g mm3, %s open edge%s", volume, format_count(a, (int64_t)open_edges), open_edges == 1 ? "" : "s");
+        print_line(app, "  volume %.4g mm3, %s open edge%s", volume, format_count(a, (int64_t)open_edges),
+                   open_edges == 1 ? "" : "s");
     }
     ost_mesh_free(&mesh);
     return status;
@@ -181,14 +188,17 @@ static ost_status info_path(const app_state *app, const char *name, ost_error *e
     put_integer(app->result, "tools", tools);
     put_integer(app->result, "gaps", (int64_t)report.gaps);
     put_integer(app->result, "lost_rows", (int64_t)report.lost_rows);
-    print_line(app, "%s: a path of %s ticks in %.3f s, for %d tool%s", name, format_count(a, (int64_t)path.count), seconds, tools, tools == 1 ? "" : "s");
+    print_line(app, "%s: a path of %s ticks in %.3f s, for %d tool%s", name, format_count(a, (int64_t)path.count),
+               seconds, tools, tools == 1 ? "" : "s");
     if (report.gaps || report.lost_rows)
-        print_line(app, "  %zu rows without a pose; the tool is lifted %zu time%s on its way", report.lost_rows, report.gaps, report.gaps == 1 ? "" : "s");
+        print_line(app, "  %zu rows without a pose; the tool is lifted %zu time%s on its way", report.lost_rows,
+                   report.gaps, report.gaps == 1 ? "" : "s");
     ost_path_free(&path);
     return OST_OK;
 }
 
-static ost_status set_facts(const app_state *app, const char *name, ost_file_kind kind, const option_list *sets, ost_error *err)
+static ost_status set_facts(const app_state *app, const char *name, ost_file_kind kind, const option_list *sets,
+                            ost_error *err)
 {
     ost_geometry geometry;
     ost_meta meta;
@@ -224,8 +234,9 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
                  "missing in it is printed.",
         .operands = operands,
         .options = options,
-        .example = "  osteon info scapula.nrrd\n  osteon info scapula.nrrd --set side=left\n  osteon info reamer.stl --json\n"
-                   "  osteon info cut-off.session --repair whole.session",
+        .example =
+            "  osteon info scapula.nrrd\n  osteon info scapula.nrrd --set side=left\n  osteon info reamer.stl --json\n"
+            "  osteon info cut-off.session --repair whole.session",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err))

@@ -22,7 +22,8 @@ static ost_status find_kind(const app_state *app, const char *name, ost_phantom_
     const char *near = nearest_name(name, names, OST_PHANTOM_COUNT);
     if (near)
         return usage_error(app, err, "'%s' is not a phantom; did you mean %s?", name, near);
-    return usage_error(app, err, "'%s' is not a phantom; expected scapula, glenoid, trabecular, trabecular2 or foam", name);
+    return usage_error(app, err, "'%s' is not a phantom; expected scapula, glenoid, trabecular, trabecular2 or foam",
+                       name);
 }
 
 /* Reads --scale. The factor may have up to nine decimal places; it is a parameter of the shape. */
@@ -31,7 +32,8 @@ static ost_status take_scale(const app_state *app, const option_decimal *given, 
     int64_t billionths;
     if (!given->text)
         return OST_OK;
-    if (!ost_decimal_scale(&given->value, 1000000000, &billionths, NULL) || billionths < 100000000 || billionths > 10000000000)
+    if (!ost_decimal_scale(&given->value, 1000000000, &billionths, NULL) || billionths < 100000000 ||
+        billionths > 10000000000)
         return usage_error(app, err, "--scale %s: must be from 0.1 to 10", given->text);
     *out = (double)billionths / 1e9;
     return OST_OK;
@@ -46,8 +48,8 @@ static void put_glenoid(const app_state *app, const ost_meta *meta)
     put_mm3(app->result, "glenoid_at_mm", glenoid.at);
     put(app->result, "glenoid_axis", json_pack("[f,f,f]", glenoid.axis[0], glenoid.axis[1], glenoid.axis[2]));
     put_text(app->result, "side", glenoid.left ? "left" : "right");
-    print_line(app, "  glenoid at %s, inward (%.3g, %.3g, %.3g), %s side", format_point(text, glenoid.at), glenoid.axis[0], glenoid.axis[1],
-               glenoid.axis[2], glenoid.left ? "left" : "right");
+    print_line(app, "  glenoid at %s, inward (%.3g, %.3g, %.3g), %s side", format_point(text, glenoid.at),
+               glenoid.axis[0], glenoid.axis[1], glenoid.axis[2], glenoid.left ? "left" : "right");
 }
 
 ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
@@ -94,7 +96,8 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
     ost_phantom_kind kind = OST_PHANTOM_SCAPULA;
-    if ((status = find_kind(app, kind_name, &kind, err)) != OST_OK || (status = take_scale(app, &scale, &make.scale, err)) != OST_OK ||
+    if ((status = find_kind(app, kind_name, &kind, err)) != OST_OK ||
+        (status = take_scale(app, &scale, &make.scale, err)) != OST_OK ||
         (status = out_check(app, out, "txt|nrrd|nii|nii.gz", err)) != OST_OK)
         return status;
     if (decimals && !ends_with(out, "txt"))
@@ -122,8 +125,9 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
         put_integer(app->result, "seed", seed);
         put_digest(app->result, "sha256", &digest);
         put_real(app->result, "time_ms", made_ms);
-        print_line(app, "%s: a %s of %s voxels at %s, seed %lld, made in %s", out, ost_phantom_name(kind), format_dims(dims, volume.geometry.dims),
-                   format_spacing(spacing, volume.geometry.spacing), (long long)seed, format_time(time, made_ms));
+        print_line(app, "%s: a %s of %s voxels at %s, seed %lld, made in %s", out, ost_phantom_name(kind),
+                   format_dims(dims, volume.geometry.dims), format_spacing(spacing, volume.geometry.spacing),
+                   (long long)seed, format_time(time, made_ms));
         put_glenoid(app, &volume.meta);
     }
     ost_volume_free(&volume);

@@ -101,7 +101,9 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
     if (status == OST_OK)
         status = ost_viewer_add_tool(&d->viewer, &d->tool_volume, err);
     if (status == OST_OK && !args->pose_text && !known)
-        status = ost_fail(err, OST_ERR_USAGE, "%s: the glenoid's position is not set: pass --pose X,Y,Z,QW,QX,QY,QZ, or --at and --axis", args->bone);
+        status = ost_fail(err, OST_ERR_USAGE,
+                          "%s: the glenoid's position is not set: pass --pose X,Y,Z,QW,QX,QY,QZ, or --at and --axis",
+                          args->bone);
     if (status == OST_OK && !args->pose_text) {
         status = ost_builtin_path(OST_BUILTIN_GLENOID_REAM, glenoid, ost_tool_geometry_get(d->tool), 0, &path, err);
         if (status == OST_OK)
@@ -116,13 +118,15 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
 }
 
 /* Sets the uncut surface from the bone of --before, or without it from the bone as it is. */
-static ost_status add_uncut(const app_state *app, const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
+static ost_status add_uncut(const app_state *app, const render_args *args, drawing *d, const ost_glenoid *glenoid,
+                            bool known, ost_error *err)
 {
     const ost_density_classes classes = ost_density_classes_default();
     ost_bone_info info;
     ost_bone *bone = NULL;
     ost_import_result imported;
-    ost_status status = args->before ? load_bone(app, d->backend, args->before, &args->ct, false, &bone, &imported, err) : OST_OK;
+    ost_status status = args->before ? load_bone(app, d->backend, args->before, &args->ct, false, &bone, &imported, err)
+                                     : OST_OK;
     if (status == OST_OK)
         status = ost_bone_info_get(args->before ? bone : d->bone, &info, err);
     if (status == OST_OK && !ost_geometry_equal(&info.geometry, &d->viewer.bone.geometry))
@@ -145,10 +149,12 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
     if (status != OST_OK)
         return status;
     const ost_geometry *g = ost_live_geometry(d->live);
-    status = view_subject(app, &args->view, &args->target, &d->imported.meta, g, args->bone, &glenoid, &d->subject, err);
+    status = view_subject(app, &args->view, &args->target, &d->imported.meta, g, args->bone, &glenoid, &d->subject,
+                          err);
     const bool known = d->subject.has_face;
     if (status == OST_OK)
-        status = ost_viewer_init(&d->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, (int)app->threads, err);
+        status = ost_viewer_init(&d->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL,
+                                 (int)app->threads, err);
     if (status != OST_OK)
         return status;
     if (args->renderer != RENDERER_POINTS)
@@ -169,7 +175,8 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
     ost_pose_to_doubles(&camera.pose, eye, q);
     const ost_live_state state = d->viewer.state;
     const bool has_state = d->viewer.has_state;
-    status = appearance_begin(&d->look, &d->viewer, &d->subject, args->depth_mm, d->tool ? &d->tool_volume : NULL, &args->look, eye, err);
+    status = appearance_begin(&d->look, &d->viewer, &d->subject, args->depth_mm, d->tool ? &d->tool_volume : NULL,
+                              &args->look, eye, err);
     if (status == OST_OK)
         status = ost_viewer_update(&d->viewer, err);
     d->viewer.state = state;

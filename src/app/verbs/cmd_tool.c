@@ -60,7 +60,8 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
     ost_tool_kind kind = OST_TOOL_REAMER;
-    if ((status = find_kind(app, kind_name, &kind, err)) != OST_OK || (status = out_check(app, out, "stl|ply", err)) != OST_OK)
+    if ((status = find_kind(app, kind_name, &kind, err)) != OST_OK ||
+        (status = out_check(app, out, "stl|ply", err)) != OST_OK)
         return status;
     make.segments = (int)segments;
 
@@ -77,11 +78,13 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
         put_text(app->result, "kind", ost_tool_kind_name(kind));
         put_text(app->result, "out", out);
         put_integer(app->result, "triangles", (int64_t)mesh.triangle_count);
-        put(app->result, "bounds_mm", json_pack("[[f,f,f],[f,f,f]]", ost_pm_to_mm(lo.x), ost_pm_to_mm(lo.y), ost_pm_to_mm(lo.z),
-                                                ost_pm_to_mm(hi.x), ost_pm_to_mm(hi.y), ost_pm_to_mm(hi.z)));
+        put(app->result, "bounds_mm",
+            json_pack("[[f,f,f],[f,f,f]]", ost_pm_to_mm(lo.x), ost_pm_to_mm(lo.y), ost_pm_to_mm(lo.z),
+                      ost_pm_to_mm(hi.x), ost_pm_to_mm(hi.y), ost_pm_to_mm(hi.z)));
         put_real(app->result, "volume_mm3", volume);
         print_line(app, "%s: a %s of %s triangles, %.0f mm3, from %s to %s", out, ost_tool_kind_name(kind),
-                   format_count(count, (int64_t)mesh.triangle_count), volume, format_point(from, lo), format_point(to, hi));
+                   format_count(count, (int64_t)mesh.triangle_count), volume, format_point(from, lo),
+                   format_point(to, hi));
     }
     ost_mesh_free(&mesh);
     return status;

@@ -86,13 +86,17 @@ ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err)
         put_text(app->result, "out", out);
         put_result(app, &report, g, &digest);
         put_digest(app->result, "file_sha256", &file);
-        print_line(app, "%s: %s, %s triangles, %.4g mm3", mesh, report.mesh.format, format_count(a, (int64_t)report.triangles), report.mesh_volume_mm3);
-        print_line(app, "%s: %s voxels of %s, %s solid (%.4g mm3), in %s", out, format_dims(a, g->dims), format_spacing(b, (ost_pm3){g->voxel, g->voxel, g->voxel}),
-                   format_count(c, (int64_t)report.voxels.solid_voxels), (double)report.voxels.solid_voxels * voxel * voxel * voxel,
-                   format_time(d, report.time_ms));
+        print_line(app, "%s: %s, %s triangles, %.4g mm3", mesh, report.mesh.format,
+                   format_count(a, (int64_t)report.triangles), report.mesh_volume_mm3);
+        print_line(app, "%s: %s voxels of %s, %s solid (%.4g mm3), in %s", out, format_dims(a, g->dims),
+                   format_spacing(b, (ost_pm3){g->voxel, g->voxel, g->voxel}),
+                   format_count(c, (int64_t)report.voxels.solid_voxels),
+                   (double)report.voxels.solid_voxels * voxel * voxel * voxel, format_time(d, report.time_ms));
         if (report.dropped_triangles)
-            print_line(app, "  %zu triangle%s without area dropped", report.dropped_triangles, report.dropped_triangles == 1 ? "" : "s");
-        if (g->dims.x > OST_TOOL_DIM_REMOVE_MAX || g->dims.y > OST_TOOL_DIM_REMOVE_MAX || g->dims.z > OST_TOOL_DIM_REMOVE_MAX)
+            print_line(app, "  %zu triangle%s without area dropped", report.dropped_triangles,
+                       report.dropped_triangles == 1 ? "" : "s");
+        if (g->dims.x > OST_TOOL_DIM_REMOVE_MAX || g->dims.y > OST_TOOL_DIM_REMOVE_MAX ||
+            g->dims.z > OST_TOOL_DIM_REMOVE_MAX)
             warn(app, "%s: more than %d voxels per side, too many for osteon ream; use a larger --voxel", out,
                  OST_TOOL_DIM_REMOVE_MAX);
     }

@@ -43,8 +43,8 @@ static short ost_slab_read(__global const short *from, ulong plane, int weight)
     return weight > 0 ? ost_mean15(from[0] * (32768 - weight) + from[plane] * weight) : from[0];
 }
 
-__kernel void ost_chunk_scan(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights, __global const int *layers,
-                             __global const short *slab, volatile __global uint *active)
+__kernel void ost_chunk_scan(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights,
+                             __global const int *layers, __global const short *slab, volatile __global uint *active)
 {
     const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
     if (get_global_id(0) >= (size_t)(z1 - z0) || get_global_id(1) >= columns)
@@ -66,12 +66,14 @@ __kernel void ost_chunk_scan(__global const ost_cl_bone *bone, int z0, int z1, i
 #endif
 
 #if OST_FOR & 1
-__kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights, __global const int *layers,
-                              __global const short *slab, __global const uint *slots, __global short *density, __global uint *words)
+__kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights,
+                              __global const int *layers, __global const short *slab, __global const uint *slots,
+                              __global short *density, __global uint *words)
 {
     const int n = bone->size;
     const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
-    if (get_global_id(0) >= (size_t)(n * n / 32) || get_global_id(1) >= columns || get_global_id(2) >= (size_t)(z1 - z0))
+    if (get_global_id(0) >= (size_t)(n * n / 32) || get_global_id(1) >= columns ||
+        get_global_id(2) >= (size_t)(z1 - z0))
         return;
     const int column = (int)get_global_id(1), z = z0 + (int)get_global_id(2);
     const uint slot = slots[(size_t)column + columns * (size_t)(z / n)];
@@ -109,8 +111,8 @@ __kernel void ost_chunk_store(__global const ost_cl_bone *bone, int z0, int z1, 
     words[to / 32] = word;
 }
 
-__kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, __global const uint *slots, __global const short *density,
-                             __global short *slab)
+__kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, __global const uint *slots,
+                             __global const short *density, __global short *slab)
 {
     if (get_global_id(0) >= (size_t)bone->dims[0] || get_global_id(1) >= (size_t)bone->dims[1] ||
         get_global_id(2) >= (size_t)(z1 - z0))

@@ -31,8 +31,8 @@ static uint ost_count16_between(__global const short *a, __global const short *b
     return (uint)count;
 }
 
-__kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights, __global const int *layers,
-                                    __global const short *slab, __global uint *active)
+__kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights,
+                                    __global const int *layers, __global const short *slab, __global uint *active)
 {
     const int n = bone->size, nx = bone->dims[0];
     if (get_global_id(0) >= (size_t)bone->chunk_dims[1] || get_global_id(1) >= (size_t)bone->chunk_dims[2])
@@ -58,7 +58,9 @@ __kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, in
                     for (; x + 16 <= x1; x += 16)
                         count += ost_count16_between(row + x, row + plane + x, weight, threshold);
                     for (; x < x1; x++)
-                        count += ost_mean15(row[x] * (32768 - weight) + row[plane + (ulong)x] * weight) >= threshold ? 1u : 0u;
+                        count += ost_mean15(row[x] * (32768 - weight) + row[plane + (ulong)x] * weight) >= threshold
+                                     ? 1u
+                                     : 0u;
                 }
                 for (; x + 16 <= x1; x += 16)
                     count += ost_count16(row + x, threshold);
@@ -83,7 +85,8 @@ static uint ost_keep16(__global const short *from, __global short *to, short thr
 }
 
 /* The same for the means of 16 voxels of two slices. */
-static uint ost_keep16_between(__global const short *a, __global const short *b, int weight, __global short *to, short threshold)
+static uint ost_keep16_between(__global const short *a, __global const short *b, int weight, __global short *to,
+                               short threshold)
 {
     ushort bits = 0;
     for (int i = 0; i < 16; i++) {
@@ -96,24 +99,27 @@ static uint ost_keep16_between(__global const short *a, __global const short *b,
 
 /* Stores 16 voxels, from x on, of a row of width nx, or of its mean with the row of the next plane. Returns their
    bits, half a word. */
-static uint ost_store16(__global const short *row, ulong plane, int weight, int x, int nx, __global short *to, short threshold)
+static uint ost_store16(__global const short *row, ulong plane, int weight, int x, int nx, __global short *to,
+                        short threshold)
 {
     if (x + 16 <= nx)
-        return weight > 0 ? ost_keep16_between(row + x, row + plane + x, weight, to, threshold) : ost_keep16(row + x, to, threshold);
+        return weight > 0 ? ost_keep16_between(row + x, row + plane + x, weight, to, threshold)
+                          : ost_keep16(row + x, to, threshold);
     uint bits = 0;
     for (int i = 0; i < 16; i++) {
         short read = 0;
         if (x + i < nx)
-            read = weight > 0 ? ost_mean15(row[x + i] * (32768 - weight) + row[plane + (ulong)(x + i)] * weight) : row[x + i];
+            read = weight > 0 ? ost_mean15(row[x + i] * (32768 - weight) + row[plane + (ulong)(x + i)] * weight)
+                              : row[x + i];
         to[i] = read >= threshold ? read : (short)0; /* beyond nx read is 0, below every threshold (at least 1) */
         bits |= (read >= threshold ? 1u : 0u) << i;
     }
     return bits;
 }
 
-__kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights, __global const int *layers,
-                                     __global const short *slab, __global const uint *slots, __global short *density,
-                                     __global uint *words)
+__kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, int z1, int first, int weights,
+                                     __global const int *layers, __global const short *slab, __global const uint *slots,
+                                     __global short *density, __global uint *words)
 {
     const int n = bone->size, nx = bone->dims[0], ny = bone->dims[1];
     const size_t columns = (size_t)bone->chunk_dims[0] * (size_t)bone->chunk_dims[1];
@@ -138,7 +144,8 @@ __kernel void ost_chunk_store_layers(__global const ost_cl_bone *bone, int z0, i
             __global const short *row = slab + ost_slab_at(bone, 0, y0 + y < ny ? y0 + y : 0, slice);
             const int end = k < z1 && y0 + y < ny ? nx : 0;
             for (int h = 0; h < half_words; h++)
-                bits[y * half_words + h] = (ushort)ost_store16(row, plane, weight, x0 + 16 * h, end, to + y * n + 16 * h, threshold);
+                bits[y * half_words + h] = (ushort)ost_store16(row, plane, weight, x0 + 16 * h, end,
+                                                               to + y * n + 16 * h, threshold);
         }
     }
 }
@@ -158,7 +165,8 @@ __kernel void ost_chunk_load_rows(__global const ost_cl_bone *bone, int z0, int 
     const int cy = (int)get_global_id(0), slice = (int)get_global_id(1), z = z0 + slice;
     const int y1 = ost_least(cy * n + n, bone->dims[1]);
     for (int cx = 0; cx < bone->chunk_dims[0]; cx++) {
-        const uint slot = slots[(ulong)cx + (ulong)bone->chunk_dims[0] * ((ulong)cy + (ulong)bone->chunk_dims[1] * (ulong)(z / n))];
+        const uint slot =
+            slots[(ulong)cx + (ulong)bone->chunk_dims[0] * ((ulong)cy + (ulong)bone->chunk_dims[1] * (ulong)(z / n))];
         const int count = ost_least(n, nx - cx * n);
         for (int y = cy * n; y < y1; y++) {
             __global short *to = slab + ost_slab_at(bone, cx * n, y, slice);
@@ -167,7 +175,8 @@ __kernel void ost_chunk_load_rows(__global const ost_cl_bone *bone, int z0, int 
                     to[x] = 0;
                 continue;
             }
-            __global const short *from = density + (ulong)slot * ost_chunk_voxels(bone) + (ulong)(n * (y - cy * n + n * (z % n)));
+            __global const short *from = density + (ulong)slot * ost_chunk_voxels(bone) +
+                                         (ulong)(n * (y - cy * n + n * (z % n)));
             int x = 0;
             for (; x + 16 <= count; x += 16)
                 ost_copy16(from + x, to + x);

@@ -55,7 +55,8 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
     to[26] = as_ulong(ost_rhe_div(as_long(a >> 2) - as_long(b >> 2), sd));
     /* Bits, order, width */
     to[27] = (ulong)clz(a) << 24 | (ulong)clz(a32) << 16 | (ulong)popcount(a) << 8 | (ulong)popcount(b32);
-    to[28] = (sa < sb ? 1ul : 0ul) | (sa32 < sb32 ? 2ul : 0ul) | (a32 < b32 ? 4ul : 0ul) | (as_ulong(min(sa, sb)) ^ max(a, b)) << 3;
+    to[28] = (sa < sb ? 1ul : 0ul) | (sa32 < sb32 ? 2ul : 0ul) | (a32 < b32 ? 4ul : 0ul) |
+             (as_ulong(min(sa, sb)) ^ max(a, b)) << 3;
     to[29] = as_ulong((long)as_short((ushort)a) + (long)as_char((uchar)b));
     to[30] = (ulong)(ushort)a32 << 32 | (ulong)(uchar)b32;
     to[31] = ost_mix(a ^ b);

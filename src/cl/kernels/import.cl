@@ -52,7 +52,8 @@ static ost_ct_position ost_ct_position_of(__global const ost_cl_scatter *scatter
             position.inside = 0;
     }
     if (position.inside)
-        position.voxel = (ulong)index[0] + (ulong)scatter->dims[0] * ((ulong)index[1] + (ulong)scatter->dims[1] * (ulong)index[2]);
+        position.voxel = (ulong)index[0] +
+                         (ulong)scatter->dims[0] * ((ulong)index[1] + (ulong)scatter->dims[1] * (ulong)index[2]);
     return position;
 }
 
@@ -71,8 +72,9 @@ static int ost_is_seen(__global const uint *seen, ulong voxel)
     return (int)(seen[voxel / 32] >> (voxel % 32) & 1u);
 }
 
-__kernel void ost_ct_claim(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const uint *seen,
-                           volatile __global uint *owner, volatile __global ost_cl_scatter_report *report)
+__kernel void ost_ct_claim(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples,
+                           __global const uint *seen, volatile __global uint *owner,
+                           volatile __global ost_cl_scatter_report *report)
 {
     const size_t item = get_global_id(0);
     if (item >= scatter->count)
@@ -92,8 +94,9 @@ __kernel void ost_ct_claim(__global const ost_cl_scatter *scatter, __global cons
         atomic_inc(&report->duplicates);
 }
 
-__kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const uint *seen,
-                           volatile __global uint *owner, __global short *voxels, volatile __global ost_cl_scatter_report *report)
+__kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples,
+                           __global const uint *seen, volatile __global uint *owner, __global short *voxels,
+                           volatile __global ost_cl_scatter_report *report)
 {
     const size_t item = get_global_id(0);
     if (item >= scatter->count)
@@ -125,13 +128,14 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
 }
 
 /* Returns true if a sample conflicts with its voxel, after all samples of the batch have been placed. */
-static int ost_differs(__global const ost_cl_sample *sample, const ost_ct_position position, __global const short *voxels)
+static int ost_differs(__global const ost_cl_sample *sample, const ost_ct_position position,
+                       __global const short *voxels)
 {
     return position.inside && sample->density != voxels[position.voxel];
 }
 
-__kernel void ost_ct_check(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, volatile __global uint *seen,
-                           volatile __global uint *owner, __global const short *voxels,
+__kernel void ost_ct_check(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples,
+                           volatile __global uint *seen, volatile __global uint *owner, __global const short *voxels,
                            volatile __global ost_cl_scatter_report *report)
 {
     const size_t item = get_global_id(0);
@@ -147,19 +151,20 @@ __kernel void ost_ct_check(__global const ost_cl_scatter *scatter, __global cons
         atomic_min(&report->conflict_line, samples[i].line);
 }
 
-__kernel void ost_ct_report_first_bad(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const short *voxels,
-                                      volatile __global ost_cl_scatter_report *report)
+__kernel void ost_ct_report_first_bad(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples,
+                                      __global const short *voxels, volatile __global ost_cl_scatter_report *report)
 {
     const size_t item = get_global_id(0);
     if (item >= scatter->count)
         return;
     const uint i = (uint)item;
-    if (samples[i].line == report->conflict_line && ost_differs(&samples[i], ost_ct_position_of(scatter, &samples[i]), voxels))
+    if (samples[i].line == report->conflict_line &&
+        ost_differs(&samples[i], ost_ct_position_of(scatter, &samples[i]), voxels))
         atomic_min(&report->conflict_index, i);
 }
 
-__kernel void ost_ct_had(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples, __global const short *voxels,
-                         __global ost_cl_scatter_report *report)
+__kernel void ost_ct_had(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *samples,
+                         __global const short *voxels, __global ost_cl_scatter_report *report)
 {
     if (get_global_id(0) > 0 || report->conflict_index >= scatter->count)
         return;
@@ -181,7 +186,8 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
     for (int a = 0; a < 3; a++) {
         const size_t n = (size_t)cubic->dims[a];
         if (item < n) {
-            const long i = (long)item, c = cubic->cubic_spacing[a], s = cubic->rect_spacing[a], last = cubic->rect_dims[a] - 1;
+            const long i = (long)item, c = cubic->cubic_spacing[a], s = cubic->rect_spacing[a],
+                       last = cubic->rect_dims[a] - 1;
             long at, weight = 0;
             if (cubic->rule == OST_CL_RESAMPLE_THESIS) {
                 at = ost_floor_div(i * c, s);
@@ -203,8 +209,8 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
 
 /* At equal spacings a source is its voxel's own index or, beyond the end, the last index. So the sources of a run
    are neighbours if the last of them is that far from the first. */
-__kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources, __global const short *rect,
-                               __global short *out)
+__kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources,
+                               __global const short *rect, __global short *out)
 {
     const size_t nx = (size_t)cubic->dims[0], ny = (size_t)cubic->dims[1];
     const size_t first = OST_RUN * get_global_id(0), j = get_global_id(1), slice = get_global_id(2);
@@ -212,7 +218,9 @@ __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global cons
         return;
     const size_t k = slice + (size_t)cubic->z0;
     const int count = (int)(nx - first < OST_RUN ? nx - first : OST_RUN), from = sources[first];
-    __global const short *row = rect + (ulong)cubic->rect_dims[0] * ((ulong)sources[nx + j] + (ulong)cubic->rect_dims[1] * (ulong)sources[nx + ny + k]);
+    __global const short *row = rect +
+                                (ulong)cubic->rect_dims[0] *
+                                    ((ulong)sources[nx + j] + (ulong)cubic->rect_dims[1] * (ulong)sources[nx + ny + k]);
     __global short *to = out + (first + (ulong)nx * (j + (ulong)ny * (cubic->slab ? slice : k)));
     if (cubic->cubic_spacing[0] == cubic->rect_spacing[0] && sources[first + (size_t)count - 1] - from == count - 1) {
         for (int i = 0; i < count; i++)
@@ -228,8 +236,8 @@ __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global cons
  * of the weights along y and z, which sum to 2^30.  A neighbour with weight 0
  * may lie outside the grid; the voxel itself is then read in its place.
  */
-__kernel void ost_cubic_linear(__global const ost_cl_cubic *cubic, __global const int *sources, __global const short *rect,
-                               __global short *out)
+__kernel void ost_cubic_linear(__global const ost_cl_cubic *cubic, __global const int *sources,
+                               __global const short *rect, __global short *out)
 {
     const size_t nx = (size_t)cubic->dims[0], ny = (size_t)cubic->dims[1], axes = nx + ny + (size_t)cubic->dims[2];
     const size_t first = OST_RUN * get_global_id(0), j = get_global_id(1), slice = get_global_id(2);

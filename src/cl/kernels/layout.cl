@@ -9,7 +9,8 @@
  *   base  ulong[32]   never read: only addresses within it are formed
  *   out   uint[26]    in the order of src/cl/layout.c
  */
-#define OST_CL_AT(type, member) (uint)((__global const char *)&((__global const type *)base)->member - (__global const char *)base)
+#define OST_CL_AT(type, member)                                                                                        \
+    (uint)((__global const char *)&((__global const type *)base)->member - (__global const char *)base)
 
 __kernel void ost_layout(__global const ulong *base, __global uint *out)
 {

@@ -57,8 +57,8 @@ static __global const ost_cl_entry *ost_entries_of(__global const ost_cl_event *
 
 #if OST_FOR & 1
 /* Returns the open voxels of row (j, k) that one pose hits, and adds to *touch those that it touches. */
-static uint ost_hits_of(const ost_cl_entry entry, __global const ost_cl_pose *pose, __global const uchar *cells, const int dims[3],
-                        const int first[3], int j, int k, uint open, uint *touch)
+static uint ost_hits_of(const ost_cl_entry entry, __global const ost_cl_pose *pose, __global const uchar *cells,
+                        const int dims[3], const int first[3], int j, int k, uint open, uint *touch)
 {
     const int y = first[1] + j, z = first[2] + k;
     if (y < pose->lo[1] || y >= pose->hi[1] || z < pose->lo[2] || z >= pose->hi[2])

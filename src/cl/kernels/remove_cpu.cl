@@ -33,7 +33,8 @@
 
 __constant uint ost_lane_x[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 __constant uint ost_lane_y[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-__constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19}; /* in its half of a brick's bits */
+/* in its half of a brick's bits */
+__constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19};
 __constant uint ost_part_x[8] = {0, 1, 0, 1, 0, 1, 0, 1};
 __constant uint ost_part_y[8] = {0, 0, 1, 1, 0, 0, 1, 1};
 __constant uint ost_part_z[8] = {0, 0, 0, 0, 1, 1, 1, 1};
@@ -124,14 +125,16 @@ static uint ost_block_class(const ost_view *view, __global const uchar *cells)
 static uint8 ost_middles(const ost_view *view, int a, int edge)
 {
     const int sum = (int)view->step[0][a] + (int)view->step[1][a] + (int)view->step[2][a];
-    return vload8(0, ost_part_x) * ((uint)edge * view->step[0][a]) + vload8(0, ost_part_y) * ((uint)edge * view->step[1][a]) +
+    return vload8(0, ost_part_x) * ((uint)edge * view->step[0][a]) +
+           vload8(0, ost_part_y) * ((uint)edge * view->step[1][a]) +
            vload8(0, ost_part_z) * ((uint)edge * view->step[2][a]) + (uint)((edge - 1) * sum / 2);
 }
 
 /* Sets for each of the eight parts of a cube the class that covers it entirely, or 3. (ux, uy, uz) is the cube's
    first voxel; the parts have 8^3 (level 1) or 4^3 (level 0) voxels. Cells outside the grid are as in ost_cell_at.
    Returns 0 if all classes are 0. */
-static int ost_part_classes(const ost_view *view, __global const uchar *cells, uint ux, uint uy, uint uz, int level, int classes[8])
+static int ost_part_classes(const ost_view *view, __global const uchar *cells, uint ux, uint uy, uint uz, int level,
+                            int classes[8])
 {
     const uint first[3] = {ux, uy, uz};
     int index_of[8], cell[8];
@@ -216,14 +219,17 @@ static ulong ost_lookup_window(const ost_view *view, const ost_window *w)
     for (uint k = 0; k < 4; k++) {
         const uint16 x = view->along[0] + (rx + k * view->step[2][0]), y = view->along[1] + (ry + k * view->step[2][1]);
         const uint16 z = view->along[2] + (rz + k * view->step[2][2]);
-        const int16 z0 = (z & 0x100000u) != 0u, z1 = (z & 0x200000u) != 0u, z2 = (z & 0x400000u) != 0u, y2 = (y & 0x400000u) != 0u;
+        const int16 z0 = (z & 0x100000u) != 0u, z1 = (z & 0x200000u) != 0u, z2 = (z & 0x400000u) != 0u,
+                    y2 = (y & 0x400000u) != 0u;
         uint16 part[2];
         for (uint h = 0; h < 2; h++) {
             const uint16 p01 = select(OST_ALL16((uint)(plane[0] >> 32 * h)), OST_ALL16((uint)(plane[1] >> 32 * h)), z0);
             const uint16 p23 = select(OST_ALL16((uint)(plane[2] >> 32 * h)), OST_ALL16((uint)(plane[3] >> 32 * h)), z0);
             uint16 upper = select(OST_ALL16((uint)(plane[4] >> 32 * h)), OST_ALL16((uint)(plane[5] >> 32 * h)), z0);
             if (view->planes > 6)
-                upper = select(upper, select(OST_ALL16((uint)(plane[6] >> 32 * h)), OST_ALL16((uint)(plane[7] >> 32 * h)), z0), z1);
+                upper = select(upper,
+                               select(OST_ALL16((uint)(plane[6] >> 32 * h)), OST_ALL16((uint)(plane[7] >> 32 * h)), z0),
+                               z1);
             part[h] = select(select(p01, p23, z1), upper, z2);
         }
         const uint16 row = select(part[0], part[1], y2), bit = (y >> 17u & 0x18u) | x >> 20u;
@@ -273,7 +279,8 @@ static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
     if (!rows->within) {
         const ulong row = (rows->inside[y / 4] >> x & OST_EACH_NIBBLE) * 0x1111ul;
         const uint planes = ost_bits16(rows->lo - z, rows->hi - z) & 0xfu;
-        const ulong cut = (planes & 1u ? 0xful : 0ul) | (planes & 2u ? 0xf0ul : 0ul) | (planes & 4u ? 0xf00ul : 0ul) | (planes & 8u ? 0xf000ul : 0ul);
+        const ulong cut = (planes & 1u ? 0xful : 0ul) | (planes & 2u ? 0xf0ul : 0ul) | (planes & 4u ? 0xf00ul : 0ul) |
+                          (planes & 8u ? 0xf000ul : 0ul);
         open &= row & cut * OST_EACH_ROW;
     }
     return open;
@@ -290,13 +297,15 @@ typedef struct ost_bricks {
 
 /* Marks the bricks' voxels for class c, to which the windows belong. All windows are loaded before the first is
    used, since they are far apart in memory. */
-static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __global const uchar *windows, ost_bricks *bricks, int c)
+static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __global const uchar *windows,
+                             ost_bricks *bricks, int c)
 {
     for (int i = 0; i < bricks->count && view->planes > 0; i++)
         ost_open_window(&bricks->window[i], view, windows, bricks->u[i]);
     for (int i = 0; i < bricks->count; i++) {
         const int x = bricks->at[i][0], y = bricks->at[i][1], z = bricks->at[i][2], four = y / 4 + 4 * z;
-        const ulong met = bricks->open[i] & (view->planes ? ost_lookup_window(view, &bricks->window[i]) : ost_lookup(view, windows, bricks->u[i]));
+        const ulong met = bricks->open[i] & (view->planes ? ost_lookup_window(view, &bricks->window[i])
+                                                          : ost_lookup(view, windows, bricks->u[i]));
         if (met == 0)
             continue;
         const uint group = 1u << (y / 4 + z);
@@ -314,7 +323,8 @@ static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __globa
 
 /* ---------------------------------------------------------------- a pose */
 
-static void ost_view_make(ost_view *view, const ost_cl_entry *entry, __global const ost_cl_pose *pose, __global const ost_cl_event *event)
+static void ost_view_make(ost_view *view, const ost_cl_entry *entry, __global const ost_cl_pose *pose,
+                          __global const ost_cl_event *event)
 {
     for (int a = 0; a < 3; a++) {
         view->at[a] = (uint)entry->base[a] + 0x40000000u;
@@ -346,8 +356,9 @@ static void ost_box_make(ost_block_rows *rows, __global const ost_cl_pose *pose,
     rows->within = across == 0xffffu && along == 0xffffu && rows->lo <= 0 && rows->hi >= 16;
 }
 
-static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __global const ost_cl_event *event, __global const uchar *cells,
-                         __global const uchar *windows, __global const ushort *words, ulong corner, const int first[3])
+static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __global const ost_cl_event *event,
+                         __global const uchar *cells, __global const uchar *windows, __global const ushort *words,
+                         ulong corner, const int first[3])
 {
     __global const ost_cl_pose *pose = &ost_poses_of(event)[entry->pose];
     int cubes[8], parts[8][8];
@@ -389,7 +400,8 @@ static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __glob
             continue;
         bricks.count = 0;
         for (int part = 0; part < 8; part++) {
-            const int x = cube % 2 * 8 + part % 2 * 4, y = cube / 2 % 2 * 8 + part / 2 % 2 * 4, z = cube / 4 * 8 + part / 4 * 4;
+            const int x = cube % 2 * 8 + part % 2 * 4, y = cube / 2 % 2 * 8 + part / 2 % 2 * 4,
+                      z = cube / 4 * 8 + part / 4 * 4;
             if (parts[cube][part] == 1 || parts[cube][part] == 2)
                 ost_mark_cube(rows, (uint)parts[cube][part], x, y, z, 4);
             if (parts[cube][part] != 3)
@@ -400,7 +412,8 @@ static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __glob
             bricks.at[i][1] = y;
             bricks.at[i][2] = z;
             for (int a = 0; a < 3; a++)
-                bricks.u[i][a] = view.at[a] + (uint)x * view.step[0][a] + (uint)y * view.step[1][a] + (uint)z * view.step[2][a];
+                bricks.u[i][a] = view.at[a] + (uint)x * view.step[0][a] + (uint)y * view.step[1][a] +
+                                 (uint)z * view.step[2][a];
             bricks.count += bricks.open[i] != 0;
         }
         ost_match_bricks(rows, &view, windows, &bricks, 1);
@@ -444,7 +457,8 @@ static void ost_list_hits(const ost_block_rows *rows, int n, ost_hit_rows *list)
 
 /* Counts the voxels hit whose density is at least border, and sums their densities; with all, counts every voxel
    hit. */
-static void ost_sum_hits(const ost_hit_rows *list, __global const short *density, int all, short border, uint *voxels, uint *sum)
+static void ost_sum_hits(const ost_hit_rows *list, __global const short *density, int all, short border, uint *voxels,
+                         uint *sum)
 {
     const ushort16 column = vload16(0, ost_column_bit);
     short16 count = as_short16(column ^ column);
@@ -480,8 +494,9 @@ static void ost_clear_hits(const ost_hit_rows *list, __global short *density, __
 
 /* Consecutive items process blocks that are OST_CL_BATCHES apart, so that cores which take ranges of items get blocks
    from all parts of the event. */
-__kernel void ost_remove_blocks(__global const ost_cl_event *event, __global const uchar *cells, __global const uchar *windows,
-                                __global short *density, __global ushort *words, __global ost_cl_block_report *reports)
+__kernel void ost_remove_blocks(__global const ost_cl_event *event, __global const uchar *cells,
+                                __global const uchar *windows, __global short *density, __global ushort *words,
+                                __global ost_cl_block_report *reports)
 {
     const size_t batch = (event->blocks + OST_CL_BATCHES - 1) / OST_CL_BATCHES;
     if (batch == 0 || get_global_id(0) / batch >= OST_CL_BATCHES)
@@ -527,15 +542,19 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
 __kernel void ost_tool_windows(__global const ost_cl_tool *tool, __global const uchar *classes, __global uchar *windows)
 {
     const int nx = tool->dims[0], ny = tool->dims[1], nz = tool->dims[2];
-    const size_t wx = (size_t)OST_CL_WINDOWS_X(nx), wy = (size_t)OST_CL_WINDOWS_Y(ny), wz = (size_t)OST_CL_WINDOWS_Z(nz);
+    const size_t wx = (size_t)OST_CL_WINDOWS_X(nx), wy = (size_t)OST_CL_WINDOWS_Y(ny),
+                 wz = (size_t)OST_CL_WINDOWS_Z(nz);
     if (get_global_id(0) >= wy || get_global_id(1) >= wz || get_global_id(2) >= wx * (size_t)tool->axis)
         return;
     const int second = get_global_id(2) >= wx;
-    const int x = 2 * (int)(get_global_id(2) - (second ? wx : 0)) - 8, y = (int)get_global_id(0) - 8, z = (int)get_global_id(1) - 8;
+    const int x = 2 * (int)(get_global_id(2) - (second ? wx : 0)) - 8, y = (int)get_global_id(0) - 8,
+              z = (int)get_global_id(1) - 8;
     uint byte = 0;
     if (y >= 0 && y < ny && z >= 0 && z < nz)
         for (int b = ost_greatest(0, -x); b < ost_least(8, nx - x); b++)
-            byte |= (classes[(ulong)(x + b) + (ulong)nx * ((ulong)y + (ulong)ny * (ulong)z)] == (second ? 2 : 1) ? 1u : 0u) << b;
+            byte |= (classes[(ulong)(x + b) + (ulong)nx * ((ulong)y + (ulong)ny * (ulong)z)] == (second ? 2 : 1) ? 1u
+                                                                                                                 : 0u)
+                    << b;
     windows[get_global_id(0) + wy * (get_global_id(1) + wz * get_global_id(2))] = (uchar)byte;
 }
 #endif

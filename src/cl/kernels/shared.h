@@ -128,7 +128,8 @@ typedef struct ost_cl_scatter_report {
  *   ost_cubic_linear(cubic, sources, rect, out)  linear: the same
  *
  *   cubic    const ost_cl_cubic[1]
- *   sources  int[2 * (dims.x + dims.y + dims.z)]   source index of each voxel along x, then y, then z; then, in the same
+ *   sources  int[2 * (dims.x + dims.y + dims.z)]   source index of each voxel along x, then y,
+ *                                                  then z; then, in the same
  *                                            order, the weight of its upper neighbour, 0 to 2^15 (0: none is read)
  *   rect     const short[rect voxels]
  *   out      short[...]                      the entire cubic grid, or slices z0 <= k < z1 of it if slab is 1
@@ -154,7 +155,8 @@ typedef struct ost_cl_cubic {
  *   slots    uint[chunks]           slot of a chunk, OST_CL_NONE if it has no memory
  *   density  short[slots * n^3]     voxel v = x + n (y + n z) of the chunk in slot s: s n^3 + v
  *   words    uint[slots * n^3 / 32] its occupancy, word v / 32, bit v % 32 (AR-CHK-4)
- *   slab     short[(z1 - z0) dims.y dims.x]  slices z0 <= k < z1 of the grid without padding; z0 and z1 are int arguments
+ *   slab     short[(z1 - z0) dims.y dims.x]  slices z0 <= k < z1 of the grid without padding;
+ *                                            z0 and z1 are int arguments
  *
  *   Slice k of the grid is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0.  So a grid that
  *   was resampled along z alone is read from the original grid, once for all slices that are the same.  With weights
@@ -201,7 +203,8 @@ typedef struct ost_cl_bone {
  *   steps      int[(k1 - k0) * dims.y * (dims.x + 1)]   zeros before ost_vox_steps and after ost_vox_fill
  *   classes    uchar[dims.x * dims.y * dims.z]          the entire tool, zeros at first
  *   leaks      uint[1]                                  the number of rows that leak is added
- *   counts     uint[2 * dims.z]                         solid and cutting voxels of slice k are added to 2 k and 2 k + 1
+ *   counts     uint[2 * dims.z]                         solid and cutting voxels of slice k are
+ *                                                       added to 2 k and 2 k + 1
  *
  * steps: item (t, b) processes the slices b, b + bands, ... of those that triangle t meets, and adds the triangle's
  * +1 or -1 in every row that it owns (by atomic_add; bands > 1 gives more items where triangles are few).  fill: an
@@ -377,7 +380,8 @@ typedef struct ost_cl_block_report {
  *
  * and, in a separate program (fingerprint_float.cl), for the record only:
  *
- *   ost_fingerprint_float(count, in, out)         count items; out[OST_CL_FLOATS i + k] bits from float bits in[3 i ...]
+ *   ost_fingerprint_float(count, in, out)         count items; out[OST_CL_FLOATS i + k] bits from
+ *                                                 float bits in[3 i ...]
  */
 #define OST_CL_FINGERPRINT 32
 #define OST_CL_FINGERPRINT_COUNTERS 16

@@ -51,8 +51,8 @@ typedef struct ost_triangle {
 } ost_triangle;
 
 /* Loads a triangle. Returns false if it has no crossing in slices k0 <= k < k1. */
-static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __global const uint *triangles, size_t number, int f, int k0,
-                             int k1)
+static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __global const uint *triangles,
+                             size_t number, int f, int k0, int k1)
 {
     for (int i = 0; i < 3; i++) {
         t->a[i] = vertices[3 * (size_t)triangles[3 * number] + (size_t)i];
@@ -109,7 +109,8 @@ static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
         return -1;
     /* The crossing lies within the triangle's bounds, so the result is one of the centres i_first to i_last or the
        next one. Bisection finds it, since 64-bit division is slow. */
-    const long crossing = t->nx * t->a[0] - t->ny * (y - t->a[1]) - t->nz * (z - t->a[2]) - t->nx * (width / 2); /* times nx, from centre 0 */
+    /* times nx, from centre 0 */
+    const long crossing = t->nx * t->a[0] - t->ny * (y - t->a[1]) - t->nz * (z - t->a[2]) - t->nx * (width / 2);
     int least = t->i_first, most = t->i_last + 1;
     while (least < most) {
         const int middle = (least + most) / 2;
@@ -122,8 +123,8 @@ static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
 }
 
 #if OST_FOR & 1
-__kernel void ost_vox_steps(__global const ost_cl_vox *vox, __global const int *vertices, __global const uint *triangles,
-                            volatile __global int *steps)
+__kernel void ost_vox_steps(__global const ost_cl_vox *vox, __global const int *vertices,
+                            __global const uint *triangles, volatile __global int *steps)
 {
     ost_triangle t;
     if (get_global_id(0) >= vox->triangles || get_global_id(1) >= vox->bands ||
@@ -138,7 +139,8 @@ __kernel void ost_vox_steps(__global const ost_cl_vox *vox, __global const int *
         }
 }
 
-__kernel void ost_vox_fill(__global const ost_cl_vox *vox, __global int *steps, __global uchar *classes, volatile __global uint *leaks)
+__kernel void ost_vox_fill(__global const ost_cl_vox *vox, __global int *steps, __global uchar *classes,
+                           volatile __global uint *leaks)
 {
     if (get_global_id(0) >= (size_t)vox->dims[1] || get_global_id(1) >= (size_t)(vox->k1 - vox->k0))
         return;
@@ -161,7 +163,8 @@ __kernel void ost_vox_fill(__global const ost_cl_vox *vox, __global int *steps, 
     }
 }
 
-__kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar *classes, volatile __global uint *counts)
+__kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar *classes,
+                            volatile __global uint *counts)
 {
     if (get_global_id(0) >= (size_t)vox->dims[1] || get_global_id(1) >= (size_t)(vox->k1 - vox->k0))
         return;

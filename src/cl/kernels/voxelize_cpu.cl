@@ -77,8 +77,8 @@ typedef struct ost_pass {
  * 2^20 units: |E| <= 2^20 2^21 2 + 1, and as |n| <= 2^40, |R| < 2^61 + 2^61 + 2^61.
  * A step of R is at most 2^50 2, one of E 2^30; nx 2^f 2^12 <= 2^62.
  */
-static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, __global const uint *triangles, __global const uint *list,
-                           int count, __global int *steps, __global ulong *marks)
+static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, __global const uint *triangles,
+                           __global const uint *list, int count, __global int *steps, __global ulong *marks)
 {
     int corner[9][8];
     for (int l = 0; l < 8; l++) {
@@ -94,14 +94,17 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
         least[a] = (ost_least8(ost_least8(p, q), r) + (mid - 1)) >> f;
         most[a] = ((ost_greatest8(ost_greatest8(p, q), r) + mid) >> f) - 1;
     }
-    const int8 j_first = ost_greatest8(least[1], OST_ALL8(pass->j0)), k_first = ost_greatest8(least[2], OST_ALL8(pass->k0));
-    const int8 j_more = ost_least8(most[1], OST_ALL8(pass->j1 - 1)) - j_first, k_more = ost_least8(most[2], OST_ALL8(pass->k1 - 1)) - k_first;
+    const int8 j_first = ost_greatest8(least[1], OST_ALL8(pass->j0)),
+               k_first = ost_greatest8(least[2], OST_ALL8(pass->k0));
+    const int8 j_more = ost_least8(most[1], OST_ALL8(pass->j1 - 1)) - j_first,
+               k_more = ost_least8(most[2], OST_ALL8(pass->k1 - 1)) - k_first;
     const int8 none = ~((j_more >= 0) & (k_more >= 0) & (vload8(0, ost_lane) < count));
     const int rows = ost_most_of8(j_more | none), slices = ost_most_of8(k_more | none);
     if (slices < 0)
         return;
 
-    const long8 ax = convert_long8(vload8(0, corner[0])), ay = convert_long8(vload8(0, corner[1])), az = convert_long8(vload8(0, corner[2]));
+    const long8 ax = convert_long8(vload8(0, corner[0])), ay = convert_long8(vload8(0, corner[1])),
+                az = convert_long8(vload8(0, corner[2]));
     long8 by = convert_long8(vload8(0, corner[4])), bz = convert_long8(vload8(0, corner[5]));
     long8 cy = convert_long8(vload8(0, corner[7])), cz = convert_long8(vload8(0, corner[8]));
     const long8 abx = convert_long8(vload8(0, corner[3])) - ax, acx = convert_long8(vload8(0, corner[6])) - ax;
@@ -119,14 +122,17 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     cz ^= swap_z;
 
     const long8 dy0 = by - ay, dz0 = bz - az, dy1 = cy - by, dz1 = cz - bz, dy2 = ay - cy, dz2 = az - cz;
-    const long8 y = ost_shifted8(convert_long8(j_first), f) + (long)mid, z = ost_shifted8(convert_long8(k_first), f) + (long)mid;
+    const long8 y = ost_shifted8(convert_long8(j_first), f) + (long)mid,
+                z = ost_shifted8(convert_long8(k_first), f) + (long)mid;
     const long8 rows_of = convert_long8(j_more | none) | (nx == 0), slices_of = convert_long8(k_more);
     long8 e0 = dy0 * (z - az) - dz0 * (y - ay) + ost_edge_bias8(dy0, dz0);
     long8 e1 = dy1 * (z - bz) - dz1 * (y - by) + ost_edge_bias8(dy1, dz1);
     long8 e2 = dy2 * (z - cz) - dz2 * (y - cy) + ost_edge_bias8(dy2, dz2);
     long8 residual = nx * (ax - (long)mid - ost_shifted8(convert_long8(least[0]), f)) - ny * (y - ay) - nz * (z - az);
-    const long8 e0_k = ost_shifted8(dy0, f), e1_k = ost_shifted8(dy1, f), e2_k = ost_shifted8(dy2, f), residual_k = ost_shifted8(nz, f);
-    const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f), residual_j = ost_shifted8(ny, f);
+    const long8 e0_k = ost_shifted8(dy0, f), e1_k = ost_shifted8(dy1, f), e2_k = ost_shifted8(dy2, f),
+                residual_k = ost_shifted8(nz, f);
+    const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f),
+                residual_j = ost_shifted8(ny, f);
     const long8 wide = ost_shifted8(nx, f);
     const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* greatest q - 1 */
     const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
@@ -227,9 +233,9 @@ static uint ost_fill_row(__global const ost_cl_tiles *tiles, __global const int 
     return count;
 }
 
-__kernel void ost_vox_tiles(__global const ost_cl_tiles *tiles, __global const int *vertices, __global const uint *triangles,
-                            __global const uint *start, __global const uint *list, __global int *steps, __global ulong *marks,
-                            __global uchar *classes, __global ulong *counts)
+__kernel void ost_vox_tiles(__global const ost_cl_tiles *tiles, __global const int *vertices,
+                            __global const uint *triangles, __global const uint *start, __global const uint *list,
+                            __global int *steps, __global ulong *marks, __global uchar *classes, __global ulong *counts)
 {
     if (get_global_id(0) >= (size_t)tiles->count[0] || get_global_id(1) >= (size_t)tiles->count[1])
         return;

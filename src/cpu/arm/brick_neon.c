@@ -32,8 +32,8 @@ static inline uint8x16_t narrow(uint16x8_t a, uint16x8_t b)
     return vuzp1q_u8(vreinterpretq_u8_u16(a), vreinterpretq_u8_u16(b));
 }
 
-ost_brick_sums ost_brick_row_neon(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                                  uint64_t *occupancy)
+ost_brick_sums ost_brick_row_neon(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
+                                  int16_t *density, uint64_t *occupancy)
 {
     (void)stream;
     const int16x8_t least = vdupq_n_s16(threshold);
@@ -52,7 +52,8 @@ ost_brick_sums ost_brick_row_neon(const int16_t *const rows[16], size_t bricks, 
                 vst1q_s16(density + at * OST_BRICK_VOXELS + p * LANES, v);
                 highest = vmaxq_s16(highest, v);
             }
-            const uint64_t word = ost_neon_bits64(narrow(on[0], on[1]), narrow(on[2], on[3]), narrow(on[4], on[5]), narrow(on[6], on[7]));
+            const uint64_t word = ost_neon_bits64(narrow(on[0], on[1]), narrow(on[2], on[3]), narrow(on[4], on[5]),
+                                                  narrow(on[6], on[7]));
             occupancy[at] = word;
             active += __builtin_popcountll(word);
         }

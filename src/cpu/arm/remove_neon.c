@@ -26,7 +26,8 @@ static inline uint8x8_t filled(const uint64_t *words)
 {
     uint32x4_t empty[2];
     for (int h = 0; h < 2; h++)
-        empty[h] = vcombine_u32(vmovn_u64(vceqzq_u64(vld1q_u64(words + 4 * h))), vmovn_u64(vceqzq_u64(vld1q_u64(words + 4 * h + 2))));
+        empty[h] = vcombine_u32(vmovn_u64(vceqzq_u64(vld1q_u64(words + 4 * h))),
+                                vmovn_u64(vceqzq_u64(vld1q_u64(words + 4 * h + 2))));
     return vmvn_u8(vmovn_u16(vcombine_u16(vmovn_u32(empty[0]), vmovn_u32(empty[1]))));
 }
 
@@ -53,7 +54,8 @@ void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cu
         for (int h = 0; h < 2; h++) {
             int32x4_t c[3];
             for (int a = 0; a < 3; a++)
-                c[a] = cell_along(vaddq_s32(vdupq_n_s32(cubes->u[a][i]), vld1q_s32(split->centre[a] + HALF * h)), cells, a);
+                c[a] = cell_along(vaddq_s32(vdupq_n_s32(cubes->u[a][i]), vld1q_s32(split->centre[a] + HALF * h)), cells,
+                                  a);
             int32_t cell[HALF];
             vst1q_s32(cell, vmlaq_n_s32(c[0], vmlaq_n_s32(c[1], c[2], cells->dims[1]), cells->dims[0]));
             for (int j = 0; j < HALF; j++)
@@ -68,7 +70,8 @@ void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cu
             const uint8x16_t moves = ost_neon_together(mix_half);
             const int32x4_t number = vaddq_s32(first, numbers[h]);
             for (int a = 0; a < 3; a++)
-                pack(mixed->u[a] + m, vaddq_s32(vdupq_n_s32(cubes->u[a][i]), vld1q_s32(split->first[a] + HALF * h)), moves);
+                pack(mixed->u[a] + m, vaddq_s32(vdupq_n_s32(cubes->u[a][i]), vld1q_s32(split->first[a] + HALF * h)),
+                     moves);
             pack(mixed->number + m, number, moves);
             pack(inside->number + n, number, ost_neon_together(in_half));
             m += (size_t)__builtin_popcount(mix_half);
@@ -159,14 +162,17 @@ static inline uint8x16_t coordinate(const uint16_t *offsets, uint16x8_t c)
 }
 
 /* Computes the same as coordinate, with the carries of the low bits. */
-static inline uint8x16_t coordinate_tied(const uint16_t *offsets, uint16x8_t c, const uint16_t *low_offsets, uint16x8_t low)
+static inline uint8x16_t coordinate_tied(const uint16_t *offsets, uint16x8_t c, const uint16_t *low_offsets,
+                                         uint16x8_t low)
 {
     const uint16x8_t carry0 = vshrq_n_u16(vaddq_u16(vld1q_u16(low_offsets), low), LOW);
     const uint16x8_t carry1 = vshrq_n_u16(vaddq_u16(vld1q_u16(low_offsets + 8), low), LOW);
-    return high_bytes(vaddq_u16(vaddq_u16(vld1q_u16(offsets), c), carry0), vaddq_u16(vaddq_u16(vld1q_u16(offsets + 8), c), carry1));
+    return high_bytes(vaddq_u16(vaddq_u16(vld1q_u16(offsets), c), carry0),
+                      vaddq_u16(vaddq_u16(vld1q_u16(offsets + 8), c), carry1));
 }
 
-static inline __attribute__((always_inline)) uint64_t match_brick(const ost_match *match, const places *at, size_t i, const bool tied)
+static inline __attribute__((always_inline)) uint64_t match_brick(const ost_match *match, const places *at, size_t i,
+                                                                  const bool tied)
 {
     const uint8_t *line = match->shape->windows.line[at->line[i]];
     const uint8x16x4_t table = {{vld1q_u8(line), vld1q_u8(line + 16), vld1q_u8(line + 32), vld1q_u8(line + 48)}};
@@ -217,8 +223,9 @@ void ost_match_neon(const ost_match *match, const ost_cubes *bricks, uint64_t *h
  * lanes: 8 per brick, at most 4096.  The number of borders is a constant of the
  * caller.
  */
-static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density, const int32_t *number,
-                                                              const uint64_t *hits, size_t count, ost_tally *tally, const int borders)
+static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
+                                                              const int32_t *number, const uint64_t *hits, size_t count,
+                                                              ost_tally *tally, const int borders)
 {
     const uint16x8_t own = vmovl_u8(ost_neon_own_bits());
     const bool apply = take->apply;
@@ -261,7 +268,8 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
         tally->voxels[b + 1] += vaddlvq_u16(voxels[b]);
 }
 
-void ost_take_neon(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count, ost_tally *tally)
+void ost_take_neon(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
+                   ost_tally *tally)
 {
     for (size_t i = 0; i < count; i += 512) {
         const size_t piece = count - i < 512 ? count - i : 512;

@@ -73,8 +73,10 @@ static inline int32x4_t yz_of_both(const ost_snapped_mesh *mesh, const uint32_t 
 /* Compares integers before any transposition. */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
-    const int32x4_t h = vdupq_n_s32(1 << (tile->f - 1)), h1 = vdupq_n_s32((1 << (tile->f - 1)) - 1), f = vdupq_n_s32(-tile->f);
-    const int32x4_t a = yz_of_both(tile->mesh, t, 0), b = yz_of_both(tile->mesh, t, 1), c = yz_of_both(tile->mesh, t, 2);
+    const int32x4_t h = vdupq_n_s32(1 << (tile->f - 1)), h1 = vdupq_n_s32((1 << (tile->f - 1)) - 1),
+                    f = vdupq_n_s32(-tile->f);
+    const int32x4_t a = yz_of_both(tile->mesh, t, 0), b = yz_of_both(tile->mesh, t, 1),
+                    c = yz_of_both(tile->mesh, t, 2);
     const int32x4_t lo = vminq_s32(vminq_s32(a, b), c), hi = vmaxq_s32(vmaxq_s32(a, b), c);
     const uint32x4_t some = vcleq_s32(vshlq_s32(vaddq_s32(lo, h1), f), vshlq_s32(vsubq_s32(hi, h), f));
     return vm_bits(vceqq_u64(vreinterpretq_u64_u32(some), vdupq_n_u64(UINT64_MAX)));
@@ -93,7 +95,8 @@ static inline vi greatest(vi a, vi b, vi c)
 static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
 {
     const vi h = vdup_n_s32(1 << (plan->f - 1)), h1 = vdup_n_s32((1 << (plan->f - 1)) - 1);
-    const vi f = vdup_n_s32(-plan->f), sy = vdup_n_s32(-plan->shift_y), sz = vdup_n_s32(-plan->shift_z); /* to the right */
+    /* to the right */
+    const vi f = vdup_n_s32(-plan->f), sy = vdup_n_s32(-plan->shift_y), sz = vdup_n_s32(-plan->shift_z);
     const vi j0 = vshl_s32(vadd_s32(least(ay, by, cy), h1), f), k0 = vshl_s32(vadd_s32(least(az, bz, cz), h1), f);
     const vi j1 = vshl_s32(vsub_s32(greatest(ay, by, cy), h), f), k1 = vshl_s32(vsub_s32(greatest(az, bz, cz), h), f);
     const vi ty = vshl_s32(j0, sy), tz = vshl_s32(k0, sz);
@@ -111,7 +114,8 @@ void ost_vox_mark_neon(ost_vox_tile *tile, const uint32_t *list, size_t count)
     mark(tile, list, count);
 }
 
-void ost_vox_keys_neon(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+void ost_vox_keys_neon(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                       uint32_t *keys)
 {
     keys_of(plan, mesh, first, count, keys);
 }
@@ -138,8 +142,8 @@ static inline uint8x16_t classes_of(const uint64_t *cutting, const uint64_t *non
 }
 
 /* `stream` is ignored: the intrinsics have no stores that bypass the caches. */
-void ost_vox_expand_neon(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                         uint8_t *voxels)
+void ost_vox_expand_neon(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
+                         bool stream, uint8_t *voxels)
 {
     (void)stream;
     const size_t full = (size_t)nx / 16, remainder = (size_t)nx % 16;

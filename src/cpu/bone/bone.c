@@ -87,7 +87,8 @@ bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *c
     }
     if (!block)
         return false;
-    *chunk = (cpu_chunk){.density = (int16_t *)(void *)block, .occupancy = (uint64_t *)(void *)(block + densities), .pool = pool};
+    *chunk = (cpu_chunk){
+        .density = (int16_t *)(void *)block, .occupancy = (uint64_t *)(void *)(block + densities), .pool = pool};
     return true;
 }
 
@@ -146,7 +147,8 @@ static chunk_position chunk_position_of(const cpu_bone *bone, int64_t index)
 {
     const ost_dims d = bone->chunk_dims, g = bone->base.geometry.dims;
     const int32_t n = bone->base.chunk_size;
-    const int32_t x = (int32_t)(index % d.x) * n, y = (int32_t)(index / d.x % d.y) * n, z = (int32_t)(index / d.x / d.y) * n;
+    const int32_t x = (int32_t)(index % d.x) * n, y = (int32_t)(index / d.x % d.y) * n,
+                  z = (int32_t)(index / d.x / d.y) * n;
     return (chunk_position){{x, y, z}, {min32(x + n, g.x), min32(y + n, g.y), min32(z + n, g.z)}};
 }
 
@@ -169,7 +171,8 @@ static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, in
 {
     /* ost_brick_spread(x) for x = 0 to 15, the bricks of a row of 64 voxels */
     static const uint16_t spread[CHUNK_MAX / 4] = {0, 1, 8, 9, 64, 65, 72, 73, 512, 513, 520, 521, 576, 577, 584, 585};
-    const int16_t *bricks = chunk->density + (size_t)ost_brick_number(0, y / 4, z / 4) * OST_BRICK_VOXELS + (y % 4) * 4 + (z % 4) * 16;
+    const int16_t *bricks = chunk->density + (size_t)ost_brick_number(0, y / 4, z / 4) * OST_BRICK_VOXELS +
+                            (y % 4) * 4 + (z % 4) * 16;
     for (int32_t x = 0; x < n / 4; x++)
         memcpy(row + 4 * x, bricks + (size_t)spread[x] * OST_BRICK_VOXELS, 4 * sizeof *row);
 }
@@ -178,8 +181,8 @@ static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, in
  * Finds the sixteen rows of the row of bricks at (y, z): in the slab if a row is complete there,
  * otherwise assembled in spare.
  */
-static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_position *at, const slab *s, int32_t y, int32_t z,
-                         int16_t spare[16][CHUNK_MAX], const int16_t *rows[16])
+static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_position *at, const slab *s,
+                         int32_t y, int32_t z, int16_t spare[16][CHUNK_MAX], const int16_t *rows[16])
 {
     const int32_t n = bone->base.chunk_size, width = at->end[0] - at->first[0];
     for (int32_t r = 0; r < 16; r++) {
@@ -240,7 +243,8 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
 
     /* All memory is allocated before a voxel changes, so that a failure can be undone. */
     bool enough = true;
-    ost_team filling = ost_team_of(backend->sharing, backend->threads, OST_PATH_BONE_UPLOAD, count, to - from, 4), storing = filling;
+    ost_team filling = ost_team_of(backend->sharing, backend->threads, OST_PATH_BONE_UPLOAD, count, to - from, 4),
+             storing = filling;
 #pragma omp parallel num_threads(filling.threads) if (filling.threads > 1) reduction(&& : enough)
     {
         ost_member me = ost_team_join(&filling);
@@ -281,10 +285,12 @@ ost_status ost_cpu_bone_download(const ost_bone *base, int32_t z0, int32_t count
     for (int32_t z = z0; z < z0 + count; z++)
         for (int32_t y = 0; y < dims.y; y++)
             for (int32_t cx = 0; cx < bone->chunk_dims.x; cx++) {
-                const cpu_chunk *chunk = &bone->chunks[cx + (int64_t)bone->chunk_dims.x * (y / n + (int64_t)bone->chunk_dims.y * (z / n))];
+                const cpu_chunk *chunk =
+                    &bone->chunks[cx + (int64_t)bone->chunk_dims.x * (y / n + (int64_t)bone->chunk_dims.y * (z / n))];
                 int16_t row[CHUNK_MAX];
                 const size_t bytes = (size_t)min32(n, dims.x - cx * n) * sizeof *row;
-                int16_t *to = voxels + ((size_t)(z - z0) * (size_t)dims.y + (size_t)y) * (size_t)dims.x + (size_t)(cx * n);
+                int16_t *to = voxels + ((size_t)(z - z0) * (size_t)dims.y + (size_t)y) * (size_t)dims.x +
+                              (size_t)(cx * n);
                 if (chunk->density && bytes == (size_t)n * sizeof *row) {
                     read_row(chunk, n, y % n, z % n, to);
                 } else if (chunk->density) {
@@ -312,7 +318,8 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
                 const int32_t gx = leaf.x * OST_LEAF + x, gy = leaf.y * OST_LEAF + y, gz = leaf.z * OST_LEAF + z;
                 if (gx / n >= bone->chunk_dims.x || gy / n >= bone->chunk_dims.y || gz / n >= bone->chunk_dims.z)
                     continue;
-                const cpu_chunk *chunk = &bone->chunks[gx / n + (int64_t)bone->chunk_dims.x * (gy / n + (int64_t)bone->chunk_dims.y * (gz / n))];
+                const cpu_chunk *chunk = &bone->chunks[gx / n + (int64_t)bone->chunk_dims.x *
+                                                                    (gy / n + (int64_t)bone->chunk_dims.y * (gz / n))];
                 if (!chunk->density)
                     continue;
                 if (!found)
@@ -322,7 +329,8 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
                     for (int32_t j = 0; j < part; j++) {
                         int16_t row[CHUNK_MAX];
                         read_row(chunk, n, gy % n + j, gz % n + k, row);
-                        memcpy(voxels + x + OST_LEAF * (y + j + OST_LEAF * (z + k)), row + gx % n, (size_t)part * sizeof *row);
+                        memcpy(voxels + x + OST_LEAF * (y + j + OST_LEAF * (z + k)), row + gx % n,
+                               (size_t)part * sizeof *row);
                     }
             }
     return found;
@@ -339,7 +347,8 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
  */
 static void rows_of_bricks(const uint64_t brick[8], uint32_t row[16])
 {
-    const uint64_t nibbles = UINT64_C(0x0f0f0f0f0f0f0f0f), bytes = UINT64_C(0x00ff00ff00ff00ff), halves = UINT64_C(0x0000ffff0000ffff);
+    const uint64_t nibbles = UINT64_C(0x0f0f0f0f0f0f0f0f), bytes = UINT64_C(0x00ff00ff00ff00ff),
+                   halves = UINT64_C(0x0000ffff0000ffff);
     uint64_t pair[4][2], four[2][2][2];
     for (int p = 0; p < 4; p++) {
         const uint64_t a = brick[2 * p], b = brick[2 * p + 1];
@@ -385,7 +394,8 @@ static void occupancy_rows(const uint64_t *occupancy, int32_t n, uint32_t *words
             }
 }
 
-ost_status ost_cpu_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+ost_status ost_cpu_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words,
+                                  ost_error *err)
 {
     (void)err;
     const cpu_bone *bone = (const cpu_bone *)base;
@@ -414,7 +424,8 @@ ost_status ost_cpu_bone_leaves(const ost_bone *base, ost_digest *leaves, ost_err
         ost_member me = ost_team_join(&team);
         for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;) {
             int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF];
-            const ost_dims leaf = {(int32_t)(i % dims.x), (int32_t)(i / dims.x % dims.y), (int32_t)(i / dims.x / dims.y)};
+            const ost_dims leaf = {(int32_t)(i % dims.x), (int32_t)(i / dims.x % dims.y),
+                                   (int32_t)(i / dims.x / dims.y)};
             ost_status status = OST_OK;
             if (read_leaf(bone, leaf, voxels))
                 status = ost_digest_leaf16(voxels, &leaves[i], NULL);

@@ -79,8 +79,10 @@ void ost_cpu_bone_free(ost_bone *bone);
 ost_status ost_cpu_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_error *err);
 ost_status ost_cpu_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_cpu_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
-ost_status ost_cpu_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err);
-ost_status ost_cpu_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
+ost_status ost_cpu_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                               ost_error *err);
+ost_status ost_cpu_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
+                                  ost_error *err);
 ost_status ost_cpu_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
 #endif

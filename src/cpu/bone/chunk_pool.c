@@ -141,7 +141,8 @@ void ost_chunk_pool_give(ost_chunk_pool *pool, void *block)
 void ost_chunk_pool_trim(ost_chunk_pool *pool)
 {
     int64_t fresh = atomic_load(&pool->fresh);
-    if (atomic_load(&pool->available) == pool->total && (size_t)(pool->total - fresh) * pool->block_bytes > RETAINED_BYTES) {
+    if (atomic_load(&pool->available) == pool->total &&
+        (size_t)(pool->total - fresh) * pool->block_bytes > RETAINED_BYTES) {
         unmap_all(pool);
         return;
     }

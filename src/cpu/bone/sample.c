@@ -17,17 +17,20 @@ void ost_sample_scalar(const cpu_bone *bone, size_t count, const int32_t *const 
         const cpu_chunk *chunk = &bone->chunks[(x >> shift) + bone->chunk_dims.x * row];
         if (!chunk->occupancy)
             continue;
-        /* The occupancy bit is tested before the density is read: 16 times as many bits as densities fit a cache line. */
+        /* The occupancy bit is tested before the density is read: 16 times as many bits as
+           densities fit a cache line. */
         x &= n - 1;
         y &= n - 1;
         z &= n - 1;
-        const size_t brick = (size_t)ost_brick_number(x >> 2, y >> 2, z >> 2), in = (size_t)((x & 3) + (y & 3) * 4 + (z & 3) * 16);
+        const size_t brick = (size_t)ost_brick_number(x >> 2, y >> 2, z >> 2),
+                     in = (size_t)((x & 3) + (y & 3) * 4 + (z & 3) * 16);
         if (chunk->occupancy[brick] >> in & 1)
             densities[i] = chunk->density[brick * OST_BRICK_VOXELS + in];
     }
 }
 
-ost_status ost_cpu_bone_sample(const ost_bone *base, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
+ost_status ost_cpu_bone_sample(const ost_bone *base, size_t count, const int32_t *const at[3], int16_t *densities,
+                               ost_error *err)
 {
     (void)err;
     ((const cpu_backend *)base->backend)->kernels.sample((const cpu_bone *)base, count, at, densities);

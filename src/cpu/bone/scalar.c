@@ -6,8 +6,8 @@
 #include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
-ost_brick_sums ost_brick_row_scalar(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                             uint64_t *occupancy)
+ost_brick_sums ost_brick_row_scalar(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
+                                    int16_t *density, uint64_t *occupancy)
 {
     (void)stream;
     ost_brick_sums sums = {0, 0};

@@ -61,10 +61,12 @@ typedef struct task {
     /* With weights, per four y: all source rows of the layer, as offsets in the store. */
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
-    size_t empty_columns[COLUMNS_MAX]; /* per column: source slices below this offset have no active voxel in the chunk */
+    /* per column: source slices below this offset have no active voxel in the chunk */
+    size_t empty_columns[COLUMNS_MAX];
 } task;
 
-/* Fills the taps of the layer from z on and lists its source slices from offset `above` on. Returns the number of taps. */
+/* Fills the taps of the layer from z on and lists its source slices from offset `above` on.
+   Returns the number of taps. */
 static int list_slices(const filling *f, int32_t z, cpu_tap taps[4], size_t above, size_t list[SLICES], int *count)
 {
     const int slices = (int)min32(4, f->bone->base.geometry.dims.z - z);
@@ -354,12 +356,14 @@ static bool fill_bone(cpu_backend *backend, filling *f)
 {
     const ost_dims dims = f->bone->chunk_dims;
     const int64_t layer = (int64_t)dims.x * dims.y;
-    const int64_t least = backend->sharing->least[OST_PATH_LAYERS], most = least > PART_MIN ? least - 1 : PART_MIN; /* chunks per part */
+    /* chunks per part */
+    const int64_t least = backend->sharing->least[OST_PATH_LAYERS], most = least > PART_MIN ? least - 1 : PART_MIN;
     const int32_t step = layer < most ? (int32_t)(most / layer) : 1;
     if (step < dims.z)
         ost_cpu_enters(backend->sharing, OST_PATH_LAYERS, INT64_MAX);
     bool enough = mark_runs(f);
-    f->stream = ost_cpu_enters(backend->sharing, OST_PATH_CHUNK_STREAM, f->bone->count * (int64_t)ost_chunk_bytes(f->bone->base.chunk_size));
+    f->stream = ost_cpu_enters(backend->sharing, OST_PATH_CHUNK_STREAM,
+                               f->bone->count * (int64_t)ost_chunk_bytes(f->bone->base.chunk_size));
     ost_chunk_pool *pool = pool_for(backend, f->bone->base.chunk_size);
     for (int32_t c = 0; c < dims.z && enough; c += step) {
         int32_t end = min32(c + step, dims.z);

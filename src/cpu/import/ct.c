@@ -80,7 +80,8 @@ static void note_worst(const axis axes[3], const axis_position at[3], int64_t li
         if (at[a].off * 1000000 < (int64_t)report->worst_offset_ppm * axes[a].spacing)
             continue;
         uint64_t ppm = (uint64_t)(at[a].off * 1000000 / axes[a].spacing);
-        if (ppm > report->worst_offset_ppm || (ppm > 0 && ppm == report->worst_offset_ppm && before(line, report->worst_line))) {
+        if (ppm > report->worst_offset_ppm ||
+            (ppm > 0 && ppm == report->worst_offset_ppm && before(line, report->worst_line))) {
             report->worst_offset_ppm = ppm;
             report->worst_line = line;
         }
@@ -100,7 +101,8 @@ static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_
         reject(line, report);
         return -1;
     }
-    const axis_position at[3] = {axis_position_of(&axes[0], sample->x), axis_position_of(&axes[1], sample->y), axis_position_of(&axes[2], sample->z)};
+    const axis_position at[3] = {axis_position_of(&axes[0], sample->x), axis_position_of(&axes[1], sample->y),
+                                 axis_position_of(&axes[2], sample->z)};
     note_worst(axes, at, line, report);
     if (beyond(axes, at, 1)) {
         report->off_lattice++;
@@ -118,7 +120,8 @@ static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_
 }
 
 /* Handles a further sample of a voxel (AR-CT-6). Equal densities are not a conflict under any policy. */
-static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
+static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates,
+                       ost_scatter_report *report)
 {
     report->duplicates++;
     if (duplicates == OST_DUPLICATES_ERROR && density != *voxel && before(line, report->conflict_line)) {
@@ -130,7 +133,8 @@ static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplic
         *voxel = density;
 }
 
-static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
+static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t line, ost_duplicates duplicates,
+                ost_scatter_report *report)
 {
     uint8_t bit = (uint8_t)(1u << (v % 8));
     int16_t *voxel = &grid->store->voxels[v];
@@ -161,7 +165,8 @@ static void merge(ost_scatter_report *to, int *conflict, const part_report *from
     to->duplicates += part->duplicates;
     to->off_lattice += part->off_lattice;
     if (part->worst_offset_ppm > to->worst_offset_ppm ||
-        (part->worst_offset_ppm == to->worst_offset_ppm && part->worst_line && before(part->worst_line, to->worst_line))) {
+        (part->worst_offset_ppm == to->worst_offset_ppm && part->worst_line &&
+         before(part->worst_line, to->worst_line))) {
         to->worst_offset_ppm = part->worst_offset_ppm;
         to->worst_line = part->worst_line;
     }
@@ -218,8 +223,8 @@ static axis axis_of(ost_pm origin, ost_pm spacing, int32_t dim)
     return (axis){origin, spacing, dim, 1.0 / (double)spacing};
 }
 
-ost_status ost_cpu_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
-                              ost_scatter_report *report, ost_error *err)
+ost_status ost_cpu_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err)
 {
     cpu_grid *grid = (cpu_grid *)rect;
     const cpu_backend *backend = (const cpu_backend *)rect->backend;

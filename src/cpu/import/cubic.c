@@ -37,7 +37,8 @@ static source_position source_position_of(int64_t i, ost_pm cubic, ost_pm rect, 
     const int64_t at = (2 * i + 1) * cubic - rect, index = at < 0 ? 0 : at / (2 * rect);
     if (at <= 0 || index >= last)
         return (source_position){(int32_t)(at <= 0 ? 0 : last), 0};
-    return (source_position){(int32_t)index, (int32_t)ost_rhe_div((at - index * 2 * rect) << OST_WEIGHT_BITS, 2 * rect)};
+    return (source_position){(int32_t)index,
+                             (int32_t)ost_rhe_div((at - index * 2 * rect) << OST_WEIGHT_BITS, 2 * rect)};
 }
 
 /* The lists of the three axes, owned. */

@@ -198,7 +198,8 @@ ost_status ost_cpu_grid_upload(ost_grid *base, int32_t z0, int32_t count, const 
         return status;
     size_t slice = (size_t)base->geometry.dims.x * (size_t)base->geometry.dims.y;
     int16_t *to = grid->store->voxels + slice * (size_t)z0;
-    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_GRID_UPLOAD, (int64_t)slice * count, count, 0);
+    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_GRID_UPLOAD, (int64_t)slice * count, count,
+                                0);
 #pragma omp parallel num_threads(team.threads)
     {
         ost_member me = ost_team_join(&team);

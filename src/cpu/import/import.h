@@ -5,10 +5,12 @@
 
 #include "cpu/cpu.h"
 
-ost_status ost_cpu_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line, ost_duplicates duplicates,
-                              ost_scatter_report *report, ost_error *err);
-ost_status ost_cpu_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out, ost_error *err);
+ost_status ost_cpu_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
+                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
+ost_status ost_cpu_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
+                                 ost_error *err);
 
-ost_status ost_cpu_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+ost_status ost_cpu_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                   ost_error *err);
 
 #endif

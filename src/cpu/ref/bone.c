@@ -17,7 +17,8 @@ ost_status ost_ref_bone_create(ost_backend *backend, const ost_geometry *geometr
     ref_bone *bone = malloc(sizeof *bone);
     if (!bone)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone");
-    bone->base = (ost_bone){.backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
+    bone->base = (ost_bone){
+        .backend = backend, .geometry = *geometry, .chunk_size = chunk_size, .threshold = threshold};
     ost_status status = ost_chunk_grid_init(&bone->chunks, geometry->dims, chunk_size, threshold, err);
     if (status != OST_OK) {
         free(bone);
@@ -34,7 +35,8 @@ void ost_ref_bone_free(ost_bone *base)
     free(bone);
 }
 
-ost_status ost_ref_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err)
+ost_status ost_ref_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t threshold, ost_bone **out,
+                                   ost_error *err)
 {
     const ref_grid *cubic = (const ref_grid *)base;
     ost_bone *bone;
@@ -56,7 +58,8 @@ ost_status ost_ref_bone_stats(const ost_bone *base, ost_bone_info *info, ost_err
     const ref_bone *bone = (const ref_bone *)base;
     ost_chunk_grid_count(&bone->chunks, &info->active_chunks, &info->active_voxels);
     info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
-    info->resident_bytes = info->chunk_bytes + bone->chunks.count * (int64_t)sizeof *bone->chunks.chunks + (int64_t)sizeof *bone;
+    info->resident_bytes = info->chunk_bytes + bone->chunks.count * (int64_t)sizeof *bone->chunks.chunks +
+                           (int64_t)sizeof *bone;
     return OST_OK;
 }
 
@@ -72,7 +75,8 @@ ost_status ost_ref_bone_download(const ost_bone *base, int32_t z0, int32_t count
     return OST_OK;
 }
 
-ost_status ost_ref_bone_sample(const ost_bone *base, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err)
+ost_status ost_ref_bone_sample(const ost_bone *base, size_t count, const int32_t *const at[3], int16_t *densities,
+                               ost_error *err)
 {
     (void)err;
     const ost_chunk_grid *grid = &((const ref_bone *)base)->chunks;
@@ -90,7 +94,8 @@ ost_status ost_ref_bone_sample(const ost_bone *base, size_t count, const int32_t
     return OST_OK;
 }
 
-ost_status ost_ref_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err)
+ost_status ost_ref_bone_occupancy(const ost_bone *base, size_t count, const int32_t *chunks, uint32_t *words,
+                                  ost_error *err)
 {
     (void)err;
     const ost_chunk_grid *grid = &((const ref_bone *)base)->chunks;

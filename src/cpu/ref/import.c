@@ -121,7 +121,8 @@ static bool before(int64_t line, int64_t recorded)
 }
 
 /* Handles a further sample of a voxel (AR-CT-6). Equal densities are not a conflict under any policy. */
-static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
+static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates,
+                       ost_scatter_report *report)
 {
     report->duplicates++;
     switch (duplicates) {
@@ -144,7 +145,8 @@ static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplic
     }
 }
 
-static void scatter(ref_grid *grid, const ost_sample *sample, int64_t line, ost_duplicates duplicates, ost_scatter_report *report)
+static void scatter(ref_grid *grid, const ost_sample *sample, int64_t line, ost_duplicates duplicates,
+                    ost_scatter_report *report)
 {
     const ost_geometry *g = &grid->base.geometry;
     report->samples++;
@@ -161,7 +163,8 @@ static void scatter(ref_grid *grid, const ost_sample *sample, int64_t line, ost_
     if (beyond(at, 1))
         report->off_lattice++;
     uint64_t ppm = offset_ppm(at);
-    if (ppm > report->worst_offset_ppm || (ppm > 0 && ppm == report->worst_offset_ppm && before(line, report->worst_line))) {
+    if (ppm > report->worst_offset_ppm ||
+        (ppm > 0 && ppm == report->worst_offset_ppm && before(line, report->worst_line))) {
         report->worst_offset_ppm = ppm;
         report->worst_line = line;
     }
@@ -265,8 +268,8 @@ static int16_t weighted(const ref_grid *grid, tap x, tap y, tap z)
     return (int16_t)ost_rhe_div(sum, one * one * one);
 }
 
-ost_status ost_ref_rect_to_cubic(const ost_grid *rect_base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
-                                 ost_error *err)
+ost_status ost_ref_rect_to_cubic(const ost_grid *rect_base, const ost_geometry *geometry, ost_resample rule,
+                                 ost_grid **out, ost_error *err)
 {
     const ref_grid *rect = (const ref_grid *)rect_base;
     const ost_geometry *r = &rect_base->geometry;

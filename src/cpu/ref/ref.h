@@ -47,15 +47,18 @@ ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
 ost_status ost_ref_rect_to_cubic(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                  ost_error *err);
 
-ost_status ost_ref_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out, ost_error *err);
+ost_status ost_ref_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
+                                   ost_error *err);
 ost_status ost_ref_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
                                ost_bone **out, ost_error *err);
 void ost_ref_bone_free(ost_bone *bone);
 ost_status ost_ref_bone_stats(const ost_bone *bone, ost_bone_info *info, ost_error *err);
 ost_status ost_ref_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 ost_status ost_ref_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
-ost_status ost_ref_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities, ost_error *err);
-ost_status ost_ref_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
+ost_status ost_ref_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                               ost_error *err);
+ost_status ost_ref_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
+                                  ost_error *err);
 ost_status ost_ref_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
 /* Creates a void tool of this geometry, which upload and voxelize then fill. */
@@ -64,10 +67,13 @@ ost_status ost_ref_tool_upload(ost_backend *backend, const ost_tool_volume *volu
 ost_status ost_ref_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
 void ost_ref_tool_free(ost_tool *tool);
 
-ost_status ost_ref_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
+ost_status ost_ref_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting,
+                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
+                                 ost_tool **out, ost_error *err);
 
-ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
-ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err);
+ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                          ost_error *err);
+ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                           ost_error *err);
 
 #endif

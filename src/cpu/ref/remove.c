@@ -189,7 +189,8 @@ static void chunk_range(const ost_chunk_grid *grid, const ost_event *event, int3
  * Reserves memory in the report for every chunk of the range, so that nothing can fail after the first
  * voxel is removed.
  */
-static ost_status reserve(ost_report *report, const ost_chunk_grid *grid, const int32_t lo[3], const int32_t hi[3], ost_error *err)
+static ost_status reserve(ost_report *report, const ost_chunk_grid *grid, const int32_t lo[3], const int32_t hi[3],
+                          ost_error *err)
 {
     size_t needed = report->count;
     for (int32_t z = lo[2]; z < hi[2]; z++)
@@ -206,8 +207,8 @@ static ost_status reserve(ost_report *report, const ost_chunk_grid *grid, const 
     return OST_OK;
 }
 
-static ost_status run_event(const ost_chunk_grid *grid, const ref_tool *tool, const ost_event *event, bool apply, ost_report *report,
-                            ost_error *err)
+static ost_status run_event(const ost_chunk_grid *grid, const ref_tool *tool, const ost_event *event, bool apply,
+                            ost_report *report, ost_error *err)
 {
     int32_t lo[3], hi[3];
     chunk_range(grid, event, lo, hi);
@@ -233,12 +234,14 @@ static ost_status run_event(const ost_chunk_grid *grid, const ref_tool *tool, co
     return status;
 }
 
-ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                          ost_error *err)
 {
     return run_event(&((ref_bone *)bone)->chunks, (const ref_tool *)tool, event, true, report, err);
 }
 
-ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                           ost_error *err)
 {
     return run_event(&((const ref_bone *)bone)->chunks, (const ref_tool *)tool, event, false, report, err);
 }

@@ -49,8 +49,9 @@ void ost_ref_tool_free(ost_tool *base)
     free(tool);
 }
 
-ost_status ost_ref_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
+ost_status ost_ref_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting,
+                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
+                                 ost_tool **out, ost_error *err)
 {
     ref_tool *tool;
     ost_status status = ost_ref_tool_create(backend, &cutting->grid, &tool, err);

@@ -145,7 +145,8 @@ static void add_mesh(slice *s, const ost_snapped_mesh *mesh, ost_fill_rule rule,
         add_triangle(s, mesh->vertices[v[0]], mesh->vertices[v[1]], mesh->vertices[v[2]]);
     }
     for (int32_t j = 0; j < s->dims.y; j++)
-        if (!fill_row(s->steps + (size_t)j * stride, s->dims.x, rule, tool_class, plane + (size_t)j * (size_t)s->dims.x))
+        if (!fill_row(s->steps + (size_t)j * stride, s->dims.x, rule, tool_class,
+                      plane + (size_t)j * (size_t)s->dims.x))
             report->leaking_rows++;
 }
 

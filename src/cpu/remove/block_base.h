@@ -39,16 +39,19 @@ static inline bool ost_block_base(const ost_block_bases *bases, const int32_t bl
 {
     const int64_t low = -(INT64_C(1) << 29);
     const uint64_t span = UINT64_C(1) << 31; /* bases from low to below 2^30 + 2^29 */
-    const int64_t *x = bases->part[0] + 3 * (size_t)(block[0] - bases->lo[0]), *y = bases->part[1] + 3 * (size_t)(block[1] - bases->lo[1]),
+    const int64_t *x = bases->part[0] + 3 * (size_t)(block[0] - bases->lo[0]),
+                  *y = bases->part[1] + 3 * (size_t)(block[1] - bases->lo[1]),
                   *z = bases->part[2] + 3 * (size_t)(block[2] - bases->lo[2]);
-    const int64_t u = x[0] + y[0] + z[0] + (1 << 15), v = x[1] + y[1] + z[1] + (1 << 15), w = x[2] + y[2] + z[2] + (1 << 15);
+    const int64_t u = x[0] + y[0] + z[0] + (1 << 15), v = x[1] + y[1] + z[1] + (1 << 15),
+                  w = x[2] + y[2] + z[2] + (1 << 15);
     base[0] = (int32_t)(u >> 16);
     base[1] = (int32_t)(v >> 16);
     base[2] = (int32_t)(w >> 16);
     const uint16_t unsure = 0xffff - 6; /* W needs the division if its low 16 bits, less 1, are not below this */
     if ((uint16_t)(u - 1) >= unsure || (uint16_t)(v - 1) >= unsure || (uint16_t)(w - 1) >= unsure)
         return ost_map_block_base(bases->map, (ost_dims){block[0], block[1], block[2]}, base);
-    return (uint64_t)((u >> 16) - low) < span && (uint64_t)((v >> 16) - low) < span && (uint64_t)((w >> 16) - low) < span;
+    return (uint64_t)((u >> 16) - low) < span && (uint64_t)((v >> 16) - low) < span &&
+           (uint64_t)((w >> 16) - low) < span;
 }
 
 /* The bases at which some voxel of a block can lie in the tool's grid: from <= base < from + width on each axis. */
@@ -62,7 +65,8 @@ ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[
 
 static inline bool ost_block_in_reach(const ost_block_reach *r, const int32_t base[3])
 {
-    return ((uint32_t)base[0] - (uint32_t)r->from[0] < r->width[0]) & ((uint32_t)base[1] - (uint32_t)r->from[1] < r->width[1]) &
+    return ((uint32_t)base[0] - (uint32_t)r->from[0] < r->width[0]) &
+           ((uint32_t)base[1] - (uint32_t)r->from[1] < r->width[1]) &
            ((uint32_t)base[2] - (uint32_t)r->from[2] < r->width[2]);
 }
 

@@ -49,7 +49,8 @@ void ost_split_make(const int32_t step[3][3], int32_t edge, const ost_cells *cel
         /* |sum| < 2^25 and half - 1 < 8, so the product fits; the shift rounds down. */
         const int32_t centre = ((half - 1) * (step[0][a] + step[1][a] + step[2][a])) >> 1;
         for (int part = 0; part < 8; part++) {
-            out->first[a][part] = half * ((part & 1 ? step[0][a] : 0) + (part & 2 ? step[1][a] : 0) + (part & 4 ? step[2][a] : 0));
+            out->first[a][part] = half * ((part & 1 ? step[0][a] : 0) + (part & 2 ? step[1][a] : 0) +
+                                          (part & 4 ? step[2][a] : 0));
             out->centre[a][part] = out->first[a][part] + centre;
         }
     }

@@ -84,14 +84,16 @@ static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
     };
     uint64_t cubes = ~UINT64_C(0);
     for (int a = 0; a < 3; a++) {
-        const int32_t from = (within(box->lo[a] - unit[a], 0, OST_UNIT) + 7) / 8, to = within(box->hi[a] - unit[a], 0, OST_UNIT) / 8;
+        const int32_t from = (within(box->lo[a] - unit[a], 0, OST_UNIT) + 7) / 8,
+                      to = within(box->hi[a] - unit[a], 0, OST_UNIT) / 8;
         cubes &= below[a][to] & ~below[a][from];
     }
     return cubes;
 }
 
 /* Returns the set of 8^3 cubes in the two lists that do not lie entirely in the box. */
-static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside, const ost_voxel_box *box)
+static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside,
+                             const ost_voxel_box *box)
 {
     const uint64_t beyond = ~cubes_within(unit, box);
     uint64_t met = 0;
@@ -145,7 +147,8 @@ static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number,
  * Lists the blocks of the unit that overlap the box (the plan has bases for these) and that can have
  * voxels in the tool's grid.
  */
-static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, ost_cubes *blocks)
+static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3],
+                           int32_t edge, ost_cubes *blocks)
 {
     const ost_block_bases *bases = &plan->bases;
     int32_t from[3], to[3], first[3];
@@ -158,10 +161,11 @@ static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *
 }
 
 /* Lists the hits of mixed bricks, of bricks inside and of cubes inside, and makes these voxels inactive. */
-static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uint64_t *occupancy, const ost_cubes *bricks,
-                                                             const uint64_t *hits, const ost_numbers *inside_bricks,
-                                                             const ost_numbers *inside, const int32_t unit[3], const ost_voxel_box *box,
-                                                             uint64_t across)
+static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uint64_t *occupancy,
+                                                             const ost_cubes *bricks, const uint64_t *hits,
+                                                             const ost_numbers *inside_bricks,
+                                                             const ost_numbers *inside, const int32_t unit[3],
+                                                             const ost_voxel_box *box, uint64_t across)
 {
     /* Most mixed bricks have no active voxel that is hit, so the others are selected first. */
     int32_t hit[OST_UNIT_BRICKS + 1];
@@ -171,7 +175,8 @@ static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uin
         n += (hits[i] & occupancy[bricks->number[i]]) != 0;
     }
     for (size_t i = 0; i < n; i++)
-        add_hits(list, occupancy, bricks->number[hit[i]], hits[hit[i]] & brick_within(unit, bricks->number[hit[i]], box, across));
+        add_hits(list, occupancy, bricks->number[hit[i]],
+                 hits[hit[i]] & brick_within(unit, bricks->number[hit[i]], box, across));
     for (size_t i = 0; i < inside_bricks->count; i++)
         add_hits(list, occupancy, inside_bricks->number[i], brick_within(unit, inside_bricks->number[i], box, across));
     for (size_t i = 0; i < inside->count; i++)
@@ -181,8 +186,8 @@ static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uin
 }
 
 /* Applies one pose to one unit. */
-static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge, int16_t *density,
-                     uint64_t *occupancy, const ost_take *take, ost_tally *tally)
+static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge,
+                     int16_t *density, uint64_t *occupancy, const ost_take *take, ost_tally *tally)
 {
     const ost_cells *cells = &plan->match.shape->cells;
     ost_cubes blocks, cubes, bricks;
@@ -211,8 +216,8 @@ static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, 
 
 /* -------------------------------------------------------------- an event */
 
-static void run_chunk(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, int32_t n, const ost_event_chunk *chunk, bool apply,
-                      const ost_density_classes *classes, ost_tally *tally)
+static void run_chunk(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, int32_t n,
+                      const ost_event_chunk *chunk, bool apply, const ost_density_classes *classes, ost_tally *tally)
 {
     ost_take take = {.borders = classes ? classes->count - 1 : 0, .highest = chunk->chunk->highest, .apply = apply};
     for (int b = 0; b < take.borders; b++)
@@ -226,7 +231,8 @@ static void run_chunk(const ost_cpu_kernels *kernels, const ost_pose_plan *plan,
             meets = meets && unit[a] < plan->box.hi[a] && unit[a] + edge > plan->box.lo[a];
         }
         if (meets)
-            run_unit(kernels, plan, unit, edge, chunk->chunk->density + (size_t)part * OST_UNIT_BRICKS * OST_BRICK_VOXELS,
+            run_unit(kernels, plan, unit, edge,
+                     chunk->chunk->density + (size_t)part * OST_UNIT_BRICKS * OST_BRICK_VOXELS,
                      chunk->occupancy + (size_t)part * OST_UNIT_BRICKS, &take, tally);
     }
 }
@@ -252,16 +258,19 @@ static void plan_pose(ost_pose_plan *plan, const ost_map *map, const ost_voxel_b
     ost_block_bases_make(&plan->bases, map, lo, hi);
 }
 
-static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, size_t i, bool apply, const ost_density_classes *classes)
+static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, size_t i, bool apply,
+                       const ost_density_classes *classes)
 {
     ost_event_chunk *chunk = &scratch->chunks[i];
     run_chunk(&backend->kernels, &scratch->plan, n, chunk, apply, classes, classes ? &chunk->tally : &chunk->touched);
 }
 
 /* Separate from the plain loop, as even a team of one thread makes a system call at its end, in every tick. */
-static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply, const ost_density_classes *classes)
+static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply,
+                       const ost_density_classes *classes)
 {
-    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_REMOVAL, INT64_MAX, (int64_t)scratch->count, 4);
+    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_REMOVAL, INT64_MAX,
+                                (int64_t)scratch->count, 4);
 #pragma omp parallel num_threads(team.threads)
     {
         ost_member me = ost_team_join(&team);
@@ -386,7 +395,8 @@ static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
  * Adds a chunk to the report. The tally counts all densities from a border upwards, the report counts
  * each class separately.
  */
-static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes, ost_report *report, ost_error *err)
+static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes, ost_report *report,
+                               ost_error *err)
 {
     if (chunk->tally.voxels[0] == 0)
         return OST_OK;
@@ -399,8 +409,8 @@ static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_c
     return ost_report_add(report, &part, err);
 }
 
-static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const ost_event *event, bool apply, ost_report *report,
-                            ost_error *err)
+static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const ost_event *event, bool apply,
+                            ost_report *report, ost_error *err)
 {
     ost_event_scratch *scratch = &((cpu_backend *)bone->base.backend)->event;
     const cpu_shapes *shapes = tool->shapes;
@@ -434,12 +444,14 @@ static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const os
     return status;
 }
 
-ost_status ost_cpu_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_cpu_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                          ost_error *err)
 {
     return run_event((const cpu_bone *)bone, (const cpu_tool *)tool, event, true, report, err);
 }
 
-ost_status ost_cpu_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report, ost_error *err)
+ost_status ost_cpu_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
+                           ost_error *err)
 {
     return run_event((const cpu_bone *)bone, (const cpu_tool *)tool, event, false, report, err);
 }

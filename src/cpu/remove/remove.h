@@ -84,7 +84,8 @@ typedef struct ost_match {
     int32_t lowest[3];                 /* the least offset on each axis */
     bool windows;                      /* windows may be used; high, low, tie and near_tie are valid */
     uint8_t tie[1 << OST_TIE_BITS]; /* bit a: a tie on axis a */
-    _Alignas(64) uint32_t near_tie[3][OST_NEAR_TIES / 32]; /* bit n: one of tie's values from 8 n to 8 n + 7 is set on this axis */
+    /* bit n: one of tie's values from 8 n to 8 n + 7 is set on this axis */
+    _Alignas(64) uint32_t near_tie[3][OST_NEAR_TIES / 32];
     const ost_shape *shape;
 } ost_match;
 

@@ -3,8 +3,8 @@
 #include "core/conditions.h"
 #include "cpu/kernels.h"
 
-void ost_blocks_scalar(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
-                       const int32_t to[3], ost_cubes *blocks)
+void ost_blocks_scalar(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
+                       const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
 {
     size_t n = 0;
     for (int32_t z = from[2]; z < to[2]; z++)
@@ -56,7 +56,8 @@ static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
     const ost_shape *s = match->shape;
     uint64_t hits = 0;
     for (int v = 0; v < 64; v++) {
-        const int32_t x = (u[0] + match->offset[0][v]) >> OST_MAP_FRACTION, y = (u[1] + match->offset[1][v]) >> OST_MAP_FRACTION,
+        const int32_t x = (u[0] + match->offset[0][v]) >> OST_MAP_FRACTION,
+                      y = (u[1] + match->offset[1][v]) >> OST_MAP_FRACTION,
                       z = (u[2] + match->offset[2][v]) >> OST_MAP_FRACTION;
         if (x >= 0 && x < s->dims[0] && y >= 0 && y < s->dims[1] && z >= 0 && z < s->dims[2])
             hits |= (uint64_t)(s->voxels[x + s->dims[0] * (y + (int64_t)s->dims[1] * z)] == s->kind) << v;
@@ -74,10 +75,12 @@ static uint64_t match_window(const ost_match *match, const int32_t u[3])
         window[a] = voxel / w->step;
         from[a] = u[a] - (window[a] * w->step - OST_WINDOW_MARGIN) * (1 << OST_MAP_FRACTION);
     }
-    const uint8_t *line = w->line[w->index[window[0] + w->dims[0] * (window[1] + (size_t)w->dims[1] * (size_t)window[2])]];
+    const uint8_t
+        *line = w->line[w->index[window[0] + w->dims[0] * (window[1] + (size_t)w->dims[1] * (size_t)window[2])]];
     uint64_t hits = 0;
     for (int v = 0; v < 64; v++) {
-        const int32_t x = (from[0] + match->offset[0][v]) >> OST_MAP_FRACTION, y = (from[1] + match->offset[1][v]) >> OST_MAP_FRACTION,
+        const int32_t x = (from[0] + match->offset[0][v]) >> OST_MAP_FRACTION,
+                      y = (from[1] + match->offset[1][v]) >> OST_MAP_FRACTION,
                       z = (from[2] + match->offset[2][v]) >> OST_MAP_FRACTION;
         hits |= (uint64_t)(line[8 * y + z] >> x & 1) << v;
     }

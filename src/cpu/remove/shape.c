@@ -64,7 +64,8 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
     for (int32_t z = 0; z << g < shape->dims[2]; z++)
         for (int32_t y = 0; y << g < shape->dims[1]; y++) {
             uint8_t *state = l->state + l->margin +
-                             (size_t)l->dims[0] * ((size_t)(y + l->margin) + (size_t)l->dims[1] * (size_t)(z + l->margin));
+                             (size_t)l->dims[0] *
+                                 ((size_t)(y + l->margin) + (size_t)l->dims[1] * (size_t)(z + l->margin));
             memset(solid, 0, (size_t)l->dims[0] * sizeof *solid);
             for (int32_t k = z << g; k < (z + 1) << g && k < shape->dims[2]; k++)
                 for (int32_t j = y << g; j < (y + 1) << g && j < shape->dims[1]; j++) {
@@ -149,7 +150,8 @@ static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b,
         for (int32_t y = 0; y < l->cells[1]; y++)
             for (int32_t x = 0; x < l->cells[0]; x++) {
                 const size_t c = (size_t)x + cx * ((size_t)y + cy * (size_t)z);
-                const size_t g = (size_t)(x * per) + (size_t)l->dims[0] * ((size_t)(y * per) + (size_t)l->dims[1] * (size_t)(z * per));
+                const size_t g = (size_t)(x * per) +
+                                 (size_t)l->dims[0] * ((size_t)(y * per) + (size_t)l->dims[1] * (size_t)(z * per));
                 if (l->state[g] == kind)
                     value[c] = (int8_t)(kind == SOLID ? root[a[c]] : -root[a[c]]);
             }
@@ -324,11 +326,13 @@ static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
     if (!enough)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the windows of a tool of %d x %d x %d voxels",
                         shape->dims[0], shape->dims[1], shape->dims[2]);
-    shape->windows = (ost_windows){.index = index, .line = (const uint8_t(*)[64])store.line, .dims = {n[0], n[1], n[2]}, .step = step};
+    shape->windows = (ost_windows){
+        .index = index, .line = (const uint8_t(*)[64])store.line, .dims = {n[0], n[1], n[2]}, .step = step};
     return OST_OK;
 }
 
-ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out, ost_error *err)
+ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
+                          ost_error *err)
 {
     *out = (ost_shape){.voxels = voxels, .dims = {dims.x, dims.y, dims.z}, .kind = kind};
     ost_status status = make_cells(out, grain_for(ratio), err);
@@ -348,6 +352,7 @@ void ost_shape_free(ost_shape *shape)
 bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio)
 {
     const grain g = grain_for(ratio);
-    return shape->cells.value && shape->windows.step == window_step(ratio) && shape->cells.shift == OST_MAP_FRACTION + g.granule + (g.per == 2) &&
+    return shape->cells.value && shape->windows.step == window_step(ratio) &&
+           shape->cells.shift == OST_MAP_FRACTION + g.granule + (g.per == 2) &&
            shape->cells.unit == 1 << (OST_MAP_FRACTION + g.granule - 3);
 }

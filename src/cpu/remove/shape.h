@@ -73,7 +73,8 @@ typedef struct ost_shape {
  * in tool voxels, times 2^20, rounded up; at most OST_MAP_RATIO_MAX * 2^20 + 2.
  * Initialises all of *out even on failure; ost_shape_free must be called in either case.
  */
-ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out, ost_error *err);
+ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
+                          ost_error *err);
 void ost_shape_free(ost_shape *shape);
 /* Returns true if the shape's tables are those that ost_shape_make would make for this ratio. */
 bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio);

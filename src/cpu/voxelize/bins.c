@@ -48,8 +48,8 @@ static bool is_large(rect r)
 }
 
 /* Counts a piece's triangles by tile; the element after the last tile counts the large triangles. */
-static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end, const uint32_t *keys,
-                        size_t *counts)
+static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end,
+                        const uint32_t *keys, size_t *counts)
 {
     const size_t tiles = (size_t)plan->tiles_y * (size_t)plan->tiles_z;
     for (size_t t = first; t < end; t++) {
@@ -71,8 +71,8 @@ static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, 
 }
 
 /* Lists a piece's triangles, visited as in count_piece; next has the index of each tile's next entry. */
-static void place_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end, const uint32_t *keys,
-                        size_t *next, ost_vox_bins *bins)
+static void place_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end,
+                        const uint32_t *keys, size_t *next, ost_vox_bins *bins)
 {
     const size_t tiles = (size_t)plan->tiles_y * (size_t)plan->tiles_z;
     for (size_t t = first; t < end; t++) {
@@ -114,7 +114,8 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
     if (pieces > (size_t)threads)
         pieces = (size_t)threads;
     const size_t stride = tiles + 1;
-    ost_team team = ost_team_of(backend->sharing, (int)pieces, OST_PATH_SORT, INT64_MAX, (int64_t)pieces, 0), placing = team;
+    ost_team team = ost_team_of(backend->sharing, (int)pieces, OST_PATH_SORT, INT64_MAX, (int64_t)pieces, 0),
+             placing = team;
     uint32_t *keys = malloc((triangles + 1) * sizeof *keys);
     size_t *counts = calloc(pieces * stride, sizeof *counts);
     bins->start = malloc((tiles + 1) * sizeof *bins->start);
@@ -155,7 +156,8 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
         ost_member me = ost_team_join(&placing);
         for (int64_t i; (i = ost_team_next(&placing, &me)) >= 0;) {
             const size_t p = (size_t)i;
-            place_piece(plan, mesh, triangles * p / pieces, triangles * (p + 1) / pieces, keys, counts + p * stride, bins);
+            place_piece(plan, mesh, triangles * p / pieces, triangles * (p + 1) / pieces, keys, counts + p * stride,
+                        bins);
         }
     }
     goto done;

@@ -129,8 +129,12 @@ static void bounds_of(const struct RTCBoundsFunctionArguments *args)
                 hi[a] = v[a] > hi[a] ? v[a] : hi[a];
             }
         }
-    *args->bounds_o = (struct RTCBounds){.lower_x = (float)(lo[0] - 1), .lower_y = (float)(lo[1] - 1), .lower_z = (float)(lo[2] - 1),
-                                         .upper_x = (float)(hi[0] + 1), .upper_y = (float)(hi[1] + 1), .upper_z = (float)(hi[2] + 1)};
+    *args->bounds_o = (struct RTCBounds){.lower_x = (float)(lo[0] - 1),
+                                         .lower_y = (float)(lo[1] - 1),
+                                         .lower_z = (float)(lo[2] - 1),
+                                         .upper_x = (float)(hi[0] + 1),
+                                         .upper_y = (float)(hi[1] + 1),
+                                         .upper_z = (float)(hi[2] + 1)};
 }
 
 static void mark_candidates(ost_embree_scratch *scratch)

@@ -97,7 +97,8 @@ static bool sum_bits(const uint64_t *plus, const uint64_t *minus, int words, int
     return !(winding & mask);
 }
 
-static bool sum_steps(const uint64_t *plus, const uint64_t *minus, const int32_t *steps, int32_t n, int32_t mask, uint64_t *bits)
+static bool sum_steps(const uint64_t *plus, const uint64_t *minus, const int32_t *steps, int32_t n, int32_t mask,
+                      uint64_t *bits)
 {
     int32_t winding = 0;
     for (int32_t i = 0; i < n; i++) {
@@ -107,8 +108,8 @@ static bool sum_steps(const uint64_t *plus, const uint64_t *minus, const int32_t
     return !((winding + steps[n]) & mask);
 }
 
-int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
-                              uint64_t *leaking_rows)
+int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule,
+                              uint64_t *bits, uint64_t *leaking_rows)
 {
     const size_t words = tile->row_bits / 64;
     const uint64_t *plus = tile->planes, *minus = tile->planes + tile->minus / 64;
@@ -123,8 +124,8 @@ int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t
             row[w] = 0;
         }
         const bool sound = tile->row_state[r] & OST_VOX_SPILLED
-                               ? sum_steps(plus + r * words, minus + r * words, tile->spill + r * ((size_t)tile->nx + 1), tile->nx,
-                                           mask, row)
+                               ? sum_steps(plus + r * words, minus + r * words,
+                                           tile->spill + r * ((size_t)tile->nx + 1), tile->nx, mask, row)
                                : sum_bits(plus + r * words, minus + r * words, (int)words, mask, row);
         if (!sound) {
             memset(row, 0, words * sizeof *row);
@@ -146,8 +147,8 @@ static uint64_t spread(uint64_t byte)
     return ((byte * ones & UINT64_C(0x8040201008040201)) + 0x7f * ones) >> 7 & ones;
 }
 
-void ost_vox_expand_scalar(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                           uint8_t *voxels)
+void ost_vox_expand_scalar(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
+                           bool stream, uint8_t *voxels)
 {
     (void)stream;
     for (size_t r = 0; r < rows; r++, voxels += nx) {

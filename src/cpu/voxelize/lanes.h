@@ -113,7 +113,8 @@ static inline vd vd_greatest(vd a, vd b, vd c)
 }
 
 /* Loads the corners of LANES triangles. It is always inlined, so that the results are in registers. */
-static inline __attribute__((always_inline)) void corners(const ost_snapped_mesh *mesh, const uint32_t *t, vi a[3], vi b[3], vi c[3])
+static inline __attribute__((always_inline)) void corners(const ost_snapped_mesh *mesh, const uint32_t *t, vi a[3],
+                                                          vi b[3], vi c[3])
 {
     const uint32_t *v[LANES];
     for (int i = 0; i < LANES; i++)
@@ -144,7 +145,8 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
     const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->j0));
     const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->k0));
-    const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0); /* less one */
+    /* less one */
+    const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0);
     const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->k1 - 1)), k0);
     valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));
     if (!vm_bits(valid))
@@ -153,7 +155,8 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     const vd ax = vd_from_vi(a[0]), bx = vd_from_vi(b[0]), cx = vd_from_vi(c[0]);
     const vd x_min = vd_least(ax, bx, cx), x_max = vd_greatest(ax, bx, cx);
     const vd volume = vd_mul(vd_mul(vd_add(vd_sub(x_max, x_min), w), vd_sub(y_max, y_min)), vd_sub(z_max, z_min));
-    const vm small = vm_and(vd_le(volume, vd_set((double)OST_VOX_SMALL)), vd_le(x_max, vd_set((tile->nx - 1) * w_ + h_)));
+    const vm small = vm_and(vd_le(volume, vd_set((double)OST_VOX_SMALL)),
+                            vd_le(x_max, vd_set((tile->nx - 1) * w_ + h_)));
     const vm others = vm_andnot(valid, small);
     for (unsigned bits = vm_bits(others); bits; bits &= bits - 1)
         ost_vox_mark_triangle(tile, t[__builtin_ctz(bits)]);
@@ -187,8 +190,9 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
 
     /* The number of the bit of centre `home` in row (j0, k); it is below 2^31, so it is exact. */
     const vd row_bits = vd_set(tile->row_bits), slice_bits = vd_set((double)tile->row_bits * (tile->j1 - tile->j0));
-    vd bit = vd_add(vd_add(vd_mul(vd_sub(k0, vd_set(tile->k0)), slice_bits), vd_mul(vd_sub(j0, vd_set(tile->j0)), row_bits)),
-                    vd_add(home, vd_sel(enters, zero, vd_set(tile->minus))));
+    vd bit = vd_add(
+        vd_add(vd_mul(vd_sub(k0, vd_set(tile->k0)), slice_bits), vd_mul(vd_sub(j0, vd_set(tile->j0)), row_bits)),
+        vd_add(home, vd_sel(enters, zero, vd_set(tile->minus))));
     for (vd k = zero;; k = vd_add(k, one)) {
         const vm here = vm_and(valid, vd_le(k, k_count));
         if (!vm_bits(here))
@@ -260,7 +264,8 @@ static inline void mark(ost_vox_tile *tile, const uint32_t *list, size_t count)
     set_pending(tile, &p);
 }
 
-static inline void keys_of(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+static inline void keys_of(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                           uint32_t *keys)
 {
     size_t i = 0;
     for (; i + LANES <= count; i += LANES) {

@@ -98,7 +98,8 @@ static edge edge_from(const int32_t *a, const int32_t *b, int64_t z, int f)
 {
     const int64_t w = INT64_C(1) << f, dy = b[Y] - a[Y], dz = b[Z] - a[Z];
     const bool tie = dz < 0 || (dz == 0 && dy > 0);
-    return (edge){.c = dy * (z - a[Z]) + dz * (a[Y] - (1 << (f - 1))) - !tie, .dc = dy * w, .dz = dz, .d = (double)(dz * w)};
+    return (edge){
+        .c = dy * (z - a[Z]) + dz * (a[Y] - (1 << (f - 1))) - !tie, .dc = dy * w, .dz = dz, .d = (double)(dz * w)};
 }
 
 /* Narrows [lo, hi] to the rows on the inner side of the edge. */
@@ -183,7 +184,8 @@ void ost_vox_mark_scalar(ost_vox_tile *tile, const uint32_t *list, size_t count)
         ost_vox_mark_triangle(tile, list ? list[i] : (uint32_t)i);
 }
 
-void ost_vox_keys_scalar(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+void ost_vox_keys_scalar(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                         uint32_t *keys)
 {
     const int f = plan->f;
     const int32_t h = 1 << (f - 1);

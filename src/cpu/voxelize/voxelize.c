@@ -82,7 +82,8 @@ static void make_plan(ost_vox_plan *plan, const ost_snapped_mesh *mesh, const os
 {
     const int64_t most = (sharing->least[OST_PATH_TILED] - 1) / 2, plane_bytes = most > PLANE_MIN ? most : PLANE_MIN;
     const ost_dims dims = mesh->grid.dims;
-    *plan = (ost_vox_plan){.dims = dims, .f = mesh->fraction_bits, .words = ost_vox_words(dims.x), .tiles_y = 1, .tiles_z = 1};
+    *plan = (ost_vox_plan){
+        .dims = dims, .f = mesh->fraction_bits, .words = ost_vox_words(dims.x), .tiles_y = 1, .tiles_z = 1};
     const int64_t row_bytes = 8 * plan->words;
     if (threads == 1 && (int64_t)dims.y * dims.z * row_bytes <= 2 * plane_bytes) {
         plan->shift_y = floor_log2(dims.y) + 1;
@@ -124,7 +125,8 @@ static bool make_scratch(scratch *d, const job *j)
 {
     const ost_vox_plan *plan = &j->plan;
     const int64_t rows_y = INT64_C(1) << plan->shift_y, rows_z = INT64_C(1) << plan->shift_z;
-    const size_t rows = (size_t)(rows_y < plan->dims.y ? rows_y : plan->dims.y) * (size_t)(rows_z < plan->dims.z ? rows_z : plan->dims.z);
+    const size_t rows = (size_t)(rows_y < plan->dims.y ? rows_y : plan->dims.y) *
+                        (size_t)(rows_z < plan->dims.z ? rows_z : plan->dims.z);
     *d = (scratch){.plane_words = (rows * (size_t)plan->words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK};
     d->tile = (ost_vox_tile){
         .f = plan->f,
@@ -178,7 +180,8 @@ static uint64_t fill_mesh(const job *j, scratch *d, int m, size_t number, uint64
         kernels->vox_mark(tile, bins->large, bins->large_count);
     }
     uint64_t count = 0;
-    const size_t rows = ost_vox_rows(tile), words = (size_t)j->plan.words, run = j->direct ? (size_t)(tile->j1 - tile->j0) : rows;
+    const size_t rows = ost_vox_rows(tile), words = (size_t)j->plan.words,
+                 run = j->direct ? (size_t)(tile->j1 - tile->j0) : rows;
     for (size_t r = 0; r < rows; r += run) {
         uint64_t *bits = j->direct ? j->result.cutting + result_row(j, tile, r) * words : d->bits[m];
         count += kernels->vox_fill(tile, r, run, bits);
@@ -230,8 +233,8 @@ static void deliver(const job *j, const scratch *d)
         const size_t here = (size_t)(k - tile->k0) * run * words;
         const size_t row = (size_t)k * (size_t)plan->dims.y + (size_t)tile->j0;
         if (j->result.voxels)
-            j->backend->kernels.vox_expand(d->bits[0] + here, j->mesh[1] ? d->bits[1] + here : NULL, run, plan->words, plan->dims.x,
-                                           j->stream, j->result.voxels + row * (size_t)plan->dims.x);
+            j->backend->kernels.vox_expand(d->bits[0] + here, j->mesh[1] ? d->bits[1] + here : NULL, run, plan->words,
+                                           plan->dims.x, j->stream, j->result.voxels + row * (size_t)plan->dims.x);
         if (j->result.cutting)
             memcpy(j->result.cutting + row * words, d->bits[0] + here, run * words * 8);
         if (j->result.noncutting && j->mesh[1])
@@ -272,10 +275,12 @@ static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error
 {
     const size_t tiles = (size_t)j->plan.tiles_y * (size_t)j->plan.tiles_z;
     ost_cpu_sharing *sharing = j->backend->sharing;
-    ost_team team = ost_team_of(sharing, tiles < (size_t)j->threads ? (int)tiles : j->threads, OST_PATH_TILES, INT64_MAX, (int64_t)tiles, 1);
+    ost_team team = ost_team_of(sharing, tiles < (size_t)j->threads ? (int)tiles : j->threads, OST_PATH_TILES,
+                                INT64_MAX, (int64_t)tiles, 1);
     uint64_t solid = 0, cutting = 0, leaking = 0;
     bool failed = false;
-#pragma omp parallel num_threads(team.threads) reduction(+ : solid, cutting, leaking) reduction(|| : failed) if (team.threads > 1)
+#pragma omp parallel num_threads(team.threads) reduction(+ : solid, cutting, leaking) reduction(|| : failed) \
+    if (team.threads > 1)
     {
         const ost_floats caller = ost_floats_enter();
         ost_voxelize_report sums = {0};
@@ -299,8 +304,9 @@ static ost_status run_tiles(const job *j, ost_voxelize_report *report, ost_error
     return OST_OK;
 }
 
-ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                            ost_fill_rule rule, ost_voxelize_report *report, const ost_vox_result *result, ost_error *err)
+ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting,
+                            const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
+                            const ost_vox_result *result, ost_error *err)
 {
     assert(cutting->fraction_bits >= 1 && cutting->fraction_bits <= 10);
     job j = {.backend = backend, .mesh = {cutting, noncutting}, .rule = rule, .result = *result};
@@ -310,8 +316,8 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
     if (j.plan.tiles_y > 1 || j.plan.tiles_z > 1)
         ost_cpu_enters(backend->sharing, OST_PATH_TILED, INT64_MAX);
     j.stream = result->voxels && ost_cpu_enters(backend->sharing, OST_PATH_TOOL_STREAM, ost_dims_count(j.plan.dims));
-    j.direct = !noncutting && !result->voxels && result->cutting && !result->noncutting && j.plan.words % OST_VOX_BLOCK == 0 &&
-               (uintptr_t)result->cutting % 64 == 0;
+    j.direct = !noncutting && !result->voxels && result->cutting && !result->noncutting &&
+               j.plan.words % OST_VOX_BLOCK == 0 && (uintptr_t)result->cutting % 64 == 0;
     ost_status status = OST_OK;
     for (int m = 0; m < 2 && status == OST_OK; m++)
         if (j.mesh[m] && backend->voxelizer == OST_VOXELIZER_EMBREE)

@@ -95,8 +95,8 @@ void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
  * replaced. Adds the number of leaking rows to *leaking_rows. Returns the correction
  * to the kernel's count of solid voxels.
  */
-int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule, uint64_t *bits,
-                              uint64_t *leaking_rows);
+int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule,
+                              uint64_t *bits, uint64_t *leaking_rows);
 
 /* Returns the number of rows of a tile. */
 static inline size_t ost_vox_rows(const ost_vox_tile *tile)
@@ -137,18 +137,21 @@ typedef struct ost_vox_result {
 } ost_vox_result;
 
 /* Voxelizes both meshes on one grid, with the same results as ost_ref_voxelize. */
-ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                            ost_fill_rule rule, ost_voxelize_report *report, const ost_vox_result *result, ost_error *err);
+ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting,
+                            const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
+                            const ost_vox_result *result, ost_error *err);
 
 /* Implements the slot voxelize of the backend's table. */
-ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
-                                 ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
+ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting,
+                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
+                                 ost_tool **out, ost_error *err);
 
 /* The scalar kernels (kernels.h has their contracts). */
 void ost_vox_mark_scalar(ost_vox_tile *tile, const uint32_t *list, size_t count);
-void ost_vox_keys_scalar(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys);
+void ost_vox_keys_scalar(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                         uint32_t *keys);
 uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
-void ost_vox_expand_scalar(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                           uint8_t *voxels);
+void ost_vox_expand_scalar(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
+                           bool stream, uint8_t *voxels);
 
 #endif

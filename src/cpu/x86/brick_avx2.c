@@ -40,8 +40,9 @@ static inline uint32_t bits_of(__m256i on0, __m256i on1)
     return (uint32_t)_mm256_movemask_epi8(_mm256_permute4x64_epi64(_mm256_packs_epi16(on0, on1), 0xd8));
 }
 
-static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
-                                                               int16_t *density, uint64_t *occupancy)
+static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int16_t *const rows[16], size_t bricks,
+                                                                      int16_t threshold, bool stream, int16_t *density,
+                                                                      uint64_t *occupancy)
 {
     const __m256i below = _mm256_set1_epi16((int16_t)(threshold - 1)); /* threshold >= 1 */
     __m256i highest = _mm256_setzero_si256();
@@ -72,8 +73,8 @@ static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int1
     return (ost_brick_sums){active, _mm_extract_epi16(least_complement, 0) ^ INT16_MAX};
 }
 
-ost_brick_sums ost_brick_row_avx2(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                           uint64_t *occupancy)
+ost_brick_sums ost_brick_row_avx2(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
+                                  int16_t *density, uint64_t *occupancy)
 {
     return stream ? brick_row(rows, bricks, threshold, true, density, occupancy)
                   : brick_row(rows, bricks, threshold, false, density, occupancy);

@@ -48,8 +48,9 @@ static inline void halves(const int16_t *const rows[8], size_t x, __m512i half[G
     half[3] = _mm512_shuffle_i64x2(odd01, odd23, 0xdd);
 }
 
-static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
-                                                               int16_t *density, uint64_t *occupancy)
+static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int16_t *const rows[16], size_t bricks,
+                                                                      int16_t threshold, bool stream, int16_t *density,
+                                                                      uint64_t *occupancy)
 {
     const __m512i least = _mm512_set1_epi16(threshold);
     __m512i highest = _mm512_setzero_si512();
@@ -79,8 +80,8 @@ static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int1
     return (ost_brick_sums){active, _mm_extract_epi16(least_complement, 0) ^ INT16_MAX};
 }
 
-ost_brick_sums ost_brick_row_avx512(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream, int16_t *density,
-                             uint64_t *occupancy)
+ost_brick_sums ost_brick_row_avx512(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
+                                    int16_t *density, uint64_t *occupancy)
 {
     return stream ? brick_row(rows, bricks, threshold, true, density, occupancy)
                   : brick_row(rows, bricks, threshold, false, density, occupancy);

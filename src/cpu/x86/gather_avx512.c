@@ -39,7 +39,8 @@ void ost_gather_row_avx512(const int16_t *from, const int32_t *map, int count, i
         __m512i b = _mm512_setzero_si512();
         if (part > 16)
             b = _mm512_sub_epi32(_mm512_maskz_loadu_epi32((__mmask16)low_mask(part - 16), map + i + 16), base);
-        __m512i index = _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi32_epi16(a)), _mm512_cvtepi32_epi16(b), 1);
+        __m512i index = _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi32_epi16(a)), _mm512_cvtepi32_epi16(b),
+                                           1);
         int span0 = span < 32 ? span : 32;
         __m512i w0 = _mm512_maskz_loadu_epi16(low_mask(span0), from + first);
         if (span <= 32) {

@@ -35,7 +35,8 @@ static inline void store(void *at, __m256i v)
 
 static inline __m256i cell_along(__m256i u, const ost_cells *cells, int axis)
 {
-    const __m256i c = _mm256_add_epi32(_mm256_sra_epi32(u, _mm_cvtsi32_si128(cells->shift)), _mm256_set1_epi32(cells->margin));
+    const __m256i c = _mm256_add_epi32(_mm256_sra_epi32(u, _mm_cvtsi32_si128(cells->shift)),
+                                       _mm256_set1_epi32(cells->margin));
     return _mm256_min_epi32(_mm256_max_epi32(c, _mm256_setzero_si256()), _mm256_set1_epi32(cells->dims[axis] - 1));
 }
 
@@ -68,7 +69,8 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
         const unsigned keep = occupancy ? filled(occupancy + 8 * cubes->number[i]) : 0xff;
         if (keep == 0)
             continue;
-        const __m256i u[3] = {_mm256_set1_epi32(cubes->u[0][i]), _mm256_set1_epi32(cubes->u[1][i]), _mm256_set1_epi32(cubes->u[2][i])};
+        const __m256i u[3] = {_mm256_set1_epi32(cubes->u[0][i]), _mm256_set1_epi32(cubes->u[1][i]),
+                              _mm256_set1_epi32(cubes->u[2][i])};
         __m256i c[3];
         for (int a = 0; a < 3; a++)
             c[a] = cell_along(_mm256_add_epi32(u[a], load(split->centre[a])), cells, a);
@@ -121,7 +123,8 @@ static inline void place_eight(const ost_match *match, const ost_cubes *bricks, 
     for (int a = 0; a < 3; a++) {
         const __m256i u = _mm256_add_epi32(load(bricks->u[a] + from), _mm256_set1_epi32(match->lowest[a]));
         window[a] = windows_of(_mm256_add_epi32(_mm256_srai_epi32(u, OST_MAP_FRACTION), margin), w->step);
-        const __m256i begin = _mm256_slli_epi32(_mm256_sub_epi32(_mm256_mullo_epi32(window[a], step), margin), OST_MAP_FRACTION);
+        const __m256i begin = _mm256_slli_epi32(_mm256_sub_epi32(_mm256_mullo_epi32(window[a], step), margin),
+                                                OST_MAP_FRACTION);
         const __m256i c = _mm256_sub_epi32(u, begin), high = _mm256_srli_epi32(c, LOW);
         store(out->high[a] + to, _mm256_or_si256(high, _mm256_slli_epi32(high, 16)));
         store(out->low[a] + to, _mm256_and_si256(c, _mm256_set1_epi32((1 << LOW) - 1)));
@@ -169,14 +172,17 @@ static inline quarters quarters_of(const uint8_t line[64])
 /* Returns the bits of 32 voxels; a byte of x, y, z has three bits of voxel and five of fraction. */
 static inline uint32_t lookup(const quarters *line, __m256i x, __m256i y, __m256i z)
 {
-    const __m256i one_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(1, 2, 4, 8, 16, 32, 64, -128, 1, 2, 4, 8, 16, 32, 64, -128));
+    const __m256i one_of = _mm256_broadcastsi128_si256(
+        _mm_setr_epi8(1, 2, 4, 8, 16, 32, 64, -128, 1, 2, 4, 8, 16, 32, 64, -128));
     const __m256i sixteen = _mm256_set1_epi8(16), seven = _mm256_set1_epi8(7);
     const __m256i n = _mm256_or_si256(_mm256_and_si256(_mm256_srli_epi16(y, 2), _mm256_set1_epi8(0x38)),
                                       _mm256_and_si256(_mm256_srli_epi16(z, 5), seven));
     const __m256i bit = _mm256_shuffle_epi8(one_of, _mm256_and_si256(_mm256_srli_epi16(x, 5), seven));
-    const __m256i n1 = _mm256_sub_epi8(n, sixteen), n2 = _mm256_sub_epi8(n, _mm256_set1_epi8(32)), n3 = _mm256_sub_epi8(n, _mm256_set1_epi8(48));
-    const __m256i row = _mm256_xor_si256(_mm256_xor_si256(_mm256_shuffle_epi8(line->t[0], n), _mm256_shuffle_epi8(line->t[1], n1)),
-                                         _mm256_xor_si256(_mm256_shuffle_epi8(line->t[2], n2), _mm256_shuffle_epi8(line->t[3], n3)));
+    const __m256i n1 = _mm256_sub_epi8(n, sixteen), n2 = _mm256_sub_epi8(n, _mm256_set1_epi8(32)),
+                  n3 = _mm256_sub_epi8(n, _mm256_set1_epi8(48));
+    const __m256i row = _mm256_xor_si256(
+        _mm256_xor_si256(_mm256_shuffle_epi8(line->t[0], n), _mm256_shuffle_epi8(line->t[1], n1)),
+        _mm256_xor_si256(_mm256_shuffle_epi8(line->t[2], n2), _mm256_shuffle_epi8(line->t[3], n3)));
     return (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_and_si256(row, bit), bit));
 }
 
@@ -213,10 +219,12 @@ static void match_tied(const ost_match *match, const offsets *high, const places
         for (int h = 0; h < 2; h++) {
             __m256i bytes[3];
             for (int a = 0; a < 3; a++) {
-                const __m256i c = _mm256_set1_epi32((int32_t)at->high[a][i]), l = _mm256_set1_epi16((int16_t)at->low[a][i]);
+                const __m256i c = _mm256_set1_epi32((int32_t)at->high[a][i]),
+                              l = _mm256_set1_epi16((int16_t)at->low[a][i]);
                 __m256i u[2];
                 for (int s = 0; s < 2; s++)
-                    u[s] = _mm256_add_epi16(_mm256_add_epi16(c, high->v[h][s][a]), _mm256_srli_epi16(_mm256_add_epi16(l, low.v[h][s][a]), LOW));
+                    u[s] = _mm256_add_epi16(_mm256_add_epi16(c, high->v[h][s][a]),
+                                            _mm256_srli_epi16(_mm256_add_epi16(l, low.v[h][s][a]), LOW));
                 bytes[a] = high_bytes(u[0], u[1]);
             }
             word |= (uint64_t)lookup(&line, bytes[0], bytes[1], bytes[2]) << (32 * h);
@@ -240,7 +248,8 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
                           z = _mm256_set1_epi32((int32_t)at.high[2][i]);
             uint32_t half[2];
             for (int h = 0; h < 2; h++)
-                half[h] = lookup(&line, high_bytes(_mm256_add_epi16(x, o.v[h][0][0]), _mm256_add_epi16(x, o.v[h][1][0])),
+                half[h] = lookup(&line,
+                                 high_bytes(_mm256_add_epi16(x, o.v[h][0][0]), _mm256_add_epi16(x, o.v[h][1][0])),
                                  high_bytes(_mm256_add_epi16(y, o.v[h][0][1]), _mm256_add_epi16(y, o.v[h][1][1])),
                                  high_bytes(_mm256_add_epi16(z, o.v[h][0][2]), _mm256_add_epi16(z, o.v[h][1][2])));
             hits[i] = (uint64_t)half[0] | (uint64_t)half[1] << 32;
@@ -279,11 +288,13 @@ static inline uint64_t sum32(__m256i v)
  * 32-bit lane; that can sum 512 bricks of 4 * 2 * 32767 < 2^18 each. The number of borders is a
  * constant of the caller.
  */
-static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density, const int32_t *number,
-                                                              const uint64_t *hits, size_t count, ost_tally *tally, const int borders)
+static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
+                                                              const int32_t *number, const uint64_t *hits, size_t count,
+                                                              ost_tally *tally, const int borders)
 {
     const __m256i zero = _mm256_setzero_si256();
-    const __m256i lane = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, INT16_MIN);
+    const __m256i lane = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384,
+                                           INT16_MIN);
     const size_t bricks = (size_t)(65535 / take->highest / 4);
     const bool apply = take->apply;
     __m256i below[3], sum[4], wide[4], voxels[3];
@@ -305,7 +316,8 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
                 _mm_prefetch((const char *)(density + (size_t)number[i + 16] * 64 + 32), _MM_HINT_T0);
             }
             for (int q = 0; q < 4; q++) {
-                const __m256i mask = _mm256_cmpeq_epi16(_mm256_and_si256(_mm256_set1_epi16((int16_t)(hit >> (16 * q))), lane), lane);
+                const __m256i mask = _mm256_cmpeq_epi16(
+                    _mm256_and_si256(_mm256_set1_epi16((int16_t)(hit >> (16 * q))), lane), lane);
                 const __m256i d = load(brick + 16 * q);
                 sum[0] = _mm256_add_epi16(sum[0], _mm256_and_si256(d, mask));
                 for (int b = 0; b < borders; b++) {
@@ -330,7 +342,8 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
         tally->voxels[b + 1] += sum32(widen16(voxels[b]));
 }
 
-void ost_take_avx2(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count, ost_tally *tally)
+void ost_take_avx2(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
+                   ost_tally *tally)
 {
     if (take->highest > 65535 / 4) {
         ost_take_scalar(take, density, number, hits, count, tally);

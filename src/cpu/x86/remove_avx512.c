@@ -31,8 +31,8 @@
  * Block (x, y, z) of the unit is in lane x + 2y + 4z. Computes as ost_block_base does; if one of the
  * blocks needs its division, the scalar kernel computes all of them.
  */
-void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3], const int32_t from[3],
-                       const int32_t to[3], ost_cubes *blocks)
+void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
+                       const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
 {
     static const __mmask8 second[3] = {0xaa, 0xcc, 0xf0}; /* lanes of first + 1 */
     const int64_t *part[3][2];
@@ -48,12 +48,14 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
     for (int a = 0; a < 3; a++) {
         __m512i sum = _mm512_set1_epi64(1 << 15);
         for (int b = 0; b < 3; b++)
-            sum = _mm512_add_epi64(sum, _mm512_mask_set1_epi64(_mm512_set1_epi64(part[b][0][a]), second[b], part[b][1][a]));
+            sum = _mm512_add_epi64(sum,
+                                   _mm512_mask_set1_epi64(_mm512_set1_epi64(part[b][0][a]), second[b], part[b][1][a]));
         const __m512i wide = _mm512_srai_epi64(sum, 16);
         /* The base is certain if the low 16 bits, less 1, are below 2^16 - 7. */
         const __m512i low = _mm512_and_si512(_mm512_sub_epi64(sum, _mm512_set1_epi64(1)), _mm512_set1_epi64(0xffff));
         unsure |= _mm512_cmpge_epu64_mask(low, _mm512_set1_epi64(0xffff - 6));
-        near = _mm512_mask_cmplt_epu64_mask(near, _mm512_add_epi64(wide, _mm512_set1_epi64(1 << 29)), _mm512_set1_epi64(INT64_C(1) << 31));
+        near = _mm512_mask_cmplt_epu64_mask(near, _mm512_add_epi64(wide, _mm512_set1_epi64(1 << 29)),
+                                            _mm512_set1_epi64(INT64_C(1) << 31));
         base[a] = _mm512_cvtepi64_epi32(wide);
         near = _mm256_mask_cmplt_epu32_mask(near, _mm256_sub_epi32(base[a], _mm256_set1_epi32(reach->from[a])),
                                             _mm256_set1_epi32((int32_t)reach->width[a]));
@@ -64,7 +66,8 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
     }
     for (int a = 0; a < 3; a++)
         _mm256_store_si256((__m256i *)(void *)blocks->u[a], _mm256_maskz_compress_epi32(near, base[a]));
-    _mm256_storeu_si256((__m256i *)(void *)blocks->number, _mm256_maskz_compress_epi32(near, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)));
+    _mm256_storeu_si256((__m256i *)(void *)blocks->number,
+                        _mm256_maskz_compress_epi32(near, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)));
     blocks->count = (size_t)_mm_popcnt_u32(near);
 }
 
@@ -77,7 +80,8 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
  */
 static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m512i z)
 {
-    const __m512i zero = _mm512_setzero_si512(), margin = _mm512_set1_epi32(cells->margin), shift = _mm512_set1_epi32(cells->shift);
+    const __m512i zero = _mm512_setzero_si512(), margin = _mm512_set1_epi32(cells->margin),
+                  shift = _mm512_set1_epi32(cells->shift);
     x = _mm512_add_epi32(_mm512_srav_epi32(x, shift), margin);
     y = _mm512_add_epi32(_mm512_srav_epi32(y, shift), margin);
     z = _mm512_add_epi32(_mm512_srav_epi32(z, shift), margin);
@@ -113,7 +117,8 @@ INLINED __m512i part_numbers(int wide, int q)
 {
     const __m512i of_two = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
     const __m512i of_four = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
-    return wide == 8 ? _mm512_add_epi32(of_two, _mm512_set1_epi32(2 * q)) : _mm512_add_epi32(of_four, _mm512_set1_epi32(4 * q));
+    return wide == 8 ? _mm512_add_epi32(of_two, _mm512_set1_epi32(2 * q))
+                     : _mm512_add_epi32(of_four, _mm512_set1_epi32(4 * q));
 }
 
 /* Returns the values of eight[] for the parts in the lanes of register q. */
@@ -137,15 +142,18 @@ static inline uint64_t parts_kept(const ost_cubes *cubes, size_t from, size_t co
     for (size_t c = 0; c < count; c++) {
         uint64_t filled = 0xff;
         if (occupancy)
-            filled = _mm512_test_epi64_mask(_mm512_loadu_si512(occupancy + 8 * cubes->number[from + c]), _mm512_set1_epi64(-1));
+            filled = _mm512_test_epi64_mask(_mm512_loadu_si512(occupancy + 8 * cubes->number[from + c]),
+                                            _mm512_set1_epi64(-1));
         keep |= filled << (8 * c);
     }
     return keep;
 }
 
-INLINED void find_cells(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, size_t from, int wide, int32_t out[64])
+INLINED void find_cells(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, size_t from, int wide,
+                        int32_t out[64])
 {
-    const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide), z = some_cubes(cubes->u[2] + from, wide);
+    const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide),
+                  z = some_cubes(cubes->u[2] + from, wide);
     for (int q = 0; q < wide / 2; q++)
         _mm512_store_si512(out + 16 * q, cells_of(cells, _mm512_add_epi32(x, parts(split->centre[0], wide, q)),
                                                   _mm512_add_epi32(y, parts(split->centre[1], wide, q)),
@@ -166,19 +174,22 @@ INLINED void read_cells(const int8_t *table, const int32_t *cell, int wide, int8
 INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
 {
     if (wide == 8)
-        return _mm_test_epi8_mask(_mm_set1_epi64x((long long)keep), _mm_set_epi64x((long long)(UINT64_C(0x0202020202020202) << 2 * q),
-                                                                                   (long long)(UINT64_C(0x0101010101010101) << 2 * q)));
-    return _mm_test_epi8_mask(_mm_set1_epi32((int32_t)keep), _mm_slli_epi32(_mm_setr_epi32(0x01010101, 0x02020202, 0x04040404, 0x08080808), 4 * q));
+        return _mm_test_epi8_mask(_mm_set1_epi64x((long long)keep),
+                                  _mm_set_epi64x((long long)(UINT64_C(0x0202020202020202) << 2 * q),
+                                                 (long long)(UINT64_C(0x0101010101010101) << 2 * q)));
+    return _mm_test_epi8_mask(_mm_set1_epi32((int32_t)keep),
+                              _mm_slli_epi32(_mm_setr_epi32(0x01010101, 0x02020202, 0x04040404, 0x08080808), 4 * q));
 }
 
 /* Appends the mixed and inside parts of a group to mixed and inside. */
-INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t from, int wide, const int8_t *value, uint64_t keep,
-                       ost_cubes *mixed, ost_numbers *inside, size_t *m, size_t *n)
+INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t from, int wide, const int8_t *value,
+                        uint64_t keep, ost_cubes *mixed, ost_numbers *inside, size_t *m, size_t *n)
 {
     /* Values are within +-64, so 127 has the same effect as a greater number. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
-    const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide), z = some_cubes(cubes->u[2] + from, wide);
+    const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide),
+                  z = some_cubes(cubes->u[2] + from, wide);
     const __m512i number = _mm512_slli_epi32(some_cubes(cubes->number + from, wide), 3);
     for (int q = 0; q < wide / 2; q++) {
         const __m128i v = _mm_load_si128((const __m128i *)(const void *)(value + 16 * q));
@@ -186,9 +197,12 @@ INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t f
         const __mmask16 in = _mm_mask_cmpge_epi8_mask(kept, v, high);
         const __mmask16 mix = kept & ~(in | _mm_cmple_epi8_mask(v, low));
         const __m512i part = _mm512_add_epi32(number, part_numbers(wide, q));
-        _mm512_storeu_si512(mixed->u[0] + *m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(x, parts(split->first[0], wide, q))));
-        _mm512_storeu_si512(mixed->u[1] + *m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(y, parts(split->first[1], wide, q))));
-        _mm512_storeu_si512(mixed->u[2] + *m, _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(z, parts(split->first[2], wide, q))));
+        _mm512_storeu_si512(mixed->u[0] + *m,
+                            _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(x, parts(split->first[0], wide, q))));
+        _mm512_storeu_si512(mixed->u[1] + *m,
+                            _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(y, parts(split->first[1], wide, q))));
+        _mm512_storeu_si512(mixed->u[2] + *m,
+                            _mm512_maskz_compress_epi32(mix, _mm512_add_epi32(z, parts(split->first[2], wide, q))));
         _mm512_storeu_si512(mixed->number + *m, _mm512_maskz_compress_epi32(mix, part));
         _mm512_storeu_si512(inside->number + *n, _mm512_maskz_compress_epi32(in, part));
         *m += (size_t)_mm_popcnt_u32(mix);
@@ -264,7 +278,8 @@ static inline __m512i windows_of(__m512i voxel, int32_t step)
  */
 static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
 {
-    const __m512i word = _mm512_permutex2var_epi32(_mm512_load_si512(near), _mm512_srli_epi32(c, LOW + 3 + 5), _mm512_load_si512(near + 16));
+    const __m512i word = _mm512_permutex2var_epi32(_mm512_load_si512(near), _mm512_srli_epi32(c, LOW + 3 + 5),
+                                                   _mm512_load_si512(near + 16));
     return _mm512_test_epi32_mask(word, _mm512_rolv_epi32(_mm512_set1_epi32(1), _mm512_srli_epi32(c, LOW + 3)));
 }
 
@@ -272,7 +287,8 @@ static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
  * Computes the positions of bricks from .. from + 15; the values of lanes behind the last brick are not used.
  * Returns the lanes that are near a tie.
  */
-static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
+static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out,
+                                      size_t to)
 {
     const ost_windows *w = &match->shape->windows;
     const __m512i margin = _mm512_set1_epi32(OST_WINDOW_MARGIN), step = _mm512_set1_epi32(w->step);
@@ -281,14 +297,16 @@ static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *b
     for (int a = 0; a < 3; a++) {
         const __m512i u = _mm512_add_epi32(_mm512_load_si512(bricks->u[a] + from), _mm512_set1_epi32(match->lowest[a]));
         window[a] = windows_of(_mm512_add_epi32(_mm512_srai_epi32(u, OST_MAP_FRACTION), margin), w->step);
-        const __m512i begin = _mm512_slli_epi32(_mm512_sub_epi32(_mm512_mullo_epi32(window[a], step), margin), OST_MAP_FRACTION);
+        const __m512i begin = _mm512_slli_epi32(_mm512_sub_epi32(_mm512_mullo_epi32(window[a], step), margin),
+                                                OST_MAP_FRACTION);
         const __m512i c = _mm512_sub_epi32(u, begin), high = _mm512_srli_epi32(c, LOW);
         _mm512_store_si512(out->high[a] + to, _mm512_or_si512(high, _mm512_slli_epi32(high, 16)));
         _mm512_store_si512(out->low[a] + to, _mm512_and_si512(c, _mm512_set1_epi32((1 << LOW) - 1)));
         near |= near_tie(match->near_tie[a], c);
     }
     const __m512i row = _mm512_add_epi32(window[1], _mm512_mullo_epi32(window[2], _mm512_set1_epi32(w->dims[1])));
-    _mm512_store_si512(out->line + to, _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0]))));
+    _mm512_store_si512(out->line + to,
+                       _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0]))));
     return near;
 }
 
@@ -300,7 +318,8 @@ static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, 
     for (size_t i = 0; i < count; i += 16) {
         const unsigned valid = count - i < 16 ? (1u << (count - i)) - 1 : 0xffff;
         const __mmask16 near = (__mmask16)(place_sixteen(match, bricks, from + i, at, i) & valid);
-        _mm512_storeu_si512(at->tied + tied, _mm512_maskz_compress_epi32(near, _mm512_add_epi32(sixteen, _mm512_set1_epi32((int)i))));
+        _mm512_storeu_si512(at->tied + tied,
+                            _mm512_maskz_compress_epi32(near, _mm512_add_epi32(sixteen, _mm512_set1_epi32((int)i))));
         tied += (size_t)_mm_popcnt_u32(near);
     }
     return tied;
@@ -324,15 +343,18 @@ static inline bool is_tied(const ost_match *match, const places *at, size_t i)
 {
     const uint8_t *const tie = match->tie;
     const uint32_t fraction = (1u << OST_TIE_BITS) - 1;
-    return ((tie[at->high[0][i] & fraction] & 1) | (tie[at->high[1][i] & fraction] & 2) | (tie[at->high[2][i] & fraction] & 4)) != 0;
+    return ((tie[at->high[0][i] & fraction] & 1) | (tie[at->high[1][i] & fraction] & 2) |
+            (tie[at->high[2][i] & fraction] & 4)) != 0;
 }
 
 /* Returns the bits of 32 voxels from their coordinates in the window. */
 static inline __mmask32 lookup(__m512i line, __m512i x, __m512i y, __m512i z)
 {
     /* The function 0xe4 selects the first operand's bit where the third is set, otherwise the second's. */
-    const __m512i word = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 14), _mm512_srli_epi16(y, 11), _mm512_set1_epi16(3), 0xe4);
-    const __m512i bit = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 10), _mm512_srli_epi16(x, 13), _mm512_set1_epi16(8), 0xe4);
+    const __m512i word = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 14), _mm512_srli_epi16(y, 11),
+                                                   _mm512_set1_epi16(3), 0xe4);
+    const __m512i bit = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 10), _mm512_srli_epi16(x, 13),
+                                                  _mm512_set1_epi16(8), 0xe4);
     return _mm512_test_epi16_mask(_mm512_permutexvar_epi16(word, line), _mm512_sllv_epi16(_mm512_set1_epi16(1), bit));
 }
 
@@ -348,8 +370,10 @@ static void match_tied(const ost_match *match, const places *at, size_t count, u
         for (int h = 0; h < 2; h++) {
             __m512i u[3];
             for (int a = 0; a < 3; a++) {
-                const __m512i low = _mm512_add_epi16(_mm512_load_si512(match->low[a] + 32 * h), _mm512_set1_epi16((int16_t)at->low[a][i]));
-                const __m512i high = _mm512_add_epi16(_mm512_load_si512(match->high[a] + 32 * h), _mm512_set1_epi32((int32_t)at->high[a][i]));
+                const __m512i low = _mm512_add_epi16(_mm512_load_si512(match->low[a] + 32 * h),
+                                                     _mm512_set1_epi16((int16_t)at->low[a][i]));
+                const __m512i high = _mm512_add_epi16(_mm512_load_si512(match->high[a] + 32 * h),
+                                                      _mm512_set1_epi32((int32_t)at->high[a][i]));
                 u[a] = _mm512_add_epi16(high, _mm512_srli_epi16(low, LOW));
             }
             half[h] = lookup(line, u[0], u[1], u[2]);
@@ -375,8 +399,10 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
                           z = _mm512_set1_epi32((int32_t)at.high[2][i]);
             /* Stores the masks directly, without moving them to a general register first. */
             __mmask32 *half = (__mmask32 *)(void *)(hits + i);
-            _store_mask32(half, lookup(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));
-            _store_mask32(half + 1, lookup(window, _mm512_add_epi16(x, x1), _mm512_add_epi16(y, y1), _mm512_add_epi16(z, z1)));
+            _store_mask32(half,
+                          lookup(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));
+            _store_mask32(half + 1,
+                          lookup(window, _mm512_add_epi16(x, x1), _mm512_add_epi16(y, y1), _mm512_add_epi16(z, z1)));
         }
         match_tied(match, &at, tied, hits);
     }
@@ -386,7 +412,8 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
 static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     const ost_shape *s = match->shape;
-    const __m512i dx = _mm512_set1_epi32(s->dims[0]), dy = _mm512_set1_epi32(s->dims[1]), dz = _mm512_set1_epi32(s->dims[2]);
+    const __m512i dx = _mm512_set1_epi32(s->dims[0]), dy = _mm512_set1_epi32(s->dims[1]),
+                  dz = _mm512_set1_epi32(s->dims[2]);
     /*
      * A lane reads the four bytes that end with its voxel, or the grid's first four, so that none is
      * outside the grid.
@@ -396,13 +423,15 @@ static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64
         for (int q = 0; q < 4; q++) {
             __m512i v[3];
             for (int a = 0; a < 3; a++)
-                v[a] = _mm512_srai_epi32(_mm512_add_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(bricks->u[a][i])),
-                                         OST_MAP_FRACTION);
+                v[a] = _mm512_srai_epi32(
+                    _mm512_add_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(bricks->u[a][i])),
+                    OST_MAP_FRACTION);
             /* Compared as unsigned, a negative coordinate exceeds all dimensions. */
             __mmask16 in = _mm512_cmplt_epu32_mask(v[0], dx);
             in = _mm512_mask_cmplt_epu32_mask(in, v[1], dy);
             in = _mm512_mask_cmplt_epu32_mask(in, v[2], dz);
-            const __m512i at = _mm512_add_epi32(v[0], _mm512_mullo_epi32(dx, _mm512_add_epi32(v[1], _mm512_mullo_epi32(dy, v[2]))));
+            const __m512i at = _mm512_add_epi32(
+                v[0], _mm512_mullo_epi32(dx, _mm512_add_epi32(v[1], _mm512_mullo_epi32(dy, v[2]))));
             const __m512i from = _mm512_max_epi32(_mm512_sub_epi32(at, _mm512_set1_epi32(3)), _mm512_setzero_si512());
             const __m512i four = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), in, from, s->voxels, 1);
             const __m512i bits = _mm512_slli_epi32(_mm512_sub_epi32(at, from), 3);
@@ -446,8 +475,9 @@ static inline __m512i widen16(__m512i v)
  * bricks; those can sum 512 bricks of 2 * 2 * 32767 < 2^17 each.
  * The number of borders is a constant of the caller, so that all sums stay in registers.
  */
-static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density, const int32_t *number,
-                                                              const uint64_t *hits, size_t count, ost_tally *tally, const int borders)
+static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
+                                                              const int32_t *number, const uint64_t *hits, size_t count,
+                                                              ost_tally *tally, const int borders)
 {
     const __m512i zero = _mm512_setzero_si512(), minus_one = _mm512_set1_epi16(-1);
     const size_t bricks = (size_t)(65535 / take->highest / 2);
@@ -474,7 +504,8 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
             sum[0] = _mm512_mask_add_epi16(sum[0], k0, sum[0], d0);
             sum[0] = _mm512_mask_add_epi16(sum[0], k1, sum[0], d1);
             for (int b = 0; b < borders; b++) {
-                const __mmask32 c0 = _mm512_mask_cmpge_epi16_mask(k0, d0, border[b]), c1 = _mm512_mask_cmpge_epi16_mask(k1, d1, border[b]);
+                const __mmask32 c0 = _mm512_mask_cmpge_epi16_mask(k0, d0, border[b]),
+                                c1 = _mm512_mask_cmpge_epi16_mask(k1, d1, border[b]);
                 sum[b + 1] = _mm512_mask_add_epi16(sum[b + 1], c0, sum[b + 1], d0);
                 sum[b + 1] = _mm512_mask_add_epi16(sum[b + 1], c1, sum[b + 1], d1);
                 voxels[b] = _mm512_mask_sub_epi16(voxels[b], c0, voxels[b], minus_one);

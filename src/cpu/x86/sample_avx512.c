@@ -11,7 +11,8 @@
 #include <immintrin.h>
 #include <stddef.h>
 
-_Static_assert(sizeof(cpu_chunk) == 32 && offsetof(cpu_chunk, density) == 0 && offsetof(cpu_chunk, occupancy) == 8, "four words a chunk");
+_Static_assert(sizeof(cpu_chunk) == 32 && offsetof(cpu_chunk, density) == 0 && offsetof(cpu_chunk, occupancy) == 8,
+               "four words a chunk");
 
 typedef struct halves {
     __m512i low, high; /* 64-bit lanes for voxels 0 to 7 and 8 to 15 */
@@ -19,7 +20,8 @@ typedef struct halves {
 
 static inline halves wide(__m512i v)
 {
-    return (halves){_mm512_cvtepi32_epi64(_mm512_castsi512_si256(v)), _mm512_cvtepi32_epi64(_mm512_extracti64x4_epi64(v, 1))};
+    return (halves){_mm512_cvtepi32_epi64(_mm512_castsi512_si256(v)),
+                    _mm512_cvtepi32_epi64(_mm512_extracti64x4_epi64(v, 1))};
 }
 
 /* Reads 64 bits at each address whose lane is set in mask; other lanes are 0. */
@@ -62,7 +64,8 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         mask = _mm512_mask_cmplt_epu32_mask(mask, z, _mm512_set1_epi32(dims.z));
         /* Where mask is set, the index is below 2^31; the values of other lanes are not used. */
         __m512i chunk = _mm512_mullo_epi32(_mm512_sra_epi32(z, down), _mm512_set1_epi32(bone->chunk_dims.y));
-        chunk = _mm512_mullo_epi32(_mm512_add_epi32(chunk, _mm512_sra_epi32(y, down)), _mm512_set1_epi32(bone->chunk_dims.x));
+        chunk = _mm512_mullo_epi32(_mm512_add_epi32(chunk, _mm512_sra_epi32(y, down)),
+                                   _mm512_set1_epi32(bone->chunk_dims.x));
         chunk = _mm512_add_epi32(chunk, _mm512_sra_epi32(x, down));
         const __m512i a = _mm512_and_epi32(x, low), b = _mm512_and_epi32(y, low), c = _mm512_and_epi32(z, low);
         __m512i brick = _mm512_permutexvar_epi32(_mm512_srli_epi32(a, 2), spread);

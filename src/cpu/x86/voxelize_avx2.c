@@ -56,10 +56,22 @@ static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *con
 #define WORD(i) 4 * (i), 4 * (i) + 1, 4 * (i) + 2, 4 * (i) + 3
 #define NO WORD(0)
 static const int8_t together[16][16] = {
-    {NO, NO, NO, NO},           {WORD(0), NO, NO, NO},      {WORD(1), NO, NO, NO},      {WORD(0), WORD(1), NO, NO},
-    {WORD(2), NO, NO, NO},      {WORD(0), WORD(2), NO, NO}, {WORD(1), WORD(2), NO, NO}, {WORD(0), WORD(1), WORD(2), NO},
-    {WORD(3), NO, NO, NO},      {WORD(0), WORD(3), NO, NO}, {WORD(1), WORD(3), NO, NO}, {WORD(0), WORD(1), WORD(3), NO},
-    {WORD(2), WORD(3), NO, NO}, {WORD(0), WORD(2), WORD(3), NO}, {WORD(1), WORD(2), WORD(3), NO}, {WORD(0), WORD(1), WORD(2), WORD(3)},
+    {NO, NO, NO, NO},
+    {WORD(0), NO, NO, NO},
+    {WORD(1), NO, NO, NO},
+    {WORD(0), WORD(1), NO, NO},
+    {WORD(2), NO, NO, NO},
+    {WORD(0), WORD(2), NO, NO},
+    {WORD(1), WORD(2), NO, NO},
+    {WORD(0), WORD(1), WORD(2), NO},
+    {WORD(3), NO, NO, NO},
+    {WORD(0), WORD(3), NO, NO},
+    {WORD(1), WORD(3), NO, NO},
+    {WORD(0), WORD(1), WORD(3), NO},
+    {WORD(2), WORD(3), NO, NO},
+    {WORD(0), WORD(2), WORD(3), NO},
+    {WORD(1), WORD(2), WORD(3), NO},
+    {WORD(0), WORD(1), WORD(2), WORD(3)},
 };
 
 static inline size_t emit_bits(uint32_t *out, vi v, unsigned lanes)
@@ -73,7 +85,8 @@ static inline size_t emit_bits(uint32_t *out, vi v, unsigned lanes)
 static inline __m256i two_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner)
 {
     const __m128i three = _mm_setr_epi32(-1, -1, -1, 0);
-    const __m128i p0 = _mm_maskload_epi32(mesh->vertices[v[0][corner]], three), p1 = _mm_maskload_epi32(mesh->vertices[v[1][corner]], three);
+    const __m128i p0 = _mm_maskload_epi32(mesh->vertices[v[0][corner]], three),
+                  p1 = _mm_maskload_epi32(mesh->vertices[v[1][corner]], three);
     return _mm256_inserti128_si256(_mm256_castsi128_si256(p0), p1, 1);
 }
 
@@ -87,9 +100,12 @@ static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t
     for (int i = 0; i < LANES; i++)
         v[i] = tile->mesh->triangles[t[i]];
     for (int i = 0; i < LANES; i += 2) {
-        const __m256i a = two_vertices(tile->mesh, v + i, 0), b = two_vertices(tile->mesh, v + i, 1), c = two_vertices(tile->mesh, v + i, 2);
-        const __m256i lo = _mm256_min_epi32(_mm256_min_epi32(a, b), c), hi = _mm256_max_epi32(_mm256_max_epi32(a, b), c);
-        const __m256i none = _mm256_cmpgt_epi32(_mm256_sra_epi32(_mm256_add_epi32(lo, h1), f), _mm256_sra_epi32(_mm256_sub_epi32(hi, h), f));
+        const __m256i a = two_vertices(tile->mesh, v + i, 0), b = two_vertices(tile->mesh, v + i, 1),
+                      c = two_vertices(tile->mesh, v + i, 2);
+        const __m256i lo = _mm256_min_epi32(_mm256_min_epi32(a, b), c),
+                      hi = _mm256_max_epi32(_mm256_max_epi32(a, b), c);
+        const __m256i none = _mm256_cmpgt_epi32(_mm256_sra_epi32(_mm256_add_epi32(lo, h1), f),
+                                                _mm256_sra_epi32(_mm256_sub_epi32(hi, h), f));
         const unsigned bits = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(none));
         without |= _pext_u32(bits >> 1 | bits >> 2, 0x11) << i;
     }
@@ -109,14 +125,16 @@ static inline vi greatest(vi a, vi b, vi c)
 static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
 {
     const vi h = _mm_set1_epi32(1 << (plan->f - 1)), h1 = _mm_set1_epi32((1 << (plan->f - 1)) - 1);
-    const __m128i f = _mm_cvtsi32_si128(plan->f), sy = _mm_cvtsi32_si128(plan->shift_y), sz = _mm_cvtsi32_si128(plan->shift_z);
+    const __m128i f = _mm_cvtsi32_si128(plan->f), sy = _mm_cvtsi32_si128(plan->shift_y),
+                  sz = _mm_cvtsi32_si128(plan->shift_z);
     const vi j0 = _mm_sra_epi32(_mm_add_epi32(least(ay, by, cy), h1), f);
     const vi k0 = _mm_sra_epi32(_mm_add_epi32(least(az, bz, cz), h1), f);
     const vi j1 = _mm_sra_epi32(_mm_sub_epi32(greatest(ay, by, cy), h), f);
     const vi k1 = _mm_sra_epi32(_mm_sub_epi32(greatest(az, bz, cz), h), f);
     const vi ty = _mm_sra_epi32(j0, sy), tz = _mm_sra_epi32(k0, sz);
     const vi none = _mm_or_si128(_mm_cmpgt_epi32(j0, j1), _mm_cmpgt_epi32(k0, k1));
-    const vi one = _mm_and_si128(_mm_cmpeq_epi32(ty, _mm_sra_epi32(j1, sy)), _mm_cmpeq_epi32(tz, _mm_sra_epi32(k1, sz)));
+    const vi one = _mm_and_si128(_mm_cmpeq_epi32(ty, _mm_sra_epi32(j1, sy)),
+                                 _mm_cmpeq_epi32(tz, _mm_sra_epi32(k1, sz)));
     vi key = _mm_add_epi32(ty, _mm_mullo_epi32(tz, _mm_set1_epi32(plan->tiles_y)));
     key = _mm_blendv_epi8(_mm_set1_epi32((int)OST_VOX_KEY_MANY), key, one);
     return _mm_blendv_epi8(key, _mm_set1_epi32((int)OST_VOX_KEY_NONE), none);
@@ -129,7 +147,8 @@ void ost_vox_mark_avx2(ost_vox_tile *tile, const uint32_t *list, size_t count)
     mark(tile, list, count);
 }
 
-void ost_vox_keys_avx2(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+void ost_vox_keys_avx2(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                       uint32_t *keys)
 {
     keys_of(plan, mesh, first, count, keys);
 }
@@ -147,14 +166,15 @@ static inline __m256i count_bytes(__m256i v)
 enum { WORDS = 4 }; /* words per vector */
 
 /* As fill_blocks in voxelize_avx512.c, four words at a time. */
-static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends, uint64_t *bits, bool *marked,
-                                __m256i *counts)
+static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,
+                                uint64_t *bits, bool *marked, __m256i *counts)
 {
     const __m256i zero = _mm256_setzero_si256(), bit = _mm256_setr_epi64x(1, 2, 4, 8);
     __m256i wrong = zero, n = *counts;
     unsigned before = 0; /* bit i: word i begins inside; bit 4: the next vector's first word does */
     for (size_t w = 0; w < words; w += WORDS) {
-        const __m256i p = _mm256_load_si256((const __m256i *)(enter + w)), m = _mm256_load_si256((const __m256i *)(leave + w));
+        const __m256i p = _mm256_load_si256((const __m256i *)(enter + w)),
+                      m = _mm256_load_si256((const __m256i *)(leave + w));
         const __m256i either = _mm256_or_si256(p, m);
         const unsigned inside = before >> WORDS;
         __m256i q = _mm256_set1_epi64x(-(long long)inside);
@@ -220,7 +240,8 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, ui
 /* Spreads 32 bits to bytes of 0 or -1: each byte gets the byte that contains its bit, and is masked to that bit. */
 static inline __m256i spread(uint32_t bits)
 {
-    const __m256i from = _mm256_setr_epi8(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3);
+    const __m256i from = _mm256_setr_epi8(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3,
+                                          3, 3, 3, 3, 3, 3);
     const __m256i own = _mm256_set1_epi64x((long long)UINT64_C(0x8040201008040201));
     const __m256i v = _mm256_shuffle_epi8(_mm256_set1_epi32((int)bits), from);
     return _mm256_cmpeq_epi8(_mm256_and_si256(v, own), own);
@@ -230,12 +251,13 @@ static inline __m256i classes_of(const uint64_t *cutting, const uint64_t *noncut
 {
     __m256i v = _mm256_and_si256(spread((uint32_t)(cutting[word] >> shift)), _mm256_set1_epi8(OST_TOOL_CUTTING));
     if (noncutting)
-        v = _mm256_or_si256(v, _mm256_and_si256(spread((uint32_t)(noncutting[word] >> shift)), _mm256_set1_epi8(OST_TOOL_NONCUTTING)));
+        v = _mm256_or_si256(
+            v, _mm256_and_si256(spread((uint32_t)(noncutting[word] >> shift)), _mm256_set1_epi8(OST_TOOL_NONCUTTING)));
     return v;
 }
 
-void ost_vox_expand_avx2(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                         uint8_t *voxels)
+void ost_vox_expand_avx2(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
+                         bool stream, uint8_t *voxels)
 {
     const size_t full = (size_t)nx / 32, remainder = (size_t)nx % 32;
     const bool past = stream && remainder == 0 && (uintptr_t)voxels % 32 == 0;

@@ -41,8 +41,10 @@ typedef __m256i vi;
  */
 static inline __m512i four_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner)
 {
-    const __m128i p0 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[0][corner]]), p1 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[1][corner]]);
-    const __m128i p2 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[2][corner]]), p3 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[3][corner]]);
+    const __m128i p0 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[0][corner]]),
+                  p1 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[1][corner]]);
+    const __m128i p2 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[2][corner]]),
+                  p3 = _mm_maskz_loadu_epi32(7, mesh->vertices[v[3][corner]]);
     const __m256i p01 = _mm256_inserti128_si256(_mm256_castsi128_si256(p0), p1, 1);
     const __m256i p23 = _mm256_inserti128_si256(_mm256_castsi128_si256(p2), p3, 1);
     return _mm512_inserti64x4(_mm512_castsi256_si512(p01), p23, 1);
@@ -51,8 +53,10 @@ static inline __m512i four_vertices(const ost_snapped_mesh *mesh, const uint32_t
 static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
 {
     const __m512i low = four_vertices(mesh, v, corner), high = four_vertices(mesh, v + 4, corner);
-    const __m512i xy = _mm512_permutex2var_epi32(low, _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 1, 5, 9, 13, 17, 21, 25, 29), high);
-    const __m512i z = _mm512_permutex2var_epi32(low, _mm512_setr_epi32(2, 6, 10, 14, 18, 22, 26, 30, 2, 6, 10, 14, 18, 22, 26, 30), high);
+    const __m512i xy = _mm512_permutex2var_epi32(
+        low, _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 1, 5, 9, 13, 17, 21, 25, 29), high);
+    const __m512i z = _mm512_permutex2var_epi32(
+        low, _mm512_setr_epi32(2, 6, 10, 14, 18, 22, 26, 30, 2, 6, 10, 14, 18, 22, 26, 30), high);
     xyz[0] = _mm512_castsi512_si256(xy);
     xyz[1] = _mm512_extracti64x4_epi64(xy, 1);
     xyz[2] = _mm512_castsi512_si256(z);
@@ -80,9 +84,12 @@ static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t
     for (int i = 0; i < LANES; i++)
         v[i] = tile->mesh->triangles[t[i]];
     for (int i = 0; i < LANES; i += 4) {
-        const __m512i a = four_vertices(tile->mesh, v + i, 0), b = four_vertices(tile->mesh, v + i, 1), c = four_vertices(tile->mesh, v + i, 2);
-        const __m512i lo = _mm512_min_epi32(_mm512_min_epi32(a, b), c), hi = _mm512_max_epi32(_mm512_max_epi32(a, b), c);
-        const __mmask16 none = _mm512_cmpgt_epi32_mask(_mm512_sra_epi32(_mm512_add_epi32(lo, h1), f), _mm512_sra_epi32(_mm512_sub_epi32(hi, h), f));
+        const __m512i a = four_vertices(tile->mesh, v + i, 0), b = four_vertices(tile->mesh, v + i, 1),
+                      c = four_vertices(tile->mesh, v + i, 2);
+        const __m512i lo = _mm512_min_epi32(_mm512_min_epi32(a, b), c),
+                      hi = _mm512_max_epi32(_mm512_max_epi32(a, b), c);
+        const __mmask16 none = _mm512_cmpgt_epi32_mask(_mm512_sra_epi32(_mm512_add_epi32(lo, h1), f),
+                                                       _mm512_sra_epi32(_mm512_sub_epi32(hi, h), f));
         without |= _pext_u32(((unsigned)none >> 1 | (unsigned)none >> 2), 0x1111) << i;
     }
     return ~without & ((1u << LANES) - 1);
@@ -101,14 +108,16 @@ static inline vi greatest(vi a, vi b, vi c)
 static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
 {
     const vi h = _mm256_set1_epi32(1 << (plan->f - 1)), h1 = _mm256_set1_epi32((1 << (plan->f - 1)) - 1);
-    const __m128i f = _mm_cvtsi32_si128(plan->f), sy = _mm_cvtsi32_si128(plan->shift_y), sz = _mm_cvtsi32_si128(plan->shift_z);
+    const __m128i f = _mm_cvtsi32_si128(plan->f), sy = _mm_cvtsi32_si128(plan->shift_y),
+                  sz = _mm_cvtsi32_si128(plan->shift_z);
     const vi j0 = _mm256_sra_epi32(_mm256_add_epi32(least(ay, by, cy), h1), f);
     const vi k0 = _mm256_sra_epi32(_mm256_add_epi32(least(az, bz, cz), h1), f);
     const vi j1 = _mm256_sra_epi32(_mm256_sub_epi32(greatest(ay, by, cy), h), f);
     const vi k1 = _mm256_sra_epi32(_mm256_sub_epi32(greatest(az, bz, cz), h), f);
     const vi ty = _mm256_sra_epi32(j0, sy), tz = _mm256_sra_epi32(k0, sz);
     const vm none = _mm256_cmpgt_epi32_mask(j0, j1) | _mm256_cmpgt_epi32_mask(k0, k1);
-    const vm many = _mm256_cmpneq_epi32_mask(ty, _mm256_sra_epi32(j1, sy)) | _mm256_cmpneq_epi32_mask(tz, _mm256_sra_epi32(k1, sz));
+    const vm many = _mm256_cmpneq_epi32_mask(ty, _mm256_sra_epi32(j1, sy)) |
+                    _mm256_cmpneq_epi32_mask(tz, _mm256_sra_epi32(k1, sz));
     vi key = _mm256_add_epi32(ty, _mm256_mullo_epi32(tz, _mm256_set1_epi32(plan->tiles_y)));
     key = _mm256_mask_mov_epi32(key, many, _mm256_set1_epi32((int)OST_VOX_KEY_MANY));
     return _mm256_mask_mov_epi32(key, none, _mm256_set1_epi32((int)OST_VOX_KEY_NONE));
@@ -121,7 +130,8 @@ void ost_vox_mark_avx512(ost_vox_tile *tile, const uint32_t *list, size_t count)
     mark(tile, list, count);
 }
 
-void ost_vox_keys_avx512(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count, uint32_t *keys)
+void ost_vox_keys_avx512(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                         uint32_t *keys)
 {
     keys_of(plan, mesh, first, count, keys);
 }
@@ -143,14 +153,15 @@ static inline __m512i count_bytes(__m512i v)
  * word i of the last block begins a row (bit 8: the word behind the block), so
  * that the previous word must not end inside.
  */
-static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends, uint64_t *bits, bool *marked,
-                               __m512i *counts)
+static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,
+                               uint64_t *bits, bool *marked, __m512i *counts)
 {
     const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi64(-1);
     __m512i wrong = zero, n = *counts;
     unsigned before = 0; /* bit i: word i begins inside; bit 8: the next block's first word does */
     for (size_t w = 0; w < words; w += OST_VOX_BLOCK) {
-        const __m512i p = _mm512_load_si512(enter + w), m = _mm512_load_si512(leave + w), either = _mm512_or_si512(p, m);
+        const __m512i p = _mm512_load_si512(enter + w), m = _mm512_load_si512(leave + w),
+                      either = _mm512_or_si512(p, m);
         const unsigned inside = before >> OST_VOX_BLOCK;
         __m512i q = inside ? ones : zero;
         if (_mm512_test_epi64_mask(either, either)) {
@@ -161,7 +172,8 @@ static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, siz
             q = _mm512_mask_add_epi64(difference, (__mmask8)before, difference, ones);
             __m512i last = _mm512_add_epi64(q, q);
             last = _mm512_mask_sub_epi64(last, (__mmask8)before, last, ones);
-            wrong = _mm512_ternarylogic_epi64(wrong, _mm512_ternarylogic_epi64(x, q, last, 0x96), /* wrong | x ^ q ^ last */
+            /* wrong | x ^ q ^ last */
+            wrong = _mm512_ternarylogic_epi64(wrong, _mm512_ternarylogic_epi64(x, q, last, 0x96),
                                               _mm512_ternarylogic_epi64(x, q, p, 0x60), 0xfe);    /* | x & (q ^ p) */
             *marked = true;
         }
@@ -176,7 +188,8 @@ static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, siz
 
 uint64_t ost_vox_fill_avx512(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
-    const size_t words = tile->row_bits / 64, total = rows * words, step = words < OST_VOX_BLOCK ? OST_VOX_BLOCK : words;
+    const size_t words = tile->row_bits / 64, total = rows * words,
+                 step = words < OST_VOX_BLOCK ? OST_VOX_BLOCK : words;
     const size_t rows_in_step = step / words;
     const unsigned ends = words >= 8 ? 0x100 : words == 4 ? 0x110 : words == 2 ? 0x154 : 0x1fe;
     uint64_t *enter = tile->planes + first_row * words, *leave = enter + tile->minus / 64;
@@ -214,8 +227,8 @@ static inline __m512i classes_of(const uint64_t *cutting, const uint64_t *noncut
     return v;
 }
 
-void ost_vox_expand_avx512(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx, bool stream,
-                           uint8_t *voxels)
+void ost_vox_expand_avx512(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
+                           bool stream, uint8_t *voxels)
 {
     const size_t full = (size_t)nx / 64, remainder = (size_t)nx % 64;
     const __mmask64 last = (UINT64_C(1) << remainder) - 1;

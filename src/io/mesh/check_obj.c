@@ -32,12 +32,14 @@ static ost_status vertex(obj *o, ost_error *err)
     int count = 0;
     for (mesh_word word; (word = ost_mesh_text_word(&o->text)).size; count++) {
         if (!ost_mesh_word_number(word))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a number, found %s", o->text.path, o->text.line, ost_mesh_word_show(word));
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a number, found %s", o->text.path, o->text.line,
+                            ost_mesh_word_show(word));
         if (count < 4)
             words[count] = word;
     }
     if (count < 3)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex needs three numbers, found %d", o->text.path, o->text.line, count);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex needs three numbers, found %d", o->text.path,
+                        o->text.line, count);
     ost_decimal weight;
     int64_t millionths;
     if (count == 4 && !(ost_decimal_read(words[3].text, words[3].text + words[3].size, &weight) &&
@@ -49,8 +51,8 @@ static ost_status vertex(obj *o, ost_error *err)
         fprintf(o->plain.out, words[i].text[0] == '.' ? " 0%.*s" : " %.*s", (int)words[i].size, words[i].text);
     putc('\n', o->plain.out);
     if (++o->vertices > 3 * (int64_t)OST_MESH_FILE_TRIANGLES_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s:%ld: more than %lld vertices; simplify the mesh", o->text.path, o->text.line,
-                        3 * (long long)OST_MESH_FILE_TRIANGLES_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "%s:%ld: more than %lld vertices; simplify the mesh", o->text.path,
+                        o->text.line, 3 * (long long)OST_MESH_FILE_TRIANGLES_MAX);
     return OST_OK;
 }
 
@@ -63,7 +65,8 @@ static ost_status face(obj *o, ost_error *err)
         mesh_word index = {word.text, slash ? (size_t)(slash - word.text) : word.size};
         int64_t i;
         if (!ost_mesh_word_integer(index, &i) || i == 0 || i > UINT32_MAX || i < -o->vertices)
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: vertex %s of a face; %lld vertices came before it, numbered from 1", o->text.path,
+            return ost_fail(err, OST_ERR_INPUT,
+                            "%s:%ld: vertex %s of a face; %lld vertices came before it, numbered from 1", o->text.path,
                             o->text.line, ost_mesh_word_show(word), (long long)o->vertices);
         if (i < 0)
             i += o->vertices + 1;
@@ -111,8 +114,8 @@ static ost_status statements(obj *o, ost_error *err)
             o->body_has_faces = false;
     } while (status == OST_OK && ost_mesh_text_next_line(&o->text));
     if (status == OST_OK && o->greatest > o->vertices)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a face refers to vertex %lld; the file has %lld", o->text.path, o->greatest_line,
-                        (long long)o->greatest, (long long)o->vertices);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a face refers to vertex %lld; the file has %lld", o->text.path,
+                        o->greatest_line, (long long)o->greatest, (long long)o->vertices);
     if (status == OST_OK && o->in->triangles == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: the file has no face", o->text.path);
     return status;

@@ -29,12 +29,14 @@ static const struct {
     const char *name;
     value_type type;
 } type_names[] = {
-    {"char", INT8},   {"uchar", UINT8},   {"short", INT16},  {"ushort", UINT16}, {"int", INT32},       {"uint", UINT32},
-    {"float", FLOAT32}, {"double", FLOAT64}, {"int8", INT8},    {"uint8", UINT8},   {"int16", INT16},     {"uint16", UINT16},
+    {"char", INT8},   {"uchar", UINT8},   {"short", INT16},     {"ushort", UINT16},
+    {"int", INT32},   {"uint", UINT32},   {"float", FLOAT32},   {"double", FLOAT64},
+    {"int8", INT8},   {"uint8", UINT8},   {"int16", INT16},     {"uint16", UINT16},
     {"int32", INT32}, {"uint32", UINT32}, {"float32", FLOAT32}, {"float64", FLOAT64},
 };
 
-static const size_t type_bytes[] = {[INT8] = 1, [UINT8] = 1, [INT16] = 2, [UINT16] = 2, [INT32] = 4, [UINT32] = 4, [FLOAT32] = 4, [FLOAT64] = 8};
+static const size_t type_bytes[] = {
+    [INT8] = 1, [UINT8] = 1, [INT16] = 2, [UINT16] = 2, [INT32] = 4, [UINT32] = 4, [FLOAT32] = 4, [FLOAT64] = 8};
 
 typedef struct property {
     value_type count_type; /* NO_TYPE for a scalar property */
@@ -69,7 +71,8 @@ typedef struct value {
 
 static ost_status wrong(const ply *p, mesh_word found, const char *expected, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected %s, found %s", p->text.path, p->text.line, expected, ost_mesh_word_show(found));
+    return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected %s, found %s", p->text.path, p->text.line, expected,
+                    ost_mesh_word_show(found));
 }
 
 /* ---------------------------------------------------------------- header */
@@ -119,7 +122,8 @@ static ost_status read_property(ply *p, ost_error *err)
 {
     element *e = p->element_count ? &p->elements[p->element_count - 1] : NULL;
     if (!e || e->property_count == PROPERTIES_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %s", p->text.path, p->text.line, e ? "too many properties" : "a property before any element");
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %s", p->text.path, p->text.line,
+                        e ? "too many properties" : "a property before any element");
     property *q = &e->properties[e->property_count++];
     *q = (property){.axis = -1};
     mesh_word word = ost_mesh_text_word(&p->text);
@@ -160,8 +164,10 @@ static ost_status check_layout(const ply *p, ost_error *err)
         faces_before_vertices += e->role == FACE && !vertices;
     }
     if (axes[0] != 1 || axes[1] != 1 || axes[2] != 1)
-        return ost_fail(err, OST_ERR_INPUT, "%s: the header has no element vertex with one x, y and z each of type float or "
-                        "double", p->in->path);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: the header has no element vertex with one x, y and z each of type float or "
+                        "double",
+                        p->in->path);
     if (lists != 1 || faces_before_vertices)
         return ost_fail(err, OST_ERR_INPUT,
                         "%s: the header has no element face, after vertex, with one list vertex_indices%s",
@@ -249,9 +255,10 @@ static ost_status next_value(ply *p, value_type type, value *out, ost_error *err
 static ost_status bad_value(const ply *p, int64_t index, const char *what, const char *expected, ost_error *err)
 {
     if (p->format == ASCII)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %s %lld: expected %s", p->text.path, p->text.line, what, (long long)index, expected);
-    return ost_fail(err, OST_ERR_INPUT, "%s: byte %zu: %s %lld: expected %s", p->in->path, (size_t)(p->text.at - (char *)p->in->bytes), what,
-                    (long long)index, expected);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %s %lld: expected %s", p->text.path, p->text.line, what,
+                        (long long)index, expected);
+    return ost_fail(err, OST_ERR_INPUT, "%s: byte %zu: %s %lld: expected %s", p->in->path,
+                    (size_t)(p->text.at - (char *)p->in->bytes), what, (long long)index, expected);
 }
 
 /* Writes an index in the file's own byte order. */
@@ -351,9 +358,10 @@ static void put_header(const ply *p, FILE *out)
         for (int k = 0; k < p->elements[i].property_count; k++)
             if (p->elements[i].properties[k].axis >= 0 && p->elements[i].properties[k].type == FLOAT64)
                 types[p->elements[i].properties[k].axis] = "double";
-    fprintf(out, "ply\nformat %s 1.0\nelement vertex %lld\nproperty %s x\nproperty %s y\nproperty %s z\n", formats[p->format],
-            (long long)p->vertices, types[0], types[1], types[2]);
-    fprintf(out, "element face %llu\nproperty list uchar uint vertex_indices\nend_header\n", (unsigned long long)p->in->triangles);
+    fprintf(out, "ply\nformat %s 1.0\nelement vertex %lld\nproperty %s x\nproperty %s y\nproperty %s z\n",
+            formats[p->format], (long long)p->vertices, types[0], types[1], types[2]);
+    fprintf(out, "element face %llu\nproperty list uchar uint vertex_indices\nend_header\n",
+            (unsigned long long)p->in->triangles);
 }
 
 static ost_status no_memory(const mesh_input *in, ost_error *err)

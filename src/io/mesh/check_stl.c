@@ -22,7 +22,8 @@ enum { HEADER = 84, RECORD = 50 };
 ost_status ost_mesh_check_stl_binary(mesh_input *in, ost_error *err)
 {
     if (in->size < HEADER)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %zu bytes are too few for an STL file: binary has at least %d, ASCII begins with 'solid'",
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: %zu bytes are too few for an STL file: binary has at least %d, ASCII begins with 'solid'",
                         in->path, in->size, HEADER);
     uint32_t count;
     memcpy(&count, in->bytes + 80, sizeof count);
@@ -58,14 +59,16 @@ static ost_status expect(ascii *a, const char *keyword, ost_error *err)
     mesh_word word = ost_mesh_text_any_word(&a->text);
     if (ost_mesh_word_is(word, keyword))
         return OST_OK;
-    return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected '%s', found %s", a->text.path, a->text.line, keyword, ost_mesh_word_show(word));
+    return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected '%s', found %s", a->text.path, a->text.line, keyword,
+                    ost_mesh_word_show(word));
 }
 
 static ost_status normal(ascii *a, ost_error *err)
 {
     for (int i = 0; i < 3; i++)
         if (ost_mesh_text_any_word(&a->text).size == 0)
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a normal's numbers, found the end", a->text.path, a->text.line);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a normal's numbers, found the end", a->text.path,
+                            a->text.line);
     fputs("facet normal 0 0 0\nouter loop\n", a->plain.out);
     return OST_OK;
 }
@@ -79,7 +82,8 @@ static ost_status vertex(ascii *a, ost_error *err)
     for (int i = 0; i < 3; i++) {
         mesh_word word = ost_mesh_text_any_word(&a->text);
         if (!ost_mesh_word_number(word))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a number, found %s", a->text.path, a->text.line, ost_mesh_word_show(word));
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected a number, found %s", a->text.path, a->text.line,
+                            ost_mesh_word_show(word));
         fprintf(a->plain.out, " %.*s", (int)word.size, word.text);
     }
     putc('\n', a->plain.out);
@@ -124,8 +128,8 @@ static ost_status solid(ascii *a, ost_error *err)
             return OST_OK;
         }
         if (!ost_mesh_word_is(word, "facet"))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected 'facet' or 'endsolid', found %s", a->text.path, a->text.line,
-                            ost_mesh_word_show(word));
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected 'facet' or 'endsolid', found %s", a->text.path,
+                            a->text.line, ost_mesh_word_show(word));
         ost_status status = facet(a, err);
         if (status == OST_OK)
             status = ost_mesh_input_face(a->in, 3, err);
@@ -140,7 +144,8 @@ static ost_status solids(ascii *a, ost_error *err)
     fputs("solid\n", a->plain.out);
     for (mesh_word word; (word = ost_mesh_text_any_word(&a->text)).size;) {
         if (!ost_mesh_word_is(word, "solid"))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected 'solid', found %s", a->text.path, a->text.line, ost_mesh_word_show(word));
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: expected 'solid', found %s", a->text.path, a->text.line,
+                            ost_mesh_word_show(word));
         const uint64_t before = a->in->faces;
         ost_status status = solid(a, err);
         if (status != OST_OK)

@@ -57,7 +57,8 @@ static ost_status check_stl_header(const ost_file *file, const char *path, ost_e
     if (got < 0)
         return ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     const mesh_input in = {.path = path, .bytes = sniffed, .size = (size_t)got};
-    if (in.size < STL_HEADER || memcmp(sniffed, "ply", 3) == 0 || stl_kind(&in, (uint64_t)file->size) != MESH_STL_BINARY)
+    if (in.size < STL_HEADER || memcmp(sniffed, "ply", 3) == 0 ||
+        stl_kind(&in, (uint64_t)file->size) != MESH_STL_BINARY)
         return OST_OK;
     return ost_mesh_check_stl_count(path, (uint64_t)file->size, stl_count(&in), err);
 }
@@ -67,7 +68,8 @@ static ost_status read_all(const ost_file *file, const char *path, mesh_input *i
     if (file->size == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: the file is empty", path);
     if (file->size > FILE_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: %lld bytes; a mesh file may have at most %lld", path, (long long)file->size, (long long)FILE_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "%s: %lld bytes; a mesh file may have at most %lld", path,
+                        (long long)file->size, (long long)FILE_MAX);
     in->size = (size_t)file->size;
     in->bytes = malloc(in->size + 1);
     if (!in->bytes)
@@ -127,7 +129,8 @@ ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err)
     if (corners > 2)
         in->triangles += corners - 2;
     if (in->triangles > OST_MESH_FILE_TRIANGLES_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: more than %d triangles; simplify the mesh", in->path, OST_MESH_FILE_TRIANGLES_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "%s: more than %d triangles; simplify the mesh", in->path,
+                        OST_MESH_FILE_TRIANGLES_MAX);
     return OST_OK;
 }
 
@@ -199,7 +202,8 @@ bool ost_mesh_word_is(mesh_word word, const char *keyword)
 bool ost_mesh_word_number(mesh_word word)
 {
     ost_decimal value;
-    if (word.size == 0 || word.size > 64 || ost_decimal_read(word.text, word.text + word.size, &value) != word.text + word.size)
+    if (word.size == 0 || word.size > 64 ||
+        ost_decimal_read(word.text, word.text + word.size, &value) != word.text + word.size)
         return false;
     int64_t m = value.mantissa < 0 ? -value.mantissa : value.mantissa;
     int64_t digits = 0;
@@ -229,6 +233,7 @@ const char *ost_mesh_word_show(mesh_word word)
     static _Thread_local char shown[48];
     if (word.size == 0)
         return "the end";
-    snprintf(shown, sizeof shown, "'%.*s%s'", (int)(word.size < 40 ? word.size : 40), word.text, word.size > 40 ? "..." : "");
+    snprintf(shown, sizeof shown, "'%.*s%s'", (int)(word.size < 40 ? word.size : 40), word.text,
+             word.size > 40 ? "..." : "");
     return shown;
 }

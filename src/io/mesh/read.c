@@ -119,7 +119,8 @@ static struct aiFile *memory_open(struct aiFileIO *io, const char *name, const c
     if (!file)
         return NULL;
     *file = (memory_file){.in = in};
-    file->handle = (struct aiFile){memory_read, memory_write, memory_position, memory_size, memory_seek, memory_flush, NULL};
+    file->handle = (struct aiFile){memory_read,  memory_write, memory_position, memory_size, memory_seek,
+                                   memory_flush, NULL};
     file->handle.UserData = (char *)(void *)file;
     return &file->handle;
 }
@@ -170,19 +171,23 @@ static bool to_pm(float value, int64_t unit, ost_pm *out)
     return pm >= -OST_LENGTH_MAX && pm <= OST_LENGTH_MAX;
 }
 
-static ost_status copy_vertices(const mesh_input *in, const struct aiMesh *part, int64_t unit, size_t first, ost_mesh *out, ost_error *err)
+static ost_status copy_vertices(const mesh_input *in, const struct aiMesh *part, int64_t unit, size_t first,
+                                ost_mesh *out, ost_error *err)
 {
     for (unsigned i = 0; i < part->mNumVertices; i++) {
         const struct aiVector3D *v = &part->mVertices[i];
         ost_pm3 *p = &out->vertices[first + i];
         if (!to_pm(v->x, unit, &p->x) || !to_pm(v->y, unit, &p->y) || !to_pm(v->z, unit, &p->z))
-            return ost_fail(err, OST_ERR_INPUT, "%s: a vertex at (%.6g %.6g %.6g) mm; expected finite numbers within 8000 mm", in->path,
-                            (double)v->x * ost_pm_to_mm(unit), (double)v->y * ost_pm_to_mm(unit), (double)v->z * ost_pm_to_mm(unit));
+            return ost_fail(err, OST_ERR_INPUT,
+                            "%s: a vertex at (%.6g %.6g %.6g) mm; expected finite numbers within 8000 mm", in->path,
+                            (double)v->x * ost_pm_to_mm(unit), (double)v->y * ost_pm_to_mm(unit),
+                            (double)v->z * ost_pm_to_mm(unit));
     }
     return OST_OK;
 }
 
-static ost_status copy_triangles(const mesh_input *in, const struct aiMesh *part, size_t first, ost_mesh *out, size_t *filled, ost_error *err)
+static ost_status copy_triangles(const mesh_input *in, const struct aiMesh *part, size_t first, ost_mesh *out,
+                                 size_t *filled, ost_error *err)
 {
     for (unsigned f = 0; f < part->mNumFaces; f++) {
         const struct aiFace *face = &part->mFaces[f];
@@ -190,8 +195,8 @@ static ost_status copy_triangles(const mesh_input *in, const struct aiMesh *part
             continue;
         for (int c = 0; c < 3; c++) {
             if (face->mIndices[c] >= part->mNumVertices)
-                return ost_fail(err, OST_ERR_INPUT, "%s: triangle %zu uses vertex %u of %u", in->path, *filled, face->mIndices[c],
-                                part->mNumVertices);
+                return ost_fail(err, OST_ERR_INPUT, "%s: triangle %zu uses vertex %u of %u", in->path, *filled,
+                                face->mIndices[c], part->mNumVertices);
             out->triangles[*filled][c] = (uint32_t)(first + face->mIndices[c]);
         }
         ++*filled;
@@ -199,7 +204,8 @@ static ost_status copy_triangles(const mesh_input *in, const struct aiMesh *part
     return OST_OK;
 }
 
-static ost_status convert(const mesh_input *in, const struct aiScene *scene, int64_t unit, ost_mesh *out, ost_error *err)
+static ost_status convert(const mesh_input *in, const struct aiScene *scene, int64_t unit, ost_mesh *out,
+                          ost_error *err)
 {
     size_t vertices, first = 0, filled = 0;
     ost_status status = count_parts(in, scene, &vertices, err);
@@ -240,7 +246,8 @@ static ost_status check_extent(const char *path, double mm, ost_unit unit, ost_e
         double there = mm * ost_pm_to_mm(units[u].pm);
         size_t used = strlen(fits);
         if (there >= 1.0 && there <= 1000.0)
-            snprintf(fits + used, sizeof fits - used, "%s--unit %s makes it %.3g mm", used ? ", " : "", units[u].name, there);
+            snprintf(fits + used, sizeof fits - used, "%s--unit %s makes it %.3g mm", used ? ", " : "", units[u].name,
+                     there);
     }
     return ost_fail(err, OST_ERR_INPUT, "%s: in millimetres the mesh is %.3g mm across, outside 1 to 1000 mm; pass "
                     "its unit (%s%smm to confirm millimetres)", path, mm, fits, fits[0] ? "; " : "");

@@ -15,7 +15,7 @@ ost_status ost_mesh_check_stl_count(const char *path, uint64_t file_size, uint64
                         path, (unsigned long long)count, (unsigned long long)count * RECORD + HEADER,
                         (unsigned long long)file_size, count > there ? " (cut off, or no STL)" : "");
     if (count > OST_MESH_FILE_TRIANGLES_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: byte 80: %llu triangles; at most %d are read: simplify the mesh", path, (unsigned long long)count,
-                        OST_MESH_FILE_TRIANGLES_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "%s: byte 80: %llu triangles; at most %d are read: simplify the mesh", path,
+                        (unsigned long long)count, OST_MESH_FILE_TRIANGLES_MAX);
     return OST_OK;
 }

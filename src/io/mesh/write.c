@@ -49,12 +49,13 @@ ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, ost_error 
 {
     char header[84] = "binary STL, millimetres, written by osteon";
     if (mesh->triangle_count > OST_MESH_TRIANGLES_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: %zu triangles; at most %d", path, mesh->triangle_count, OST_MESH_TRIANGLES_MAX);
+        return ost_fail(err, OST_ERR_RANGE, "%s: %zu triangles; at most %d", path, mesh->triangle_count,
+                        OST_MESH_TRIANGLES_MAX);
     for (size_t t = 0; t < mesh->triangle_count; t++)
         for (int c = 0; c < 3; c++)
             if (mesh->triangles[t][c] >= mesh->vertex_count)
-                return ost_fail(err, OST_ERR_USAGE, "%s: triangle %zu uses vertex %u of %zu", path, t, (unsigned)mesh->triangles[t][c],
-                                mesh->vertex_count);
+                return ost_fail(err, OST_ERR_USAGE, "%s: triangle %zu uses vertex %u of %zu", path, t,
+                                (unsigned)mesh->triangles[t][c], mesh->vertex_count);
     uint32_t count = (uint32_t)mesh->triangle_count;
     memcpy(header + 80, &count, sizeof count);
 

@@ -8,11 +8,12 @@
 
 static ost_status write_body(ost_outfile *out, const ost_mesh *mesh, ost_error *err)
 {
-    ost_status status = ost_outfile_printf(out, err,
-                                           "ply\nformat binary_little_endian 1.0\ncomment millimetres\nelement vertex %zu\n"
-                                           "property float x\nproperty float y\nproperty float z\nelement face %zu\n"
-                                           "property list uchar int vertex_indices\nend_header\n",
-                                           mesh->vertex_count, mesh->triangle_count);
+    ost_status status = ost_outfile_printf(
+        out, err,
+        "ply\nformat binary_little_endian 1.0\ncomment millimetres\nelement vertex %zu\n"
+        "property float x\nproperty float y\nproperty float z\nelement face %zu\n"
+        "property list uchar int vertex_indices\nend_header\n",
+        mesh->vertex_count, mesh->triangle_count);
     for (size_t v = 0; v < mesh->vertex_count && status == OST_OK; v++) {
         const float p[3] = {(float)ost_pm_to_mm(mesh->vertices[v].x), (float)ost_pm_to_mm(mesh->vertices[v].y),
                             (float)ost_pm_to_mm(mesh->vertices[v].z)};

@@ -89,7 +89,8 @@ static size_t put_lengths(unsigned char *out, size_t capacity, size_t used, cons
     return put(out, capacity, used, key, line);
 }
 
-size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geometry, unsigned char *out, size_t capacity)
+size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geometry, unsigned char *out,
+                                  size_t capacity)
 {
     memset(out, 0, capacity);
     out[0] = 1;

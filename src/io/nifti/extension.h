@@ -26,6 +26,7 @@ ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, 
  * Formats the extender and one extension with these lines. Returns their size. The size plus 348, the offset of the
  * voxels, is a multiple of 16.
  */
-size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geometry, unsigned char *out, size_t capacity);
+size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geometry, unsigned char *out,
+                                  size_t capacity);
 
 #endif

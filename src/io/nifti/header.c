@@ -69,7 +69,8 @@ static ost_status check_dims(const char *path, const int64_t dim[8], int32_t siz
 }
 
 /* Checks vox_offset: in a single file the voxels begin after the header's struct. */
-static ost_status check_offset(const char *path, double offset, bool pair, int struct_bytes, uint64_t *out, ost_error *err)
+static ost_status check_offset(const char *path, double offset, bool pair, int struct_bytes, uint64_t *out,
+                               ost_error *err)
 {
     double least = pair ? 0 : struct_bytes;
     if (!(offset >= least && offset <= 9007199254740992.0) || offset != floor(offset))
@@ -164,8 +165,8 @@ static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 typedef enum form { FORM_SFORM, FORM_QFORM, FORM_NONE } form;
 
 /* Reads one of the two transforms and converts it to LPS. spacing is pixdim's, 0 where that is not a length. */
-static ost_status read_form(const char *path, const nifti_image *nim, form which, const double pixdim[3], const ost_pm spacing[3],
-                            const scale *s, ost_affine *out, ost_error *err)
+static ost_status read_form(const char *path, const nifti_image *nim, form which, const double pixdim[3],
+                            const ost_pm spacing[3], const scale *s, ost_affine *out, ost_error *err)
 {
     static const char *const names[] = {"sform", "qform"};
     double ras[3][4] = {{0}};
@@ -174,10 +175,11 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
             for (int c = 0; c < 4; c++)
                 ras[w][c] = nim->sto_xyz.m[w][c];
     } else {
-        double squares = nim->quatern_b * nim->quatern_b + nim->quatern_c * nim->quatern_c + nim->quatern_d * nim->quatern_d;
+        double squares = nim->quatern_b * nim->quatern_b + nim->quatern_c * nim->quatern_c +
+                         nim->quatern_d * nim->quatern_d;
         if (!(squares <= 1.001))
-            return ost_fail(err, OST_ERR_INPUT, "%s: its qform's quaternion (%.6g, %.6g, %.6g) is longer than 1", path, nim->quatern_b,
-                            nim->quatern_c, nim->quatern_d);
+            return ost_fail(err, OST_ERR_INPUT, "%s: its qform's quaternion (%.6g, %.6g, %.6g) is longer than 1", path,
+                            nim->quatern_b, nim->quatern_c, nim->quatern_d);
         from_quaternion(nim, pixdim, ras);
     }
     for (int w = 0; w < 3; w++) {
@@ -202,8 +204,8 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
  * least of pixdim) apart along an axis. Their difference is affine, so it is
  * greatest at a corner of the grid.  |sum| <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
  */
-static ost_status check_agreement(const char *path, const ost_affine *a, const ost_affine *b, const int32_t sizes[3], const ost_pm spacing[3],
-                                  ost_error *err)
+static ost_status check_agreement(const char *path, const ost_affine *a, const ost_affine *b, const int32_t sizes[3],
+                                  const ost_pm spacing[3], ost_error *err)
 {
     ost_pm voxel = spacing[0], greatest = 0;
     for (int i = 1; i < 3; i++)
@@ -219,10 +221,11 @@ static ost_status check_agreement(const char *path, const ost_affine *a, const o
     }
     if (greatest <= voxel)
         return OST_OK;
-    return ost_fail(err, OST_ERR_INPUT,
-                    "%s: its qform and its sform place the same voxel up to %.4g mm apart, and a voxel is %.4g mm; choose one with "
-                    "'osteon import --form qform' or '--form sform'",
-                    path, ost_pm_to_mm(greatest), ost_pm_to_mm(voxel));
+    return ost_fail(
+        err, OST_ERR_INPUT,
+        "%s: its qform and its sform place the same voxel up to %.4g mm apart, and a voxel is %.4g mm; choose one with "
+        "'osteon import --form qform' or '--form sform'",
+        path, ost_pm_to_mm(greatest), ost_pm_to_mm(voxel));
 }
 
 static bool leads_to_patient(int code)
@@ -231,8 +234,8 @@ static bool leads_to_patient(int code)
 }
 
 /* Determines the affine. pixdim is taken from the header itself, because libnifti would replace 0 by 1. */
-static ost_status find_affine(const char *path, const nifti_image *nim, const double pixdim[3], const scale *s, ost_nifti_form chosen,
-                              ost_nifti_header *out, ost_error *err)
+static ost_status find_affine(const char *path, const nifti_image *nim, const double pixdim[3], const scale *s,
+                              ost_nifti_form chosen, ost_nifti_header *out, ost_error *err)
 {
     form which = leads_to_patient(nim->sform_code) || (nim->sform_code > 0 && nim->qform_code <= 0) ? FORM_SFORM
                  : nim->qform_code > 0                                                              ? FORM_QFORM
@@ -262,7 +265,8 @@ static ost_status find_affine(const char *path, const nifti_image *nim, const do
         return OST_OK;
     }
     ost_status status = read_form(path, nim, which, pixdim, spacing, s, &out->affine, err);
-    if (status != OST_OK || chosen != OST_FORM_AUTO || !sized || !leads_to_patient(nim->sform_code) || !leads_to_patient(nim->qform_code))
+    if (status != OST_OK || chosen != OST_FORM_AUTO || !sized || !leads_to_patient(nim->sform_code) ||
+        !leads_to_patient(nim->qform_code))
         return status;
     ost_affine other = {{{0}}, {0}};
     return read_form(path, nim, FORM_QFORM, pixdim, spacing, s, &other, NULL) == OST_OK
@@ -296,7 +300,8 @@ static bool same_float(ost_pm a, ost_pm b)
  */
 static void take_exact(ost_nifti_header *h)
 {
-    const char *spacing_text = ost_meta_get(&h->meta, OST_NIFTI_SPACING), *origin_text = ost_meta_get(&h->meta, OST_NIFTI_ORIGIN);
+    const char *spacing_text = ost_meta_get(&h->meta, OST_NIFTI_SPACING),
+               *origin_text = ost_meta_get(&h->meta, OST_NIFTI_ORIGIN);
     ost_pm spacing[3], origin[3];
     bool good = spacing_text && origin_text && read_lengths(spacing_text, spacing) && read_lengths(origin_text, origin);
     for (int a = 0; good && a < 3; a++) {
@@ -340,7 +345,8 @@ static ost_status read_raw(ost_input *input, raw_header *raw, ost_nifti_header *
         if (status != OST_OK)
             return status;
         if (got + more < sizeof raw->bytes)
-            return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %zu, within its header of %zu bytes", path, got + more, sizeof raw->bytes);
+            return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %zu, within its header of %zu bytes", path,
+                            got + more, sizeof raw->bytes);
     } else if (out->version == 7) {
         return ost_fail(err, OST_ERR_INPUT, "%s: an ANALYZE 7.5 header (no NIfTI magic at byte 344), which does not "
                         "state its orientation; convert it to NIfTI", path);
@@ -434,7 +440,8 @@ ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_ni
     for (int a = 0; a < 3; a++)
         pixdim[a] = out->version == 1 ? (double)raw.one.pixdim[a + 1] : raw.two.pixdim[a + 1];
     nifti_set_debug_level(0);
-    nifti_image *nim = out->version == 1 ? nifti_convert_n1hdr2nim(raw.one, NULL) : nifti_convert_n2hdr2nim(raw.two, NULL);
+    nifti_image *nim = out->version == 1 ? nifti_convert_n1hdr2nim(raw.one, NULL)
+                                         : nifti_convert_n2hdr2nim(raw.two, NULL);
     if (!nim)
         return ost_fail(err, OST_ERR_INPUT, "%s: libnifti rejects the header", path);
     status = find_scale(path, out->version, nim->xyz_units, &lengths, err);

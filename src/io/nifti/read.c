@@ -69,8 +69,8 @@ static ost_status find_image(const char *header, image *out, ost_error *err)
 }
 
 static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, const ost_volume_options *options,
-                              const ost_placement *placement, const ost_geometry *geometry, ost_volume *out, ost_volume_report *report,
-                              ost_error *err)
+                              const ost_placement *placement, const ost_geometry *geometry, ost_volume *out,
+                              ost_volume_report *report, ost_error *err)
 {
     image im;
     const char *path = ost_input_path(input);
@@ -89,7 +89,8 @@ static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, 
     snprintf(report->encoding, sizeof report->encoding, "%s", im.packed ? "gzip" : "raw");
 
     uint64_t voxels = (uint64_t)header->sizes[0] * (uint64_t)header->sizes[1] * (uint64_t)header->sizes[2];
-    ost_parts parts = {.open = open_image, .user = &im, .count = 1, .part_bytes = voxels * ost_element_bytes(header->element)};
+    ost_parts parts = {
+        .open = open_image, .user = &im, .count = 1, .part_bytes = voxels * ost_element_bytes(header->element)};
     ost_rows rows = {.next = ost_rows_next_binary, .path = path, .parts = &parts};
     memcpy(rows.sizes, header->sizes, sizeof rows.sizes);
     rows.converter = (ost_converter){.element = header->element,
@@ -105,8 +106,8 @@ static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, 
     return status;
 }
 
-ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry, ost_meta *meta,
-                          ost_volume_report *report, ost_element *element, ost_error *err)
+ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
+                          ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err)
 {
     ost_nifti_header header;
     ost_placement placement;
@@ -121,11 +122,12 @@ ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, o
     report->labels = header.labels;
     *element = header.element;
     *meta = header.meta;
-    status = ost_volume_orientation(ost_input_path(input), options, &header.affine, &header.oriented, meta, report, err);
+    status = ost_volume_orientation(ost_input_path(input), options, &header.affine, &header.oriented, meta, report,
+                                    err);
     if (status != OST_OK)
         return status;
-    status = ost_volume_resolve(ost_input_path(input), &header.affine, header.sizes, options, header.oriented, &placement, geometry,
-                                report, err);
+    status = ost_volume_resolve(ost_input_path(input), &header.affine, header.sizes, options, header.oriented,
+                                &placement, geometry, report, err);
     if (status == OST_OK && out) {
         status = read_voxels(input, &header, options, &placement, geometry, out, report, err);
         if (status == OST_OK)
@@ -136,8 +138,8 @@ ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, o
 
 #else
 
-ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry, ost_meta *meta,
-                          ost_volume_report *report, ost_element *element, ost_error *err)
+ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
+                          ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err)
 {
     (void)options, (void)out, (void)geometry, (void)meta, (void)report, (void)element;
     return ost_fail(err, OST_ERR_UNAVAILABLE,

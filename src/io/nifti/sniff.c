@@ -13,7 +13,8 @@ static bool starts_with_size(const unsigned char *bytes, unsigned size)
 
 int ost_nifti_sniff(const unsigned char *bytes, size_t size)
 {
-    if (size >= 12 && starts_with_size(bytes, 540) && (memcmp(bytes + 4, "n+2", 4) == 0 || memcmp(bytes + 4, "ni2", 4) == 0))
+    if (size >= 12 && starts_with_size(bytes, 540) &&
+        (memcmp(bytes + 4, "n+2", 4) == 0 || memcmp(bytes + 4, "ni2", 4) == 0))
         return 2;
     if (size < OST_NIFTI_SNIFF || !starts_with_size(bytes, 348))
         return 0;

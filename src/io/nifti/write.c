@@ -60,8 +60,8 @@ static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_
     memcpy(h->magic, "n+1", 4);
 }
 
-ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, bool compress,
-                                  ost_error *err)
+ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta,
+                                  bool compress, ost_error *err)
 {
     unsigned char *extension = malloc(EXTENSION_CAPACITY);
     if (!extension)
@@ -80,8 +80,8 @@ ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry 
 
 #else
 
-ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, bool compress,
-                                  ost_error *err)
+ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta,
+                                  bool compress, ost_error *err)
 {
     (void)writer, (void)geometry, (void)meta, (void)compress;
     return ost_fail(err, OST_ERR_UNAVAILABLE,

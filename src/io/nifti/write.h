@@ -5,7 +5,7 @@
 #include "io/volume/writer.h"
 
 /* Writes the header. The writer is then ready for voxels. */
-ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, bool compress,
-                                  ost_error *err);
+ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta,
+                                  bool compress, ost_error *err);
 
 #endif

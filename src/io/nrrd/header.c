@@ -52,7 +52,8 @@ static ost_status append(ost_nrrd_text *text, size_t *capacity, int byte, const 
  * Appends one line, terminated by NUL. Sets *ended at the end of the file, if no byte precedes it. *start is an
  * offset, because the buffer moves.
  */
-static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *capacity, size_t *start, bool *ended, ost_error *err)
+static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *capacity, size_t *start, bool *ended,
+                              ost_error *err)
 {
     const char *path = ost_input_path(input);
     *start = text->size;
@@ -106,7 +107,8 @@ static ost_status take_line(const char *path, ost_nrrd_text *text, char *line, l
     while (colon && colon[1] != ' ' && colon[1] != '\t' && colon[1] != '=' && colon[1] != 0)
         colon = strchr(colon + 1, ':'); /* keys may contain colons */
     if (!colon)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s' is neither 'field: value' nor 'key:=value'", path, number, line);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s' is neither 'field: value' nor 'key:=value'", path, number,
+                        line);
     *colon = 0;
     if (colon[1] == '=') {
         if (strncmp(line, "Segment0_", 9) == 0)

@@ -29,7 +29,8 @@ static const char *value_of(const meaning *m, ost_nrrd_field field)
 /* Every error in a field is reported here: "file:line: 'value': " and the text `expected`. */
 static ost_status wrong(const meaning *m, ost_nrrd_field field, const char *expected)
 {
-    return ost_fail(m->err, OST_ERR_INPUT, "%s:%ld: '%.100s': %s", m->path, m->text->field[field].line, value_of(m, field), expected);
+    return ost_fail(m->err, OST_ERR_INPUT, "%s:%ld: '%.100s': %s", m->path, m->text->field[field].line,
+                    value_of(m, field), expected);
 }
 
 static ost_status missing(const meaning *m, const char *what)
@@ -186,7 +187,8 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
         if (n == 0)
             return wrong(m, OST_NRRD_KINDS, "three kinds were expected");
         if (lookup(plain, 1, p, n) < 0)
-            return wrong(m, OST_NRRD_KINDS, "three axes of space were expected (domain or space), not vectors, colours or time");
+            return wrong(m, OST_NRRD_KINDS,
+                         "three axes of space were expected (domain or space), not vectors, colours or time");
         p = blanks(p + n);
     }
     if (p && *p)
@@ -271,7 +273,8 @@ static const name_value spaces[] = {
     {"right-anterior-superior|RAS", SPACE_RAS},
     {"left-anterior-superior|LAS", SPACE_LAS},
     {"scanner-xyz|3D-right-handed|3D-left-handed", SPACE_UNSPECIFIED},
-    {"left-posterior-superior-time|LPST|right-anterior-superior-time|RAST|left-anterior-superior-time|LAST|scanner-xyz-time|"
+    {"left-posterior-superior-time|LPST|right-anterior-superior-time|RAST|left-anterior-superior-time|LAST|scanner-xyz-"
+     "time|"
      "3D-right-handed-time|3D-left-handed-time",
      SPACE_TIME},
 };
@@ -326,7 +329,8 @@ static ost_status mean_space(const meaning *m, ost_nrrd_header *out)
     static const ost_nrrd_field needs[] = {OST_NRRD_SPACE_DIRECTIONS, OST_NRRD_SPACE_ORIGIN, OST_NRRD_SPACE_UNITS};
     for (size_t i = 0; i < 3; i++)
         if (value_of(m, needs[i]) && !has_space)
-            return wrong(m, needs[i], "a vector without a space; expected the field 'space' or 'space dimension' before the data");
+            return wrong(m, needs[i],
+                         "a vector without a space; expected the field 'space' or 'space dimension' before the data");
 
     uint64_t units[3], space_units[3];
     ost_status status = mean_units(m, OST_NRRD_SPACE_UNITS, space_units);

@@ -43,7 +43,8 @@ static ost_status join(const ost_nrrd_parts *own, const char *name, char out[OST
     int folder = slash ? (int)(slash - own->path) + 1 : 0;
     int n = snprintf(out, OST_NRRD_NAME_MAX, "%.*s%s", folder, own->path, name);
     if (n < 0 || n >= OST_NRRD_NAME_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.60s...': the name is too long", own->path, value_line(own), name);
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.60s...': the name is too long", own->path,
+                        value_line(own), name);
     return OST_OK;
 }
 
@@ -101,8 +102,9 @@ static ost_status name_of(ost_nrrd_parts *own, uint64_t index, char out[OST_NRRD
     }
     if (own->pattern) {
         if (expand(own->pattern, own->pattern_length, own->first + (int64_t)index * own->step, name, sizeof name) != 1)
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.*s': one %%d, with a width at most, was expected", own->path,
-                            value_line(own), (int)(own->pattern_length < 100 ? own->pattern_length : 100), own->pattern);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.*s': one %%d, with a width at most, was expected",
+                            own->path, value_line(own), (int)(own->pattern_length < 100 ? own->pattern_length : 100),
+                            own->pattern);
         return join(own, name, out, err);
     }
     if (own->text->list) {
@@ -186,7 +188,8 @@ static const char *trailing_numbers(const char *value, int count, int64_t number
             start--;
         ost_decimal d;
         bool exact;
-        if (start == value || ost_decimal_read(start, end, &d) != end || !ost_decimal_scale(&d, 1, &numbers[i], &exact) || !exact)
+        if (start == value || ost_decimal_read(start, end, &d) != end ||
+            !ost_decimal_scale(&d, 1, &numbers[i], &exact) || !exact)
             return NULL;
         end = start;
     }
@@ -220,8 +223,8 @@ static ost_status count_numbered(ost_nrrd_parts *own, int64_t *subdimension, boo
         return OST_OK;
     int64_t min = n[0], max = n[1], step = n[2];
     const int64_t far = INT64_C(1) << 40;
-    if (min < 0 || max < 0 || min > far || max > far || step == 0 || step > far || step < -far || (max - min) / step < 0 ||
-        (max != min && (max > min) != (step > 0)))
+    if (min < 0 || max < 0 || min > far || max > far || step == 0 || step > far || step < -far ||
+        (max - min) / step < 0 || (max != min && (max > min) != (step > 0)))
         return wrong(own, "a first and a last number and a step that leads from one to the other were expected", err);
     *numbered = true;
     own->pattern = value;
@@ -241,8 +244,8 @@ static ost_status count_listed(ost_nrrd_parts *own, int64_t *subdimension, ost_e
     if (*tail) {
         ost_decimal d;
         bool exact;
-        if (ost_decimal_read(tail, tail + strlen(tail), &d) != tail + strlen(tail) || !ost_decimal_scale(&d, 1, subdimension, &exact) ||
-            !exact)
+        if (ost_decimal_read(tail, tail + strlen(tail), &d) != tail + strlen(tail) ||
+            !ost_decimal_scale(&d, 1, subdimension, &exact) || !exact)
             return wrong(own, "LIST, with a number of axes at most, was expected", err);
     }
     own->count = 0;
@@ -285,14 +288,15 @@ ost_status ost_nrrd_parts_init(ost_nrrd_parts *own, ost_parts *parts, const char
             return ost_fail(err, OST_ERR_RANGE, "%s:%ld: %llu data files; expected at most %d", path, value_line(own),
                             (unsigned long long)own->count, OST_NRRD_PARTS_MAX);
         if (subdimension < 3 ? own->count != voxels / product : (uint64_t)header->sizes[2] % own->count != 0)
-            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %llu data files of %lld axes each do not fit sizes %d %d %d", path,
-                            value_line(own), (unsigned long long)own->count, (long long)subdimension, header->sizes[0],
-                            header->sizes[1], header->sizes[2]);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %llu data files of %lld axes each do not fit sizes %d %d %d",
+                            path, value_line(own), (unsigned long long)own->count, (long long)subdimension,
+                            header->sizes[0], header->sizes[1], header->sizes[2]);
         in_part = voxels / own->count;
     }
     bool as_text = header->encoding == OST_NRRD_TEXT;
     /* The shortest text of n numbers has a digit for each and a blank between two. */
     own->part_bytes = as_text ? 2 * in_part - 1 : in_part * ost_element_bytes(header->element);
-    *parts = (ost_parts){.open = open_part, .user = own, .count = own->count, .part_bytes = own->part_bytes, .text = as_text};
+    *parts = (ost_parts){
+        .open = open_part, .user = own, .count = own->count, .part_bytes = own->part_bytes, .text = as_text};
     return OST_OK;
 }

@@ -9,21 +9,24 @@
 #include "io/nrrd/text_rows.h"
 #include "io/volume/rows.h"
 
-static const char *const encoding_names[] = {[OST_NRRD_RAW] = "raw", [OST_NRRD_GZIP] = "gzip", [OST_NRRD_TEXT] = "text"};
+static const char *const encoding_names[] = {
+    [OST_NRRD_RAW] = "raw", [OST_NRRD_GZIP] = "gzip", [OST_NRRD_TEXT] = "text"};
 
-static ost_status read_voxels(const char *path, const ost_nrrd_text *text, const ost_nrrd_header *header, uint64_t header_end,
-                              const ost_volume_options *options, const ost_placement *placement, const ost_geometry *geometry,
-                              ost_volume *out, ost_volume_report *report, ost_error *err)
+static ost_status read_voxels(const char *path, const ost_nrrd_text *text, const ost_nrrd_header *header,
+                              uint64_t header_end, const ost_volume_options *options, const ost_placement *placement,
+                              const ost_geometry *geometry, ost_volume *out, ost_volume_report *report, ost_error *err)
 {
     ost_nrrd_parts own;
     ost_parts parts;
     ost_status status = ost_nrrd_parts_init(&own, &parts, path, text, header, header_end, err);
     if (status != OST_OK)
         return status;
-    ost_nrrd_text_rows all = {.rows = {.next = parts.text ? ost_nrrd_text_rows_next : ost_rows_next_binary, .path = path, .parts = &parts}};
+    ost_nrrd_text_rows all = {
+        .rows = {.next = parts.text ? ost_nrrd_text_rows_next : ost_rows_next_binary, .path = path, .parts = &parts}};
     memcpy(all.rows.sizes, header->sizes, sizeof all.rows.sizes);
     all.in_part = (uint64_t)header->sizes[0] * (uint64_t)header->sizes[1] * (uint64_t)header->sizes[2] / parts.count;
-    all.rows.converter = (ost_converter){.element = header->element, .swap = header->swap, .clamp = options && options->clamp};
+    all.rows.converter = (ost_converter){
+        .element = header->element, .swap = header->swap, .clamp = options && options->clamp};
     status = ost_volume_fill(&all.rows, &header->affine, placement, geometry, out, err);
     ost_parts_close(&parts);
     report->rounded_values = all.rows.converter.rounded;
@@ -31,8 +34,8 @@ static ost_status read_voxels(const char *path, const ost_nrrd_text *text, const
     return status;
 }
 
-ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry, ost_meta *meta,
-                         ost_volume_report *report, ost_element *element, ost_error *err)
+ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
+                         ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err)
 {
     const char *path = ost_input_path(input);
     ost_nrrd_text text;
@@ -55,7 +58,8 @@ ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, os
         status = ost_volume_orientation(path, options, &header.affine, &header.oriented, meta, report, err);
     }
     if (status == OST_OK)
-        status = ost_volume_resolve(path, &header.affine, header.sizes, options, header.oriented, &placement, geometry, report, err);
+        status = ost_volume_resolve(path, &header.affine, header.sizes, options, header.oriented, &placement, geometry,
+                                    report, err);
     if (status == OST_OK && out) {
         status = read_voxels(path, &text, &header, header_end, options, &placement, geometry, out, report, err);
         if (status == OST_OK)

@@ -12,7 +12,7 @@
  * meta and report are filled.  geometry, meta and report are never NULL; *out is
  * initialised here.
  */
-ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry, ost_meta *meta,
-                         ost_volume_report *report, ost_element *element, ost_error *err);
+ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
+                         ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err);
 
 #endif

@@ -43,7 +43,8 @@ static bool type_holds(ost_element element, const ost_decimal *d)
         return true;
     if (!ost_decimal_integer(d, &magnitude))
         return false;
-    bool is_signed = element == OST_ELEMENT_INT8 || element == OST_ELEMENT_INT16 || element == OST_ELEMENT_INT32 || element == OST_ELEMENT_INT64;
+    bool is_signed = element == OST_ELEMENT_INT8 || element == OST_ELEMENT_INT16 || element == OST_ELEMENT_INT32 ||
+                     element == OST_ELEMENT_INT64;
     uint64_t most = UINT64_MAX >> (64 - 8 * ost_element_bytes(element) + is_signed);
     return d->negative ? magnitude <= (is_signed ? most + 1 : 0) : magnitude <= most;
 }
@@ -60,8 +61,9 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     /* The byte after the word has been consumed too, except at the end of the file. */
     ost_input_location(input, length + (ost_input_file_left(input) > 0 || length == 0), location);
     if (length == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: ends after %lld of the %lld values that the header's sizes need", ost_input_path(input),
-                        (long long)number, (long long)rows->sizes[0] * rows->sizes[1] * rows->sizes[2]);
+        return ost_fail(err, OST_ERR_INPUT, "%s: ends after %lld of the %lld values that the header's sizes need",
+                        ost_input_path(input), (long long)number,
+                        (long long)rows->sizes[0] * rows->sizes[1] * rows->sizes[2]);
     ost_decimal d;
     ost_bad bad = {OST_BAD_NAN, ""};
     snprintf(bad.value, sizeof bad.value, "%.30s", word);

@@ -61,8 +61,8 @@ static void format_half(ost_pm value, char text[OST_PM_TEXT])
     snprintf(text, OST_PM_TEXT, "%s%" PRIu64 ".%010" PRIu64, tenths < 0 ? "-" : "", magnitude / unit, magnitude % unit);
 }
 
-ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                 bool odd_voxel, bool compress, ost_error *err)
+ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta,
+                                 ost_element element, bool odd_voxel, bool compress, ost_error *err)
 {
     char length[6][OST_PM_TEXT], text[1024];
     const ost_pm lengths[6] = {geometry->spacing.x, geometry->spacing.y, geometry->spacing.z,
@@ -85,8 +85,8 @@ ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *
              "encoding: %s\n"
              "space units: \"mm\" \"mm\" \"mm\"\n"
              "space origin: (%s,%s,%s)\n",
-             ost_element_name(element), geometry->dims.x, geometry->dims.y, geometry->dims.z, length[0], length[1], length[2],
-             compress ? "gzip" : "raw", length[3], length[4], length[5]);
+             ost_element_name(element), geometry->dims.x, geometry->dims.y, geometry->dims.z, length[0], length[1],
+             length[2], compress ? "gzip" : "raw", length[3], length[4], length[5]);
     ost_status status = put_text(writer, text, err);
     for (int i = 0; status == OST_OK && i < meta->count; i++) {
         ost_nrrd_fact(meta->entry[i].key, meta->entry[i].value, text);

@@ -5,8 +5,8 @@
 #include "io/volume/writer.h"
 
 /* Writes the header. The writer is then ready for voxels. */
-ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta, ost_element element,
-                                 bool odd_voxel, bool compress, ost_error *err);
+ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta,
+                                 ost_element element, bool odd_voxel, bool compress, ost_error *err);
 
 /*
  * Formats the line of a fact, "osteon_KEY:=VALUE\n", with backslashes escaped. The text is "" for the keys that

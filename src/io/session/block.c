@@ -40,13 +40,15 @@ bool ost_session_block_decode(const unsigned char in[SESSION_BLOCK], session_blo
         .lost = get64(in + 48),
     };
     const uint32_t version = get32(in + 44);
-    if (version < SESSION_VERSION_MIN || version > SESSION_VERSION || get32(in + 56) != 0 || out->payload % SESSION_ALIGN != 0)
+    if (version < SESSION_VERSION_MIN || version > SESSION_VERSION || get32(in + 56) != 0 ||
+        out->payload % SESSION_ALIGN != 0)
         return false;
     switch (out->kind) {
     case SESSION_KIND_HEADER:
         return out->payload > 0 && out->records == 0 && out->payload <= SESSION_PAYLOAD_MAX;
     case SESSION_KIND_RECORDS:
-        return out->records > 0 && out->records <= SESSION_BLOCK_RECORDS && out->payload == out->records * SESSION_RECORD;
+        return out->records > 0 && out->records <= SESSION_BLOCK_RECORDS &&
+               out->payload == out->records * SESSION_RECORD;
     default:
         return false;
     }

@@ -55,11 +55,12 @@ ost_status ost_session_header_set(ost_session_header *header, const char *key, c
                         "'%.50s' is not a key of a session's header; expected up to %d of a-z, 0-9, _ and .", key,
                         OST_SESSION_KEY - 1);
     if (strlen(value) > OST_SESSION_VALUE)
-        return ost_fail(err, OST_ERR_RANGE, "the value of '%s' has %zu bytes; a session's header holds up to %d", key, strlen(value),
-                        OST_SESSION_VALUE);
+        return ost_fail(err, OST_ERR_RANGE, "the value of '%s' has %zu bytes; a session's header holds up to %d", key,
+                        strlen(value), OST_SESSION_VALUE);
     header_entry *entry = find(header, key);
     if (!entry && header->count == OST_SESSION_KEYS_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "a session's header holds up to %d keys; '%s' is one too many", OST_SESSION_KEYS_MAX, key);
+        return ost_fail(err, OST_ERR_RANGE, "a session's header holds up to %d keys; '%s' is one too many",
+                        OST_SESSION_KEYS_MAX, key);
     char *copy = strdup(value);
     if (!copy)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a session's header");
@@ -97,7 +98,8 @@ static bool is_escaped(unsigned char c)
     return c < 32 || c == 127 || c == '\\';
 }
 
-ost_status ost_session_header_encode(const ost_session_header *header, unsigned char **out, uint32_t *size, ost_error *err)
+ost_status ost_session_header_encode(const ost_session_header *header, unsigned char **out, uint32_t *size,
+                                     ost_error *err)
 {
     size_t capacity = 0;
     for (int i = 0; i < header->count; i++)

@@ -93,7 +93,8 @@ bool ost_session_record_decode(const unsigned char in[SESSION_RECORD], ost_recor
 /* --------------------------------------------------------------- header.c */
 
 /* Encodes the header's payload, padded; the caller frees *out. */
-ost_status ost_session_header_encode(const ost_session_header *header, unsigned char **out, uint32_t *size, ost_error *err);
+ost_status ost_session_header_encode(const ost_session_header *header, unsigned char **out, uint32_t *size,
+                                     ost_error *err);
 ost_status ost_session_header_decode(const unsigned char *in, size_t size, ost_session_header **out, ost_error *err);
 
 #endif

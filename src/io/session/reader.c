@@ -61,7 +61,8 @@ static ost_status store_block(ost_session *s, const session_block *block, uint64
         s->blocks = grown;
         s->block_capacity = capacity;
     }
-    s->blocks[s->block_count++] = (session_block_place){.at = at, .first_record = block->first_record, .lost = block->lost, .records = block->records};
+    s->blocks[s->block_count++] = (session_block_place){
+        .at = at, .first_record = block->first_record, .lost = block->lost, .records = block->records};
     return OST_OK;
 }
 
@@ -269,7 +270,8 @@ ost_status ost_session_load(ost_session *s, size_t block, ost_error *err)
     if (status != OST_OK)
         return status;
     if (got != bytes || !ost_session_block_decode(own, &head) || ost_session_crc(s->payload, bytes) != head.payload_crc)
-        return ost_fail(err, OST_ERR_IO, "%s: changed at byte %llu while it was read", s->path, (unsigned long long)offset->at);
+        return ost_fail(err, OST_ERR_IO, "%s: changed at byte %llu while it was read", s->path,
+                        (unsigned long long)offset->at);
     return OST_OK;
 }
 
@@ -323,7 +325,8 @@ const char *ost_session_missing(const ost_session *session, char text[OST_SESSIO
     if (s->lost_records)
         add(text, "%llu records were lost while it was recorded", (unsigned long long)s->lost_records);
     if (s->complete_ticks < s->ticks)
-        add(text, "only the first %llu of its %llu ticks can be done again", (unsigned long long)s->complete_ticks, (unsigned long long)s->ticks);
+        add(text, "only the first %llu of its %llu ticks can be done again", (unsigned long long)s->complete_ticks,
+            (unsigned long long)s->ticks);
     if (s->header_damaged)
         add(text, "one of the two copies of its header is damaged");
     return text;

@@ -120,7 +120,8 @@ static bool write_block(ost_recorder *r)
     uint64_t count = r->in_block;
     int error;
     /* A disk that is nearly full may have space for a part of the records. */
-    while ((error = ost_session_write_records(&r->writer, records, (uint32_t)count, r->lost_in_block)) != 0 && count > 1)
+    while ((error = ost_session_write_records(&r->writer, records, (uint32_t)count, r->lost_in_block)) != 0 &&
+           count > 1)
         count /= 2;
     atomic_store_explicit(&r->failing, error, memory_order_release);
     if (error)
@@ -207,7 +208,8 @@ static void recorder_free(ost_recorder *r)
 }
 
 /* Allocates everything except the sink. */
-static ost_status recorder_make(const char *name, const ost_recorder_options *options, ost_recorder **out, ost_error *err)
+static ost_status recorder_make(const char *name, const ost_recorder_options *options, ost_recorder **out,
+                                ost_error *err)
 {
     const ost_recorder_options chosen = options ? *options : (ost_recorder_options){0};
     const uint32_t capacity = chosen.capacity ? chosen.capacity : CAPACITY;
@@ -367,8 +369,9 @@ ost_status ost_recorder_close(ost_recorder *recorder, const ost_session_end *end
     ost_recorder_state_get(recorder, &state);
     ost_status status = OST_OK;
     if (state.failing)
-        status = ost_fail(err, OST_ERR_IO, "%s: recording failed: %s; %llu records are in the file, %llu are not", recorder->name, state.reason,
-                          (unsigned long long)state.written, (unsigned long long)(state.put - state.written + state.lost));
+        status = ost_fail(err, OST_ERR_IO, "%s: recording failed: %s; %llu records are in the file, %llu are not",
+                          recorder->name, state.reason, (unsigned long long)state.written,
+                          (unsigned long long)(state.put - state.written + state.lost));
     else if (state.lost)
         status = ost_fail(err, OST_ERR_IO, "%s: %llu of %llu records were lost: the disk was too slow", recorder->name,
                           (unsigned long long)state.lost, (unsigned long long)(state.put + state.lost));

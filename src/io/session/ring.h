@@ -60,13 +60,15 @@ static inline unsigned char *ring_slot(session_ring *ring)
 
 static inline void ring_push(session_ring *ring)
 {
-    atomic_store_explicit(&ring->head, atomic_load_explicit(&ring->head, memory_order_relaxed) + 1, memory_order_release);
+    atomic_store_explicit(&ring->head, atomic_load_explicit(&ring->head, memory_order_relaxed) + 1,
+                          memory_order_release);
 }
 
 /* Called by the consumer: the number of waiting records, a copy of `count` of them, the release of `count` slots. */
 static inline uint64_t ring_waiting(session_ring *ring)
 {
-    return atomic_load_explicit(&ring->head, memory_order_acquire) - atomic_load_explicit(&ring->tail, memory_order_relaxed);
+    return atomic_load_explicit(&ring->head, memory_order_acquire) -
+           atomic_load_explicit(&ring->tail, memory_order_relaxed);
 }
 
 static inline void ring_copy(const session_ring *ring, unsigned char *out, uint64_t count)
@@ -79,7 +81,8 @@ static inline void ring_copy(const session_ring *ring, unsigned char *out, uint6
 
 static inline void ring_pop(session_ring *ring, uint64_t count)
 {
-    atomic_store_explicit(&ring->tail, atomic_load_explicit(&ring->tail, memory_order_relaxed) + count, memory_order_release);
+    atomic_store_explicit(&ring->tail, atomic_load_explicit(&ring->tail, memory_order_relaxed) + count,
+                          memory_order_release);
 }
 
 #endif

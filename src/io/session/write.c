@@ -45,6 +45,7 @@ int ost_session_write_header(session_writer *writer, const unsigned char *payloa
 
 int ost_session_write_records(session_writer *writer, unsigned char *records, uint32_t count, uint64_t lost)
 {
-    session_block block = {.kind = SESSION_KIND_RECORDS, .payload = count * SESSION_RECORD, .records = count, .lost = lost};
+    session_block block = {
+        .kind = SESSION_KIND_RECORDS, .payload = count * SESSION_RECORD, .records = count, .lost = lost};
     return put_block(writer, &block, records - SESSION_BLOCK);
 }

@@ -104,7 +104,8 @@ static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, siz
 static ost_status many_lattices(const char *path, const ost_lattice_axis *axis, size_t i, ost_error *err)
 {
     char value[OST_PM_TEXT];
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %c = %s fits several lattices: its digits are too few to find the spacing; %s", path,
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%s:%lld: %c = %s fits several lattices: its digits are too few to find the spacing; %s", path,
                     (long long)axis->line[i], axis->name, ost_pm_format(axis->value[i], value), advice);
 }
 
@@ -286,7 +287,8 @@ static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error
 {
     const ost_lattice_axis *axis = f->axis;
     if (axis->count < 2)
-        return ost_fail(err, OST_ERR_INPUT, "%s: all samples lie in one layer, %c = %.9g, so the spacing along %c cannot be found; %s",
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: all samples lie in one layer, %c = %.9g, so the spacing along %c cannot be found; %s",
                         path, axis->name, ost_pm_to_mm(axis->value[0]), axis->name, advice);
     assert(axis->units != 0);
     int finest = OST_LATTICE_UNITS - 1, coarsest = 0;

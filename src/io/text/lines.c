@@ -91,11 +91,12 @@ static ssize_t unpack(ost_text_lines *lines, char *to, size_t size, ost_status *
     if (n >= 0 && number != Z_BUF_ERROR)
         return n;
     *status = number == Z_ERRNO ? ost_fail(err, OST_ERR_IO, "%s: read failed after %lld bytes: %s", lines->path,
-                                           (long long)lines->read_bytes,
-                                           strerror(errno)) : number == Z_MEM_ERROR ? ost_fail(err, OST_ERR_MEMORY,
-                                           "%s: out of memory for decompression", lines->path) : ost_fail(err, OST_ERR_INPUT,
-                                           "%s: the gzip data are damaged or cut off after %lld bytes of text: %.80s",
-                                           lines->path, (long long)lines->read_bytes, why);
+                                           (long long)lines->read_bytes, strerror(errno))
+              : number == Z_MEM_ERROR
+                  ? ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for decompression", lines->path)
+                  : ost_fail(err, OST_ERR_INPUT,
+                             "%s: the gzip data are damaged or cut off after %lld bytes of text: %.80s", lines->path,
+                             (long long)lines->read_bytes, why);
     return -1;
 }
 
@@ -104,8 +105,9 @@ static ost_status fill(ost_text_lines *lines, ost_error *err)
 {
     while (!lines->ended && lines->used < OST_TEXT_BUFFER) {
         ost_status status = OST_OK;
-        ssize_t n = lines->packed ? unpack(lines, lines->buffer + lines->used, OST_TEXT_BUFFER - lines->used, &status, err)
-                                  : read(lines->fd, lines->buffer + lines->used, OST_TEXT_BUFFER - lines->used);
+        ssize_t n = lines->packed
+                        ? unpack(lines, lines->buffer + lines->used, OST_TEXT_BUFFER - lines->used, &status, err)
+                        : read(lines->fd, lines->buffer + lines->used, OST_TEXT_BUFFER - lines->used);
         if (status != OST_OK)
             return status;
         if (n < 0 && errno == EINTR)
@@ -145,7 +147,8 @@ ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_t
         if (lines->used >= 3 && memcmp(buffer, "\xef\xbb\xbf", 3) == 0)
             block->begin = buffer + 3;
         else if (lines->used >= 2 && (memcmp(buffer, "\xff\xfe", 2) == 0 || memcmp(buffer, "\xfe\xff", 2) == 0))
-            return ost_fail(err, OST_ERR_INPUT, "%s:1: the text is UTF-16; save it as plain text (ASCII or UTF-8)", lines->path);
+            return ost_fail(err, OST_ERR_INPUT, "%s:1: the text is UTF-16; save it as plain text (ASCII or UTF-8)",
+                            lines->path);
         if (ends_lines_with_cr(block->begin, lines->used - (size_t)(block->begin - buffer)))
             return ost_fail(err, OST_ERR_INPUT, "%s:1: line ends are CR alone; LF or CR LF expected", lines->path);
     }

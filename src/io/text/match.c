@@ -13,8 +13,8 @@
 
 #include "config.h"
 
-static size_t match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                    const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                    const char *text, const char *end, size_t lines, int16_t *density, const char **next)
 {
     size_t i = 0;
     const size_t before = pattern->before.length, after = pattern->after.length;

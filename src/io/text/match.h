@@ -26,7 +26,9 @@
  * reads at the last one.
  */
 enum { OST_TEXT_COLUMN_MAX = 16, OST_TEXT_AROUND_MAX = 32, OST_TEXT_MARGIN = 1024 };
-_Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 32 <= OST_TEXT_MARGIN,
+_Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX +
+                       32 <=
+                   OST_TEXT_MARGIN,
                "kernels read no further");
 
 /* Bytes beyond the length are 0 in text and in mask; all other bytes of mask are 0xff. */
@@ -58,8 +60,8 @@ typedef struct ost_text_pattern {
  * lines after `end` may belong to another thread.  OST_TEXT_MARGIN bytes from end on
  * must be readable.
  */
-typedef size_t ost_text_match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                              const char *end, size_t lines, int16_t *density, const char **next);
+typedef size_t ost_text_match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                              const char *text, const char *end, size_t lines, int16_t *density, const char **next);
 
 /* Returns the function for an instruction set; all are equivalent to the scalar one. */
 ost_text_match *ost_text_match_for(ost_isa isa);

@@ -19,15 +19,16 @@ static ost_status fail_line(const ost_text_parser *parser, const char *text, ost
     return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %s", parser->path, (long long)parser->line, text);
 }
 
-static ost_status fail_field(const ost_text_parser *parser, int column, const char *field, const char *end, const char *expected,
-                             ost_error *err)
+static ost_status fail_field(const ost_text_parser *parser, int column, const char *field, const char *end,
+                             const char *expected, ost_error *err)
 {
     char quote[OST_TEXT_QUOTE];
     const char *field_end = ost_text_field_end(field, end);
     if (ost_text_is_binary(field, field_end))
         return fail_line(parser, "binary bytes; expected a line of text: x y z density", err);
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d (%s) is '%s'; expected %s", parser->path, (long long)parser->line,
-                    column + 1, column_names[column], ost_text_quote(field, field_end, quote), expected);
+    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d (%s) is '%s'; expected %s", parser->path,
+                    (long long)parser->line, column + 1, column_names[column], ost_text_quote(field, field_end, quote),
+                    expected);
 }
 
 /*
@@ -41,15 +42,17 @@ static ost_status fail_count(const ost_text_parser *parser, const char *begin, c
     for (;; count++) {
         ost_text_field_kind kind = ost_text_field_start(&p, end, count);
         if (kind == OST_TEXT_EMPTY)
-            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: value %d is empty; expected 4 values: x y z density", parser->path,
-                            (long long)parser->line, count + 1);
+            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: value %d is empty; expected 4 values: x y z density",
+                            parser->path, (long long)parser->line, count + 1);
         if (kind == OST_TEXT_END)
             break;
         p = ost_text_field_end(p, end);
     }
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %d value%s; expected 4: x y z density%s", parser->path, (long long)parser->line,
-                    count, count == 1 ? "" : "s",
-                    count > COLUMNS && memchr(begin, ',', (size_t)(end - begin)) ? " (the decimal sign is a point, not a comma)" : "");
+    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %d value%s; expected 4: x y z density%s", parser->path,
+                    (long long)parser->line, count, count == 1 ? "" : "s",
+                    count > COLUMNS && memchr(begin, ',', (size_t)(end - begin))
+                        ? " (the decimal sign is a point, not a comma)"
+                        : "");
 }
 
 /* ------------------------------------------------------------------- values */
@@ -102,7 +105,8 @@ static ost_status parse_density(const ost_text_parser *parser, int column, const
 /* -------------------------------------------------------------------- lines */
 
 /* Parses a sample. p is the start of the first field, end the end of the line. */
-static ost_status parse_row(const ost_text_parser *parser, const char *p, const char *end, ost_text_row *row, ost_error *err)
+static ost_status parse_row(const ost_text_parser *parser, const char *p, const char *end, ost_text_row *row,
+                            ost_error *err)
 {
     const char *begin = p;
     row->line = parser->line;
@@ -135,15 +139,16 @@ static ost_status parse_other(ost_text_parser *parser, const char *p, const char
         ost_text_fact fact;
         if (memchr(p, 0, (size_t)(end - p)))
             return fail_line(parser, zero_byte, err);
-        return parser->fact && ost_text_fact_read(p, end, &fact) ? parser->fact(parser->user, parser, &fact, err) : OST_OK;
+        return parser->fact && ost_text_fact_read(p, end, &fact) ? parser->fact(parser->user, parser, &fact, err)
+                                                                 : OST_OK;
     }
     *is_row = parser->past_header || !ost_text_is_header(p, end);
     parser->past_header = true;
     return OST_OK;
 }
 
-ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t capacity, size_t *count,
-                          ost_error *err)
+ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t capacity,
+                          size_t *count, ost_error *err)
 {
     ost_status status = OST_OK;
     size_t filled = 0;

@@ -42,7 +42,7 @@ typedef struct ost_text_parser {
  * are full.  At the first bad line it returns OST_ERR_INPUT with file, line, column,
  * value and what was expected.
  */
-ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t capacity, size_t *count,
-                          ost_error *err);
+ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t capacity,
+                          size_t *count, ost_error *err);
 
 #endif

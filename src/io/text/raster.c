@@ -77,7 +77,8 @@ static bool learn_column(reading *r, const char *p, const char *newline, const o
         return false;
     ost_text_marks marks = ost_text_mark(p, newline);
     const char *begin = fastest > 0 ? marks.end[fastest - 1] : p;
-    r->plan.fast = ost_text_column_set(&r->plan.columns[i], &r->plan.lengths[i], begin, marks.end[fastest]) && r->plan.fast;
+    r->plan.fast = ost_text_column_set(&r->plan.columns[i], &r->plan.lengths[i], begin, marks.end[fastest]) &&
+                   r->plan.fast;
     r->plan.shortest = r->plan.lengths[i] < r->plan.shortest ? r->plan.lengths[i] : r->plan.shortest;
     raster->count[0] = i + 1;
     return true;
@@ -157,14 +158,17 @@ static bool learn_slice(reading *r)
     ost_text_raster *raster = r->raster;
     ost_text_walker walker;
     raster->count[1] = raster->count[2] = 1;
-    bool good = ost_text_walker_open(&walker, &r->plan, true) && ost_text_walk(&walker, r->plan.begin, r->plan.end, false);
+    bool good = ost_text_walker_open(&walker, &r->plan, true) &&
+                ost_text_walk(&walker, r->plan.begin, r->plan.end, false);
     if (good && !walker.done)
         good = walker.at[0] == raster->count[0]; /* there is only one slice */
     raster->at[2][0] = walker.slow;
     int64_t all = r->plan.last_slow - walker.slow;
     if (good && walker.done && all != 0) {
         int64_t step = walker.second_slow - walker.slow;
-        int64_t steps = (all < 0) == (step < 0) && step != 0 ? ost_rhe_div(all < 0 ? -all : all, step < 0 ? -step : step) : 0;
+        int64_t steps = (all < 0) == (step < 0) && step != 0
+                            ? ost_rhe_div(all < 0 ? -all : all, step < 0 ? -step : step)
+                            : 0;
         good = steps >= 1 && steps < OST_DIM_MAX;
         raster->count[2] = good ? (int32_t)steps + 1 : 1;
     } else if (good) {
@@ -262,7 +266,8 @@ static void report_progress(const reading *r, shared *s)
         return;
 #endif
     double share = (double)atomic_load(&s->walked) / (double)(r->plan.end - r->plan.begin);
-    if (r->options->progress && !s->cancelled && !r->options->progress(r->options->user, "samples", share < 1 ? share : 1)) {
+    if (r->options->progress && !s->cancelled &&
+        !r->options->progress(r->options->user, "samples", share < 1 ? share : 1)) {
         s->cancelled = true;
         atomic_store(&s->stop, true);
     }
@@ -337,7 +342,8 @@ static bool summarise(reading *r, int64_t voxels)
         axis->distinct = count;
         for (size_t i = 0; i < count; i++) {
             size_t from = down ? count - 1 - i : i;
-            axis->set[i] = (ost_text_coordinate){at[from], raster->first_line + (int64_t)from * ost_text_raster_stride(raster, rank)};
+            axis->set[i] = (ost_text_coordinate){at[from], raster->first_line +
+                                                               (int64_t)from * ost_text_raster_stride(raster, rank)};
         }
     }
     r->summary->fingerprint.rows = (uint64_t)voxels;
@@ -393,8 +399,8 @@ ost_status ost_text_raster_read(const char *path, const ost_text_raster_options 
     bool good = file.size > 0 && learn(&r, &terminated);
     if (good) {
         int64_t voxels = (int64_t)raster->count[0] * raster->count[1] * raster->count[2];
-        good = voxels <= (r.plan.end - r.plan.begin + 1) / LINE_MIN && is_complete(summary, voxels, terminated) && map_voxels(raster, voxels) &&
-               walk_all(&r, voxels, &cancelled) && summarise(&r, voxels) && is_sound(&r);
+        good = voxels <= (r.plan.end - r.plan.begin + 1) / LINE_MIN && is_complete(summary, voxels, terminated) &&
+               map_voxels(raster, voxels) && walk_all(&r, voxels, &cancelled) && summarise(&r, voxels) && is_sound(&r);
     }
     close(r.plan.fd);
     free(r.plan.columns);

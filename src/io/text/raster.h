@@ -66,7 +66,8 @@ ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hashe
 /* Returns true if every sample has a voxel of its own in the grid; false also if there is no memory. raster_rect.c. */
 bool ost_text_raster_fits(const ost_text_raster *raster, const ost_geometry *full);
 /* Fills rect as ost_text_to_rect does, with the same report; options->expected is not used. */
-ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster, const ost_text_rect_options *options, ost_grid *rect,
-                                   ost_scatter_report *report, ost_error *err);
+ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster,
+                                   const ost_text_rect_options *options, ost_grid *rect, ost_scatter_report *report,
+                                   ost_error *err);
 
 #endif

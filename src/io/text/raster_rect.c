@@ -33,14 +33,16 @@ static void maps_free(axis_map maps[3])
  * Maps one axis. Returns false if two coordinates share a voxel, one would be rejected,
  * or there is no memory. |at - origin| < 2^54, off * 10^6 < 2^56.
  */
-static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop, axis_map *map)
+static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop,
+                     axis_map *map)
 {
     int a = raster->axis[rank];
     const int64_t origin[3] = {full->origin.x, full->origin.y, full->origin.z};
     const int64_t spacing[3] = {full->spacing.x, full->spacing.y, full->spacing.z};
     const int32_t dims[3] = {full->dims.x, full->dims.y, full->dims.z};
     int32_t lo = crop ? crop->lo[a] : 0, hi = crop ? crop->hi[a] : dims[a], count = raster->count[rank];
-    *map = (axis_map){.spacing = spacing[a], .from = -1, .worst = -1, .index = malloc((size_t)count * sizeof *map->index)};
+    *map = (axis_map){
+        .spacing = spacing[a], .from = -1, .worst = -1, .index = malloc((size_t)count * sizeof *map->index)};
     for (int32_t i = 0; i < count && map->index; i++) {
         int64_t p = raster->at[rank][i] - origin[a], index = ost_rhe_div(p, spacing[a]), off = p - index * spacing[a];
         off = off < 0 ? -off : off;
@@ -61,7 +63,8 @@ static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry
     return map->index != NULL;
 }
 
-static bool map_all(const ost_text_raster *raster, const ost_geometry *full, const ost_voxel_box *crop, axis_map maps[3])
+static bool map_all(const ost_text_raster *raster, const ost_geometry *full, const ost_voxel_box *crop,
+                    axis_map maps[3])
 {
     bool good = true;
     for (int rank = 0; rank < 3; rank++)
@@ -86,7 +89,8 @@ static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost
         for (int other = 0; other < 3; other++)
             line += (other == rank ? maps[other].worst_at : maps[other].from) * ost_text_raster_stride(raster, other);
         uint64_t ppm = (uint64_t)maps[rank].worst;
-        if (ppm > report->worst_offset_ppm || (ppm > 0 && ppm == report->worst_offset_ppm && line < report->worst_line)) {
+        if (ppm > report->worst_offset_ppm ||
+            (ppm > 0 && ppm == report->worst_offset_ppm && line < report->worst_line)) {
             report->worst_offset_ppm = ppm;
             report->worst_line = line;
         }
@@ -108,8 +112,8 @@ static bool is_plain(const ost_text_raster *raster, const axis_map maps[3], ost_
 }
 
 /* Uploads the grid slice by slice, for any order of the voxels in the file. */
-static ost_status upload_mapped(const char *path, const ost_text_raster *raster, const axis_map maps[3], const ost_voxel_box *crop,
-                                ost_grid *rect, ost_error *err)
+static ost_status upload_mapped(const char *path, const ost_text_raster *raster, const axis_map maps[3],
+                                const ost_voxel_box *crop, ost_grid *rect, ost_error *err)
 {
     const ost_dims dims = ost_grid_geometry(rect)->dims;
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
@@ -149,8 +153,9 @@ static ost_status upload_mapped(const char *path, const ost_text_raster *raster,
     return status;
 }
 
-ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster, const ost_text_rect_options *options, ost_grid *rect,
-                                   ost_scatter_report *report, ost_error *err)
+ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster,
+                                   const ost_text_rect_options *options, ost_grid *rect, ost_scatter_report *report,
+                                   ost_error *err)
 {
     axis_map maps[3];
     ost_status status = OST_OK;

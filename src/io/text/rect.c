@@ -43,7 +43,8 @@ static ost_status fail_rejected(const pass *p, ost_error *err)
         return changed(p->path, err);
     const ost_geometry *g = p->options->full;
     const int64_t at[3] = {sample->x, sample->y, sample->z};
-    const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z}, spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z},
+                  spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     for (int a = 0; a < 3; a++) {
         int64_t off = at[a] - origin[a] - ost_rhe_div(at[a] - origin[a], spacing[a]) * spacing[a];
         off = off < 0 ? -off : off;
@@ -79,8 +80,10 @@ static ost_status flush(pass *p, ost_error *err)
     if (p->count == 0)
         return OST_OK;
     ost_scatter_report *report = p->report;
-    ost_status status = ost_ct_to_rect(p->rect, p->samples, p->count, p->first_line, p->options->duplicates, report, err);
-    if (status == OST_OK && report->rejected_line && (!report->conflict_line || report->rejected_line < report->conflict_line))
+    ost_status status = ost_ct_to_rect(p->rect, p->samples, p->count, p->first_line, p->options->duplicates, report,
+                                       err);
+    if (status == OST_OK && report->rejected_line &&
+        (!report->conflict_line || report->rejected_line < report->conflict_line))
         status = fail_rejected(p, err);
     else if (status == OST_OK && report->conflict_line)
         status = fail_conflict(p, err);
@@ -123,8 +126,8 @@ static ost_status add_row(pass *p, const ost_text_row *row, ost_error *err)
     return p->count == BATCH ? flush(p, err) : OST_OK;
 }
 
-ost_status ost_text_to_rect(ost_text_source *source, const ost_text_rect_options *options, ost_grid *rect, ost_scatter_report *report,
-                            ost_error *err)
+ost_status ost_text_to_rect(ost_text_source *source, const ost_text_rect_options *options, ost_grid *rect,
+                            ost_scatter_report *report, ost_error *err)
 {
     pass p = {.path = source->parser.path, .options = options, .rect = rect, .report = report};
     ost_text_fingerprint fingerprint = {0, 0};

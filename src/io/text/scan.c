@@ -11,7 +11,8 @@
 
 enum { BATCH = 2048, SET_SIZE = 2 * OST_DIM_MAX };
 
-_Static_assert(OST_LATTICE_UNIT_PLACES == -OST_TEXT_PLACES_MIN && OST_LATTICE_UNITS == OST_TEXT_PLACES_MAX - OST_TEXT_PLACES_MIN + 1,
+_Static_assert(OST_LATTICE_UNIT_PLACES == -OST_TEXT_PLACES_MIN &&
+                   OST_LATTICE_UNITS == OST_TEXT_PLACES_MAX - OST_TEXT_PLACES_MIN + 1,
                "units are numbered by places");
 
 /* ------------------------------------------------------- distinct coordinates */
@@ -72,15 +73,16 @@ static bool read_three(const char *text, bool lengths, int64_t out[3])
     return ost_text_skip_blanks(text, end) == end;
 }
 
-static ost_status bad_fact(const ost_text_parser *parser, const ost_text_fact *fact, const char *expected, ost_error *err)
+static ost_status bad_fact(const ost_text_parser *parser, const ost_text_fact *fact, const char *expected,
+                           ost_error *err)
 {
     return ost_fail(err, OST_ERR_INPUT, "%s:%lld: fact '%s' is '%.60s'; expected %s", parser->path,
                     (long long)parser->line, fact->key, fact->value, expected);
 }
 
 /* Stores three values. A second fact with the same key must have the same values. */
-static ost_status take_own(const ost_text_parser *parser, const ost_text_fact *fact, const int64_t value[3], ost_text_own *own,
-                           ost_error *err)
+static ost_status take_own(const ost_text_parser *parser, const ost_text_fact *fact, const int64_t value[3],
+                           ost_text_own *own, ost_error *err)
 {
     if (own->line != 0 && memcmp(own->value, value, sizeof own->value) != 0)
         return ost_fail(err, OST_ERR_INPUT,
@@ -91,7 +93,8 @@ static ost_status take_own(const ost_text_parser *parser, const ost_text_fact *f
     return OST_OK;
 }
 
-static ost_status take_spacing(const ost_text_facts *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err)
+static ost_status take_spacing(const ost_text_facts *facts, const ost_text_parser *parser, const ost_text_fact *fact,
+                               ost_error *err)
 {
     ost_text_summary *summary = facts->summary;
     const ost_pm given[3] = {facts->given.x, facts->given.y, facts->given.z};
@@ -103,7 +106,8 @@ static ost_status take_spacing(const ost_text_facts *facts, const ost_text_parse
     return take_own(parser, fact, spacing, &summary->own_spacing, err);
 }
 
-static ost_status take_other(const ost_text_facts *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err)
+static ost_status take_other(const ost_text_facts *facts, const ost_text_parser *parser, const ost_text_fact *fact,
+                             ost_error *err)
 {
     ost_status status = ost_meta_set(&facts->summary->meta, fact->key, fact->value, err);
     if (status == OST_OK)
@@ -124,15 +128,16 @@ ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const 
         return read_three(fact->value, true, value) ? take_own(parser, fact, value, &s->summary->own_origin, err)
                                                     : bad_fact(parser, fact, "three lengths in mm", err);
     if (strcmp(fact->key, "dims") == 0)
-        return read_three(fact->value, false, value) ? take_own(parser, fact, value, &s->summary->own_dims, err)
-                                                     : bad_fact(parser, fact, "three numbers of voxels from 1 to 16384", err);
+        return read_three(fact->value, false, value)
+                   ? take_own(parser, fact, value, &s->summary->own_dims, err)
+                   : bad_fact(parser, fact, "three numbers of voxels from 1 to 16384", err);
     return take_other(s, parser, fact, err);
 }
 
 /* ----------------------------------------------------------------------- pass */
 
-static ost_status add_rows(const char *path, ost_text_summary *summary, const ost_text_row *rows, size_t count, ost_pm last[3],
-                           ost_error *err)
+static ost_status add_rows(const char *path, ost_text_summary *summary, const ost_text_row *rows, size_t count,
+                           ost_pm last[3], ost_error *err)
 {
     for (size_t i = 0; i < count; i++) {
         const ost_text_row *row = &rows[i];
@@ -189,9 +194,10 @@ static ost_status check_complete(const ost_text_source *source, const ost_text_s
     /* The product is at most (2^14)^3. */
     int64_t expected = dims->value[0] * dims->value[1] * dims->value[2];
     if ((uint64_t)expected != summary->fingerprint.rows)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: ends after %llu samples; line %lld says %lld x %lld x %lld, which are %lld", path,
-                        (long long)lines, (unsigned long long)summary->fingerprint.rows, (long long)dims->line,
-                        (long long)dims->value[0], (long long)dims->value[1], (long long)dims->value[2], (long long)expected);
+        return ost_fail(
+            err, OST_ERR_INPUT, "%s:%lld: ends after %llu samples; line %lld says %lld x %lld x %lld, which are %lld",
+            path, (long long)lines, (unsigned long long)summary->fingerprint.rows, (long long)dims->line,
+            (long long)dims->value[0], (long long)dims->value[1], (long long)dims->value[2], (long long)expected);
     if (!ost_text_lines_terminated(source->lines))
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the last line has no line end: the file is truncated", path,
                         (long long)lines);
@@ -231,7 +237,8 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
             status = add_rows(path, summary, rows, count, last, err);
         if (status == OST_OK && hasher)
             status = hash_rows(hasher, rows, count, err);
-        if (status == OST_OK && progress && batch % 64 == 0 && !progress(user, "samples", ost_text_lines_share(source->lines)))
+        if (status == OST_OK && progress && batch % 64 == 0 &&
+            !progress(user, "samples", ost_text_lines_share(source->lines)))
             status = ost_fail(err, OST_ERR_CANCELLED, "%s: reading was cancelled", path);
     }
     source->parser.fact = NULL;
@@ -307,7 +314,8 @@ static ost_status check_origin(const char *path, const ost_text_summary *summary
                     stated), ost_pm_format(summary->axis[a].min, is));
 }
 
-ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3], ost_error *err)
+ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3],
+                             ost_error *err)
 {
     ost_pm spacing[3], origin[3];
     int32_t dims[3];

@@ -26,7 +26,8 @@ typedef struct ost_text_source {
 
 ost_status ost_text_source_open(ost_text_source *source, const char *path, ost_error *err);
 /* Reads the next rows. *count == 0 means that the file has ended. */
-ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t capacity, size_t *count, ost_error *err);
+ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t capacity, size_t *count,
+                                ost_error *err);
 ost_status ost_text_source_rewind(ost_text_source *source, ost_error *err);
 void ost_text_source_close(ost_text_source *source);
 
@@ -91,6 +92,7 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
 void ost_text_summary_free(ost_text_summary *summary);
 
 /* Computes the geometry. inferred[a] is true for a spacing that was found from the coordinates and not given. */
-ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3], ost_error *err);
+ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3],
+                             ost_error *err);
 
 #endif

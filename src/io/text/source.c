@@ -8,7 +8,8 @@ ost_status ost_text_source_open(ost_text_source *source, const char *path, ost_e
     return ost_text_lines_open(path, &source->lines, err);
 }
 
-ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t capacity, size_t *count, ost_error *err)
+ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t capacity, size_t *count,
+                                ost_error *err)
 {
     *count = 0;
     while (*count == 0) {
@@ -44,8 +45,10 @@ void ost_text_fingerprint_add(ost_text_fingerprint *fingerprint, const ost_text_
     uint64_t hash = fingerprint->hash;
     for (size_t i = 0; i < count; i++) {
         const ost_text_row *row = &rows[i];
-        uint64_t mixed = (uint64_t)row->position[0] * UINT64_C(0x9e3779b97f4a7c15) + (uint64_t)row->position[1] * UINT64_C(0xbf58476d1ce4e5b9) +
-                         (uint64_t)row->position[2] * UINT64_C(0x94d049bb133111eb) + (uint64_t)row->density * UINT64_C(0xd6e8feb86659fd93);
+        uint64_t mixed = (uint64_t)row->position[0] * UINT64_C(0x9e3779b97f4a7c15) +
+                         (uint64_t)row->position[1] * UINT64_C(0xbf58476d1ce4e5b9) +
+                         (uint64_t)row->position[2] * UINT64_C(0x94d049bb133111eb) +
+                         (uint64_t)row->density * UINT64_C(0xd6e8feb86659fd93);
         hash = (hash ^ mixed ^ mixed >> 32) * UINT64_C(0xd1342543de82ef95);
         hash ^= hash >> 29;
     }

@@ -17,7 +17,8 @@ enum { CHUNK = 1 << 17, BUFFER = CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT
 
 bool ost_text_walker_open(ost_text_walker *walker, const ost_text_plan *plan, bool learning)
 {
-    *walker = (ost_text_walker){.plan = plan, .learning = learning, .parser = {.path = plan->path, .past_header = true}};
+    *walker = (ost_text_walker){
+        .plan = plan, .learning = learning, .parser = {.path = plan->path, .past_header = true}};
     walker->buffer = calloc(BUFFER, 1);
     if (learning)
         walker->row = malloc((size_t)plan->raster->count[0] * sizeof *walker->row);
@@ -112,7 +113,8 @@ static void learn_pattern(ost_text_walker *walker, const char *p, const char *ne
     if (walker->learning) {
         int middle = plan->raster->axis[1];
         const char *begin = middle > 0 ? marks.end[middle - 1] : p;
-        (void)ost_text_column_set(&plan->middles[walker->at[1]], &plan->middle_lengths[walker->at[1]], begin, marks.end[middle]);
+        (void)ost_text_column_set(&plan->middles[walker->at[1]], &plan->middle_lengths[walker->at[1]], begin,
+                                  marks.end[middle]);
     }
 }
 
@@ -237,7 +239,8 @@ static bool parse_line(ost_text_walker *walker, const char *p, const char *newli
     ost_text_row row;
     if (!ost_text_walk_parse(&walker->parser, p, newline, &row))
         return false;
-    const ost_pm by_rank[3] = {row.position[raster->axis[0]], row.position[raster->axis[1]], row.position[raster->axis[2]]};
+    const ost_pm by_rank[3] = {row.position[raster->axis[0]], row.position[raster->axis[1]],
+                               row.position[raster->axis[2]]};
     if (!walker->placed) {
         if (!place_row(walker, by_rank))
             return false;
@@ -266,7 +269,8 @@ static size_t match_lines(ost_text_walker *walker, const char **text, const char
     const ost_text_plan *plan = walker->plan;
     int32_t at = walker->at[0];
     int16_t *to = walker->learning ? walker->row + at : plan->raster->voxels + walker->next;
-    size_t matched = plan->match(&walker->pattern, plan->columns + at, plan->lengths + at, *text, end, (size_t)(plan->raster->count[0] - at), to, text);
+    size_t matched = plan->match(&walker->pattern, plan->columns + at, plan->lengths + at, *text, end,
+                                 (size_t)(plan->raster->count[0] - at), to, text);
     walker->at[0] += (int32_t)matched;
     walker->next += (int64_t)matched;
     return matched;

@@ -96,17 +96,19 @@ static ost_status write_facts(ost_outfile *out, const ost_volume *volume, ost_er
     const ost_geometry *g = &volume->geometry;
     char s[3][OST_PM_TEXT], o[3][OST_PM_TEXT];
     ost_status status = ost_outfile_printf(
-        out, err, "# osteon dims: %d %d %d\n# osteon spacing_mm: %s %s %s\n# osteon origin_mm: %s %s %s\n", (int)g->dims.x, (int)g->dims.y,
-        (int)g->dims.z, ost_pm_format(g->spacing.x, s[0]), ost_pm_format(g->spacing.y, s[1]), ost_pm_format(g->spacing.z, s[2]),
-        ost_pm_format(g->origin.x, o[0]), ost_pm_format(g->origin.y, o[1]), ost_pm_format(g->origin.z, o[2]));
+        out, err, "# osteon dims: %d %d %d\n# osteon spacing_mm: %s %s %s\n# osteon origin_mm: %s %s %s\n",
+        (int)g->dims.x, (int)g->dims.y, (int)g->dims.z, ost_pm_format(g->spacing.x, s[0]),
+        ost_pm_format(g->spacing.y, s[1]), ost_pm_format(g->spacing.z, s[2]), ost_pm_format(g->origin.x, o[0]),
+        ost_pm_format(g->origin.y, o[1]), ost_pm_format(g->origin.z, o[2]));
     for (int i = 0; i < volume->meta.count && status == OST_OK; i++)
         if (!ost_meta_key_is_geometry(volume->meta.entry[i].key))
-            status = ost_outfile_printf(out, err, "# osteon %s: %s\n", volume->meta.entry[i].key, volume->meta.entry[i].value);
+            status = ost_outfile_printf(out, err, "# osteon %s: %s\n", volume->meta.entry[i].key,
+                                        volume->meta.entry[i].value);
     return status;
 }
 
-static ost_status write_rows(ost_outfile *out, const ost_volume *volume, const number *x, const number *y, const number *z, char *row,
-                             ost_error *err)
+static ost_status write_rows(ost_outfile *out, const ost_volume *volume, const number *x, const number *y,
+                             const number *z, char *row, ost_error *err)
 {
     const ost_dims dims = volume->geometry.dims;
     const int16_t *voxel = volume->voxels;
@@ -146,7 +148,8 @@ ost_status ost_text_write_volume(const char *path, const ost_volume *volume, int
         int64_t least = g->spacing.x < g->spacing.y ? g->spacing.x : g->spacing.y;
         least = least < g->spacing.z ? least : g->spacing.z;
         if (4 * unit_of(decimals) > least)
-            return ost_fail(err, OST_ERR_USAGE, "%s: %d decimals are too few for voxels of %.9g mm", path, decimals, ost_pm_to_mm(least));
+            return ost_fail(err, OST_ERR_USAGE, "%s: %d decimals are too few for voxels of %.9g mm", path, decimals,
+                            ost_pm_to_mm(least));
     }
 
     number *x = format_axis(g->origin.x, g->spacing.x, g->dims.x, decimals);

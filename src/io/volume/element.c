@@ -215,7 +215,8 @@ static size_t convert_general(ost_converter *c, const unsigned char *bytes, size
                 bad->kind = l.value != l.value ? OST_BAD_NAN : OST_BAD_INFINITE;
                 return i;
             }
-            beyond = c->scaled ? scale_value(c, b.mantissa, b.exponent, &rounded, &exact) : binary_round(b, &rounded, &exact);
+            beyond = c->scaled ? scale_value(c, b.mantissa, b.exponent, &rounded, &exact)
+                               : binary_round(b, &rounded, &exact);
         } else {
             ost_i128 integer = c->element == OST_ELEMENT_UINT64 ? (ost_i128)l.large : (ost_i128)l.integer;
             if (c->scaled) {

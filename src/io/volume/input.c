@@ -44,7 +44,8 @@ ost_status ost_input_open(const char *path, ost_input **out, ost_error *err)
     input->fd = -1;
     input->path = strdup(path);
     ost_file file;
-    ost_status status = input->path ? ost_file_open(path, &file, err) : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a file name", path);
+    ost_status status = input->path ? ost_file_open(path, &file, err)
+                                    : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a file name", path);
     if (status != OST_OK) {
         ost_input_close(input);
         return status;
@@ -123,8 +124,8 @@ ost_status ost_input_seek(ost_input *input, uint64_t offset, ost_error *err)
         input->packed = false;
     }
     if (offset > input->file_bytes)
-        return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %llu, before byte %llu where data were expected", input->path,
-                        (unsigned long long)input->file_bytes, (unsigned long long)offset);
+        return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %llu, before byte %llu where data were expected",
+                        input->path, (unsigned long long)input->file_bytes, (unsigned long long)offset);
     if (lseek(input->fd, (off_t)offset, SEEK_SET) < 0)
         return ost_fail(err, OST_ERR_IO, "%s: cannot seek to byte %llu: %s", input->path, (unsigned long long)offset,
                         strerror(errno));
@@ -279,7 +280,8 @@ ost_status ost_input_skip(ost_input *input, uint64_t count, ost_error *err)
         uint64_t left = ost_input_file_left(input);
         uint64_t at = file_offset(input);
         if (count > left)
-            return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %llu, but %llu bytes were to be skipped from byte %llu", input->path,
+            return ost_fail(err, OST_ERR_INPUT,
+                            "%s: ends at byte %llu, but %llu bytes were to be skipped from byte %llu", input->path,
                             (unsigned long long)input->file_bytes, (unsigned long long)count, (unsigned long long)at);
         return ost_input_seek(input, at + count, err);
     }

@@ -117,7 +117,8 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
     if (!columns_small(affine))
         return ost_fail(err, OST_ERR_RANGE, "a voxel is more than 100 mm long");
     if (determinant(affine) == 0)
-        return ost_fail(err, OST_ERR_INPUT, "its three axes do not span space: a spacing is 0, or two axes are parallel");
+        return ost_fail(err, OST_ERR_INPUT,
+                        "its three axes do not span space: a spacing is 0, or two axes are parallel");
     find_permutation(affine, out->to);
     out->oblique = !is_straight(affine, sizes, out->to);
     if (out->oblique)

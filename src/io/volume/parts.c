@@ -12,16 +12,20 @@ static ost_status check_part(const ost_parts *parts, const ost_input *input, ost
     char location[OST_LOCATION_TEXT];
     if (most < parts->part_bytes) {
         if (ost_input_is_packed(input))
-            return ost_fail(err, OST_ERR_INPUT, "%s: its %llu packed bytes from byte %llu on cannot unpack to the %llu that the header's sizes need",
-                            ost_input_path(input), (ull)ost_input_file_left(input), (ull)at, (ull)parts->part_bytes);
-        return ost_fail(err, OST_ERR_INPUT, "%s: ends at byte %llu: %llu bytes of data from %s on, but the header's sizes need %s%llu",
-                        ost_input_path(input), (ull)ost_input_file_bytes(input), (ull)most, ost_input_location(input, 0, location),
-                        parts->text ? "at least " : "", (ull)parts->part_bytes);
+            return ost_fail(
+                err, OST_ERR_INPUT,
+                "%s: its %llu packed bytes from byte %llu on cannot unpack to the %llu that the header's sizes need",
+                ost_input_path(input), (ull)ost_input_file_left(input), (ull)at, (ull)parts->part_bytes);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: ends at byte %llu: %llu bytes of data from %s on, but the header's sizes need %s%llu",
+                        ost_input_path(input), (ull)ost_input_file_bytes(input), (ull)most,
+                        ost_input_location(input, 0, location), parts->text ? "at least " : "", (ull)parts->part_bytes);
     }
     if (!parts->text && !ost_input_is_packed(input) && most > parts->part_bytes)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes too many: %llu bytes of data from %s on, but the header's sizes need %llu",
-                        ost_input_path(input), (ull)(most - parts->part_bytes), (ull)most, ost_input_location(input, 0, location),
-                        (ull)parts->part_bytes);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: %llu bytes too many: %llu bytes of data from %s on, but the header's sizes need %llu",
+                        ost_input_path(input), (ull)(most - parts->part_bytes), (ull)most,
+                        ost_input_location(input, 0, location), (ull)parts->part_bytes);
     return OST_OK;
 }
 
@@ -82,8 +86,9 @@ ost_status ost_parts_read(ost_parts *parts, void *bytes, size_t size, ost_error 
         parts->left -= got;
         if (got < wanted) {
             char location[OST_LOCATION_TEXT];
-            return ost_fail(err, OST_ERR_INPUT, "%s: data end at %s, %llu bytes before the end that the header's sizes give",
-                            ost_input_path(parts->input), ost_input_location(parts->input, 0, location), (ull)parts->left);
+            return ost_fail(
+                err, OST_ERR_INPUT, "%s: data end at %s, %llu bytes before the end that the header's sizes give",
+                ost_input_path(parts->input), ost_input_location(parts->input, 0, location), (ull)parts->left);
         }
     }
     return OST_OK;

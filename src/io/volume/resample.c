@@ -18,8 +18,8 @@ static int64_t integer_root(ost_i128 n)
     return root;
 }
 
-ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3], const ost_placement *placement, ost_geometry *out,
-                                 ost_error *err)
+ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3], const ost_placement *placement,
+                                 ost_geometry *out, ost_error *err)
 {
     int64_t dims[3];
     ost_pm spacing[3], least[3];

@@ -20,8 +20,8 @@
 
 #include "io/volume/orient.h"
 
-ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3], const ost_placement *placement, ost_geometry *out,
-                                 ost_error *err);
+ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3], const ost_placement *placement,
+                                 ost_geometry *out, ost_error *err);
 /* file has the file's voxels, its first axis fastest; out is initialised with the geometry from the function above. */
 void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], const int16_t *file, ost_volume *out);
 

@@ -26,8 +26,8 @@ ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[
     return OST_OK;
 }
 
-ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine, bool *oriented, ost_meta *meta,
-                                  ost_volume_report *report, ost_error *err)
+ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine,
+                                  bool *oriented, ost_meta *meta, ost_volume_report *report, ost_error *err)
 {
     static const char assumed[] = "assumed LPS";
     const char *code = options ? options->orientation : "";
@@ -38,14 +38,17 @@ ost_status ost_volume_orientation(const char *path, const ost_volume_options *op
         if (!code[0])
             return OST_OK;
         if (report->assumed)
-            return ost_fail(err, OST_ERR_USAGE, "%s: its orientation was assumed when the CT was imported; import the CT itself with "
-                            "--orientation %s", path, code);
+            return ost_fail(err, OST_ERR_USAGE,
+                            "%s: its orientation was assumed when the CT was imported; import the CT itself with "
+                            "--orientation %s",
+                            path, code);
         return ost_fail(err, OST_ERR_USAGE, "%s: its header states where its axes point; omit --orientation %s", path,
                         code);
     }
     if (code[0] && !ost_affine_restate(affine, code))
-        return ost_fail(err, OST_ERR_USAGE, "--orientation %s: expected three letters, one of L R, one of P A, one of S I, such as LPS or RAS",
-                        code);
+        return ost_fail(
+            err, OST_ERR_USAGE,
+            "--orientation %s: expected three letters, one of L R, one of P A, one of S I, such as LPS or RAS", code);
     *oriented = code[0] != 0;
     report->assumed = !*oriented;
     snprintf(stated, sizeof stated, "stated %s", code);
@@ -55,9 +58,9 @@ ost_status ost_volume_orientation(const char *path, const ost_volume_options *op
     return status;
 }
 
-ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const int32_t sizes[3], const ost_volume_options *options,
-                              bool oriented, ost_placement *placement, ost_geometry *geometry, ost_volume_report *report,
-                              ost_error *err)
+ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const int32_t sizes[3],
+                              const ost_volume_options *options, bool oriented, ost_placement *placement,
+                              ost_geometry *geometry, ost_volume_report *report, ost_error *err)
 {
     ost_status status = ost_orient(affine, sizes, placement, err);
     if (status == OST_OK && placement->oblique && !(options && options->resample_oblique))
@@ -82,17 +85,19 @@ ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const 
 
 /* ------------------------------------------------------------------- rows */
 
-ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *location, const ost_bad *bad, ost_error *err)
+ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *location,
+                        const ost_bad *bad, ost_error *err)
 {
     int64_t i = number % rows->sizes[0];
     int64_t j = number / rows->sizes[0] % rows->sizes[1];
     int64_t k = number / rows->sizes[0] / rows->sizes[1];
     const char *wrong = "is no density; a finite number was expected";
     if (bad->kind == OST_BAD_RANGE)
-        wrong = rows->converter.scaled ? "is beyond int16 (-32768..32767) after slope and intercept; --clamp cuts it to these ends"
-                                       : "is beyond int16 (-32768..32767); --clamp cuts it to these ends";
-    return ost_fail(err, OST_ERR_INPUT, "%s: voxel (%lld, %lld, %lld) at %s: %s %s", file, (long long)i, (long long)j, (long long)k,
-                    location, bad->value, wrong);
+        wrong = rows->converter.scaled
+                    ? "is beyond int16 (-32768..32767) after slope and intercept; --clamp cuts it to these ends"
+                    : "is beyond int16 (-32768..32767); --clamp cuts it to these ends";
+    return ost_fail(err, OST_ERR_INPUT, "%s: voxel (%lld, %lld, %lld) at %s: %s %s", file, (long long)i, (long long)j,
+                    (long long)k, location, bad->value, wrong);
 }
 
 ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost_error *err)
@@ -140,8 +145,8 @@ static ost_status fill_rows(ost_rows *rows, const ost_placement *placement, int1
     return status;
 }
 
-ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement, const ost_geometry *geometry,
-                           ost_volume *out, ost_error *err)
+ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement,
+                           const ost_geometry *geometry, ost_volume *out, ost_error *err)
 {
     static const ost_placement as_in_file = {.to = {0, 1, 2}};
     ost_placement own = as_in_file;

@@ -31,7 +31,8 @@ struct ost_rows {
 /* Implements `next` for binary elements. */
 ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
 /* Returns OST_ERR_INPUT with a message that has voxel `number` of the file, its position in the file and its defect. */
-ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *location, const ost_bad *bad, ost_error *err);
+ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *location,
+                        const ost_bad *bad, ost_error *err);
 
 /* Checks and copies the sizes from a header: 1 to OST_DIM_MAX on each axis and at most 2^36 voxels in all. */
 ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[3], ost_error *err);
@@ -43,19 +44,19 @@ ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[
  * OST_META_ORIENTATION is then added to meta. It is an error if both the file and
  * the option state the orientation.
  */
-ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine, bool *oriented, ost_meta *meta,
-                                  ost_volume_report *report, ost_error *err);
+ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine,
+                                  bool *oriented, ost_meta *meta, ost_volume_report *report, ost_error *err);
 
 /*
  * Determines the geometry of the result. An oblique grid is an error unless the options request resampling. Fills the
  * fields of report that concern the geometry.
  */
-ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const int32_t sizes[3], const ost_volume_options *options,
-                              bool oriented, ost_placement *placement, ost_geometry *geometry, ost_volume_report *report,
-                              ost_error *err);
+ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const int32_t sizes[3],
+                              const ost_volume_options *options, bool oriented, ost_placement *placement,
+                              ost_geometry *geometry, ost_volume_report *report, ost_error *err);
 
 /* Checks the parts, allocates, reads every row and ends the parts. *out is initialised here; its meta is empty. */
-ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement, const ost_geometry *geometry,
-                           ost_volume *out, ost_error *err);
+ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement,
+                           const ost_geometry *geometry, ost_volume *out, ost_error *err);
 
 #endif

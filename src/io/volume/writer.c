@@ -64,7 +64,8 @@ ost_status ost_volume_writer_pack(ost_volume_writer *w, ost_error *err)
 
 /* ------------------------------------------------------------------ writer */
 
-ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count, ost_volume_writer **out, ost_error *err)
+ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count, ost_volume_writer **out,
+                                   ost_error *err)
 {
     *out = NULL;
     ost_volume_writer *w = malloc(sizeof *w);

@@ -28,7 +28,8 @@ ost_gl_info ost_gl_info_get(const ost_gl *gl)
     return (ost_gl_info){.version = ""};
 }
 
-ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count, ost_style style, ost_error *err)
+ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
+                       ost_style style, ost_error *err)
 {
     (void)gl;
     (void)variant;

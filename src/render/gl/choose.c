@@ -73,14 +73,16 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
 }
 
 /* Lists the numbers of a block's points that are in wanted cells and have a face toward the eye. */
-static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first, uint32_t *out)
+static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first,
+                            uint32_t *out)
 {
     uint8_t turned[3][OST_BLOCK];
     uint32_t n = 0;
     for (int a = 0; a < 3; a++)
         ost_blocks_turned(base[a], a, turned[a]);
     for (uint32_t i = 0; i < b->count; i++) {
-        const uint32_t p = b->points[i], seen = (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
+        const uint32_t p = b->points[i],
+                       seen = (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
         const uint32_t cell = (p >> 3 & 3) | (p >> 6 & 12) | (p >> 9 & 48);
         out[n] = first + i;
         n += (p >> OST_FACES_SHIFT & seen) != 0 && (wanted >> cell & 1);
@@ -100,7 +102,8 @@ static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *ou
     return n;
 }
 
-/* Returns an upper bound of the width in pixels of the block's voxels, by splat_scalar.c's slopes at the frame's corner. */
+/* Returns an upper bound of the width in pixels of the block's voxels, by splat_scalar.c's
+   slopes at the frame's corner. */
 static float largest_voxel(const ost_splat_eye *s, const float base[3])
 {
     const ost_eye *e = &s->eye;
@@ -135,8 +138,8 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
         memcpy((uint32_t *)gl->list_mapped + l->begin, gl->numbers + l->begin, l->count * sizeof *gl->numbers);
     } else if (l->count) {
         glBindBuffer(GL_COPY_WRITE_BUFFER, gl->list);
-        glBufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)(l->begin * sizeof *gl->numbers), (GLsizeiptr)(l->count * sizeof *gl->numbers),
-                        gl->numbers + l->begin);
+        glBufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)(l->begin * sizeof *gl->numbers),
+                        (GLsizeiptr)(l->count * sizeof *gl->numbers), gl->numbers + l->begin);
     }
 }
 

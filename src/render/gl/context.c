@@ -13,13 +13,15 @@ const char *ost_gl_missing(void)
 
 /* --------------------------------------------------------------- messages */
 
-static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length, const GLchar *text, const void *user)
+static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                                const GLchar *text, const void *user)
 {
     ost_gl_context *c = (ost_gl_context *)(uintptr_t)user;
     (void)source;
     (void)id;
     (void)length;
-    if ((type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) && severity != GL_DEBUG_SEVERITY_NOTIFICATION && !c->complaint[0])
+    if ((type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) &&
+        severity != GL_DEBUG_SEVERITY_NOTIFICATION && !c->complaint[0])
         snprintf(c->complaint, sizeof c->complaint, "%.200s", text);
 }
 
@@ -50,8 +52,10 @@ ost_status ost_gl_context_check(ost_gl_context *c, const char *doing, ost_error 
     const GLenum error = glGetError();
     ost_status status = OST_OK;
     if (error != GL_NO_ERROR || c->complaint[0])
-        status = ost_fail(err, error == GL_OUT_OF_MEMORY ? OST_ERR_MEMORY : OST_ERR_UNAVAILABLE, "OpenGL (%s) fails as it %s: %s%s%s", c->info.driver,
-                          doing, error != GL_NO_ERROR ? error_name(error) : "", error != GL_NO_ERROR && c->complaint[0] ? "; " : "", c->complaint);
+        status = ost_fail(err, error == GL_OUT_OF_MEMORY ? OST_ERR_MEMORY : OST_ERR_UNAVAILABLE,
+                          "OpenGL (%s) fails as it %s: %s%s%s", c->info.driver, doing,
+                          error != GL_NO_ERROR ? error_name(error) : "",
+                          error != GL_NO_ERROR && c->complaint[0] ? "; " : "", c->complaint);
     /* Errors are queued; a lost context reports an error at every call, hence the limit. */
     for (int i = 0; i < 8 && glGetError() != GL_NO_ERROR; i++)
         ;
@@ -132,13 +136,16 @@ static int find_candidates(candidate *out, ost_error *err)
     const char *client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     int count = 0;
     if (!client || !has(client, "EGL_EXT_platform_base")) {
-        ost_fail(err, OST_ERR_UNAVAILABLE, "EGL here has no driver, or is too old to draw without a display (no EGL_EXT_platform_base); Debian: libegl-mesa0 and libgl1-mesa-dri, or "
+        ost_fail(err, OST_ERR_UNAVAILABLE,
+                 "EGL here has no driver, or is too old to draw without a display (no EGL_EXT_platform_base); Debian: "
+                 "libegl-mesa0 and libgl1-mesa-dri, or "
                  "the card's driver");
         return 0;
     }
     if (has(client, "EGL_MESA_platform_surfaceless"))
         out[count++] = (candidate){EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, "EGL without a surface"};
-    if (has(client, "EGL_EXT_platform_device") && (has(client, "EGL_EXT_device_enumeration") || has(client, "EGL_EXT_device_base"))) {
+    if (has(client, "EGL_EXT_platform_device") &&
+        (has(client, "EGL_EXT_device_enumeration") || has(client, "EGL_EXT_device_base"))) {
         EGLDeviceEXT device[DEVICES];
         EGLint devices = 0;
         if (eglQueryDevicesEXT(DEVICES, device, &devices))
@@ -150,7 +157,8 @@ static int find_candidates(candidate *out, ost_error *err)
     }
     if (count == 0)
         ost_fail(err, OST_ERR_UNAVAILABLE,
-                 "EGL here draws only with a display: no EGL_MESA_platform_surfaceless and no device; Debian: libegl-mesa0 and libgl1-mesa-dri, or the "
+                 "EGL here draws only with a display: no EGL_MESA_platform_surfaceless and no device; Debian: "
+                 "libegl-mesa0 and libgl1-mesa-dri, or the "
                  "card's driver");
     return count;
 }
@@ -178,21 +186,33 @@ static ost_status too_old(ost_gl_context *c, EGLConfig config, ost_error *err)
 static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
 {
     const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
-    EGLint attribute[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                          EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, options->debug ? EGL_CONTEXT_OPENGL_DEBUG : EGL_NONE, EGL_TRUE, EGL_NONE};
+    EGLint attribute[] = {EGL_CONTEXT_MAJOR_VERSION,
+                          3,
+                          EGL_CONTEXT_MINOR_VERSION,
+                          3,
+                          EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                          EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                          options->debug ? EGL_CONTEXT_OPENGL_DEBUG : EGL_NONE,
+                          EGL_TRUE,
+                          EGL_NONE};
     EGLConfig config = NULL;
     EGLint configs = 0, major = 0, minor = 0;
     if (!eglInitialize(c->display, &major, &minor))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL has no driver to draw with (%s); Debian: libegl-mesa0 and libgl1-mesa-dri, or the card's driver",
-                        egl_error());
+        return ost_fail(
+            err, OST_ERR_UNAVAILABLE,
+            "EGL has no driver to draw with (%s); Debian: libegl-mesa0 and libgl1-mesa-dri, or the card's driver",
+            egl_error());
     const char *extensions = eglQueryString(c->display, EGL_EXTENSIONS);
     if (!has(extensions, "EGL_KHR_surfaceless_context"))
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here lacks EGL_KHR_surfaceless_context: it draws into surfaces only", (int)major, (int)minor);
+        return ost_fail(err, OST_ERR_UNAVAILABLE,
+                        "EGL %d.%d here lacks EGL_KHR_surfaceless_context: it draws into surfaces only", (int)major,
+                        (int)minor);
     if (major == 1 && minor < 5 && !has(extensions, "EGL_KHR_create_context"))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here is too old for OpenGL 3.3; expected EGL 1.5",
                         (int)major, (int)minor);
     if (!eglBindAPI(EGL_OPENGL_API) || !eglChooseConfig(c->display, wanted, &config, 1, &configs) || configs < 1)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here has no OpenGL, only OpenGL ES", (int)major, (int)minor);
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here has no OpenGL, only OpenGL ES", (int)major,
+                        (int)minor);
     c->context = eglCreateContext(c->display, config, EGL_NO_CONTEXT, attribute);
     if (c->context == EGL_NO_CONTEXT)
         return too_old(c, config, err);
@@ -225,7 +245,9 @@ static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost
 {
     candidate list[DEVICES + 1];
     if (!epoxy_has_egl())
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "there is no EGL to draw with (libEGL.so.1); Debian: libegl1, and libegl-mesa0 or the card's driver");
+        return ost_fail(
+            err, OST_ERR_UNAVAILABLE,
+            "there is no EGL to draw with (libEGL.so.1); Debian: libegl1, and libegl-mesa0 or the card's driver");
     const int count = find_candidates(list, err);
     ost_status status = count ? OST_OK : OST_ERR_UNAVAILABLE;
     int software = -1;
@@ -236,7 +258,8 @@ static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost
                 continue;
             c->display = eglGetPlatformDisplayEXT(list[i].platform, list[i].device, NULL);
             snprintf(c->info.way, sizeof c->info.way, "%s", list[i].way);
-            const ost_status s = c->display == EGL_NO_DISPLAY ? ost_fail(&why, OST_ERR_UNAVAILABLE, "%s: no display: %s", list[i].way, egl_error())
+            const ost_status s = c->display == EGL_NO_DISPLAY ? ost_fail(&why, OST_ERR_UNAVAILABLE,
+                                                                         "%s: no display: %s", list[i].way, egl_error())
                                                               : create(c, options, &why);
             if (s == OST_OK && (!c->info.software || pass == 1))
                 return OST_OK;

@@ -23,7 +23,8 @@
 #include "render/gl/hide.h"
 #include "render/gl/pass.h"
 
-const ost_gl_variant ost_gl_ours = {.frustum = true, .facing = true, .order = true, .occlusion = true, .tight = true, .lines = true, .choose = true};
+const ost_gl_variant ost_gl_ours = {
+    .frustum = true, .facing = true, .order = true, .occlusion = true, .tight = true, .lines = true, .choose = true};
 const ost_gl_variant ost_gl_thesis = {.every_voxel = true, .true_depth = true, .target = OST_GL_WIDE};
 
 /* ------------------------------------------------------------- open, close */
@@ -216,7 +217,9 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
     l->eye = ost_splat_prepare(&l->thing->eye);
     ost_gl_choose_blocks(gl, v, l);
     l->mesh = v->every_voxel && number > 0;
-    l->form = v->every_voxel ? OST_GL_VOXELS : v->bricks || (v->choose && ost_gl_are_small(gl, l)) ? OST_GL_BRICKS : OST_GL_POINTS;
+    l->form = v->every_voxel                                        ? OST_GL_VOXELS
+              : v->bricks || (v->choose && ost_gl_are_small(gl, l)) ? OST_GL_BRICKS
+                                                                    : OST_GL_POINTS;
     gl->did.bricks = number == 0 ? l->form == OST_GL_BRICKS : gl->did.bricks;
     return l->mesh ? ost_gl_store_bring_mesh(&gl->context, &gl->store, s, &l->resident, err)
                    : ost_gl_store_bring(&gl->context, &gl->store, s, l->form, &l->resident, err);
@@ -252,7 +255,8 @@ static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_s
     return status == OST_OK && together ? draw_together(gl, v, count, err) : status;
 }
 
-static ost_status draw(ost_gl *gl, const ost_gl_variant *v, const ost_frame_thing *things, int count, ost_style style, ost_error *err)
+static ost_status draw(ost_gl *gl, const ost_gl_variant *v, const ost_frame_thing *things, int count, ost_style style,
+                       ost_error *err)
 {
     const ost_eye *e = &things[0].eye;
     gl->did = (ost_gl_counts){0};
@@ -291,13 +295,16 @@ static ost_status draw_here(void *user, ost_error *err)
     return draw(d->gl, d->variant, d->things, d->count, d->style, err);
 }
 
-ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count, ost_style style, ost_error *err)
+ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
+                       ost_style style, ost_error *err)
 {
     if (count < 1 || count > OST_FRAME_LAYERS)
         return ost_fail(err, OST_ERR_USAGE, "%d objects to draw; expected 1 to %d", count, OST_FRAME_LAYERS);
     if (count > 1 && (variant->target == OST_GL_FORWARD || (variant->target != OST_GL_COMPACT && !variant->true_depth)))
         return ost_fail(err, OST_ERR_USAGE, "this renderer has no depth buffer for %d objects", count);
-    return ost_gl_worker_do(gl->worker, draw_here, &(drawing){gl, variant, things, count, variant->every_voxel ? OST_STYLE_FACES : style}, err);
+    return ost_gl_worker_do(gl->worker, draw_here,
+                            &(drawing){gl, variant, things, count, variant->every_voxel ? OST_STYLE_FACES : style},
+                            err);
 }
 
 static ost_status finish_here(void *user, ost_error *err)
@@ -350,7 +357,7 @@ static ost_status read_here(void *user, ost_error *err)
 ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err)
 {
     if (frame->width != gl->targets.width || frame->height != gl->targets.height)
-        return ost_fail(err, OST_ERR_USAGE, "a frame of %d x %d pixels is not the picture's %d x %d", frame->width, frame->height, gl->targets.width,
-                        gl->targets.height);
+        return ost_fail(err, OST_ERR_USAGE, "a frame of %d x %d pixels is not the picture's %d x %d", frame->width,
+                        frame->height, gl->targets.width, gl->targets.height);
     return ost_gl_worker_do(gl->worker, read_here, &(reading){gl, frame, depth}, err);
 }

@@ -28,16 +28,19 @@ typedef enum ost_gl_target {
 
 /* A way of drawing. All variants but ost_gl_ours and ost_gl_thesis exist for comparisons only. */
 typedef struct ost_gl_variant {
-    bool every_voxel; /* a point for every voxel of every used block, active or not, as in the thesis; needs OST_GL_WIDE */
+    /* a point for every voxel of every used block, active or not, as in the thesis; needs OST_GL_WIDE */
+    bool every_voxel;
     bool frustum;     /* only blocks in view */
     bool facing;      /* only points with a face toward the eye */
     bool order;       /* near blocks first */
     bool occlusion;   /* only cells of 8^3 voxels that no others hide; needs frustum, no true_depth, OST_GL_COMPACT */
-    bool tiles;       /* OpenGL computes the depths of tiles for occlusion even if it is software, as on a graphics card */
+    /* OpenGL computes the depths of tiles for occlusion even if it is software, as on a graphics card */
+    bool tiles;
     bool tight;       /* a point covers its cube's bounding rectangle, clipped to the frame; else its sphere's square */
     bool lines;       /* three linear inequalities decide if a pixel is covered; else the slab test of the thesis */
     bool true_depth;  /* the fragment shader writes the depth; else it is the squared distance of the voxel's centre */
-    bool bricks;      /* a point is 4^3 voxels that the shader traverses; needs tight, no facing, OST_GL_COMPACT or OST_GL_FORWARD */
+    /* a point is 4^3 voxels that the shader traverses; needs tight, no facing, OST_GL_COMPACT or OST_GL_FORWARD */
+    bool bricks;
     bool choose;      /* draws bricks if voxels are small on the screen, else single voxels */
     ost_gl_target target;
 } ost_gl_variant;
@@ -72,7 +75,8 @@ ost_gl_info ost_gl_info_get(const ost_gl *gl);
  * last call are uploaded first.  Returns OST_ERR_RANGE under the same conditions,
  * and OST_ERR_UNAVAILABLE if OpenGL fails or has lost its context.
  */
-ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count, ost_style style, ost_error *err);
+ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
+                       ost_style style, ost_error *err);
 /* Waits until drawing is complete. */
 ost_status ost_gl_finish(ost_gl *gl, ost_error *err);
 /* Copies the last picture to a frame of its size: colour, face and, if requested, depth. Keys are not changed. */

@@ -15,7 +15,8 @@ enum {
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)
 {
-    return v->occlusion && v->frustum && v->target == OST_GL_COMPACT && !v->true_depth && number == 0 && l->form != OST_GL_VOXELS && l->blocks > 0;
+    return v->occlusion && v->frustum && v->target == OST_GL_COMPACT && !v->true_depth && number == 0 &&
+           l->form != OST_GL_VOXELS && l->blocks > 0;
 }
 
 static ost_gl_run *run_of(const ost_gl *gl, const ost_gl_layer *l, int32_t i)
@@ -50,7 +51,8 @@ static void range(float p, float h, int count, int *from, int *to)
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {
     const ost_eye *e = &l->eye.eye;
-    const float half = 0.5f * (float)side + 0.01f, z = ost_eye_dot(e->forward, o), nearest = z - 2 * half * l->eye.reach[2];
+    const float half = 0.5f * (float)side + 0.01f, z = ost_eye_dot(e->forward, o),
+                nearest = z - 2 * half * l->eye.reach[2];
     /*
      * The depth of a point is that of its voxel's centre, the depth of a brick that of the
      * middle of its 4^3 voxels.

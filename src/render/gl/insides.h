@@ -16,9 +16,11 @@ typedef struct ost_gl_layer {
     ost_gl_form form;
     bool mesh;
     GLuint palette, palette_texture;
-    uint32_t begin, near, count; /* in the list: its first entry, number of entries drawn as quads, number of all entries */
+    /* in the list: its first entry, number of entries drawn as quads, number of all entries */
+    uint32_t begin, near, count;
     int32_t blocks;              /* number of chosen blocks */
-    bool listed;                 /* the list contains the points to draw; otherwise all points of the blocks are drawn */
+    /* the list contains the points to draw; otherwise all points of the blocks are drawn */
+    bool listed;
     float depth_scale, depth_slack; /* scale of a squared distance in the depth buffer, bound of its rounding error */
     int y0, y1;
 } ost_gl_layer;

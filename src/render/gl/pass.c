@@ -17,7 +17,8 @@ void ost_gl_bind_layer(ost_gl *gl, int number, ost_gl_form form)
     bind(OST_GL_UNIT_POINTS, GL_TEXTURE_BUFFER, gl->store.points.texture);
     bind(OST_GL_UNIT_SHADES, GL_TEXTURE_BUFFER, gl->store.shades.texture);
     bind(OST_GL_UNIT_LIST, GL_TEXTURE_BUFFER, gl->list_texture);
-    glBindBufferRange(GL_UNIFORM_BUFFER, OST_GL_EYE, gl->eyes, (GLintptr)number * gl->eye_stride, sizeof(ost_gl_eye_block));
+    glBindBufferRange(GL_UNIFORM_BUFFER, OST_GL_EYE, gl->eyes, (GLintptr)number * gl->eye_stride,
+                      sizeof(ost_gl_eye_block));
 }
 
 static void attribute(GLuint buffer, ost_gl_form form)
@@ -99,7 +100,8 @@ ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer 
         return OST_OK;
     }
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->list);
-    glDrawElements(GL_POINTS, (GLsizei)(l->count - l->near), GL_UNSIGNED_INT, (const void *)((l->begin + l->near) * sizeof(uint32_t)));
+    glDrawElements(GL_POINTS, (GLsizei)(l->count - l->near), GL_UNSIGNED_INT,
+                   (const void *)((l->begin + l->near) * sizeof(uint32_t)));
     gl->did.points += l->count;
     return OST_OK;
 }
@@ -107,7 +109,8 @@ ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer 
 void ost_gl_clear_gbuffer(ost_gl_target kind)
 {
     static const GLuint none[4] = {OST_NO_FACE << 24, 0x3f800000 /* 1.0f */, 0, 0};
-    static const GLfloat nothing[4] = {0, 0, 0, 0}, back[4] = {0x16 / 255.0f, 0x18 / 255.0f, 0x1c / 255.0f, 6 / 255.0f}, far = 1;
+    static const GLfloat nothing[4] = {0, 0, 0, 0}, back[4] = {0x16 / 255.0f, 0x18 / 255.0f, 0x1c / 255.0f, 6 / 255.0f},
+                         far = 1;
     _Static_assert(OST_BACKGROUND == 0x1c1816, "the colour that a forward frame is cleared to");
     if (kind == OST_GL_COMPACT)
         glClearBufferuiv(GL_COLOR, 0, none);

@@ -115,7 +115,8 @@ static uint32_t find(const ost_gl_pool *p, uint32_t from, uint32_t count)
     return p->granules;
 }
 
-ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules, ost_error *err)
+ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first,
+                            uint32_t *granules, ost_error *err)
 {
     const uint32_t need = (uint32_t)(((uint64_t)count + (1u << pool->bits) - 1) >> pool->bits);
     uint32_t at = find(pool, pool->next, need);

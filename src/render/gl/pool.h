@@ -35,7 +35,8 @@ void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsig
 void ost_gl_pool_free(ost_gl_pool *pool);
 
 /* Reserves a run for count elements; stores its first element and its number of granules. */
-ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules, ost_error *err);
+ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first,
+                            uint32_t *granules, ost_error *err);
 void ost_gl_pool_give(ost_gl_pool *pool, uint32_t first, uint32_t granules);
 void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data, uint32_t count);
 /* Stores the position of the block's first voxel in the pages of a run. */

@@ -22,7 +22,8 @@ static void one_line(char *log)
     log[strcspn(log, "\r\n")] = '\0';
 }
 
-static ost_status compile(ost_gl_context *c, GLenum kind, const ost_gl_source *source, const char *defines, GLuint *out, ost_error *err)
+static ost_status compile(ost_gl_context *c, GLenum kind, const ost_gl_source *source, const char *defines, GLuint *out,
+                          ost_error *err)
 {
     const char *text[PARTS + 2] = {c->version >= 40 ? new_head : old_head, defines};
     GLint compiled = 0;
@@ -55,8 +56,9 @@ static ost_status link(ost_gl_context *c, GLuint program, const char *name, ost_
     return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) cannot link %s: %s", c->info.driver, name, log);
 }
 
-ost_status ost_gl_program_make(ost_gl_context *c, const ost_gl_source *vertex, const ost_gl_source *fragment, const char *defines,
-                               const char *const *inputs, const char *const *samplers, GLuint *out, ost_error *err)
+ost_status ost_gl_program_make(ost_gl_context *c, const ost_gl_source *vertex, const ost_gl_source *fragment,
+                               const char *defines, const char *const *inputs, const char *const *samplers, GLuint *out,
+                               ost_error *err)
 {
     GLuint v = 0, f = 0;
     *out = 0;

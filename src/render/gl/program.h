@@ -17,7 +17,8 @@ enum { OST_GL_EYE = 0 }; /* the uniform block's binding */
  * Compiles and links a program.  defines: lines of #define.  The samplers named
  * up to NULL get units 0, 1, ...; the inputs get locations 0, 1, ...
  */
-ost_status ost_gl_program_make(ost_gl_context *context, const ost_gl_source *vertex, const ost_gl_source *fragment, const char *defines,
-                               const char *const *inputs, const char *const *samplers, GLuint *out, ost_error *err);
+ost_status ost_gl_program_make(ost_gl_context *context, const ost_gl_source *vertex, const ost_gl_source *fragment,
+                               const char *defines, const char *const *inputs, const char *const *samplers, GLuint *out,
+                               ost_error *err);
 
 #endif

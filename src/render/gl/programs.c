@@ -7,7 +7,8 @@
 
 enum { TEXT = 512 };
 
-static const char *const samplers[] = {"pages", "points", "palette", "seen", "list", "shades", "normals", "colours", "depths", NULL};
+static const char *const samplers[] = {"pages",  "points",  "palette", "seen",   "list",
+                                       "shades", "normals", "colours", "depths", NULL};
 
 void ost_gl_programs_free(ost_gl_programs *programs)
 {
@@ -18,16 +19,20 @@ void ost_gl_programs_free(ost_gl_programs *programs)
 
 static bool same(const ost_gl_program_key *a, const ost_gl_program_key *b)
 {
-    return a->stage == b->stage && a->target == b->target && a->every_voxel == b->every_voxel && a->tight == b->tight && a->lines == b->lines &&
-           a->true_depth == b->true_depth && a->quads == b->quads && a->first == b->first && a->page_bits == b->page_bits;
+    return a->stage == b->stage && a->target == b->target && a->every_voxel == b->every_voxel && a->tight == b->tight &&
+           a->lines == b->lines && a->true_depth == b->true_depth && a->quads == b->quads && a->first == b->first &&
+           a->page_bits == b->page_bits;
 }
 
 static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint *out, ost_error *err)
 {
     const ost_gl_source sources[][2] = {
-        [OST_GL_STAGE_POINTS] = {{"point.vert", ost_gl_point_vert, ost_gl_point_vert_count}, {"point.frag", ost_gl_point_frag, ost_gl_point_frag_count}},
-        [OST_GL_STAGE_BRICKS] = {{"brick.vert", ost_gl_brick_vert, ost_gl_brick_vert_count}, {"brick.frag", ost_gl_brick_frag, ost_gl_brick_frag_count}},
-        [OST_GL_STAGE_MESH] = {{"mesh.vert", ost_gl_mesh_vert, ost_gl_mesh_vert_count}, {"mesh.frag", ost_gl_mesh_frag, ost_gl_mesh_frag_count}},
+        [OST_GL_STAGE_POINTS] = {{"point.vert", ost_gl_point_vert, ost_gl_point_vert_count},
+                                 {"point.frag", ost_gl_point_frag, ost_gl_point_frag_count}},
+        [OST_GL_STAGE_BRICKS] = {{"brick.vert", ost_gl_brick_vert, ost_gl_brick_vert_count},
+                                 {"brick.frag", ost_gl_brick_frag, ost_gl_brick_frag_count}},
+        [OST_GL_STAGE_MESH] = {{"mesh.vert", ost_gl_mesh_vert, ost_gl_mesh_vert_count},
+                               {"mesh.frag", ost_gl_mesh_frag, ost_gl_mesh_frag_count}},
         [OST_GL_STAGE_COMPOSITE] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
                                     {"composite.frag", ost_gl_composite_frag, ost_gl_composite_frag_count}},
         [OST_GL_STAGE_WIDE] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
@@ -35,7 +40,8 @@ static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint 
         [OST_GL_STAGE_TILES] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
                                 {"tiles.frag", ost_gl_tiles_frag, ost_gl_tiles_frag_count}},
     };
-    static const char *const point[] = {"point", NULL}, *const density[] = {"density", NULL}, *const brick[] = {"brick", NULL};
+    static const char *const point[] = {"point", NULL}, *const density[] = {"density", NULL},
+                             *const brick[] = {"brick", NULL};
     static const char *const mesh[] = {"corner", "out_of_it", NULL}, *const none[] = {NULL};
     const char *const *inputs = key->stage == OST_GL_STAGE_BRICKS  ? brick
                                 : key->stage == OST_GL_STAGE_MESH  ? mesh
@@ -44,14 +50,17 @@ static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint 
                                                    : point;
     char defines[TEXT];
     snprintf(defines, sizeof defines,
-             "#define COMPACT %d\n#define WIDE %d\n#define SMALL %d\n#define FORWARD %d\n#define TARGET %d\n#define EVERY_VOXEL %d\n#define TIGHT %d\n"
+             "#define COMPACT %d\n#define WIDE %d\n#define SMALL %d\n#define FORWARD %d\n#define TARGET %d\n#define "
+             "EVERY_VOXEL %d\n#define TIGHT %d\n"
              "#define LINES %d\n#define TRUE_DEPTH %d\n#define QUADS %d\n#define FIRST %d\n#define PAGE_BITS %u\n",
-             OST_GL_COMPACT, OST_GL_WIDE, OST_GL_SMALL, OST_GL_FORWARD, key->target, key->every_voxel, key->tight, key->lines, key->true_depth, key->quads,
-             key->first, key->page_bits);
-    return ost_gl_program_make(c, &sources[key->stage][0], &sources[key->stage][1], defines, inputs, samplers, out, err);
+             OST_GL_COMPACT, OST_GL_WIDE, OST_GL_SMALL, OST_GL_FORWARD, key->target, key->every_voxel, key->tight,
+             key->lines, key->true_depth, key->quads, key->first, key->page_bits);
+    return ost_gl_program_make(c, &sources[key->stage][0], &sources[key->stage][1], defines, inputs, samplers, out,
+                               err);
 }
 
-ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key, GLint *first, ost_error *err)
+ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key,
+                               GLint *first, ost_error *err)
 {
     int i = 0;
     while (i < programs->count && !same(&programs->made[i].key, key))

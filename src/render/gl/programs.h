@@ -5,7 +5,14 @@
 
 #include "render/gl/program.h"
 
-typedef enum ost_gl_stage { OST_GL_STAGE_POINTS, OST_GL_STAGE_BRICKS, OST_GL_STAGE_MESH, OST_GL_STAGE_COMPOSITE, OST_GL_STAGE_WIDE, OST_GL_STAGE_TILES } ost_gl_stage;
+typedef enum ost_gl_stage {
+    OST_GL_STAGE_POINTS,
+    OST_GL_STAGE_BRICKS,
+    OST_GL_STAGE_MESH,
+    OST_GL_STAGE_COMPOSITE,
+    OST_GL_STAGE_WIDE,
+    OST_GL_STAGE_TILES
+} ost_gl_stage;
 
 /* The texture unit of each sampler, the same in every program. */
 typedef enum ost_gl_unit {
@@ -41,6 +48,7 @@ typedef struct ost_gl_programs {
 
 void ost_gl_programs_free(ost_gl_programs *programs);
 /* Makes a program the current one, compiled if necessary. Stores its `first` (above) in *first, which may be NULL. */
-ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key, GLint *first, ost_error *err);
+ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key,
+                               GLint *first, ost_error *err);
 
 #endif

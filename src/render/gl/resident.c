@@ -73,7 +73,8 @@ static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surf
 /* ------------------------------------------------------------------- forms */
 
 /* Reserves a run for count elements; keeps the present one if it is large enough. */
-static ost_status reserve(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules, ost_error *err)
+static ost_status reserve(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules,
+                          ost_error *err)
 {
     if ((uint64_t)*granules << pool->bits >= count)
         return OST_OK;
@@ -83,7 +84,8 @@ static ost_status reserve(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, 
     return ost_gl_pool_take(c, pool, count, first, granules, err);
 }
 
-static ost_status bring_points(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
+static ost_status bring_points(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run,
+                               ost_error *err)
 {
     uint32_t pair[2 * 256];
     ost_status status = reserve(c, &store->points, b->count, &run->first, &run->granules, err);
@@ -111,7 +113,8 @@ static uint32_t cell_of(uint32_t p)
     return (p & 3) | (p >> 5 & 3) << 2 | (p >> 10 & 3) << 4;
 }
 
-static ost_status bring_bricks(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
+static ost_status bring_bricks(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run,
+                               ost_error *err)
 {
     uint64_t mask[BRICKS] = {0};
     uint32_t first[BRICKS], used = 0, shades = 0;
@@ -144,7 +147,8 @@ static ost_status bring_bricks(ost_gl_context *c, ost_gl_store *store, const ost
     return status;
 }
 
-static ost_status bring_voxels(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run, ost_error *err)
+static ost_status bring_voxels(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run,
+                               ost_error *err)
 {
     ost_status status = reserve(c, &store->voxels, BLOCK_VOXELS, &run->first, &run->granules, err);
     for (uint32_t row = 0; row < OST_BLOCK_ROWS && status == OST_OK; row++) {
@@ -182,8 +186,8 @@ static ost_status reserve_slots(ost_gl_resident *r, ost_gl_form form, int32_t sl
     return OST_OK;
 }
 
-ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_form form,
-                              ost_gl_resident **out, ost_error *err)
+ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
+                              ost_gl_form form, ost_gl_resident **out, ost_error *err)
 {
     ost_gl_resident *r = *out = resident_of(store, surface);
     ost_gl_pool *pool = ost_gl_store_pool(store, form);
@@ -226,8 +230,8 @@ static void add_face(vertex *v, const float at[3], unsigned face)
     }
 }
 
-ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_resident **out,
-                                   ost_error *err)
+ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
+                                   ost_gl_resident **out, ost_error *err)
 {
     ost_gl_resident *r = *out = resident_of(store, surface);
     uint64_t version = 1;
@@ -248,7 +252,8 @@ ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store,
         const ost_surface_block *b = surface->slot[i];
         for (uint32_t p = 0; p < b->count; p++) {
             const uint32_t w = b->points[p];
-            const float at[3] = {(float)(OST_BLOCK * b->at[0] + (int)(w & 31)), (float)(OST_BLOCK * b->at[1] + (int)(w >> 5 & 31)),
+            const float at[3] = {(float)(OST_BLOCK * b->at[0] + (int)(w & 31)),
+                                 (float)(OST_BLOCK * b->at[1] + (int)(w >> 5 & 31)),
                                  (float)(OST_BLOCK * b->at[2] + (int)(w >> 10 & 31))};
             for (unsigned face = 0; face < 6; face++)
                 if (w >> (OST_FACES_SHIFT + face) & 1) {

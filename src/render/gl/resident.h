@@ -4,7 +4,8 @@
  * forms that are needed.  A copy is identified by the block's version.
  *
  *   points   where, look             a surface point (points/surface.h)
- *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; shades: those of its points, brick by brick
+ *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; shades: those of
+ *                                    its points, brick by brick
  *   voxels   a density               all of a block: the thesis' vertices
  *   mesh     corner, normal          a tool's faces as triangles
  */
@@ -56,9 +57,9 @@ void ost_gl_store_free(ost_gl_store *store);
 ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
 
 /* Uploads the present state of the surface in that form. The previous frame must be complete. */
-ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_form form,
-                              ost_gl_resident **out, ost_error *err);
-ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface, ost_gl_resident **out,
-                                   ost_error *err);
+ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
+                              ost_gl_form form, ost_gl_resident **out, ost_error *err);
+ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
+                                   ost_gl_resident **out, ost_error *err);
 
 #endif

@@ -42,7 +42,8 @@ static GLuint framebuffer(GLuint depth, GLuint colour, GLuint colour_1, GLenum *
 void ost_gl_targets_free(ost_gl_targets *t)
 {
     const GLuint frames[3] = {t->gbuffer, t->tiles, t->picture};
-    const GLuint textures[6] = {t->gbuffer_depth, t->gbuffer_0, t->gbuffer_1, t->tiles_depth, t->picture_depth, t->picture_colour};
+    const GLuint textures[6] = {t->gbuffer_depth, t->gbuffer_0,     t->gbuffer_1,
+                                t->tiles_depth,   t->picture_depth, t->picture_colour};
     if (t->width) {
         glDeleteFramebuffers(3, frames);
         glDeleteTextures(6, textures);
@@ -52,7 +53,8 @@ void ost_gl_targets_free(ost_gl_targets *t)
     *t = (ost_gl_targets){0};
 }
 
-ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int width, int height, ost_gl_target kind, ost_error *err)
+ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int width, int height, ost_gl_target kind,
+                               ost_error *err)
 {
     GLenum gbuffer = GL_FRAMEBUFFER_COMPLETE, tiles = GL_FRAMEBUFFER_COMPLETE, picture;
     GLint largest = 0;
@@ -61,8 +63,8 @@ ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int w
     ost_gl_targets_free(t);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
     if (width > largest || height > largest)
-        return ost_fail(err, OST_ERR_RANGE, "a frame of %d x %d pixels; OpenGL (%s) draws up to %d a side", width, height, context->info.driver,
-                        (int)largest);
+        return ost_fail(err, OST_ERR_RANGE, "a frame of %d x %d pixels; OpenGL (%s) draws up to %d a side", width,
+                        height, context->info.driver, (int)largest);
     t->width = width;
     t->height = height;
     t->kind = kind;
@@ -79,14 +81,17 @@ ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int w
             t->tiles = framebuffer(0, t->tiles_depth, 0, &tiles);
             t->farthest = malloc((size_t)t->across * (size_t)t->down * sizeof *t->farthest);
         } else {
-            const GLenum internal = kind == OST_GL_WIDE ? GL_RGBA32F : GL_RGBA8, type = kind == OST_GL_WIDE ? GL_FLOAT : GL_UNSIGNED_BYTE;
+            const GLenum internal = kind == OST_GL_WIDE ? GL_RGBA32F : GL_RGBA8,
+                         type = kind == OST_GL_WIDE ? GL_FLOAT : GL_UNSIGNED_BYTE;
             t->gbuffer_0 = texture(internal, GL_RGBA, type, width, height);
             t->gbuffer_1 = texture(internal, GL_RGBA, type, width, height);
         }
         t->gbuffer = framebuffer(t->gbuffer_depth, t->gbuffer_0, t->gbuffer_1, &gbuffer);
     }
     ost_status status = ost_gl_context_check(context, "makes a frame's buffers", err);
-    const GLenum wrong = gbuffer != GL_FRAMEBUFFER_COMPLETE ? gbuffer : tiles != GL_FRAMEBUFFER_COMPLETE ? tiles : picture;
+    const GLenum wrong = gbuffer != GL_FRAMEBUFFER_COMPLETE ? gbuffer
+                         : tiles != GL_FRAMEBUFFER_COMPLETE ? tiles
+                                                            : picture;
     if (status == OST_OK && wrong != GL_FRAMEBUFFER_COMPLETE)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL (%s) cannot draw into a framebuffer of this kind (0x%x)",
                           context->info.driver, wrong);

@@ -16,7 +16,8 @@
 typedef struct ost_gl_targets {
     int width, height;   /* 0 if nothing has been made */
     ost_gl_target kind;  /* format of the G-buffer */
-    GLuint gbuffer, gbuffer_depth, gbuffer_0, gbuffer_1; /* gbuffer is 0 for OST_GL_FORWARD, which draws into the picture */
+    /* gbuffer is 0 for OST_GL_FORWARD, which draws into the picture */
+    GLuint gbuffer, gbuffer_depth, gbuffer_0, gbuffer_1;
     GLuint tiles, tiles_depth; /* only with OST_GL_COMPACT */
     int across, down;    /* size in tiles */
     float *farthest;     /* owned; farthest depth of each tile */
@@ -24,7 +25,8 @@ typedef struct ost_gl_targets {
     GLuint picture, picture_depth, picture_colour;
 } ost_gl_targets;
 
-ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *targets, int width, int height, ost_gl_target kind, ost_error *err);
+ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *targets, int width, int height,
+                               ost_gl_target kind, ost_error *err);
 void ost_gl_targets_free(ost_gl_targets *targets);
 
 #endif

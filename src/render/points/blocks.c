@@ -64,7 +64,8 @@ static uint64_t nearest_key(const float base[3])
 {
     float square = 0;
     for (int a = 0; a < 3; a++) {
-        const float before = base[a], behind = -(base[a] + (float)(OST_BLOCK - 1)), off = before > behind ? before : behind;
+        const float before = base[a], behind = -(base[a] + (float)(OST_BLOCK - 1)),
+                    off = before > behind ? before : behind;
         square += off > 0 ? off * off : 0;
     }
     return ost_key(0.9999f * square, 0);
@@ -78,8 +79,8 @@ static int by_distance(const void *a, const void *b)
     return x->slot - y->slot;
 }
 
-void ost_blocks_choose(const ost_surface *s, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases, int32_t *count, int *y0,
-                       int *y1)
+void ost_blocks_choose(const ost_surface *s, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases,
+                       int32_t *count, int *y0, int *y1)
 {
     const ost_eye *e = &eye->eye;
     int32_t n = 0;

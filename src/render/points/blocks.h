@@ -27,8 +27,8 @@ ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_
  * each.  Stores in *y0 and *y1 the rows that the selected blocks may cover,
  * half-open.
  */
-void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases, int32_t *count, int *y0,
-                       int *y1);
+void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases,
+                       int32_t *count, int *y0, int *y1);
 
 /*
  * Computes the pixels, half-open, that a cube of `side` voxels a side may cover.

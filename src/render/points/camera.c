@@ -70,7 +70,8 @@ ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone)
 ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, const ost_pose *pose)
 {
     const matrix c = matrix_of(&camera->pose), p = matrix_of(pose);
-    const double d[3] = {(double)(camera->pose.t.x - pose->t.x), (double)(camera->pose.t.y - pose->t.y), (double)(camera->pose.t.z - pose->t.z)};
+    const double d[3] = {(double)(camera->pose.t.x - pose->t.x), (double)(camera->pose.t.y - pose->t.y),
+                         (double)(camera->pose.t.z - pose->t.z)};
     double at[3];
     matrix r;
     for (int a = 0; a < 3; a++) {
@@ -88,16 +89,19 @@ static bool is_direction(double length)
     return length > 1e-12 && isfinite(length);
 }
 
-ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3], ost_camera *camera, ost_error *err)
+ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3], ost_camera *camera,
+                              ost_error *err)
 {
     double back[3], right[3], above[3], q[4];
     for (int a = 0; a < 3; a++)
         back[a] = from_mm[a] - at_mm[a];
     ost_vector_cross(up, back, right);
     if (!is_direction(ost_vector_unit(back, 2)) || !is_direction(ost_vector_unit(right, 0)))
-        return ost_fail(err, OST_ERR_RANGE, "a camera needs two different points, and an up that does not point along its view");
+        return ost_fail(err, OST_ERR_RANGE,
+                        "a camera needs two different points, and an up that does not point along its view");
     ost_vector_cross(back, right, above);
-    const double columns[3][3] = {{right[0], right[1], right[2]}, {above[0], above[1], above[2]}, {back[0], back[1], back[2]}};
+    const double columns[3][3] = {
+        {right[0], right[1], right[2]}, {above[0], above[1], above[2]}, {back[0], back[1], back[2]}};
     ost_quaternion_of_columns(columns, q);
     return ost_pose_from_doubles(from_mm, q, &camera->pose, err);
 }

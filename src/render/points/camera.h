@@ -21,7 +21,8 @@ typedef struct ost_eye {
     float right[3], up[3], forward[3];     /* unit, to float's accuracy */
     float focal;                           /* pixels */
     float half_w, half_h;                  /* pixels */
-    float near;                            /* voxels; a voxel with a corner nearer than this along forward is not drawn */
+    /* voxels; a voxel with a corner nearer than this along forward is not drawn */
+    float near;
     int width, height;
 } ost_eye;
 

@@ -8,7 +8,8 @@
 
 #include "render/points/smooth.h"
 
-static inline void cell_row(const uint16_t (*restrict below)[OST_FIELD_LINE], const uint16_t (*restrict above)[OST_FIELD_LINE], uint8_t *restrict out)
+static inline void cell_row(const uint16_t (*restrict below)[OST_FIELD_LINE],
+                            const uint16_t (*restrict above)[OST_FIELD_LINE], uint8_t *restrict out)
 {
     enum { FIRST = 8 };
     uint16_t sum[OST_BLOCK];
@@ -18,8 +19,8 @@ static inline void cell_row(const uint16_t (*restrict below)[OST_FIELD_LINE], co
         out[i] = (uint8_t)((sum[2 * i] + sum[2 * i + 1] + 4) >> 3);
 }
 
-static inline void cell_lines(const uint8_t *restrict left, const uint8_t *restrict own, const uint8_t *restrict right, int count,
-                              uint16_t (*restrict out)[OST_FIELD_LINE])
+static inline void cell_lines(const uint8_t *restrict left, const uint8_t *restrict own, const uint8_t *restrict right,
+                              int count, uint16_t (*restrict out)[OST_FIELD_LINE])
 {
     enum { FIRST = 8 };
     for (int row = 0; row < count; row++) {
@@ -33,14 +34,16 @@ static inline void cell_lines(const uint8_t *restrict left, const uint8_t *restr
 }
 
 /* The loops above as functions of one instruction set. */
-#define OST_CELLS_DEFINE(SET)                                                                                                       \
-    void ost_field_cells_##SET(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE], uint8_t *out)      \
-    {                                                                                                                               \
-        cell_row(below, above, out);                                                                                                \
-    }                                                                                                                               \
-    void ost_field_lines_##SET(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count, uint16_t (*out)[OST_FIELD_LINE]) \
-    {                                                                                                                               \
-        cell_lines(left, own, right, count, out);                                                                                   \
+#define OST_CELLS_DEFINE(SET)                                                                                          \
+    void ost_field_cells_##SET(const uint16_t(*below)[OST_FIELD_LINE], const uint16_t(*above)[OST_FIELD_LINE],         \
+                               uint8_t *out)                                                                           \
+    {                                                                                                                  \
+        cell_row(below, above, out);                                                                                   \
+    }                                                                                                                  \
+    void ost_field_lines_##SET(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,               \
+                               uint16_t(*out)[OST_FIELD_LINE])                                                         \
+    {                                                                                                                  \
+        cell_lines(left, own, right, count, out);                                                                      \
     }
 
 #endif

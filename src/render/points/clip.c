@@ -9,7 +9,8 @@
 
 enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
 
-ost_status ost_clip_make(const ost_geometry *g, const double at_mm[3], const double normal[3], ost_clip *out, ost_error *err)
+ost_status ost_clip_make(const ost_geometry *g, const double at_mm[3], const double normal[3], ost_clip *out,
+                         ost_error *err)
 {
     const double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z};
@@ -39,7 +40,8 @@ static uint32_t row_mask(int64_t n, int64_t remainder)
     return first >= SIDE ? 0 : UINT32_MAX << first;
 }
 
-void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS], uint32_t shown[OST_BLOCK_ROWS])
+void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS],
+                    uint32_t shown[OST_BLOCK_ROWS])
 {
     int64_t remainder = clip->d, least = 0, most = 0;
     for (int a = 0; a < 3; a++) {
@@ -54,5 +56,8 @@ void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t
         memset(shown, 0, ROWS * sizeof *shown);
     else
         for (int row = 0; row < ROWS; row++)
-            shown[row] = occupied[row] ? occupied[row] & row_mask(clip->n[0], remainder - (int64_t)clip->n[1] * (row % SIDE) - (int64_t)clip->n[2] * (row / SIDE)) : 0;
+            shown[row] = occupied[row]
+                             ? occupied[row] & row_mask(clip->n[0], remainder - (int64_t)clip->n[1] * (row % SIDE) -
+                                                                        (int64_t)clip->n[2] * (row / SIDE))
+                             : 0;
 }

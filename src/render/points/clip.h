@@ -16,10 +16,12 @@ enum { OST_CLIP_UNIT = 1 << 14 };
  * Makes a plane through a point in mm; the side to which the normal points is hidden.
  * Returns OST_ERR_RANGE if the normal is not a direction.
  */
-ost_status ost_clip_make(const ost_geometry *geometry, const double at_mm[3], const double normal[3], ost_clip *out, ost_error *err);
+ost_status ost_clip_make(const ost_geometry *geometry, const double at_mm[3], const double normal[3], ost_clip *out,
+                         ost_error *err);
 /* Sets the clip plane for later updates; with NULL all is shown. Blocks that do not change are not updated. */
 void ost_surface_clip(ost_surface *surface, const ost_clip *clip);
 /* Computes the voxels of a block that are shown. */
-void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS], uint32_t shown[OST_BLOCK_ROWS]);
+void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS],
+                    uint32_t shown[OST_BLOCK_ROWS]);
 
 #endif

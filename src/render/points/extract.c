@@ -23,7 +23,8 @@ static bool find_neighbours(const ost_surface *s, const ost_surface_block *b, os
 {
     bool any = false;
     for (int i = 0; i < 27; i++) {
-        const ost_surface_block *n = ost_surface_block_at(s, b->at[0] + i % 3 - 1, b->at[1] + i / 3 % 3 - 1, b->at[2] + i / 9 - 1);
+        const ost_surface_block *n = ost_surface_block_at(s, b->at[0] + i % 3 - 1, b->at[1] + i / 3 % 3 - 1,
+                                                          b->at[2] + i / 9 - 1);
         const uint32_t *words = n ? which(n) : NULL;
         any |= words != NULL;
         near[i / 9][i / 3 % 3][i % 3] = words ? words : nothing;
@@ -49,7 +50,8 @@ bool ost_surface_rim(const ost_surface *surface, const ost_surface_block *block,
     return true;
 }
 
-bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, const ost_row_kernels *kernels, ost_rows *out)
+bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which,
+                      const ost_row_kernels *kernels, ost_rows *out)
 {
     nearby near;
     if (!find_neighbours(surface, block, which, near))
@@ -67,7 +69,8 @@ bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block
 
 /* ----------------------------------------------------------------- changes */
 
-/* Adds the rows of one of the 27 blocks that have a bit within reach of the middle block. at: its position, -1 .. 1 on each axis. */
+/* Adds the rows of one of the 27 blocks that have a bit within reach of the middle block. at:
+   its position, -1 .. 1 on each axis. */
 static void add_changes(const uint32_t *words, const int at[3], int reach, uint64_t rows[OST_SEEN])
 {
     const uint32_t all = UINT32_MAX, seen = at[0] < 0 ? all << (SIDE - reach) : at[0] > 0 ? all >> (SIDE - reach) : all;

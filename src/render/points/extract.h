@@ -16,7 +16,8 @@ typedef const uint32_t *ost_words_of(const ost_surface_block *block);
  * of them has it; then the remainder of the output is not written.
  */
 bool ost_surface_rim(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, ost_rim *out);
-bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which, const ost_row_kernels *kernels, ost_rows *out);
+bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block, ost_words_of *which,
+                      const ost_row_kernels *kernels, ost_rows *out);
 
 /*
  * Finds the rows that lie up to reach voxels from a change, along each axis:
@@ -24,6 +25,7 @@ bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block
  * for the block's own rows; the position of the change within a row is not
  * reported.  Returns false if nothing changed in the block and its neighbours.
  */
-bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *block, int reach, uint64_t rows[OST_SEEN]);
+bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *block, int reach,
+                         uint64_t rows[OST_SEEN]);
 
 #endif

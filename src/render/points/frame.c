@@ -80,7 +80,8 @@ static bool cells_init(ost_frame *f)
     return made;
 }
 
-ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads, ost_error *err)
+ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads,
+                          ost_error *err)
 {
     memset(frame, 0, sizeof *frame);
     if (width < 1 || width > OST_FRAME_MAX || height < 1 || height > OST_FRAME_MAX)
@@ -196,7 +197,8 @@ static bool make_light(const ost_frame *frame, ost_frame_layer *layer, const ost
     memcpy(colour, l->colour, sizeof colour);
     memcpy(face, l->face, sizeof face);
     ost_light_make(l, frame->directions, &thing->eye, frame->style, thing->paint, thing->palette);
-    return gloss == l->gloss && style == l->style && memcmp(colour, l->colour, sizeof colour) == 0 && memcmp(face, l->face, sizeof face) == 0;
+    return gloss == l->gloss && style == l->style && memcmp(colour, l->colour, sizeof colour) == 0 &&
+           memcmp(face, l->face, sizeof face) == 0;
 }
 
 static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int number, ost_pm spacing, ost_error *err)
@@ -261,7 +263,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     return OST_OK;
 }
 
-ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing, ost_error *err)
+ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing,
+                                ost_error *err)
 {
     enum { NUMBER = OST_FRAME_LAYERS - 1 };
     ost_frame_layer *layer = &frame->layer[NUMBER];

@@ -18,7 +18,8 @@
  *
  *   blocks whose lists changed --old and new compared entry by entry--> voxels that look different
  *        --cells that these may cover--> drawn again, in the planes of the first object alone
- *   those cells, and cells that other layers covered --copied from these planes--> the frame, and over it the other layers
+ *   those cells, and cells that other layers covered --copied from these planes--> the frame, and
+ *   over it the other layers
  *
  * The picture is bit-identical to one that is drawn from scratch: in a cell that
  * no changed voxel can cover, the nearest voxel is the same as before, and ties
@@ -36,7 +37,8 @@
 #include "render/points/light.h"
 
 enum {
-    OST_BAND = 64,     /* rows that a thread draws at once: their keys, at 1280 pixels a row, fit into a second-level cache */
+    /* rows that a thread draws at once: their keys, at 1280 pixels a row, fit into a second-level cache */
+    OST_BAND = 64,
 };
 
 /* The farthest key of a tile, or an upper bound of it if stale. */
@@ -45,7 +47,8 @@ typedef struct ost_frame_tile {
     bool stale;
 } ost_frame_tile;
 
-_Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TILE && (int)OST_CELL_WIDTH == OST_LANES, "cells are whole tiles");
+_Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TILE && (int)OST_CELL_WIDTH == OST_LANES,
+               "cells are whole tiles");
 
 /* A thread's scratch for drawing a band.  It is small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
@@ -93,7 +96,8 @@ typedef struct ost_frame {
     bool is_stored;         /* kept holds the last frame's first layer */
     ost_cells part;         /* cells of the first layer that this frame draws again */
     ost_cells stale;        /* cells to be copied from stored: drawn again, or covered in the previous frame */
-    ost_cells over;         /* cells whose colours may differ from kept; drawing on the frame adds to it (ost_frame_sheet) */
+    /* cells whose colours may differ from kept; drawing on the frame adds to it (ost_frame_sheet) */
+    ost_cells over;
     ost_frame_bench *bench; /* owned; scratch of each thread */
     int tiles_across;
     uint32_t *blank;        /* owned; a row of background */
@@ -116,7 +120,8 @@ typedef struct ost_frame_thing {
 } ost_frame_thing;
 
 /* Allocates a frame. If threads is 0, all processors are used. */
-ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads, ost_error *err);
+ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads,
+                          ost_error *err);
 /* Frees the frame's memory; a zeroed frame is valid. */
 void ost_frame_free(ost_frame *frame);
 
@@ -141,7 +146,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
  * it is behind them.  Only colours change.  spacing: the spacing of the first
  * object's voxels, the unit of depth.
  */
-ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing, ost_error *err);
+ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing,
+                                ost_error *err);
 /* Draws a frame of the bone alone. */
 ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err);
 

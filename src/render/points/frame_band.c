@@ -179,10 +179,13 @@ static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsign
         if (from->face[i] == OST_NO_FACE)
             continue;
         const bool before = to->face[i] == OST_NO_FACE || from->depth[i] * layer->scale < to->depth[i];
-        const bool edge = (x > 0 && !is_there(f, layer, x - 1, y)) || (x + 1 < f->width && !is_there(f, layer, x + 1, y)) ||
-                          (y > 0 && !is_there(f, layer, x, y - 1)) || (y + 1 < f->height && !is_there(f, layer, x, y + 1));
+        const bool edge = (x > 0 && !is_there(f, layer, x - 1, y)) ||
+                          (x + 1 < f->width && !is_there(f, layer, x + 1, y)) ||
+                          (y > 0 && !is_there(f, layer, x, y - 1)) ||
+                          (y + 1 < f->height && !is_there(f, layer, x, y + 1));
         const uint32_t share = (before ? ghost : ghost / 2) + (edge ? LINE : 0);
-        to->colour[i] = mixed(to->colour[i], edge ? layer->light.colour[0] : from->colour[i], share < 256 ? share : 256);
+        to->colour[i] = mixed(to->colour[i], edge ? layer->light.colour[0] : from->colour[i],
+                              share < 256 ? share : 256);
     }
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The lists of a layer: a block's voxels that show a face to the eye, their memory, and what differs from the frame before. */
+/* The lists of a layer: a block's voxels that show a face to the eye, their memory, and what
+   differs from the frame before. */
 #include "core/conditions.h"
 #include "render/points/frame_parts.h"
 
@@ -162,7 +163,8 @@ static void differs(parts *p, uint32_t id)
 }
 
 /* Makes a list again and marks the parts where the two lists, both in order, differ. */
-static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *old, parts *out)
+static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *old,
+                         parts *out)
 {
     const ost_frame_list *list = &layer->list[slot];
     const ost_visible *v = &layer->visible;

@@ -33,10 +33,12 @@ static inline float along(const ost_directions *d, int i, const float v[3])
     return (d->x[i] * v[0] + d->y[i] * v[1]) + d->z[i] * v[2];
 }
 
-static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d, const ost_lamps *restrict l, float gloss)
+static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d, const ost_lamps *restrict l,
+                      float gloss)
 {
     for (int i = 0; i < OST_OCTAHEDRAL_COUNT; i++) {
-        const float sky = 0.5f + 0.5f * along(d, i, l->up), key = positive(along(d, i, l->key)), fill = positive(along(d, i, l->fill));
+        const float sky = 0.5f + 0.5f * along(d, i, l->up), key = positive(along(d, i, l->key)),
+                    fill = positive(along(d, i, l->fill));
         const float back = positive(along(d, i, l->back));
         float mirror = positive(along(d, i, l->half));
         mirror *= mirror;
@@ -75,8 +77,8 @@ static bool is_made(const ost_light *light, const ost_eye *eye, uint8_t gloss)
     return same;
 }
 
-void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
-                    const uint32_t *palette)
+void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style,
+                    ost_paint paint, const uint32_t *palette)
 {
     ost_lamps l;
     toward(eye, -0.40f, 0.55f, -0.73f, l.key);
@@ -111,7 +113,8 @@ static uint32_t channel(uint32_t full, uint32_t bright, uint32_t gloss)
 /* Mixes three eighths of one colour and five eighths of another. */
 static uint32_t mixed(uint32_t a, uint32_t b)
 {
-    return (((a & 0xff00ff) * 3 + (b & 0xff00ff) * 5) >> 3 & 0xff00ff) | (((a & 0xff00) * 3 + (b & 0xff00) * 5) >> 3 & 0xff00);
+    return (((a & 0xff00ff) * 3 + (b & 0xff00ff) * 5) >> 3 & 0xff00ff) |
+           (((a & 0xff00) * 3 + (b & 0xff00) * 5) >> 3 & 0xff00);
 }
 
 void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint)
@@ -125,9 +128,12 @@ void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t cou
             tint[i] = c;
             continue;
         }
-        const uint32_t shade = light->shade[shades[i] % OST_OCTAHEDRAL_COUNT], open = (shades[i] >> OST_OPEN_SHIFT & 255) + 1;
-        const uint32_t bright = (shade & ((1u << OST_BRIGHT_BITS) - 1)) * open >> 8, gloss = (shade >> OST_BRIGHT_BITS) * open >> 8;
-        tint[i] = channel(c & 255, bright, gloss) | channel(c >> 8 & 255, bright, gloss) << 8 | channel(c >> 16, bright, gloss) << 16;
+        const uint32_t shade = light->shade[shades[i] % OST_OCTAHEDRAL_COUNT],
+                       open = (shades[i] >> OST_OPEN_SHIFT & 255) + 1;
+        const uint32_t bright = (shade & ((1u << OST_BRIGHT_BITS) - 1)) * open >> 8,
+                       gloss = (shade >> OST_BRIGHT_BITS) * open >> 8;
+        tint[i] = channel(c & 255, bright, gloss) | channel(c >> 8 & 255, bright, gloss) << 8 |
+                  channel(c >> 16, bright, gloss) << 16;
     }
 }
 

@@ -33,7 +33,8 @@ typedef struct ost_paint {
 enum { OST_BRIGHT_BITS = 9 };
 
 typedef struct ost_light {
-    uint16_t shade[OST_OCTAHEDRAL_COUNT]; /* per direction: brightness in 256ths, at most 320; above OST_BRIGHT_BITS the amount added to each channel */
+    /* per direction: brightness in 256ths, at most 320; above OST_BRIGHT_BITS the amount added to each channel */
+    uint16_t shade[OST_OCTAHEDRAL_COUNT];
     uint32_t face[8];                     /* light of each face, in 256ths; 6 and 7 unused */
     uint32_t colour[OST_PAINTS];          /* colour of each paint, 0xBBGGRR */
     ost_style style;
@@ -49,7 +50,8 @@ typedef struct ost_lamps {
 } ost_lamps;
 
 struct ost_directions;
-typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *directions, const ost_lamps *lamps, float gloss);
+typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *directions, const ost_lamps *lamps,
+                                float gloss);
 
 /*
  * Unit vectors of all directions, and the loop that shades them: light.c's own, unless shade is
@@ -66,8 +68,8 @@ ost_light_shade_of *ost_light_shade_for(ost_isa isa);
  * Computes a frame's light.  palette: as made by ost_palette_make; if NULL, every
  * paint is the object's own.  The light must be zeroed before its first use.
  */
-void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style, ost_paint paint,
-                    const uint32_t *palette);
+void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style,
+                    ost_paint paint, const uint32_t *palette);
 /* Computes the colours in full light of a face. Both arrays must have room for count rounded up to a multiple of 16. */
 void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 typedef void ost_light_tint_of(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);

@@ -6,7 +6,8 @@ const char *const ost_tissue_names[OST_TISSUES] = {"cartilage", "cancellous", "c
 const uint32_t ost_tissue_colours[OST_TISSUES] = {0xe8bd6a, 0x2f4fc4, 0xb6b9c6, 0x4fc4ee};
 
 /* Red, green, blue, from light to dark. */
-static const uint8_t stops[][3] = {{246, 226, 74}, {143, 207, 90}, {53, 165, 138}, {43, 111, 142}, {59, 58, 125}, {45, 15, 74}};
+static const uint8_t stops[][3] = {{246, 226, 74}, {143, 207, 90}, {53, 165, 138},
+                                   {43, 111, 142}, {59, 58, 125},  {45, 15, 74}};
 enum { STOPS = sizeof stops / sizeof *stops, LAST = OST_SCALE - 1 };
 
 uint32_t ost_scale_colour(int step)
@@ -25,7 +26,8 @@ uint32_t ost_window_grey(int step)
 
 int ost_window_step(int density)
 {
-    const int step = ((density - OST_WINDOW_BLACK) * LAST + (OST_WINDOW_WHITE - OST_WINDOW_BLACK) / 2) / (OST_WINDOW_WHITE - OST_WINDOW_BLACK);
+    const int step = ((density - OST_WINDOW_BLACK) * LAST + (OST_WINDOW_WHITE - OST_WINDOW_BLACK) / 2) /
+                     (OST_WINDOW_WHITE - OST_WINDOW_BLACK);
     return step < 0 ? 0 : step > LAST ? LAST : step;
 }
 

@@ -14,7 +14,13 @@
 
 #include <stdint.h>
 
-typedef enum ost_colouring { OST_COLOUR_BONE, OST_COLOUR_CLASS, OST_COLOUR_DEPTH, OST_COLOUR_DENSITY, OST_COLOUR_COUNT } ost_colouring;
+typedef enum ost_colouring {
+    OST_COLOUR_BONE,
+    OST_COLOUR_CLASS,
+    OST_COLOUR_DEPTH,
+    OST_COLOUR_DENSITY,
+    OST_COLOUR_COUNT
+} ost_colouring;
 extern const char *const ost_colouring_names[OST_COLOUR_COUNT]; /* "bone", ... */
 
 enum {
@@ -25,7 +31,13 @@ enum {
 };
 
 /* A tissue of the bone, by density and position; the first three are the default density classes, soft to hard. */
-typedef enum ost_tissue { OST_TISSUE_CARTILAGE, OST_TISSUE_CANCELLOUS, OST_TISSUE_CORTICAL, OST_TISSUE_PLATE, OST_TISSUES } ost_tissue;
+typedef enum ost_tissue {
+    OST_TISSUE_CARTILAGE,
+    OST_TISSUE_CANCELLOUS,
+    OST_TISSUE_CORTICAL,
+    OST_TISSUE_PLATE,
+    OST_TISSUES
+} ost_tissue;
 extern const char *const ost_tissue_names[OST_TISSUES];
 extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
 

@@ -4,8 +4,8 @@
 
 enum { THRESHOLD = 120 };
 
-ost_status ost_picture_points(const ost_volume *volume, const ost_camera *camera, const ost_points_options *options, ost_picture *out,
-                              ost_error *err)
+ost_status ost_picture_points(const ost_volume *volume, const ost_camera *camera, const ost_points_options *options,
+                              ost_picture *out, ost_error *err)
 {
     const ost_points_options o = options ? *options : (ost_points_options){0};
     ost_surface surface = {0};

@@ -58,11 +58,13 @@ static bool same_points(const ost_surface_block *b, const uint32_t *points, cons
 }
 
 /* Finds the rows whose points or shades may have changed. Returns false if there are none. */
-static bool find_changed(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k)
+static bool find_changed(const ost_surface *s, const ost_surface_block *b, const uint32_t *points,
+                         ost_shading_scratch *k)
 {
     const ost_faces *f = &k->faces;
     uint64_t changes[OST_SEEN];
-    const bool changed = !b->remade && ost_surface_changes(s, b, s->reference ? OST_SHADING_REACH : OST_WIDE_REACH, changes);
+    const bool changed = !b->remade &&
+                         ost_surface_changes(s, b, s->reference ? OST_SHADING_REACH : OST_WIDE_REACH, changes);
     uint32_t any = 0;
     memset(k->stale, 0, sizeof k->stale);
     for (int row = 0; row < ROWS; row++) {
@@ -71,7 +73,8 @@ static bool find_changed(const ost_surface *s, const ost_surface_block *b, const
             continue;
         bool stale = b->remade || f->begin[row + 1] - f->begin[row] != b->begin[row + 1] - b->begin[row];
         if (!stale)
-            stale = (changed && changes[z + OST_SHADING_REACH] >> (y + OST_SHADING_REACH) & 1) || (b->unlisted && !same_points(b, points, k, row));
+            stale = (changed && changes[z + OST_SHADING_REACH] >> (y + OST_SHADING_REACH) & 1) ||
+                    (b->unlisted && !same_points(b, points, k, row));
         k->stale[z] |= (uint32_t)stale << y;
         any |= stale;
     }
@@ -125,12 +128,14 @@ static bool reserve_points(ost_surface_block *b, uint32_t count)
 /* Renderers identify their copies of lists by this version; an address could be reused by another surface. */
 static _Atomic uint64_t versions;
 
-static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k, ost_error *err)
+static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k,
+                       ost_error *err)
 {
     ost_surface_block *b = s->slot[slot];
     const uint32_t count = k->faces.begin[ROWS];
     const size_t size = count * sizeof *points;
-    if (b->version && count == b->count && (count == 0 || (memcmp(points, b->points, size) == 0 && memcmp(k->shades, b->shades, size) == 0)))
+    if (b->version && count == b->count &&
+        (count == 0 || (memcmp(points, b->points, size) == 0 && memcmp(k->shades, b->shades, size) == 0)))
         return OST_OK;
     if (!reserve_points(b, count))
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %u surface voxels", (unsigned)count);

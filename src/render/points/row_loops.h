@@ -8,8 +8,8 @@
 
 #include "render/points/rows.h"
 
-static inline void join_rows(const uint32_t *restrict left, const uint32_t *restrict own, const uint32_t *restrict right, uint64_t *restrict out,
-                             int count)
+static inline void join_rows(const uint32_t *restrict left, const uint32_t *restrict own,
+                             const uint32_t *restrict right, uint64_t *restrict out, int count)
 {
     for (int i = 0; i < count; i++)
         out[i] = left[i] >> 16 | (uint64_t)own[i] << 16 | (uint64_t)right[i] << 48;
@@ -61,7 +61,8 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     for (int c = 0, step; c < reach; c += step) {
         step = next_step(c, reach);
         for (int z = c + step; z < OST_SEEN - c - step; z++) {
-            const uint64_t *restrict before = from->row[z - step], *restrict at = from->row[z], *restrict behind = from->row[z + step];
+            const uint64_t *restrict before = from->row[z - step], *restrict at = from->row[z],
+                                     *restrict behind = from->row[z + step];
             uint64_t *restrict out = to->row[z];
             for (int y = 0; y < OST_SEEN; y++)
                 out[y] = at[y] | before[y] | behind[y];
@@ -119,22 +120,23 @@ static inline void behind_rows(const ost_rim *restrict rim, const ost_faces *res
 }
 
 /* The loops above as functions of one instruction set. */
-#define OST_ROWS_DEFINE(SET)                                                                                                        \
-    void ost_rows_join_##SET(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count)            \
-    {                                                                                                                               \
-        join_rows(left, own, right, out, count);                                                                                    \
-    }                                                                                                                               \
-    void ost_rows_spread_##SET(ost_rows *rows, ost_rows *other, int reach)                                                          \
-    {                                                                                                                               \
-        spread_rows(rows, other, reach);                                                                                            \
-    }                                                                                                                               \
-    void ost_rows_faces_##SET(const ost_rim *rim, ost_faces *out)                                                                   \
-    {                                                                                                                               \
-        faces_of_rows(rim, out);                                                                                                    \
-    }                                                                                                                               \
-    void ost_rows_behind_##SET(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS])                            \
-    {                                                                                                                               \
-        behind_rows(rim, faces, out);                                                                                               \
+#define OST_ROWS_DEFINE(SET)                                                                                           \
+    void ost_rows_join_##SET(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out,          \
+                             int count)                                                                                \
+    {                                                                                                                  \
+        join_rows(left, own, right, out, count);                                                                       \
+    }                                                                                                                  \
+    void ost_rows_spread_##SET(ost_rows *rows, ost_rows *other, int reach)                                             \
+    {                                                                                                                  \
+        spread_rows(rows, other, reach);                                                                               \
+    }                                                                                                                  \
+    void ost_rows_faces_##SET(const ost_rim *rim, ost_faces *out)                                                      \
+    {                                                                                                                  \
+        faces_of_rows(rim, out);                                                                                       \
+    }                                                                                                                  \
+    void ost_rows_behind_##SET(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS])               \
+    {                                                                                                                  \
+        behind_rows(rim, faces, out);                                                                                  \
     }
 
 #endif

@@ -53,11 +53,12 @@ typedef struct ost_row_kernels {
 
 ost_row_kernels ost_row_kernels_of(ost_isa isa);
 
-#define OST_ROWS_DECLARE(SET)                                                                                                       \
-    void ost_rows_join_##SET(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);           \
-    void ost_rows_spread_##SET(ost_rows *rows, ost_rows *other, int reach);                                                         \
-    void ost_rows_faces_##SET(const ost_rim *rim, ost_faces *out);                                                                  \
-    void ost_rows_behind_##SET(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);                           \
+#define OST_ROWS_DECLARE(SET)                                                                                          \
+    void ost_rows_join_##SET(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out,          \
+                             int count);                                                                               \
+    void ost_rows_spread_##SET(ost_rows *rows, ost_rows *other, int reach);                                            \
+    void ost_rows_faces_##SET(const ost_rim *rim, ost_faces *out);                                                     \
+    void ost_rows_behind_##SET(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);              \
     void ost_rows_points_##SET(const ost_faces *faces, uint32_t *points);
 OST_ROWS_DECLARE(scalar)
 OST_ROWS_DECLARE(avx2)

@@ -64,7 +64,8 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shad
     return any != 0;
 }
 
-/* Returns voxels first to first + LINE - 1 of a row of `size`; values beyond the row are never used, as there is no bone. */
+/* Returns voxels first to first + LINE - 1 of a row of `size`; values beyond the row are never
+   used, as there is no bone. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)
@@ -79,8 +80,8 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
  * -REACH.  Densities are read only where they are needed, since each row is far
  * away in memory.
  */
-static void measure(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z, int first, int last,
-                    uint16_t (*out)[LINE])
+static void measure(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z,
+                    int first, int last, uint16_t (*out)[LINE])
 {
     enum { MORE = ROWS_BEFORE - REACH };
     const uint64_t line = ((UINT64_C(1) << LINE) - 1) << LEFT;
@@ -95,7 +96,8 @@ static void measure(const ost_surface *s, const ost_surface_block *b, ost_shadin
         int16_t copy[LINE];
         if (occupied[y] & ~near & line && at_y >= 0 && at_y < d.y)
             k->smooth.densities(occupied[y], near,
-                                line_of(g->volume.voxels + (size_t)d.x * ((size_t)at_y + (size_t)d.y * (size_t)at_z), SIDE * b->at[0] - LEFT, d.x, copy),
+                                line_of(g->volume.voxels + (size_t)d.x * ((size_t)at_y + (size_t)d.y * (size_t)at_z),
+                                        SIDE * b->at[0] - LEFT, d.x, copy),
                                 out[y - first]);
     }
 }
@@ -128,7 +130,8 @@ void ost_surface_measure(const ost_surface *s, ost_surface_block *b, ost_shading
             const int first = REACH + PAIR * y;
             measure(s, b, k, cut, REACH + PAIR * z, first, first + 1, below);
             measure(s, b, k, cut, REACH + PAIR * z + 1, first, first + 1, above);
-            k->smooth.cells((const uint16_t(*)[LINE])below, (const uint16_t(*)[LINE])above, b->cells + CELLS * (y + CELLS * z));
+            k->smooth.cells((const uint16_t(*)[LINE])below, (const uint16_t(*)[LINE])above,
+                            b->cells + CELLS * (y + CELLS * z));
         }
     b->unmeasured = false;
 }
@@ -140,7 +143,8 @@ static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_a
 {
     static const uint8_t none[sizeof b->cells];
     for (int i = 0; i < 27; i++) {
-        const ost_surface_block *n = ost_surface_block_at(s, b->at[0] + i % 3 - 1, b->at[1] + i / 3 % 3 - 1, b->at[2] + i / 9 - 1);
+        const ost_surface_block *n = ost_surface_block_at(s, b->at[0] + i % 3 - 1, b->at[1] + i / 3 % 3 - 1,
+                                                          b->at[2] + i / 9 - 1);
         out[i / 9][i / 3 % 3][i % 3] = n ? n->cells : none;
     }
 }
@@ -179,7 +183,8 @@ static void rows_needed(int z, const uint64_t needed[INNER], int *first, int *la
     *last = 63 - __builtin_clzll(rows);
 }
 
-static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z, const uint64_t needed[INNER])
+static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z,
+                      const uint64_t needed[INNER])
 {
     int first, last;
     rows_needed(z, needed, &first, &last);
@@ -195,7 +200,11 @@ static void add_cells(cells_about about, ost_shading_scratch *k, int z, const ui
     const uint8_t *const(*n)[3] = about[(at >= 0) + (at >= CELLS)];
     rows_needed(z, needed, &first, &last);
     for (int y = first; y < last + NINE;) {
-        const int row = y - REACH, end = row < 0 ? REACH : row < CELLS ? REACH + CELLS : CELLS + 2 * REACH, stop = end < last + NINE ? end : last + NINE;
+        const int row = y - REACH,
+                  end = row < 0       ? REACH
+                        : row < CELLS ? REACH + CELLS
+                                      : CELLS + 2 * REACH,
+                  stop = end < last + NINE ? end : last + NINE;
         const int from = slice + CELLS * (row & (CELLS - 1)), which = (row >= 0) + (row >= CELLS);
         k->smooth.lines(n[which][0] + from, n[which][1] + from, n[which][2] + from, stop - y, k->cells + y);
         y = stop;
@@ -207,7 +216,8 @@ static void add_cells(cells_about about, ost_shading_scratch *k, int z, const ui
  * Computes slice z of the wide field.  *made, *smoothed: the slices of cells and
  * of their field before these are done, as far as they are needed.
  */
-static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER], const uint64_t cells[INNER], int *made, int *smoothed)
+static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER],
+                  const uint64_t cells[INNER], int *made, int *smoothed)
 {
     for (int c = *smoothed > z / 2 ? *smoothed : z / 2; c <= z / 2 + 1; c++) {
         const ost_field_slice *y[NINE];
@@ -225,7 +235,8 @@ static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64
 /* Computes the shades of the points of slice z in stale rows. */
 static void select_slices(const uint32_t *points, ost_shading_scratch *k, int z)
 {
-    const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE], &k->field[(z + 2) % THREE]};
+    const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE],
+                                            &k->field[(z + 2) % THREE]};
     const ost_field_slice *const wide[3] = {&k->wide[z % THREE], &k->wide[(z + 1) % THREE], &k->wide[(z + 2) % THREE]};
     const uint16_t *begin = k->faces.begin + SIDE * z;
     for (uint64_t left = k->stale[z]; left;) {
@@ -235,7 +246,8 @@ static void select_slices(const uint32_t *points, ost_shading_scratch *k, int z)
     }
 }
 
-static void shade_points(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k)
+static void shade_points(const ost_surface *s, const ost_surface_block *b, const uint32_t *points,
+                         ost_shading_scratch *k)
 {
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
@@ -263,7 +275,8 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 /* ------------------------------------------------------------------- paint */
 
 /* Finds the voxels with a face to the air behind which is a voxel of the set. */
-static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k, uint32_t out[OST_BLOCK_ROWS])
+static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
+                        uint32_t out[OST_BLOCK_ROWS])
 {
     const bool any = ost_surface_rim(s, b, which, &k->rim);
     if (any)
@@ -314,21 +327,26 @@ static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_shading_s
     return status;
 }
 
-static void paint_row(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k, int row)
+static void paint_row(const ost_surface *s, const ost_surface_block *b, const uint32_t *points, ost_shading_scratch *k,
+                      int row)
 {
     for (uint32_t i = k->faces.begin[row]; i < k->faces.begin[row + 1]; i++) {
         const uint32_t x = points[i] & (SIDE - 1), cell = x | (uint32_t)row << 5;
-        const int32_t at[3] = {SIDE * b->at[0] + (int32_t)x, SIDE * b->at[1] + row % SIDE, SIDE * b->at[2] + row / SIDE};
+        const int32_t at[3] = {SIDE * b->at[0] + (int32_t)x, SIDE * b->at[1] + row % SIDE,
+                               SIDE * b->at[2] + row / SIDE};
         if (k->cap[row] >> x & 1)
             k->shades[i] |= ost_uncut_cap(s->reference, (ost_colouring)s->colouring, at) << OST_PAINT_SHIFT;
         else if (k->bared[row] >> x & 1)
-            k->shades[i] |= ost_uncut_paint(s->reference, (ost_colouring)s->colouring, at, b->depth ? b->depth[cell] : 0) << OST_PAINT_SHIFT;
+            k->shades[i] |= ost_uncut_paint(s->reference, (ost_colouring)s->colouring, at,
+                                            b->depth ? b->depth[cell] : 0)
+                            << OST_PAINT_SHIFT;
     }
 }
 
 /* ------------------------------------------------------------------- block */
 
-ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points, ost_shading_scratch *scratch, ost_error *err)
+ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points,
+                             ost_shading_scratch *scratch, ost_error *err)
 {
     ost_status status = find_bared(surface, block, scratch, err);
     if (status != OST_OK)

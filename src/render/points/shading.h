@@ -25,7 +25,8 @@ typedef struct ost_shading_scratch {
     ost_faces faces;             /* faces of the block's shown voxels */
     uint32_t stale[OST_BLOCK];   /* [z], bits y: rows whose shades have to be computed */
     uint32_t points[OST_BLOCK_POINTS + OST_POINT_SLACK], shades[OST_BLOCK_POINTS + OST_SHADING_SLACK];
-    uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS]; /* voxels bared by the clip plane, bared by a tool, in contact just now */
+    /* voxels bared by the clip plane, bared by a tool, in contact just now */
+    uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS];
     ost_rim rim;
     ost_rows occupied, near, other; /* active voxels; voxels near removed ones; scratch of spread */
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE]; /* a slice; or two slices of the block without its neighbours */
@@ -37,8 +38,10 @@ typedef struct ost_shading_scratch {
 /* Recomputes the block's cells near changes. Must be called for all blocks before the first is dressed. */
 void ost_surface_measure(const ost_surface *surface, ost_surface_block *block, ost_shading_scratch *scratch);
 
-/* Computes the shades of all points in stale rows. The scratch must hold the block's faces; the shades are written to it. */
-ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points, ost_shading_scratch *scratch, ost_error *err);
+/* Computes the shades of all points in stale rows. The scratch must hold the block's faces; the
+   shades are written to it. */
+ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points,
+                             ost_shading_scratch *scratch, ost_error *err);
 /* Computes the scratch's cap and contact for all rows of the block. */
 void ost_surface_find_marked(const ost_surface *surface, const ost_surface_block *block, ost_shading_scratch *scratch);
 

@@ -23,12 +23,14 @@ enum {
     OST_LINE_SHIFT = 8,  /* bit of a row at which a line begins */
     OST_LINE_SKIP = 3,   /* a field's row begins at x = -1, the sum there at x = -5 */
     OST_SLOPES = 16,
-    OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120, /* openness of a plane, least openness; rates at which it falls in a pit and rises on an edge */
+    /* openness of a plane, least openness; rates at which it falls in a pit and rises on an edge */
+    OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120,
     OST_WIDE_PART = 4,   /* wide values are the field's divided by this */
     OST_WIDE_LEAST = 120, /* smaller wide slopes are ignored */
     OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of the maximum */
 };
-static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10; /* least cosine at which the wide slope is used; from 1 / 10 more on it is used alone */
+/* least cosine at which the wide slope is used; from 1 / 10 more on it is used alone */
+static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10;
 
 /* Returns the openness of a field value, 0 to slightly more than OST_FIELD_FULL. */
 static inline int ost_openness(int field)
@@ -38,12 +40,14 @@ static inline int ost_openness(int field)
     return open < OST_OPEN_LEAST ? OST_OPEN_LEAST : open > 255 ? 255 : open;
 }
 
-/* Data of up to OST_SLOPES points: the slope of each field along each axis, the fields' values, the faces to the air. */
+/* Data of up to OST_SLOPES points: the slope of each field along each axis, the fields' values,
+   the faces to the air. */
 typedef struct ost_slopes {
     int32_t fine[3][OST_SLOPES], wide[3][OST_SLOPES], value[2][OST_SLOPES], faces[OST_SLOPES];
 } ost_slopes;
 
-static inline int32_t ost_slope_of(const ost_field_slice *const slice[3], uint32_t x, uint32_t y, int i, int32_t out[3][OST_SLOPES])
+static inline int32_t ost_slope_of(const ost_field_slice *const slice[3], uint32_t x, uint32_t y, int i,
+                                   int32_t out[3][OST_SLOPES])
 {
     const uint16_t *at = &(*slice[1])[y][x];
     out[0][i] = at[-1] - at[1];
@@ -52,7 +56,8 @@ static inline int32_t ost_slope_of(const ost_field_slice *const slice[3], uint32
     return at[0];
 }
 
-static inline void ost_slope_at(uint32_t point, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], ost_slopes *out, int i)
+static inline void ost_slope_at(uint32_t point, const ost_field_slice *const fine[3],
+                                const ost_field_slice *const wide[3], ost_slopes *out, int i)
 {
     const uint32_t x = (point & 31) + 1, y = (point >> 5 & 31) + 1;
     out->value[0][i] = ost_slope_of(fine, x, y, i, out->fine);
@@ -67,8 +72,8 @@ static inline int32_t ost_slope_with_faces(int32_t slope, int32_t faces, int axi
 }
 
 /* Fetches the slopes of up to OST_SLOPES points. */
-static inline void ost_slopes_at(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3],
-                                 ost_slopes *out)
+static inline void ost_slopes_at(const uint32_t *points, int count, const ost_field_slice *const fine[3],
+                                 const ost_field_slice *const wide[3], ost_slopes *out)
 {
     for (int i = 0; i < count && i < OST_SLOPES; i++)
         ost_slope_at(points[i], fine, wide, out, i);

@@ -26,7 +26,8 @@ void ost_field_densities_scalar(uint64_t row, uint64_t near, const int16_t densi
 static inline unsigned nine(const uint16_t *a, ptrdiff_t step)
 {
     const unsigned outer = (unsigned)a[0] + a[8 * step] + 2u * ((unsigned)a[step] + a[7 * step]);
-    const unsigned inner = 3u * ((unsigned)a[2 * step] + a[6 * step]) + 4u * ((unsigned)a[3 * step] + a[5 * step]) + 5u * a[4 * step];
+    const unsigned inner = 3u * ((unsigned)a[2 * step] + a[6 * step]) + 4u * ((unsigned)a[3 * step] + a[5 * step]) +
+                           5u * a[4 * step];
     return outer + inner;
 }
 
@@ -99,7 +100,8 @@ static inline float share_of(const float fine[3], const float wide[3], float fin
     return wide_size < OST_WIDE_LEAST || !(t > 0) ? 0 : t < 1 ? t : 1;
 }
 
-void ost_field_shades_scalar(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades)
+void ost_field_shades_scalar(const uint32_t *points, int count, const ost_field_slice *const fine[3],
+                             const ost_field_slice *const wide[3], uint32_t *shades)
 {
     for (int i = 0; i < count; i++) {
         ost_slopes s;
@@ -113,15 +115,18 @@ void ost_field_shades_scalar(const uint32_t *points, int count, const ost_field_
         const float of_fine = t > 0 ? (1 - t) * wide_size : 1, of_wide = t * fine_size;
         for (int a = 0; a < 3; a++)
             out[a] = f[a] * of_fine + w[a] * of_wide;
-        const int open = ost_openness(s.value[0][0]), both = ost_openness(2 * OST_WIDE_PART * s.value[1][0] - s.value[0][0] + OST_WIDE_PLANE);
+        const int open = ost_openness(s.value[0][0]),
+                  both = ost_openness(2 * OST_WIDE_PART * s.value[1][0] - s.value[0][0] + OST_WIDE_PLANE);
         const float mixed = (float)open + (float)(both - open) * t;
         shades[i] = ost_octahedral_of(out) | (uint32_t)(int)(mixed + 0.5f) << OST_OPEN_SHIFT;
     }
 }
 
-#define OF(SET, FINER)                                                                                                                     \
-    {ost_field_bits_##SET, ost_field_densities_##SET, ost_field_down_##SET, ost_field_slice_##SET, ost_field_cells_##SET,            \
-     ost_field_lines_##SET, FINER, ost_field_shades_##SET}
+#define OF(SET, FINER)                                                                                                 \
+    {                                                                                                                  \
+        ost_field_bits_##SET, ost_field_densities_##SET, ost_field_down_##SET, ost_field_slice_##SET,                  \
+            ost_field_cells_##SET, ost_field_lines_##SET, FINER, ost_field_shades_##SET                                \
+    }
 
 ost_smooth_kernels ost_smooth_kernels_of(ost_isa isa)
 {

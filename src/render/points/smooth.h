@@ -50,35 +50,44 @@ typedef struct ost_smooth_kernels {
     void (*densities)(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]);
     /* Sums along y: out[i] = 1 in[i] + 2 in[i + 1] + ... + 1 in[i + 8], for count rows i. */
     void (*down)(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);
-    /* Sums along z and x the rows whose bit is set. Entry i of a row is x = i - 1; entries from OST_FIELD_ROWS on are undefined. */
+    /* Sums along z and x the rows whose bit is set. Entry i of a row is x = i - 1; entries from
+       OST_FIELD_ROWS on are undefined. */
     void (*slice)(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);
     /* Computes a row of cells from two rows of each of two slices. */
-    void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE], uint8_t out[OST_CELLS]);
+    void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
+                  uint8_t out[OST_CELLS]);
     /* Joins count rows of cells of three blocks to lines, which begin at x = -8 as those of bone do. */
-    void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count, uint16_t (*out)[OST_FIELD_LINE]);
+    void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
+                  uint16_t (*out)[OST_FIELD_LINE]);
     /*
      * Interpolates the rows whose bit is set (at least one) of a slice between two
      * slices of cells; the slice is nearer to the second if odd.
      */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
     /* Computes the shades of points of one slice, whose field is fine[1]. */
-    void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades);
+    void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3],
+                   const ost_field_slice *const wide[3], uint32_t *shades);
 } ost_smooth_kernels;
 
 ost_smooth_kernels ost_smooth_kernels_of(ost_isa isa);
 
-#define OST_SMOOTH_DECLARE(SET)                                                                                                     \
-    void ost_field_bits_##SET(const uint64_t *rows, int count, uint16_t (*out)[OST_FIELD_LINE]);                                    \
-    void ost_field_densities_##SET(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]); \
-    void ost_field_down_##SET(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);                    \
-    void ost_field_slice_##SET(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);                             \
-    void ost_field_cells_##SET(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE], uint8_t *out);      \
-    void ost_field_lines_##SET(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count, uint16_t (*out)[OST_FIELD_LINE]); \
-    void ost_field_shades_##SET(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades);
+#define OST_SMOOTH_DECLARE(SET)                                                                                        \
+    void ost_field_bits_##SET(const uint64_t *rows, int count, uint16_t(*out)[OST_FIELD_LINE]);                        \
+    void ost_field_densities_##SET(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE],                 \
+                                   uint16_t out[OST_FIELD_LINE]);                                                      \
+    void ost_field_down_##SET(const uint16_t(*in)[OST_FIELD_LINE], uint16_t(*out)[OST_FIELD_LINE], int count);         \
+    void ost_field_slice_##SET(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);                \
+    void ost_field_cells_##SET(const uint16_t(*below)[OST_FIELD_LINE], const uint16_t(*above)[OST_FIELD_LINE],         \
+                               uint8_t *out);                                                                          \
+    void ost_field_lines_##SET(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,               \
+                               uint16_t(*out)[OST_FIELD_LINE]);                                                        \
+    void ost_field_shades_##SET(const uint32_t *points, int count, const ost_field_slice *const fine[3],               \
+                                const ost_field_slice *const wide[3], uint32_t *shades);
 OST_SMOOTH_DECLARE(scalar)
 OST_SMOOTH_DECLARE(avx2)
 OST_SMOOTH_DECLARE(avx512)
 void ost_field_finer_scalar(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
-void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out); /* AVX-512's too */
+/* AVX-512's too */
+void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
 
 #endif

@@ -74,7 +74,8 @@ typedef struct ost_splat_eye {
 /* Half a voxel's side; the same, widened to close the cracks that rounding would leave between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* If the eye is no farther than this from a voxel's middle along an axis, rays to the voxel have both signs on that axis. */
+/* If the eye is no farther than this from a voxel's middle along an axis, rays to the voxel have
+   both signs on that axis. */
 #define OST_FACE_HALF 0.501f
 
 /* Pixels x0 <= x < x1, y0 <= y < y1. */
@@ -89,12 +90,14 @@ typedef struct ost_extent {
 /* The points of a block that have a face toward the eye; scratch of a thread that makes lists. */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
-    uint8_t only[OST_BLOCK_POINTS + OST_LANES]; /* axis of the only face to the air that is turned to the eye, or OST_SEVERAL */
+    /* axis of the only face to the air that is turned to the eye, or OST_SEVERAL */
+    uint8_t only[OST_BLOCK_POINTS + OST_LANES];
 } ost_chosen;
 
 /* The lists of voxels that have a face toward the eye, with their colours. */
 typedef struct ost_visible {
-    uint64_t *seen;             /* owned by the frame; tint << 32 | id, so one load yields both. tint: colour in full light of the face */
+    /* owned by the frame; tint << 32 | id, so one load yields both. tint: colour in full light of the face */
+    uint64_t *seen;
     uint8_t *only;              /* owned by the frame; as in ost_chosen */
     /*
      * The pixels that each OST_LANES entries cover, as made by ost_extent_word, or
@@ -114,16 +117,19 @@ typedef struct ost_splat_kernels {
      * turned[a][i]: the faces of axis a that are turned to the eye at coordinate
      * i, as bits of ost_face.  Returns the number of selected points.
      */
-    uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out);
+    uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
+                       ost_chosen *out);
     /*
      * Draws the list of a block into the keys of the pixels in part.  May also write keys
      * of the same rows outside part; their values are not used.
      */
-    void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
-                  const ost_extent *part);
+    void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
+                  const ost_planes *planes, const ost_extent *part);
     /* Computes face, depth and colour of pixels x0 <= x < x1 of a row; x0 and x1 are multiples of OST_LANES. */
-    void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);
-    /* Returns the greatest key of up to OST_TILE rows from y on, in the OST_TILE columns from x on, a multiple of OST_TILE. */
+    void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
+                    int x1);
+    /* Returns the greatest key of up to OST_TILE rows from y on, in the OST_TILE columns from x
+       on, a multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
      * Copies the pixels of `from` that are nearer than those of `to`, for
@@ -138,13 +144,16 @@ ost_splat_eye ost_splat_prepare(const ost_eye *eye);
 /* Returns the functions for an instruction set, which this machine must have. */
 ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
 
-#define OST_SPLAT_DECLARE(SET)                                                                                                      \
-    uint32_t ost_facing_##SET(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out);  \
-    void ost_splat_##SET(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,                      \
-                         const ost_planes *planes, const ost_extent *part);                                                        \
-    void ost_resolve_##SET(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1);                \
-    uint64_t ost_farthest_##SET(const ost_planes *planes, int x, int y, int rows);                                                  \
-    void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
+#define OST_SPLAT_DECLARE(SET)                                                                                         \
+    uint32_t ost_facing_##SET(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],       \
+                              ost_chosen *out);                                                                        \
+    void ost_splat_##SET(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,          \
+                         const ost_planes *planes, const ost_extent *part);                                            \
+    void ost_resolve_##SET(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y,      \
+                           int x0, int x1);                                                                            \
+    uint64_t ost_farthest_##SET(const ost_planes *planes, int x, int y, int rows);                                     \
+    void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1,             \
+                         uint64_t *taken);
 OST_SPLAT_DECLARE(scalar)
 OST_SPLAT_DECLARE(avx2) /* facing is the scalar one */
 OST_SPLAT_DECLARE(avx512)
@@ -175,7 +184,8 @@ static inline uint32_t ost_visible_index(const ost_visible *visible, uint32_t nu
 /* Returns the extent as a word; 16 bits suffice, since frames have at most 2^13 pixels a side. */
 static inline uint64_t ost_extent_word(int x0, int x1, int y0, int y1)
 {
-    return (uint64_t)(uint32_t)x0 << 48 | (uint64_t)(uint32_t)x1 << 32 | (uint64_t)(uint32_t)y0 << 16 | (uint64_t)(uint32_t)y1;
+    return (uint64_t)(uint32_t)x0 << 48 | (uint64_t)(uint32_t)x1 << 32 | (uint64_t)(uint32_t)y0 << 16 |
+           (uint64_t)(uint32_t)y1;
 }
 
 /* Returns true if the extent is known and has no pixel in common with part. */

@@ -51,12 +51,14 @@ ost_splat_eye ost_splat_prepare(const ost_eye *eye)
     return s;
 }
 
-uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out)
+uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
+                           ost_chosen *out)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < block->count; i++) {
         const uint32_t p = block->points[i];
-        const uint32_t seen = p >> OST_FACES_SHIFT & (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
+        const uint32_t seen = p >> OST_FACES_SHIFT &
+                              (uint32_t)(turned[0][p & 31] | turned[1][p >> 5 & 31] | turned[2][p >> 10 & 31]);
         out->id[n] = slot << OST_LOCAL_BITS | (p & ((1u << OST_LOCAL_BITS) - 1));
         out->shade[n] = block->shades[i];
         out->only[n] = (uint8_t)(seen & (seen - 1) ? OST_SEVERAL : seen > 15 ? 2 : seen > 3);
@@ -98,10 +100,11 @@ static bool rectangle_of(const ost_splat_eye *s, const float o[3], unsigned only
     const float x = ost_eye_dot(e->right, middle), y = ost_eye_dot(e->up, middle), z = ost_eye_dot(e->forward, middle);
     const float nearest = z - spread(e->forward, 0, origin, only);
     const float inverse = 1.0f / z, tx = x * inverse, ty = y * inverse, k = e->focal / nearest;
-    const float hx = spread(e->right, tx, e->forward, only) * k + 0.01f, hy = spread(e->up, ty, e->forward, only) * k + 0.01f;
+    const float hx = spread(e->right, tx, e->forward, only) * k + 0.01f,
+                hy = spread(e->up, ty, e->forward, only) * k + 0.01f;
     const float px = tx * e->focal + (e->half_w - 0.5f), py = (e->half_h - 0.5f) - ty * e->focal;
-    *r = (rectangle){within(ceilf(px - hx), 0, e->width), within(floorf(px + hx), -1, e->width - 1), within(ceilf(py - hy), 0, e->height),
-                     within(floorf(py + hy), -1, e->height - 1)};
+    *r = (rectangle){within(ceilf(px - hx), 0, e->width), within(floorf(px + hx), -1, e->width - 1),
+                     within(ceilf(py - hy), 0, e->height), within(floorf(py + hy), -1, e->height - 1)};
     return r->x0 <= r->x1 && r->y0 <= r->y1;
 }
 
@@ -172,7 +175,8 @@ static void place(const float *bases, uint32_t id, float o[3])
     o[2] = base[2] + (float)(id >> 10 & 31);
 }
 
-static void splat(const ost_splat_eye *eye, const float o[3], unsigned only, uint64_t key, const rectangle *r, const ost_planes *planes)
+static void splat(const ost_splat_eye *eye, const float o[3], unsigned only, uint64_t key, const rectangle *r,
+                  const ost_planes *planes)
 {
     unsigned negative = 0, inside = 0;
     for (int a = 0; a < 3; a++) {
@@ -197,8 +201,8 @@ static void widen(ost_extent *e, const rectangle *r)
 }
 
 /* Draws entries from to to - 1 of a list, which share an extent word. Returns that word. */
-static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from, uint32_t to,
-                           const ost_planes *planes, const ost_extent *part)
+static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from,
+                           uint32_t to, const ost_planes *planes, const ost_extent *part)
 {
     ost_extent all = {eye->eye.width, 0, eye->eye.height, 0};
     for (uint32_t i = from; i < to; i++) {
@@ -218,15 +222,16 @@ static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible,
     return all.y0 < all.y1 ? ost_extent_word(all.x0, all.x1, all.y0, all.y1) : OST_EXTENT_NONE;
 }
 
-void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
-                      const ost_extent *part)
+void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
+                      const ost_planes *planes, const ost_extent *part)
 {
     for (uint32_t i = 0; i < count; i += OST_LANES) {
         _Atomic uint64_t *extent = &visible->extent[(visible->begin[slot] + i) / OST_LANES];
         const uint64_t known = atomic_load_explicit(extent, memory_order_relaxed);
         if (ost_extent_misses(known, part))
             continue;
-        const uint64_t found = splat_some(eye, visible, slot, i, count - i < OST_LANES ? count : i + OST_LANES, planes, part);
+        const uint64_t found = splat_some(eye, visible, slot, i, count - i < OST_LANES ? count : i + OST_LANES, planes,
+                                          part);
         if (known == OST_EXTENT_UNKNOWN)
             atomic_store_explicit(extent, found, memory_order_relaxed);
     }
@@ -253,7 +258,8 @@ static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float
     return 2 * best + (o[best] < 0);
 }
 
-void ost_resolve_scalar(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1)
+void ost_resolve_scalar(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
+                        int x1)
 {
     const float v = eye->eye.half_h - ((float)y + 0.5f);
     for (int x = x0; x < x1; x++) {

@@ -19,8 +19,8 @@ ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, 
         return status;
     const ost_pm3 *s = &geometry->spacing;
     if (s->x != s->y || s->x != s->z)
-        return ost_fail(err, OST_ERR_RANGE, "a surface needs cubic voxels, not %lld x %lld x %lld pm", (long long)s->x, (long long)s->y,
-                        (long long)s->z);
+        return ost_fail(err, OST_ERR_RANGE, "a surface needs cubic voxels, not %lld x %lld x %lld pm", (long long)s->x,
+                        (long long)s->y, (long long)s->z);
     surface->geometry = *geometry;
     surface->blocks[0] = (geometry->dims.x + SIDE - 1) / SIDE;
     surface->blocks[1] = (geometry->dims.y + SIDE - 1) / SIDE;
@@ -88,7 +88,8 @@ bool ost_surface_is_empty(const ost_surface *surface, const int32_t lo[3], const
             for (int32_t x = from[0]; x <= to[0]; x++) {
                 const ost_surface_block *b = ost_surface_block_at(surface, x, y, z);
                 const int32_t at[3] = {SIDE * x, SIDE * y, SIDE * z};
-                const int32_t l[3] = {lo[0] - at[0], lo[1] - at[1], lo[2] - at[2]}, h[3] = {hi[0] - at[0], hi[1] - at[1], hi[2] - at[2]};
+                const int32_t l[3] = {lo[0] - at[0], lo[1] - at[1], lo[2] - at[2]},
+                              h[3] = {hi[0] - at[0], hi[1] - at[1], hi[2] - at[2]};
                 if (b && !block_is_empty(b, l, h))
                     return false;
             }
@@ -204,7 +205,8 @@ static ost_status note_fresh(ost_surface *s, ost_surface_block *b, const uint32_
     return OST_OK;
 }
 
-ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS], ost_error *err)
+ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS],
+                           ost_error *err)
 {
     static const uint32_t nothing[ROWS];
     ost_surface_block *b = ost_surface_block_at(surface, at[0], at[1], at[2]);
@@ -312,7 +314,8 @@ static ost_status set_eighth(ost_surface *surface, const int32_t at[3], const ui
     return ost_surface_set(surface, block, occupancy, err);
 }
 
-ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words, ost_error *err)
+ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
+                                 ost_error *err)
 {
     if (n == SIDE)
         return ost_surface_set(surface, at, words, err);
@@ -366,7 +369,8 @@ static uint32_t row_word(const int16_t *voxels, int count, int32_t threshold)
     return word;
 }
 
-static void block_of_volume(const ost_volume *v, const int32_t at[3], int32_t threshold, uint32_t occupancy[OST_BLOCK_ROWS])
+static void block_of_volume(const ost_volume *v, const int32_t at[3], int32_t threshold,
+                            uint32_t occupancy[OST_BLOCK_ROWS])
 {
     const ost_dims d = v->geometry.dims;
     const int x = at[0] * SIDE, count = d.x - x < SIDE ? d.x - x : SIDE;

@@ -33,14 +33,14 @@
 #include <osteon/grid.h>
 
 enum {
-    OST_BLOCK = 32,                  /* voxels on a side */
-    OST_BLOCK_ROWS = 32 * 32,        /* row y + 32 z; bit x of it is voxel (x, y, z) */
+    OST_BLOCK = 32, /* voxels on a side */
+    OST_BLOCK_ROWS = 32 * 32, /* row y + 32 z; bit x of it is voxel (x, y, z) */
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points in a block */
-    OST_BLOCKS_MAX = (1 << 17) - 1,  /* blocks with a slot: an id has 17 bits for the slot, and one value means "none" */
+    OST_BLOCKS_MAX = (1 << 17) - 1, /* blocks with a slot: an id has 17 bits for the slot, and one value means "none" */
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    OST_SHADING_REACH = 14,          /* greatest distance, in voxels, of a voxel that a shade depends on (renew.c) */
+    OST_SHADING_REACH = 14, /* greatest distance, in voxels, of a voxel that a shade depends on (renew.c) */
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
 
@@ -58,7 +58,8 @@ typedef struct ost_surface_block {
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
     uint32_t *changed;         /* owned; voxels of whole that changed since the last update; NULL if none */
     uint32_t *before;          /* owned; bone voxels of the uncut bone; NULL if the surface has no reference */
-    uint32_t *fresh, *recent;  /* owned; voxels removed since the last ost_surface_age, and in the interval before; NULL if none */
+    /* owned; voxels removed since the last ost_surface_age, and in the interval before; NULL if none */
+    uint32_t *fresh, *recent;
     uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until the first is needed */
     uint32_t count, capacity;  /* number of points, capacity */
     uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8]; /* amount of bone in each 2^3 voxels: x, y, z (shading.h) */
@@ -98,12 +99,14 @@ void ost_surface_free(ost_surface *surface);
  * Replaces the active voxels of the block at[] (in blocks); bits outside the grid must be 0.
  * Returns OST_ERR_RANGE beyond OST_BLOCKS_MAX blocks.
  */
-ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS], ost_error *err);
+ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS],
+                           ost_error *err);
 /*
  * Does the same from a chunk of n^3 voxels, at[] in chunks: n is 16, 32 or 64, and bit v % 32 of
  * word v / 32 is voxel v = x + n (y + n z).  Allocates nothing for blocks that never had an active voxel.
  */
-ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words, ost_error *err);
+ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
+                                 ost_error *err);
 /* Does the same for all blocks of a volume: a voxel is active if its density is at least the threshold. */
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 

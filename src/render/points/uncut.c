@@ -26,8 +26,8 @@ static void make_levels(ost_uncut *g)
     }
 }
 
-ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold, const ost_density_classes *classes, const ost_pm3 *at,
-                          const double *axis, ost_error *err)
+ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold,
+                          const ost_density_classes *classes, const ost_pm3 *at, const double *axis, ost_error *err)
 {
     *reference = (ost_uncut){.threshold = threshold};
     const ost_geometry *g = &volume->geometry;
@@ -70,7 +70,8 @@ static bool inside(const ost_uncut *g, const int32_t at[3])
 static int density_at(const ost_uncut *g, const int32_t at[3])
 {
     const ost_dims d = g->volume.geometry.dims;
-    return inside(g, at) ? g->volume.voxels[at[0] + (size_t)d.x * ((size_t)at[1] + (size_t)d.y * (size_t)at[2])] : INT16_MIN;
+    return inside(g, at) ? g->volume.voxels[at[0] + (size_t)d.x * ((size_t)at[1] + (size_t)d.y * (size_t)at[2])]
+                         : INT16_MIN;
 }
 
 void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS])
@@ -163,7 +164,8 @@ uint32_t ost_uncut_cap(const ost_uncut *reference, ost_colouring colouring, cons
     if (!reference)
         return OST_PAINT_FLAT + OST_SCALE * 3 / 4;
     const int density = density_at(reference, at);
-    return OST_PAINT_FLAT + (colouring == OST_COLOUR_CLASS ? tissue_at(reference, at, density) : (uint32_t)ost_window_step(density));
+    return OST_PAINT_FLAT +
+           (colouring == OST_COLOUR_CLASS ? tissue_at(reference, at, density) : (uint32_t)ost_window_step(density));
 }
 
 /* ----------------------------------------------------------------- outside */
@@ -203,7 +205,8 @@ static bool flood(const ost_uncut *g, uint8_t *mark)
         for (int32_t y = 0; y < c.y && stack; y++)
             for (int32_t x = 0; x < c.x && stack; x++) {
                 const int64_t seed = x + c.x * (y + (int64_t)c.y * z);
-                if ((x > 0 && y > 0 && z > 0 && x < c.x - 1 && y < c.y - 1 && z < c.z - 1) || mark[seed] || !empty_cell(g, x, y, z))
+                if ((x > 0 && y > 0 && z > 0 && x < c.x - 1 && y < c.y - 1 && z < c.z - 1) || mark[seed] ||
+                    !empty_cell(g, x, y, z))
                     continue;
                 mark[seed] = OPEN;
                 stack[count++] = seed;
@@ -224,7 +227,8 @@ static bool flood(const ost_uncut *g, uint8_t *mark)
                         const int64_t next = at + step[f];
                         if (!can[f] || mark[next])
                             continue;
-                        if (!empty_cell(g, (int32_t)(next % c.x), (int32_t)(next / c.x % c.y), (int32_t)(next / c.x / c.y)))
+                        if (!empty_cell(g, (int32_t)(next % c.x), (int32_t)(next / c.x % c.y),
+                                        (int32_t)(next / c.x / c.y)))
                             continue;
                         mark[next] = OPEN;
                         stack[count++] = next;
@@ -292,7 +296,9 @@ static void outside_words(const ost_uncut *g, const int32_t block[3], uint32_t w
             const int32_t row[2] = {SIDE * block[1] + y, SIDE * block[2] + z};
             uint32_t open = 0;
             for (int x = 0; x < SIDE && row[0] < d.y && row[1] < d.z && SIDE * block[0] + x < d.x; x++)
-                open |= (uint32_t)g->outside[(SIDE * block[0] + x) / 2 + c.x * (row[0] / 2 + (int64_t)c.y * (row[1] / 2))] << x;
+                open |=
+                    (uint32_t)g->outside[(SIDE * block[0] + x) / 2 + c.x * (row[0] / 2 + (int64_t)c.y * (row[1] / 2))]
+                    << x;
             words[y + SIDE * z] = ~words[y + SIDE * z] & open;
         }
 }

@@ -40,8 +40,8 @@ typedef struct ost_uncut {
 } ost_uncut;
 
 /* Takes ownership of the volume, which must have cubic voxels. If at is NULL, no glenoid is known. */
-ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold, const ost_density_classes *classes, const ost_pm3 *at,
-                          const double *axis, ost_error *err);
+ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold,
+                          const ost_density_classes *classes, const ost_pm3 *at, const double *axis, ost_error *err);
 /* Frees the reference's memory; a zeroed reference is valid. */
 void ost_uncut_free(ost_uncut *reference);
 

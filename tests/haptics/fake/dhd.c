@@ -19,7 +19,8 @@ EXPORT int dhdGetSystemType(char id);
 EXPORT int dhdGetPositionAndOrientationFrame(double *x, double *y, double *z, double matrix[3][3], char id);
 EXPORT int dhdGetButtonMask(char id);
 EXPORT int dhdEnableForce(unsigned char on, char id);
-EXPORT int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double gripper, char id);
+EXPORT int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz,
+                                               double gripper, char id);
 EXPORT const char *dhdErrorGetLastStr(void);
 
 /* Reads the environment, for tests of the command. */
@@ -75,7 +76,8 @@ int dhdEnableForce(unsigned char on, char id)
 }
 
 #ifndef FAKE_SHORT
-int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double gripper, char id)
+int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz,
+                                        double gripper, char id)
 {
     fake_call(&fake_dhd, id == -1 && gripper == 0 ? 'f' : '!');
     memcpy(fake_dhd.force, (double[3]){fx, fy, fz}, sizeof fake_dhd.force);

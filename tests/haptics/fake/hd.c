@@ -12,7 +12,17 @@
 #include "haptics/fake/fake.h"
 
 #define EXPORT __attribute__((visibility("default")))
-enum { DEVICE = 7, BUTTONS = 0x2000, TRANSFORM = 0x2052, FORCE = 0x2700, FORCE_OUTPUT = 0x4000, WARM = 0x0200, MAX_FORCE = 0x2603, MAX_CONTINUOUS = 0x2604, COMMUNICATION = 0x0302 };
+enum {
+    DEVICE = 7,
+    BUTTONS = 0x2000,
+    TRANSFORM = 0x2052,
+    FORCE = 0x2700,
+    FORCE_OUTPUT = 0x4000,
+    WARM = 0x0200,
+    MAX_FORCE = 0x2603,
+    MAX_CONTINUOUS = 0x2604,
+    COMMUNICATION = 0x0302
+};
 
 typedef struct fake_error {
     unsigned code;

@@ -48,8 +48,9 @@ static inline void differ_voxels(difference *f, const void *a, const void *b, si
 static inline bool same_scatter(const ost_scatter_report *a, const ost_scatter_report *b)
 {
     return a->samples == b->samples && a->duplicates == b->duplicates && a->off_lattice == b->off_lattice &&
-           a->worst_offset_ppm == b->worst_offset_ppm && a->worst_line == b->worst_line && a->rejected_line == b->rejected_line &&
-           a->conflict_line == b->conflict_line && a->conflict_had == b->conflict_had && a->conflict_has == b->conflict_has;
+           a->worst_offset_ppm == b->worst_offset_ppm && a->worst_line == b->worst_line &&
+           a->rejected_line == b->rejected_line && a->conflict_line == b->conflict_line &&
+           a->conflict_had == b->conflict_had && a->conflict_has == b->conflict_has;
 }
 
 static inline void differ_reports(difference *f, const ost_report *a, const ost_report *b)
@@ -90,7 +91,8 @@ static inline difference first_difference(const scene *s, const outcome *a, cons
     if (is_here(&f, DEVIATION_CHUNKS, 0))
         return f;
     differ_voxels(&f, a->tool.voxels, b->tool.voxels, 1, s->cutting.grid.dims, 0);
-    f.report = a->voxelize.solid_voxels != b->voxelize.solid_voxels || a->voxelize.cutting_voxels != b->voxelize.cutting_voxels ||
+    f.report = a->voxelize.solid_voxels != b->voxelize.solid_voxels ||
+               a->voxelize.cutting_voxels != b->voxelize.cutting_voxels ||
                a->voxelize.leaking_rows != b->voxelize.leaking_rows;
     if (is_here(&f, DEVIATION_TOOL, 0))
         return f;

@@ -65,7 +65,8 @@ static inline void make_samples(scene *s, test_rng *rng, flavour f)
     s->rect = (ost_geometry){
         .dims = {(int32_t)rng_range(rng, 15, 45), (int32_t)rng_range(rng, 15, 45), (int32_t)rng_range(rng, 12, 30)},
         .spacing = {across, across, rng_range(rng, 0, 2) ? spacings[rng_range(rng, 0, 5)] : across},
-        .origin = {rng_range(rng, 0, 1) ? 0 : -122 * across, rng_range(rng, -9, 9) * across, rng_range(rng, 0, 1) ? 0 : 7 * UM},
+        .origin = {rng_range(rng, 0, 1) ? 0 : -122 * across, rng_range(rng, -9, 9) * across,
+                   rng_range(rng, 0, 1) ? 0 : 7 * UM},
     };
     const int64_t voxels = ost_dims_count(s->rect.dims);
     s->samples = malloc((size_t)(2 * voxels) * sizeof *s->samples);
@@ -125,7 +126,8 @@ static inline void add_triangle(ost_snapped_mesh *m, size_t a, size_t b, size_t 
  */
 static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *hi)
 {
-    const int32_t middle = (n / 2) * LATTICE + LATTICE / 2, margin = middle < n * LATTICE - middle ? middle : n * LATTICE - middle;
+    const int32_t middle = (n / 2) * LATTICE + LATTICE / 2,
+                  margin = middle < n * LATTICE - middle ? middle : n * LATTICE - middle;
     const int32_t half = (int32_t)rng_range(rng, margin / 2, margin - 1) | 1;
     *lo = middle - half;
     *hi = middle + half;
@@ -187,8 +189,10 @@ static inline void make_tools(scene *s, test_rng *rng)
     const ost_pm voxel = voxels[rng_range(rng, 0, 4)];
     const bool wide = rng_range(rng, 0, 2) == 0;
     const int32_t least = wide ? 60 : 4, most = wide ? 80 : 30;
-    ost_tool_geometry g = {{(int32_t)rng_range(rng, 4, 24), (int32_t)rng_range(rng, least, most), (int32_t)rng_range(rng, least, most)},
-                           voxel, {0}};
+    ost_tool_geometry g = {
+        {(int32_t)rng_range(rng, 4, 24), (int32_t)rng_range(rng, least, most), (int32_t)rng_range(rng, least, most)},
+        voxel,
+        {0}};
     g.corner = (ost_pm3){-(g.dims.x / 2) * voxel, -(g.dims.y / 2) * voxel, -(g.dims.z / 2) * voxel};
     s->cutting = make_mesh(rng, &g);
     s->two_meshes = rng_range(rng, 0, 1);
@@ -197,7 +201,8 @@ static inline void make_tools(scene *s, test_rng *rng)
 
     const ost_pm own = voxels[rng_range(rng, 0, 4)];
     const int32_t size = (int32_t)(own < s->cubic / 4 ? rng_range(rng, 30, 90) : rng_range(rng, 3, 70));
-    g = (ost_tool_geometry){{size, size, (int32_t)rng_range(rng, 3, size)}, own, {-(size / 2) * own, -(size / 2) * own, 0}};
+    g = (ost_tool_geometry){
+        {size, size, (int32_t)rng_range(rng, 3, size)}, own, {-(size / 2) * own, -(size / 2) * own, 0}};
     const bool solid = rng_range(rng, 0, 2) == 0;
     assert_ok(ost_tool_volume_init(&s->given, &g, &err));
     for (int64_t v = 0; v < ost_dims_count(g.dims); v++) {
@@ -266,7 +271,8 @@ static inline void make_events(scene *s, test_rng *rng)
         to.t.x += rng_range(rng, -2 * step, 2 * step);
         to.t.y += rng_range(rng, -step, step);
         to.qz += (int32_t)rng_range(rng, -1000000, 1000000);
-        if (ost_pose_check(&to, NULL) != OST_OK || ost_sweep_count(&from, &to, g, s->cubic, &n, NULL) != OST_OK || n > POSES)
+        if (ost_pose_check(&to, NULL) != OST_OK || ost_sweep_count(&from, &to, g, s->cubic, &n, NULL) != OST_OK ||
+            n > POSES)
             continue;
         s->events[e].count = n;
         for (int k = 1; k <= n; k++)
@@ -327,7 +333,8 @@ static inline outcome *run_scene(const scene *s, ost_backend *backend, int chunk
 
     assert_ok(ost_grid_create(backend, &s->rect, &rect, &err));
     assert_ok(ost_ct_to_rect(rect, s->samples, s->first_batch, s->first_line, s->duplicates, &o->scatter, &err));
-    assert_ok(ost_ct_to_rect(rect, s->samples + s->first_batch, s->count - s->first_batch, s->first_line, s->duplicates, &o->scatter, &err));
+    assert_ok(ost_ct_to_rect(rect, s->samples + s->first_batch, s->count - s->first_batch, s->first_line, s->duplicates,
+                             &o->scatter, &err));
     o->rect = all_of(rect);
     assert_ok(ost_rect_to_cubic(rect, s->cubic, s->rule, &cubic, &err));
     o->cubic = all_of(cubic);
@@ -336,7 +343,8 @@ static inline outcome *run_scene(const scene *s, ost_backend *backend, int chunk
     o->chunks = content(bone, &g);
     assert_ok(ost_bone_info_get(bone, &o->info[0], &err));
 
-    assert_ok(ost_voxelize(backend, &s->cutting, s->two_meshes ? &s->noncutting : NULL, s->fill, &o->voxelize, &tools[0], &err));
+    assert_ok(ost_voxelize(backend, &s->cutting, s->two_meshes ? &s->noncutting : NULL, s->fill, &o->voxelize,
+                           &tools[0], &err));
     assert_ok(ost_tool_download(tools[0], &o->tool, &err));
     assert_ok(ost_tool_upload(backend, &s->given, &tools[1], &err));
     scene_event *event = malloc(sizeof *event);

@@ -32,8 +32,8 @@ static void equals_the_reference(void **state)
             } else {
                 const difference f = first_difference(s, a, b);
                 if (f.any)
-                    fail_msg("round %d, stage %s, call %d, voxel (%d, %d, %d)%s", round, deviation_stage_name(f.stage), (int)f.call,
-                             f.voxel[0], f.voxel[1], f.voxel[2], f.report ? ", report" : "");
+                    fail_msg("round %d, stage %s, call %d, voxel (%d, %d, %d)%s", round, deviation_stage_name(f.stage),
+                             (int)f.call, f.voxel[0], f.voxel[1], f.voxel[2], f.report ? ", report" : "");
                 for (int e = 0; e < EVENTS; e++) {
                     assert_same_report(&b->reports[e], &a->reports[e]);
                     hit += b->reports[e].total_voxels;
@@ -65,18 +65,21 @@ static void reports_what_is_wrong_with_samples(void **state)
     (void)state;
     test_rng rng = rng_seeded("bad samples");
     ost_error err = {0};
-    const ost_geometry g = {.dims = {5, 4, 3}, .spacing = {470 * UM, 470 * UM, OST_PM_PER_MM}, .origin = {-57340 * UM, 0, 3}};
+    const ost_geometry g = {
+        .dims = {5, 4, 3}, .spacing = {470 * UM, 470 * UM, OST_PM_PER_MM}, .origin = {-57340 * UM, 0, 3}};
     ost_backend *backends[2];
     assert_ok(ost_backend_open("ref", &backends[0], &err));
     assert_ok(dense_open(NULL, &backends[1], &err));
     for (int round = 0; round < 300; round++) {
         ost_sample samples[40];
         for (int i = 0; i < 40; i++) {
-            const int64_t off = rng_range(&rng, 0, 19) ? rng_range(&rng, -60, 60) * UM : rng_range(&rng, -500, 500) * UM;
+            const int64_t off = rng_range(&rng, 0, 19) ? rng_range(&rng, -60, 60) * UM
+                                                       : rng_range(&rng, -500, 500) * UM;
             samples[i] = (ost_sample){
                 .x = g.origin.x + rng_range(&rng, 0, 4) * g.spacing.x + off,
                 .y = g.origin.y + rng_range(&rng, 0, 3) * g.spacing.y + (rng_range(&rng, 0, 9) ? 0 : g.spacing.y / 8),
-                .z = g.origin.z + rng_range(&rng, 0, 2) * g.spacing.z + (rng_range(&rng, 0, 9) ? 0 : 3 * g.spacing.z / 8),
+                .z = g.origin.z + rng_range(&rng, 0, 2) * g.spacing.z +
+                     (rng_range(&rng, 0, 9) ? 0 : 3 * g.spacing.z / 8),
                 .density = (int32_t)rng_range(&rng, 100, 103),
                 .line = (uint32_t)rng_range(&rng, 0, 60),
             };

@@ -47,9 +47,10 @@ static void check_place(deviation_kind kind, const deviation_record *r, const di
         memcmp(p->voxel, f->voxel, sizeof p->voxel) != 0 || r->voxels != f->voxels || r->report != f->report)
         fail_msg("%s, seed %llu: recorded %s call %llu voxel (%d, %d, %d) leaf %lld chunk %lld%s%s; "
                  "found %s call %llu voxel (%d, %d, %d) leaf %lld chunk %lld%s%s",
-                 about->name, (unsigned long long)seed, deviation_stage_name(p->stage), (unsigned long long)p->call, p->voxel[0],
-                 p->voxel[1], p->voxel[2], (long long)p->leaf, (long long)p->chunk, r->voxels ? " voxels" : "", r->report ? " report" : "",
-                 deviation_stage_name(f->stage), (unsigned long long)f->call, f->voxel[0], f->voxel[1], f->voxel[2], (long long)f->leaf,
+                 about->name, (unsigned long long)seed, deviation_stage_name(p->stage), (unsigned long long)p->call,
+                 p->voxel[0], p->voxel[1], p->voxel[2], (long long)p->leaf, (long long)p->chunk,
+                 r->voxels ? " voxels" : "", r->report ? " report" : "", deviation_stage_name(f->stage),
+                 (unsigned long long)f->call, f->voxel[0], f->voxel[1], f->voxel[2], (long long)f->leaf,
                  (long long)f->chunk, f->voxels ? " voxels" : "", f->report ? " report" : "");
     assert_true(about->stage == DEVIATION_EVERY || (p->stage == about->stage && q->stage == about->stage));
     assert_true(q->stage < p->stage || (q->stage == p->stage && q->call <= p->call));
@@ -62,7 +63,8 @@ static void try_once(deviation_kind kind, uint64_t seed, bool everywhere, ost_ba
     test_rng rng = {seed};
     ost_error err = {0};
     ost_backend *dense;
-    const deviation how = {.kind = kind, .seed = rng_next(&rng), .one_in = everywhere ? 1 : rates[rng_range(&rng, 0, 5)]};
+    const deviation how = {
+        .kind = kind, .seed = rng_next(&rng), .one_in = everywhere ? 1 : rates[rng_range(&rng, 0, 5)]};
     const flavour flavours[] = {VARIED, VARIED, VARIED, UNIFORM, EMPTY};
     scene *s = make_scene(&rng, flavours[everywhere ? 0 : rng_range(&rng, 0, 4)]);
     assert_ok(dense_open(&how, &dense, &err));
@@ -78,8 +80,8 @@ static void try_once(deviation_kind kind, uint64_t seed, bool everywhere, ost_ba
         t->changed++;
     } else if (r.acted > 0) {
         if (never_survives(kind))
-            fail_msg("%s, seed %llu, one in %u: acted and changed nothing", deviation_describe(kind)->name, (unsigned long long)seed,
-                     how.one_in);
+            fail_msg("%s, seed %llu, one in %u: acted and changed nothing", deviation_describe(kind)->name,
+                     (unsigned long long)seed, how.one_in);
         t->survived++;
     } else {
         t->quiet++;

@@ -36,16 +36,19 @@ static ost_status into_bundle(void *user, const char *name, const void *bytes, s
 typedef struct kind {
     const char *tier, *text, *verdict;
 } kind;
-static const kind equal_kind = {"standard", "plain", "equal"}, reduced = {"smoke", "plain", "equal"}, differing = {"standard", "plain", "differs"},
-                  hostile = {"standard", HOSTILE, "differs"};
+static const kind equal_kind = {"standard", "plain", "equal"}, reduced = {"smoke", "plain", "equal"},
+                  differing = {"standard", "plain", "differs"}, hostile = {"standard", HOSTILE, "differs"};
 
 static json_t *protocol_of(const kind *k)
 {
-    json_t *p = json_pack("{s:i,s:s,s:i,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:s,s:[s,s],s:[{s:s,s:s,s:b,s:s},{s:s,s:s,s:b,s:s},{s:s,s:s,s:b,s:s}]}", "schema", EVIDENCE_FORMAT,
-                          "version", k->text, "arithmetic", 1, "tier", k->tier, "shard", 1, 1, "only", k == &hostile ? k->text : "", "cpu_only", 0, "opencl", 1,
-                          "accept", k->text, "seed", k == &hostile ? k->text : "7", "cases", "session/0", "session/1", "backends", "name", "ref", "what",
-                          "the reference", "available", 1, "reason", "", "name", "cpu", "what", k->text, "available", 1, "reason", "", "name", "cl", "what",
-                          k->text, "available", 0, "reason", k->text);
+    json_t *p = json_pack("{s:i,s:s,s:i,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:s,s:[s,s],s:[{s:s,s:s,s:b,s:s},{s:s,s:s,s:b,s:s},"
+                          "{s:s,s:s,s:b,s:s}]}",
+                          "schema", EVIDENCE_FORMAT, "version", k->text, "arithmetic", 1, "tier", k->tier, "shard", 1,
+                          1, "only", k == &hostile ? k->text : "", "cpu_only", 0, "opencl", 1, "accept", k->text,
+                          "seed", k == &hostile ? k->text : "7", "cases", "session/0", "session/1", "backends", "name",
+                          "ref", "what", "the reference", "available", 1, "reason", "", "name", "cpu", "what", k->text,
+                          "available", 1, "reason", "", "name", "cl", "what", k->text, "available", 0, "reason",
+                          k->text);
     assert_non_null(p);
     return p;
 }
@@ -56,17 +59,21 @@ static json_t *cases_of(const kind *k)
     for (int i = 0; i < 2; i++) {
         const bool plain = i == 0 || strcmp(k->verdict, "equal") == 0;
         json_t *result = plain ? json_pack("{s:s}", "verdict", "equal")
-                               : json_pack("{s:s,s:s,s:i,s:i,s:[i,i,i],s:i,s:i}", "verdict", k->verdict, "stage", "tick", "item", 12, "different_voxels", 3, "voxel", 33, 2, 65,
-                                           "reference", -5, "got", 700);
+                               : json_pack("{s:s,s:s,s:i,s:i,s:[i,i,i],s:i,s:i}", "verdict", k->verdict, "stage",
+                                           "tick", "item", 12, "different_voxels", 3, "voxel", 33, 2, 65, "reference",
+                                           -5, "got", 700);
         if (k == &hostile && !plain) {
             json_object_del(result, "voxel");
             json_object_set_new(result, "word", json_string(k->text));
             json_object_set_new(result, "class", json_string(k->text));
             json_object_set_new(result, "stage", json_string(k->text));
         }
-        json_array_append_new(cases, json_pack("{s:s,s:s,s:[{s:s,s:i,s:s}],s:{s:o,s:{s:s}}}", "id", k == &hostile ? k->text : i ? "session/1" : "session/0",
-                                               "input_sha256", "00", "reference", "stage", "tick", "item", 0, "sha256", "00", "results", "cpu", result, "cl",
-                                               "verdict", "not run"));
+        json_array_append_new(cases, json_pack("{s:s,s:s,s:[{s:s,s:i,s:s}],s:{s:o,s:{s:s}}}", "id",
+                                               k == &hostile ? k->text
+                                               : i           ? "session/1"
+                                                             : "session/0",
+                                               "input_sha256", "00", "reference", "stage", "tick", "item", 0, "sha256",
+                                               "00", "results", "cpu", result, "cl", "verdict", "not run"));
     }
     assert_int_equal(json_array_size(cases), 2);
     return cases;
@@ -164,15 +171,20 @@ static void make_bundle(const char *out, const kind *k)
     put_text_file(b, "times.json", "{}\n");
     put_text_file(b, "junit.xml", "<testsuites/>\n");
     if (k == &hostile) {
-        put_text_file(b, "sensitivity.json", "{\"injected\":3,\"kinds\":[{\"name\":\"<b>x\",\"what\":\"\\\"'<script>\",\"stage\":\"&\"},7,[]]}\n");
+        put_text_file(
+            b, "sensitivity.json",
+            "{\"injected\":3,\"kinds\":[{\"name\":\"<b>x\",\"what\":\"\\\"'<script>\",\"stage\":\"&\"},7,[]]}\n");
         put_text_file(b, PICTURE_AFTER, "no picture \"><script>");
     }
     if (k == &differing) {
         put_text_file(b, "sensitivity.json",
                       "{\"injected\":12,\"kinds\":["
-                      "{\"name\":\"seen\",\"stage\":\"tool\",\"injected\":4,\"changed\":4,\"detected\":4,\"localized\":4,\"survived\":0},"
-                      "{\"name\":\"other\",\"stage\":\"cubic\",\"injected\":5,\"changed\":0,\"detected\":0,\"localized\":0,\"survived\":5},"
-                      "{\"name\":\"missed\",\"stage\":\"tool\",\"injected\":3,\"changed\":3,\"detected\":2,\"localized\":2,\"survived\":0}]}\n");
+                      "{\"name\":\"seen\",\"stage\":\"tool\",\"injected\":4,\"changed\":4,\"detected\":4,\"localized\":"
+                      "4,\"survived\":0},"
+                      "{\"name\":\"other\",\"stage\":\"cubic\",\"injected\":5,\"changed\":0,\"detected\":0,"
+                      "\"localized\":0,\"survived\":5},"
+                      "{\"name\":\"missed\",\"stage\":\"tool\",\"injected\":3,\"changed\":3,\"detected\":2,"
+                      "\"localized\":2,\"survived\":0}]}\n");
         put_difference(b);
     }
     assert_ok(report_write(bundle_folder(b), protocol, cases, into_bundle, b, &err));
@@ -293,7 +305,9 @@ static void says_the_verdict_first(void **state)
     const struct {
         const kind *kind;
         const char *says, *says_not;
-    } expected[] = {{&equal_kind, " EQUAL</b>", "NOT EQUAL"}, {&reduced, "REDUCED RUN: NO EVIDENCE</b>", " EQUAL</b>"}, {&differing, "NOT EQUAL</b>", "&#10003;"}};
+    } expected[] = {{&equal_kind, " EQUAL</b>", "NOT EQUAL"},
+                    {&reduced, "REDUCED RUN: NO EVIDENCE</b>", " EQUAL</b>"},
+                    {&differing, "NOT EQUAL</b>", "&#10003;"}};
     (void)state;
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
         char name[32];
@@ -304,7 +318,8 @@ static void says_the_verdict_first(void **state)
         assert_non_null(hit);
         assert_true(hit < heading);
         assert_null(strstr(html, expected[i].says_not));
-        const char *not_shown = strstr(html, "<h2 id=\"not-shown\">"), *compared = strstr(html, "<h2>What was compared with what");
+        const char *not_shown = strstr(html, "<h2 id=\"not-shown\">"),
+                   *compared = strstr(html, "<h2>What was compared with what");
         assert_non_null(not_shown);
         assert_non_null(compared);
         assert_true(not_shown < compared); /* it is on the first page */
@@ -321,7 +336,9 @@ static void escapes_what_it_is_given(void **state)
     char *html = page_of(path_in("hostile"));
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         assert_null(strstr(html, bad[i]));
-    assert_non_null(strstr(html, "&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&gt;&lt;img src=x onerror=&quot;y&quot;&gt;&amp;?"));
+    assert_non_null(strstr(
+        html,
+        "&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&gt;&lt;img src=x onerror=&quot;y&quot;&gt;&amp;?"));
     free(html);
 }
 
@@ -358,7 +375,8 @@ static void links_lead_somewhere(void **state)
 
 static void shows_a_difference(void **state)
 {
-    static const char *const expected[] = {"tick 12", "the first at (33, 2, 65), chunk (1, 0, 2)", "<b>700</b> where the reference has <b>-5</b>"};
+    static const char *const expected[] = {"tick 12", "the first at (33, 2, 65), chunk (1, 0, 2)",
+                                           "<b>700</b> where the reference has <b>-5</b>"};
     struct stat info;
     (void)state;
     make_bundle(path_in("differing"), &differing);
@@ -366,7 +384,8 @@ static void shows_a_difference(void **state)
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++)
         assert_non_null(strstr(html, expected[i]));
     if (stat(path_in("differing/pictures/session-1-backend-1-difference.png"), &info) == 0) {
-        assert_non_null(strstr(html, "alt=\"Reference: axial, coronal, sagittal\" src=\"data:image/png;base64,iVBORw0KGgo"));
+        assert_non_null(
+            strstr(html, "alt=\"Reference: axial, coronal, sagittal\" src=\"data:image/png;base64,iVBORw0KGgo"));
         assert_non_null(strstr(html, "alt=\"Got\""));
         assert_non_null(strstr(html, "alt=\"Difference\""));
     } else
@@ -380,7 +399,8 @@ static void sums_up_mistakes(void **state)
     (void)state;
     make_bundle(path_in("mistakes"), &differing);
     char *html = page_of(path_in("mistakes"));
-    const char *tool = strstr(html, "<b>tool</b>, 2 kinds</td><td class=\"n\">7</td><td class=\"n\">7</td><td class=\"n\">6</td><td class=\"n\">6</td><td class=\"n\">0</td>");
+    const char *tool = strstr(html, "<b>tool</b>, 2 kinds</td><td class=\"n\">7</td><td class=\"n\">7</td><td "
+                                    "class=\"n\">6</td><td class=\"n\">6</td><td class=\"n\">0</td>");
     assert_non_null(tool);
     assert_null(strstr(tool + 1, "<b>tool</b>"));
     assert_non_null(strstr(tool, "<b>cubic</b>, 1 kind</td>"));
@@ -419,7 +439,8 @@ static void a_changed_byte_is_noticed(void **state)
     snprintf(folder, sizeof folder, "%s", path_in("changed"));
     make_bundle(folder, &differing);
     for (int i = 0; i < 20; i++) {
-        const bool of_picture = i % 2 && stat(path_in("changed/pictures/session-1-backend-1-difference.png"), &info) == 0;
+        const bool of_picture = i % 2 &&
+                                stat(path_in("changed/pictures/session-1-backend-1-difference.png"), &info) == 0;
         const char *name = of_picture ? picture : REPORT_FILE;
         char path[2 * PATH];
         snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -518,7 +539,8 @@ static void nothing_compared(void **state)
         for (size_t i = 0; i < json_array_size(cases); i++) {
             json_t *one = json_array_get(cases, i), *results = json_object_get(one, "results");
             if (way == REFUSED)
-                json_object_set_new(json_array_get(json_object_get(one, "reference"), 0), "stage", json_string("failed"));
+                json_object_set_new(json_array_get(json_object_get(one, "reference"), 0), "stage",
+                                    json_string("failed"));
             if (way == ALONE)
                 json_object_clear(results);
             if (way == NOT_RUN)
@@ -542,7 +564,8 @@ static void one_refused(void **state)
     ost_error err = {0};
     json_t *summary, *protocol = protocol_of(&equal_kind), *cases = cases_of(&equal_kind);
     (void)state;
-    json_object_set_new(json_array_get(json_object_get(json_array_get(cases, 0), "reference"), 0), "stage", json_string("failed"));
+    json_object_set_new(json_array_get(json_object_get(json_array_get(cases, 0), "reference"), 0), "stage",
+                        json_string("failed"));
     assert_ok(evidence_summary(protocol, cases, &summary, &err));
     assert_string_equal(evidence_text(summary, "verdict"), "EQUAL");
     assert_int_equal(json_integer_value(json_object_get(summary, "compared")), 1);
@@ -574,9 +597,16 @@ static int clear_scratch(void **state)
 /* Debian's short names: docs of the format 1.0, SPDX's list of licences. */
 static void licences_of_packages_are_spdx(void **state)
 {
-    static const char *const pairs[][2] = {{"Expat", "MIT"}, {"GPL-2+", "GPL-2.0-or-later"}, {"LGPL-2.1", "LGPL-2.1-only"}, {"BSD-3-clause and expat", "BSD-3-Clause AND MIT"},
-                                           {"GPL-2 or GPL-3+ or Zlib", "GPL-2.0-only OR GPL-3.0-or-later OR Zlib"}, {"public-domain", ""}, {"Expat and", ""}, {"Expat MIT", ""},
-                                           {"", ""}, {"GPL-2+ with OpenSSL exception", ""}};
+    static const char *const pairs[][2] = {{"Expat", "MIT"},
+                                           {"GPL-2+", "GPL-2.0-or-later"},
+                                           {"LGPL-2.1", "LGPL-2.1-only"},
+                                           {"BSD-3-clause and expat", "BSD-3-Clause AND MIT"},
+                                           {"GPL-2 or GPL-3+ or Zlib", "GPL-2.0-only OR GPL-3.0-or-later OR Zlib"},
+                                           {"public-domain", ""},
+                                           {"Expat and", ""},
+                                           {"Expat MIT", ""},
+                                           {"", ""},
+                                           {"GPL-2+ with OpenSSL exception", ""}};
     char out[COPYRIGHT_LICENCE];
     (void)state;
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
@@ -593,10 +623,17 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(licences_of_packages_are_spdx),
-        cmocka_unit_test(follows_from_the_bundle),  cmocka_unit_test(says_the_verdict_first), cmocka_unit_test(escapes_what_it_is_given),
-        cmocka_unit_test(links_lead_somewhere),     cmocka_unit_test(shows_a_difference),
-        cmocka_unit_test(sums_up_mistakes),         cmocka_unit_test(counts_read_well),         cmocka_unit_test(a_changed_byte_is_noticed),
-        cmocka_unit_test(shards_bring_their_pictures), cmocka_unit_test(nothing_compared),     cmocka_unit_test(one_refused),
+        cmocka_unit_test(follows_from_the_bundle),
+        cmocka_unit_test(says_the_verdict_first),
+        cmocka_unit_test(escapes_what_it_is_given),
+        cmocka_unit_test(links_lead_somewhere),
+        cmocka_unit_test(shows_a_difference),
+        cmocka_unit_test(sums_up_mistakes),
+        cmocka_unit_test(counts_read_well),
+        cmocka_unit_test(a_changed_byte_is_noticed),
+        cmocka_unit_test(shards_bring_their_pictures),
+        cmocka_unit_test(nothing_compared),
+        cmocka_unit_test(one_refused),
     };
     return cmocka_run_group_tests(tests, make_scratch, clear_scratch);
 }

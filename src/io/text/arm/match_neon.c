@@ -24,8 +24,8 @@ static inline uint8x16_t differ(uint8x16_t found, const char *bytes, uint8x16_t 
  * Matches the first `count` lines from *text on, 1 to 4. Returns true and advances *text if all of them match and end
  * before `end`.
  */
-static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char **text,
-                               const char *end, int count, int16_t *density)
+static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                               const char **text, const char *end, int count, int16_t *density)
 {
     const ost_text_around *before = &pattern->before, *after = &pattern->after;
     uint8x16_t found = vdupq_n_u8(0);
@@ -58,8 +58,8 @@ static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_c
     return true;
 }
 
-size_t ost_text_match_neon(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                           const char *end, size_t lines, int16_t *density, const char **next)
+size_t ost_text_match_neon(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                           const char *text, const char *end, size_t lines, int16_t *density, const char **next)
 {
     size_t i = 0;
     while (i + LINES <= lines && match_lines(pattern, columns + i, lengths + i, &text, end, LINES, density + i))

@@ -16,7 +16,8 @@ enum { LANES = 4 };
 static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 {
     const __m256i zero = _mm256_setzero_si256(), bits = _mm256_set1_epi64x(64);
-    __m256i fits = _mm256_and_si256(_mm256_cmpgt_epi64(length, zero), _mm256_cmpgt_epi64(_mm256_set1_epi64x(7), length));
+    __m256i fits = _mm256_and_si256(_mm256_cmpgt_epi64(length, zero),
+                                    _mm256_cmpgt_epi64(_mm256_set1_epi64x(7), length));
     __m256i first = _mm256_srlv_epi64(last, _mm256_sub_epi64(bits, _mm256_slli_epi64(length, 3)));
     __m256i negative = _mm256_cmpeq_epi64(_mm256_and_si256(first, _mm256_set1_epi64x(0xff)), _mm256_set1_epi64x('-'));
     __m256i digits = _mm256_add_epi64(length, negative);
@@ -76,8 +77,9 @@ static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, 
  * Matches the first `count` lines from *text on, 1 to 4. Returns true and advances *text if all of them match and end
  * before `end`.
  */
-static inline __attribute__((always_inline)) bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns,
-                                                             const uint8_t *lengths, const char **text, const char *end, bool jump, int count,
+static inline __attribute__((always_inline)) bool match_some(const ost_text_pattern *pattern,
+                                                             const ost_text_column *columns, const uint8_t *lengths,
+                                                             const char **text, const char *end, bool jump, int count,
                                                              int16_t *density)
 {
     match_state s = match_begin(pattern, lengths, *text);
@@ -102,13 +104,14 @@ static inline __attribute__((always_inline)) bool match_some(const ost_text_patt
     return true;
 }
 
-size_t ost_text_match_avx2(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                           const char *end, size_t lines, int16_t *density, const char **next)
+size_t ost_text_match_avx2(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                           const char *text, const char *end, size_t lines, int16_t *density, const char **next)
 {
     const bool jump = pattern->before.length + pattern->after.length + pattern->shortest >= OST_TEXT_JUMP;
     size_t i = 0;
-    while (i + LANES <= lines && (jump ? match_some(pattern, columns + i, lengths + i, &text, end, true, LANES, density + i)
-                                       : match_some(pattern, columns + i, lengths + i, &text, end, false, LANES, density + i)))
+    while (i + LANES <= lines &&
+           (jump ? match_some(pattern, columns + i, lengths + i, &text, end, true, LANES, density + i)
+                 : match_some(pattern, columns + i, lengths + i, &text, end, false, LANES, density + i)))
         i += LANES;
     while (i < lines && text < end && match_some(pattern, columns + i, lengths + i, &text, end, false, 1, density + i))
         i++;

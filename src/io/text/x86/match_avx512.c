@@ -21,7 +21,8 @@ static inline densities parse(__m512i last, __m512i length)
     const __m512i one = _mm512_set1_epi64(1), bits = _mm512_set1_epi64(64);
     __mmask8 good = _mm512_cmplt_epu64_mask(_mm512_sub_epi64(length, one), _mm512_set1_epi64(6));
     __m512i first = _mm512_srlv_epi64(last, _mm512_sub_epi64(bits, _mm512_slli_epi64(length, 3)));
-    __mmask8 negative = _mm512_cmpeq_epi64_mask(_mm512_and_si512(first, _mm512_set1_epi64(0xff)), _mm512_set1_epi64('-'));
+    __mmask8 negative = _mm512_cmpeq_epi64_mask(_mm512_and_si512(first, _mm512_set1_epi64(0xff)),
+                                                _mm512_set1_epi64('-'));
     __m512i digits = _mm512_mask_sub_epi64(length, negative, length, one);
     good &= _mm512_cmplt_epu64_mask(_mm512_sub_epi64(digits, one), _mm512_set1_epi64(5));
     __m512i keep = _mm512_sllv_epi64(_mm512_set1_epi64(-1), _mm512_sub_epi64(bits, _mm512_slli_epi64(digits, 3)));
@@ -61,8 +62,8 @@ static inline densities parse_words(__m512i words, bool carriage)
 }
 
 /* Matches the first eight lines from *text on. Returns true and advances *text if all match and end before `end`. */
-static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char **text,
-                               const char *end, int16_t *density)
+static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                               const char **text, const char *end, int16_t *density)
 {
     match_state s = match_begin(pattern, lengths, *text);
     __m128i words[4];
@@ -80,8 +81,8 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
 }
 
 /* Does the same for `count` lines, 1 to 8, and stores no other densities. */
-static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char **text,
-                       const char *end, int count, int16_t *density)
+static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                       const char **text, const char *end, int count, int16_t *density)
 {
     match_state s = match_begin(pattern, lengths, *text);
     const __mmask8 lanes = (__mmask8)((1 << count) - 1);
@@ -96,8 +97,8 @@ static bool match_some(const ost_text_pattern *pattern, const ost_text_column *c
     return true;
 }
 
-size_t ost_text_match_avx512(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths, const char *text,
-                             const char *end, size_t lines, int16_t *density, const char **next)
+size_t ost_text_match_avx512(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
+                             const char *text, const char *end, size_t lines, int16_t *density, const char **next)
 {
     const bool jump = pattern->before.length + pattern->after.length + pattern->shortest >= OST_TEXT_JUMP;
     size_t i = 0;

@@ -43,7 +43,8 @@ typedef struct match_state {
     __m256i found32;
 } match_state;
 
-static inline __attribute__((always_inline)) match_state match_begin(const ost_text_pattern *pattern, const uint8_t *lengths, const char *text)
+static inline __attribute__((always_inline)) match_state match_begin(const ost_text_pattern *pattern,
+                                                                     const uint8_t *lengths, const char *text)
 {
     const size_t lead = pattern->before.length, other = lead + pattern->after.length;
     return (match_state){
@@ -74,7 +75,8 @@ static inline __m256i differ32(__m256i found, const char *bytes, __m256i text, _
 }
 
 /* Compares the bytes of the line at p in front of its density. */
-static inline __attribute__((always_inline)) void match_front(match_state *s, const char *p, const ost_text_column *column, size_t length)
+static inline __attribute__((always_inline)) void match_front(match_state *s, const char *p,
+                                                              const ost_text_column *column, size_t length)
 {
     if (s->lead)
         s->found32 = differ32(s->found32, p, s->before, s->before_mask);
@@ -86,7 +88,8 @@ static inline __attribute__((always_inline)) void match_front(match_state *s, co
  * Processes the next four lines. words receives the eight bytes from the beginning of each density on, two densities
  * per vector.
  */
-static inline __attribute__((always_inline)) void match_four(match_state *s, const ost_text_column *columns, const uint8_t *lengths, __m128i words[2])
+static inline __attribute__((always_inline)) void match_four(match_state *s, const ost_text_column *columns,
+                                                             const uint8_t *lengths, __m128i words[2])
 {
     const __m256i newline = _mm256_set1_epi8('\n');
     const char *window = s->q, *line = s->line, *q = s->q, *at[4];
@@ -98,19 +101,22 @@ static inline __attribute__((always_inline)) void match_four(match_state *s, con
             q = line + s->other + length;
         }
         at[k] = q;
-        uint32_t newlines = (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_loadu_si256((const void *)window), newline));
+        uint32_t newlines = (uint32_t)_mm256_movemask_epi8(
+            _mm256_cmpeq_epi8(_mm256_loadu_si256((const void *)window), newline));
         match_front(s, line, &columns[k], length);
         line = window + _tzcnt_u32(newlines) + 1;
     }
     for (int k = 0; k < 2; k++)
-        words[k] = _mm_castpd_si128(_mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)at[2 * k])), (const void *)at[2 * k + 1]));
+        words[k] = _mm_castpd_si128(
+            _mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)at[2 * k])), (const void *)at[2 * k + 1]));
     _mm_prefetch(line + OST_TEXT_AHEAD, _MM_HINT_T0);
     _mm_prefetch(line + OST_TEXT_AHEAD + 64, _MM_HINT_T0);
     s->line = line;
 }
 
 /* Processes one line of any length and returns the word of its density. Its end is searched for in eight bytes. */
-static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column, uint8_t length)
+static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column,
+                                                                uint8_t length)
 {
     uint64_t word;
     s->q = s->line + s->other + length;

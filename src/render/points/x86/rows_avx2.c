@@ -22,13 +22,16 @@ static inline uint32_t *quarter(const ost_faces *faces, uint32_t row, int shift,
     const uint32_t any = faces->any[row] >> shift & 255;
     if (!any)
         return points;
-    const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7),
+                  bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     __m256i v = _mm256_add_epi32(lane, _mm256_set1_epi32((int)(row << 5) + shift));
     for (int f = 0; f < 6; f++) {
-        const __m256i has = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int)(faces->face[f][row] >> shift)), bit), bit);
+        const __m256i has = _mm256_cmpeq_epi32(
+            _mm256_and_si256(_mm256_set1_epi32((int)(faces->face[f][row] >> shift)), bit), bit);
         v = _mm256_or_si256(v, _mm256_and_si256(has, _mm256_set1_epi32(1 << (OST_FACES_SHIFT + f))));
     }
-    const __m256i order = _mm256_srlv_epi32(_mm256_set1_epi32((int)order_of(any)), _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21));
+    const __m256i order = _mm256_srlv_epi32(_mm256_set1_epi32((int)order_of(any)),
+                                            _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21));
     _mm256_storeu_si256((void *)points, _mm256_permutevar8x32_epi32(v, order));
     return points + _mm_popcnt_u32(any);
 }

@@ -12,10 +12,13 @@ static inline uint32_t *half_row(const ost_faces *faces, uint32_t row, int shift
     const __mmask16 any = (__mmask16)(faces->any[row] >> shift);
     if (!any)
         return points;
-    __m512i v = _mm512_add_epi32(_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15), _mm512_set1_epi32((int)(row << 5) + shift));
+    __m512i v = _mm512_add_epi32(_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15),
+                                 _mm512_set1_epi32((int)(row << 5) + shift));
     for (int f = 0; f < 6; f++)
-        v = _mm512_mask_or_epi32(v, (__mmask16)(faces->face[f][row] >> shift), v, _mm512_set1_epi32(1 << (OST_FACES_SHIFT + f)));
-    _mm512_storeu_si512(points, _mm512_maskz_compress_epi32(any, v)); /* compressing in a register is faster than into memory */
+        v = _mm512_mask_or_epi32(v, (__mmask16)(faces->face[f][row] >> shift), v,
+                                 _mm512_set1_epi32(1 << (OST_FACES_SHIFT + f)));
+    /* compressing in a register is faster than into memory */
+    _mm512_storeu_si512(points, _mm512_maskz_compress_epi32(any, v));
     return points + _mm_popcnt_u32(any);
 }
 

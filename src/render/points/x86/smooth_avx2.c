@@ -26,7 +26,8 @@ static inline __m256i plus(__m256i a, __m256i b)
 /* Returns all ones in the lanes whose bit is set. */
 static inline __m256i lanes_of(uint64_t row)
 {
-    const __m256i bit = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, INT16_MIN);
+    const __m256i bit = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384,
+                                          INT16_MIN);
     return _mm256_cmpeq_epi16(_mm256_and_si256(_mm256_set1_epi16((short)row), bit), bit);
 }
 
@@ -34,12 +35,14 @@ void ost_field_bits_avx2(const uint64_t *rows, int count, uint16_t (*out)[LINE])
 {
     for (int row = 0; row < count; row++)
         for (int i = 0; i < LINE; i += SIXTEEN)
-            store(out[row] + i, _mm256_and_si256(lanes_of(rows[row] >> (i + OST_LINE_SHIFT)), _mm256_set1_epi16(OST_FIELD_ALL)));
+            store(out[row] + i,
+                  _mm256_and_si256(lanes_of(rows[row] >> (i + OST_LINE_SHIFT)), _mm256_set1_epi16(OST_FIELD_ALL)));
 }
 
 void ost_field_densities_avx2(uint64_t row, uint64_t near, const int16_t density[LINE], uint16_t out[LINE])
 {
-    const __m256i all = _mm256_set1_epi16(OST_FIELD_ALL), least = _mm256_set1_epi16(OST_FIELD_LEAST), below = _mm256_set1_epi16(OST_FIELD_DENSE - 1);
+    const __m256i all = _mm256_set1_epi16(OST_FIELD_ALL), least = _mm256_set1_epi16(OST_FIELD_LEAST),
+                  below = _mm256_set1_epi16(OST_FIELD_DENSE - 1);
     for (int i = 0; i < LINE; i += SIXTEEN) {
         const int bit = i + OST_LINE_SHIFT;
         const __m256i v = _mm256_loadu_si256((const void *)(density + i));
@@ -50,10 +53,11 @@ void ost_field_densities_avx2(uint64_t row, uint64_t near, const int16_t density
 }
 
 /* one + three + five, 2 (two + three), 4 (four + five): weights 1 2 3 4 5 from the ends to the middle. */
-#define SUM(AT)                                                                                                                     \
-    const __m256i one = plus(load(AT(0)), load(AT(8))), two = plus(load(AT(1)), load(AT(7)));                                       \
-    const __m256i three = plus(load(AT(2)), load(AT(6))), four = plus(load(AT(3)), load(AT(5)));                                    \
-    const __m256i five = load(AT(4)), odd = plus(one, three), even = plus(two, three), quads = _mm256_slli_epi16(plus(four, five), 2); \
+#define SUM(AT)                                                                                                        \
+    const __m256i one = plus(load(AT(0)), load(AT(8))), two = plus(load(AT(1)), load(AT(7)));                          \
+    const __m256i three = plus(load(AT(2)), load(AT(6))), four = plus(load(AT(3)), load(AT(5)));                       \
+    const __m256i five = load(AT(4)), odd = plus(one, three), even = plus(two, three),                                 \
+                  quads = _mm256_slli_epi16(plus(four, five), 2);                                                      \
     const __m256i sum = plus(plus(odd, five), plus(plus(even, even), quads))
 
 static inline __m256i nine(const uint16_t *in, ptrdiff_t step)
@@ -168,20 +172,23 @@ static inline __m256i load_eight(const int32_t *at)
 static inline __m256 with_faces(const ost_slopes *s, int i, int axis)
 {
     const __m256i faces = load_eight(s->faces + i);
-    const __m256i before = _mm256_and_si256(_mm256_srli_epi32(faces, 2 * axis), all(1)), behind = _mm256_and_si256(_mm256_srli_epi32(faces, 2 * axis + 1), all(1));
+    const __m256i before = _mm256_and_si256(_mm256_srli_epi32(faces, 2 * axis), all(1)),
+                  behind = _mm256_and_si256(_mm256_srli_epi32(faces, 2 * axis + 1), all(1));
     const __m256i more = _mm256_mullo_epi32(_mm256_sub_epi32(behind, before), all(OST_FIELD_BY_FACES));
     return _mm256_cvtepi32_ps(_mm256_add_epi32(load_eight(s->fine[axis] + i), more));
 }
 
 static inline __m256 dot(const __m256 a[3], const __m256 b[3])
 {
-    return _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])), _mm256_mul_ps(a[2], b[2]));
+    return _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])),
+                         _mm256_mul_ps(a[2], b[2]));
 }
 
 static inline __m256 share(const __m256 fine[3], const __m256 wide[3], __m256 fine_size, __m256 wide_size)
 {
     const __m256 both = _mm256_max_ps(_mm256_mul_ps(fine_size, wide_size), one(1));
-    const __m256 t = _mm256_mul_ps(_mm256_sub_ps(_mm256_div_ps(dot(fine, wide), both), one(OST_AGREE_LEAST)), one(OST_AGREE_STEEP));
+    const __m256 t = _mm256_mul_ps(_mm256_sub_ps(_mm256_div_ps(dot(fine, wide), both), one(OST_AGREE_LEAST)),
+                                   one(OST_AGREE_STEEP));
     const __m256 says = _mm256_cmp_ps(wide_size, one(OST_WIDE_LEAST), _CMP_GE_OQ);
     return _mm256_and_ps(says, _mm256_min_ps(_mm256_max_ps(t, one(0)), one(1)));
 }
@@ -194,15 +201,18 @@ static inline __m256 folded(__m256 away, __m256 sign)
 static inline __m256i cell(__m256 p)
 {
     const __m256 scaled = _mm256_mul_ps(_mm256_add_ps(p, one(1)), one(OST_OCTAHEDRAL_SIDE / 2));
-    return _mm256_min_epi32(_mm256_max_epi32(_mm256_cvttps_epi32(scaled), _mm256_setzero_si256()), all(OST_OCTAHEDRAL_SIDE - 1));
+    return _mm256_min_epi32(_mm256_max_epi32(_mm256_cvttps_epi32(scaled), _mm256_setzero_si256()),
+                            all(OST_OCTAHEDRAL_SIDE - 1));
 }
 
 /* blendv selects by the sign of v[2], which is not -0. */
 static inline __m256i octahedral(const __m256 v[3])
 {
-    const __m256 sum = _mm256_add_ps(_mm256_add_ps(abs_of(v[0]), abs_of(v[1])), abs_of(v[2])), by = _mm256_max_ps(sum, one(1));
+    const __m256 sum = _mm256_add_ps(_mm256_add_ps(abs_of(v[0]), abs_of(v[1])), abs_of(v[2])),
+                 by = _mm256_max_ps(sum, one(1));
     const __m256 p = _mm256_div_ps(v[0], by), q = _mm256_div_ps(v[1], by);
-    const __m256i u = cell(_mm256_blendv_ps(p, folded(q, v[0]), v[2])), w = cell(_mm256_blendv_ps(q, folded(p, v[1]), v[2]));
+    const __m256i u = cell(_mm256_blendv_ps(p, folded(q, v[0]), v[2])),
+                  w = cell(_mm256_blendv_ps(q, folded(p, v[1]), v[2]));
     return _mm256_add_epi32(u, _mm256_mullo_epi32(w, all(OST_OCTAHEDRAL_SIDE)));
 }
 
@@ -218,7 +228,8 @@ static inline __m256i by_full(__m256i v)
 static inline __m256i openness(__m256i field)
 {
     const __m256i beyond = _mm256_sub_epi32(field, all(OST_FIELD_FLAT));
-    const __m256i by = _mm256_blendv_epi8(all(OST_OPEN_EDGE), all(OST_OPEN_PIT), _mm256_cmpgt_epi32(beyond, _mm256_setzero_si256()));
+    const __m256i by = _mm256_blendv_epi8(all(OST_OPEN_EDGE), all(OST_OPEN_PIT),
+                                          _mm256_cmpgt_epi32(beyond, _mm256_setzero_si256()));
     const __m256i open = _mm256_sub_epi32(all(OST_OPEN_PLANE), by_full(_mm256_mullo_epi32(beyond, by)));
     return _mm256_min_epi32(_mm256_max_epi32(open, all(OST_OPEN_LEAST)), all(255));
 }
@@ -226,8 +237,10 @@ static inline __m256i openness(__m256i field)
 static inline __m256i mixed_openness(__m256i fine, __m256i wide, __m256 t)
 {
     const __m256i twice = _mm256_mullo_epi32(wide, all(2 * OST_WIDE_PART));
-    const __m256i open = openness(fine), both = openness(_mm256_add_epi32(_mm256_sub_epi32(twice, fine), all(OST_WIDE_PLANE)));
-    const __m256 mixed = _mm256_add_ps(_mm256_cvtepi32_ps(open), _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_sub_epi32(both, open)), t));
+    const __m256i open = openness(fine),
+                  both = openness(_mm256_add_epi32(_mm256_sub_epi32(twice, fine), all(OST_WIDE_PLANE)));
+    const __m256 mixed = _mm256_add_ps(_mm256_cvtepi32_ps(open),
+                                       _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_sub_epi32(both, open)), t));
     return _mm256_cvttps_epi32(_mm256_add_ps(mixed, one(0.5f)));
 }
 
@@ -238,16 +251,19 @@ static inline __m256i shade_word(const ost_slopes *s, int i)
         f[a] = with_faces(s, i, a);
         w[a] = _mm256_cvtepi32_ps(load_eight(s->wide[a] + i));
     }
-    const __m256 fine_size = _mm256_sqrt_ps(dot(f, f)), wide_size = _mm256_sqrt_ps(dot(w, w)), t = share(f, w, fine_size, wide_size);
+    const __m256 fine_size = _mm256_sqrt_ps(dot(f, f)), wide_size = _mm256_sqrt_ps(dot(w, w)),
+                 t = share(f, w, fine_size, wide_size);
     const __m256 some = _mm256_cmp_ps(t, one(0), _CMP_GT_OQ);
-    const __m256 of_fine = _mm256_blendv_ps(one(1), _mm256_mul_ps(_mm256_sub_ps(one(1), t), wide_size), some), of_wide = _mm256_mul_ps(t, fine_size);
+    const __m256 of_fine = _mm256_blendv_ps(one(1), _mm256_mul_ps(_mm256_sub_ps(one(1), t), wide_size), some),
+                 of_wide = _mm256_mul_ps(t, fine_size);
     for (int a = 0; a < 3; a++)
         out[a] = _mm256_add_ps(_mm256_mul_ps(f[a], of_fine), _mm256_mul_ps(w[a], of_wide));
     const __m256i open = mixed_openness(load_eight(s->value[0] + i), load_eight(s->value[1] + i), t);
     return _mm256_or_si256(octahedral(out), _mm256_slli_epi32(open, OST_OPEN_SHIFT));
 }
 
-void ost_field_shades_avx2(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades)
+void ost_field_shades_avx2(const uint32_t *points, int count, const ost_field_slice *const fine[3],
+                           const ost_field_slice *const wide[3], uint32_t *shades)
 {
     ost_slopes s = {.faces = {0}};
     for (int first = 0; first < count; first += OST_SLOPES) {

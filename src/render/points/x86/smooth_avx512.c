@@ -24,30 +24,35 @@ void ost_field_bits_avx512(const uint64_t *rows, int count, uint16_t (*out)[LINE
     for (int i = 0; i < count; i++) {
         const uint64_t row = rows[i] >> OST_LINE_SHIFT;
         _mm512_storeu_si512(out[i], _mm512_maskz_mov_epi16((__mmask32)row, all));
-        _mm256_storeu_si256((void *)(out[i] + FIRST), _mm256_maskz_mov_epi16((__mmask16)(row >> FIRST), _mm512_castsi512_si256(all)));
+        _mm256_storeu_si256((void *)(out[i] + FIRST),
+                            _mm256_maskz_mov_epi16((__mmask16)(row >> FIRST), _mm512_castsi512_si256(all)));
     }
 }
 
 void ost_field_densities_avx512(uint64_t row, uint64_t near, const int16_t density[LINE], uint16_t out[LINE])
 {
-    const __m512i all = _mm512_set1_epi16(OST_FIELD_ALL), least = _mm512_set1_epi16(OST_FIELD_LEAST), dense = _mm512_set1_epi16(OST_FIELD_DENSE);
+    const __m512i all = _mm512_set1_epi16(OST_FIELD_ALL), least = _mm512_set1_epi16(OST_FIELD_LEAST),
+                  dense = _mm512_set1_epi16(OST_FIELD_DENSE);
     for (int i = 0; i < LINE; i += FIRST) {
         const int bit = i + OST_LINE_SHIFT;
         const __mmask32 line = i ? 0xffff : 0xffffffff;
         const __m512i v = _mm512_maskz_loadu_epi16(line, density + i);
         const __m512i some = _mm512_add_epi16(_mm512_srli_epi16(_mm512_max_epi16(v, _mm512_setzero_si512()), 4), least);
         const __mmask32 full = _mm512_cmpge_epi16_mask(v, dense) | (__mmask32)(near >> bit);
-        _mm512_mask_storeu_epi16(out + i, line, _mm512_maskz_mov_epi16((__mmask32)(row >> bit), _mm512_mask_mov_epi16(some, full, all)));
+        _mm512_mask_storeu_epi16(
+            out + i, line, _mm512_maskz_mov_epi16((__mmask32)(row >> bit), _mm512_mask_mov_epi16(some, full, all)));
     }
 }
 
 /* Sums nine values with the weights 1 2 3 4 5 4 3 2 1, as (one + three + five) + 2 (two + three) + 4 (four + five). */
-#define SUM(TYPE, PREFIX, LOAD, AT)                                                                                                 \
-    const TYPE one = PREFIX##_add_epi16(LOAD(AT(0)), LOAD(AT(8))), two = PREFIX##_add_epi16(LOAD(AT(1)), LOAD(AT(7)));              \
-    const TYPE three = PREFIX##_add_epi16(LOAD(AT(2)), LOAD(AT(6))), four = PREFIX##_add_epi16(LOAD(AT(3)), LOAD(AT(5)));           \
-    const TYPE five = LOAD(AT(4)), odd = PREFIX##_add_epi16(one, three), even = PREFIX##_add_epi16(two, three);                     \
-    const TYPE quads = PREFIX##_slli_epi16(PREFIX##_add_epi16(four, five), 2);                                                      \
-    const TYPE sum = PREFIX##_add_epi16(PREFIX##_add_epi16(odd, five), PREFIX##_add_epi16(PREFIX##_add_epi16(even, even), quads))
+#define SUM(TYPE, PREFIX, LOAD, AT)                                                                                    \
+    const TYPE one = PREFIX##_add_epi16(LOAD(AT(0)), LOAD(AT(8))), two = PREFIX##_add_epi16(LOAD(AT(1)), LOAD(AT(7))); \
+    const TYPE three = PREFIX##_add_epi16(LOAD(AT(2)), LOAD(AT(6))),                                                   \
+               four = PREFIX##_add_epi16(LOAD(AT(3)), LOAD(AT(5)));                                                    \
+    const TYPE five = LOAD(AT(4)), odd = PREFIX##_add_epi16(one, three), even = PREFIX##_add_epi16(two, three);        \
+    const TYPE quads = PREFIX##_slli_epi16(PREFIX##_add_epi16(four, five), 2);                                         \
+    const TYPE sum = PREFIX##_add_epi16(PREFIX##_add_epi16(odd, five),                                                 \
+                                        PREFIX##_add_epi16(PREFIX##_add_epi16(even, even), quads))
 
 static inline __m512i nine(const uint16_t *in, ptrdiff_t step)
 {
@@ -69,7 +74,8 @@ void ost_field_down_avx512(const uint16_t (*in)[LINE], uint16_t (*out)[LINE], in
     __m256i sum_half = nine_half(in[0] + FIRST, LINE), slope_half = _mm256_setzero_si256();
     for (int k = 0; k < 5; k++) {
         slope = _mm512_add_epi16(slope, _mm512_sub_epi16(load(in[k + 5]), load(in[k])));
-        slope_half = _mm256_add_epi16(slope_half, _mm256_sub_epi16(load_half(in[k + 5] + FIRST), load_half(in[k] + FIRST)));
+        slope_half = _mm256_add_epi16(slope_half,
+                                      _mm256_sub_epi16(load_half(in[k + 5] + FIRST), load_half(in[k] + FIRST)));
     }
     for (int i = 0;; i++) {
         _mm512_storeu_si512(out[i], sum);
@@ -142,13 +148,15 @@ static inline __m512 with_faces(const ost_slopes *s, __m512i faces, int axis)
 
 static inline __m512 dot(const __m512 a[3], const __m512 b[3])
 {
-    return _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(a[0], b[0]), _mm512_mul_ps(a[1], b[1])), _mm512_mul_ps(a[2], b[2]));
+    return _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(a[0], b[0]), _mm512_mul_ps(a[1], b[1])),
+                         _mm512_mul_ps(a[2], b[2]));
 }
 
 static inline __m512 share(const __m512 fine[3], const __m512 wide[3], __m512 fine_size, __m512 wide_size)
 {
     const __m512 both = _mm512_max_ps(_mm512_mul_ps(fine_size, wide_size), one(1));
-    const __m512 t = _mm512_mul_ps(_mm512_sub_ps(_mm512_div_ps(dot(fine, wide), both), one(OST_AGREE_LEAST)), one(OST_AGREE_STEEP));
+    const __m512 t = _mm512_mul_ps(_mm512_sub_ps(_mm512_div_ps(dot(fine, wide), both), one(OST_AGREE_LEAST)),
+                                   one(OST_AGREE_STEEP));
     const __mmask16 says = _mm512_cmp_ps_mask(wide_size, one(OST_WIDE_LEAST), _CMP_GE_OQ);
     return _mm512_maskz_min_ps(says, _mm512_max_ps(t, one(0)), one(1));
 }
@@ -173,10 +181,12 @@ static inline __m512i cell(__m512 p)
  */
 static inline __m512i octahedral(const __m512 v[3])
 {
-    const __m512 sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(v[0]), _mm512_abs_ps(v[1])), _mm512_abs_ps(v[2])), by = _mm512_max_ps(sum, one(1));
+    const __m512 sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(v[0]), _mm512_abs_ps(v[1])), _mm512_abs_ps(v[2])),
+                 by = _mm512_max_ps(sum, one(1));
     const __m512 p = _mm512_div_ps(v[0], by), q = _mm512_div_ps(v[1], by);
     const __mmask16 below = _mm512_cmp_ps_mask(v[2], one(0), _CMP_LT_OQ);
-    const __m512i u = cell(_mm512_mask_mov_ps(p, below, folded(q, v[0]))), w = cell(_mm512_mask_mov_ps(q, below, folded(p, v[1])));
+    const __m512i u = cell(_mm512_mask_mov_ps(p, below, folded(q, v[0]))),
+                  w = cell(_mm512_mask_mov_ps(q, below, folded(p, v[1])));
     return _mm512_add_epi32(u, _mm512_mullo_epi32(w, _mm512_set1_epi32(OST_OCTAHEDRAL_SIDE)));
 }
 
@@ -192,13 +202,15 @@ static inline __m512i by_full(__m512i v)
     const __m512i remainder = _mm512_sub_epi32(size, _mm512_mullo_epi32(q, full));
     const __m512i less = _mm512_mask_sub_epi32(q, _mm512_cmplt_epi32_mask(remainder, _mm512_setzero_si512()), q, step);
     const __m512i right = _mm512_mask_add_epi32(less, _mm512_cmpge_epi32_mask(remainder, full), less, step);
-    return _mm512_mask_sub_epi32(right, _mm512_cmplt_epi32_mask(v, _mm512_setzero_si512()), _mm512_setzero_si512(), right);
+    return _mm512_mask_sub_epi32(right, _mm512_cmplt_epi32_mask(v, _mm512_setzero_si512()), _mm512_setzero_si512(),
+                                 right);
 }
 
 static inline __m512i openness(__m512i field)
 {
     const __m512i beyond = _mm512_sub_epi32(field, _mm512_set1_epi32(OST_FIELD_FLAT));
-    const __m512i by = _mm512_mask_mov_epi32(_mm512_set1_epi32(OST_OPEN_EDGE), _mm512_cmpgt_epi32_mask(beyond, _mm512_setzero_si512()),
+    const __m512i by = _mm512_mask_mov_epi32(_mm512_set1_epi32(OST_OPEN_EDGE),
+                                             _mm512_cmpgt_epi32_mask(beyond, _mm512_setzero_si512()),
                                              _mm512_set1_epi32(OST_OPEN_PIT));
     const __m512i open = _mm512_sub_epi32(_mm512_set1_epi32(OST_OPEN_PLANE), by_full(_mm512_mullo_epi32(beyond, by)));
     return _mm512_min_epi32(_mm512_max_epi32(open, _mm512_set1_epi32(OST_OPEN_LEAST)), _mm512_set1_epi32(255));
@@ -207,12 +219,15 @@ static inline __m512i openness(__m512i field)
 static inline __m512i mixed_openness(__m512i fine, __m512i wide, __m512 t)
 {
     const __m512i twice = _mm512_mullo_epi32(wide, _mm512_set1_epi32(2 * OST_WIDE_PART));
-    const __m512i open = openness(fine), both = openness(_mm512_add_epi32(_mm512_sub_epi32(twice, fine), _mm512_set1_epi32(OST_WIDE_PLANE)));
-    const __m512 mixed = _mm512_add_ps(_mm512_cvtepi32_ps(open), _mm512_mul_ps(_mm512_cvtepi32_ps(_mm512_sub_epi32(both, open)), t));
+    const __m512i open = openness(fine),
+                  both = openness(_mm512_add_epi32(_mm512_sub_epi32(twice, fine), _mm512_set1_epi32(OST_WIDE_PLANE)));
+    const __m512 mixed = _mm512_add_ps(_mm512_cvtepi32_ps(open),
+                                       _mm512_mul_ps(_mm512_cvtepi32_ps(_mm512_sub_epi32(both, open)), t));
     return _mm512_cvttps_epi32(_mm512_add_ps(mixed, one(0.5f)));
 }
 
-void ost_field_shades_avx512(const uint32_t *points, int count, const ost_field_slice *const fine[3], const ost_field_slice *const wide[3], uint32_t *shades)
+void ost_field_shades_avx512(const uint32_t *points, int count, const ost_field_slice *const fine[3],
+                             const ost_field_slice *const wide[3], uint32_t *shades)
 {
     ost_slopes s = {.faces = {0}};
     for (int first = 0; first < count; first += OST_SLOPES) {
@@ -223,9 +238,11 @@ void ost_field_shades_avx512(const uint32_t *points, int count, const ost_field_
             f[a] = with_faces(&s, faces, a);
             w[a] = _mm512_cvtepi32_ps(load_all(s.wide[a]));
         }
-        const __m512 fine_size = _mm512_sqrt_ps(dot(f, f)), wide_size = _mm512_sqrt_ps(dot(w, w)), t = share(f, w, fine_size, wide_size);
+        const __m512 fine_size = _mm512_sqrt_ps(dot(f, f)), wide_size = _mm512_sqrt_ps(dot(w, w)),
+                     t = share(f, w, fine_size, wide_size);
         const __mmask16 some = _mm512_cmp_ps_mask(t, one(0), _CMP_GT_OQ);
-        const __m512 of_fine = _mm512_mask_mul_ps(one(1), some, _mm512_sub_ps(one(1), t), wide_size), of_wide = _mm512_mul_ps(t, fine_size);
+        const __m512 of_fine = _mm512_mask_mul_ps(one(1), some, _mm512_sub_ps(one(1), t), wide_size),
+                     of_wide = _mm512_mul_ps(t, fine_size);
         for (int a = 0; a < 3; a++)
             out[a] = _mm512_add_ps(_mm512_mul_ps(f[a], of_fine), _mm512_mul_ps(w[a], of_wide));
         const __m512i open = mixed_openness(load_all(s.value[0]), load_all(s.value[1]), t);

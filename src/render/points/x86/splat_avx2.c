@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The method of splat_avx512.c with eight lanes.  AVX2 cannot compress lanes, so facing is the scalar function. */
+/*
+ * The method of splat_avx512.c with eight lanes. AVX2 cannot compress lanes, so facing is the
+ * scalar function.
+ *
+ * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
+ */
 #include "core/conditions.h"
 #include "render/points/splat.h"
 
@@ -98,12 +103,14 @@ static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes 
  * in the negative direction of axis a. single[a]: all ones where the only face to draw is on
  * axis a.
  */
-static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negative[3], const lanes single[3], eight *out)
+static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negative[3], const lanes single[3],
+                            eight *out)
 {
     lanes turn_first[3], turn_second[3];
     for (int a = 0; a < 3; a++) {
         const int b = (a + 1) % 3, c = (a + 2) % 3;
-        const lanes same = _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(negative[b]), _mm256_castps_si256(negative[c])));
+        const lanes same = _mm256_castsi256_ps(
+            _mm256_cmpeq_epi32(_mm256_castps_si256(negative[b]), _mm256_castps_si256(negative[c])));
         turn_first[a] = _mm256_or_ps(_mm256_and_ps(single[c], same), _mm256_andnot_ps(same, single[b]));
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
@@ -113,7 +120,8 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
             m[a] = _mm256_xor_ps(all(s->wide[i][a]), negative[a]);
         for (int a = 0; a < 3; a++) {
             const int b = (a + 1) % 3, c = (a + 2) % 3;
-            const lanes n = _mm256_sub_ps(_mm256_mul_ps(o.v[b], all(s->axis[i][c])), _mm256_mul_ps(o.v[c], all(s->axis[i][b])));
+            const lanes n = _mm256_sub_ps(_mm256_mul_ps(o.v[b], all(s->axis[i][c])),
+                                          _mm256_mul_ps(o.v[c], all(s->axis[i][b])));
             const lanes both = _mm256_add_ps(m[b], m[c]);
             const lanes turned = _mm256_blendv_ps(_mm256_sub_ps(m[c], m[b]), _mm256_sub_ps(m[b], m[c]), single[b]);
             _mm256_store_ps(out->edge[2 * a][i], _mm256_sub_ps(_mm256_blendv_ps(both, turned, turn_first[a]), n));
@@ -125,7 +133,8 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
 /* Returns the lanes in which none of six values is negative. */
 static inline unsigned none_negative(const lanes f[6])
 {
-    const lanes first = _mm256_or_ps(_mm256_or_ps(f[0], f[1]), f[2]), second = _mm256_or_ps(_mm256_or_ps(f[3], f[4]), f[5]);
+    const lanes first = _mm256_or_ps(_mm256_or_ps(f[0], f[1]), f[2]),
+                second = _mm256_or_ps(_mm256_or_ps(f[3], f[4]), f[5]);
     return ~bits(_mm256_or_ps(first, second)) & 0xff;
 }
 
@@ -145,14 +154,17 @@ static inline unsigned at_least(__m256i a, int b)
     return greater(a, _mm256_set1_epi32(b - 1));
 }
 
-/* Finds the pixels of voxels `which`, whose rectangles have at most SMALL x SMALL pixels; stored as index << 3 | lane. */
+/* Finds the pixels of voxels `which`, whose rectangles have at most SMALL x SMALL pixels; stored
+   as index << 3 | lane. */
 static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
 {
     uint32_t covered[EIGHT * SMALL * SMALL], n = 0;
     const __m256i x0 = _mm256_load_si256((const void *)r->x0), y0 = _mm256_load_si256((const void *)r->y0);
     const __m256i width = _mm256_sub_epi32(_mm256_load_si256((const void *)r->x1), x0);
     const __m256i height = _mm256_sub_epi32(_mm256_load_si256((const void *)r->y1), y0);
-    const __m256i offset = _mm256_add_epi32(_mm256_mullo_epi32(_mm256_sub_epi32(y0, _mm256_set1_epi32(planes->key_top)), _mm256_set1_epi32(planes->stride)), x0);
+    const __m256i offset = _mm256_add_epi32(
+        _mm256_mullo_epi32(_mm256_sub_epi32(y0, _mm256_set1_epi32(planes->key_top)), _mm256_set1_epi32(planes->stride)),
+        x0);
     _Alignas(32) uint32_t first[EIGHT];
     _mm256_store_si256((void *)first, offset);
     lanes ub[SMALL][6];
@@ -217,8 +229,9 @@ static inline void fill(const ost_splat_eye *s, const eight *r, int k, const ost
             lanes value[6];
             for (int f = 0; f < 6; f++)
                 value[f] = _mm256_add_ps(_mm256_add_ps(a[f], _mm256_mul_ps(v, c[f])), ub[f]);
-            const lanes out = _mm256_or_ps(_mm256_or_ps(_mm256_or_ps(value[0], value[1]), _mm256_or_ps(value[2], value[3])),
-                                           _mm256_or_ps(value[4], value[5]));
+            const lanes out = _mm256_or_ps(
+                _mm256_or_ps(_mm256_or_ps(value[0], value[1]), _mm256_or_ps(value[2], value[3])),
+                _mm256_or_ps(value[4], value[5]));
             const __m256i in = _mm256_andnot_si256(_mm256_srai_epi32(_mm256_castps_si256(out), 31), live);
             if (_mm256_testz_si256(in, in))
                 continue;
@@ -232,8 +245,10 @@ static inline void fill(const ost_splat_eye *s, const eight *r, int k, const ost
 
 static inline void fill_all(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
 {
-    const __m256i wide = _mm256_sub_epi32(_mm256_load_si256((const void *)r->x1), _mm256_load_si256((const void *)r->x0));
-    const __m256i high = _mm256_sub_epi32(_mm256_load_si256((const void *)r->y1), _mm256_load_si256((const void *)r->y0));
+    const __m256i wide = _mm256_sub_epi32(_mm256_load_si256((const void *)r->x1),
+                                          _mm256_load_si256((const void *)r->x0));
+    const __m256i high = _mm256_sub_epi32(_mm256_load_si256((const void *)r->y1),
+                                          _mm256_load_si256((const void *)r->y0));
     const unsigned small = which & ~at_least(_mm256_max_epi32(wide, high), SMALL);
     if (small)
         fill_small(s, r, small, planes);
@@ -252,7 +267,8 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
 }
 
 /* Draws voxels next to the eye again for each other combination of signs that their rays may have. */
-static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3], unsigned live, eight *r, const ost_planes *planes)
+static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
+                               unsigned live, eight *r, const ost_planes *planes)
 {
     for (unsigned turned = 1; turned < 8; turned++) {
         unsigned which = live;
@@ -277,7 +293,8 @@ static inline unsigned into_part(eight *r, unsigned live, const ost_extent *part
     const __m256i bottom = _mm256_min_epi32(_mm256_load_si256((const void *)r->y1), _mm256_set1_epi32(part->y1 - 1));
     _mm256_store_si256((void *)r->y0, top);
     _mm256_store_si256((void *)r->y1, bottom);
-    live &= ~at_least(_mm256_load_si256((const void *)r->x0), part->x1) & at_least(_mm256_load_si256((const void *)r->x1), part->x0);
+    live &= ~at_least(_mm256_load_si256((const void *)r->x0), part->x1) &
+            at_least(_mm256_load_si256((const void *)r->x1), part->x0);
     return live & ~greater(top, bottom);
 }
 
@@ -294,14 +311,15 @@ static inline void widen(const eight *r, unsigned live, ost_extent *e)
 }
 
 /* Draws up to eight entries of a list from place on, and extends *extent by their rectangles. */
-static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t offset, int count,
-                              const ost_planes *planes, const ost_extent *part, ost_extent *extent)
+static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t offset,
+                              int count, const ost_planes *planes, const ost_extent *part, ost_extent *extent)
 {
     const uint32_t first = visible->begin[slot] + offset;
     const float *base = visible->bases + 4 * (size_t)slot;
     const __m256i even = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
     const __m256i start = _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const void *)(visible->seen + first)), even);
-    const __m256i end = _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const void *)(visible->seen + first + 4)), even);
+    const __m256i end = _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const void *)(visible->seen + first + 4)),
+                                                    even);
     const __m256i p = _mm256_blend_epi32(start, end, 0xf0);
     const __m256i only = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const void *)(visible->only + first)));
     eight r;
@@ -327,8 +345,8 @@ static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visib
         fill_inside(eye, o, inside, single, live, &r, planes);
 }
 
-void ost_splat_avx2(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
-                    const ost_extent *part)
+void ost_splat_avx2(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
+                    const ost_planes *planes, const ost_extent *part)
 {
     for (uint32_t i = 0; i < count; i += OST_LANES) {
         _Atomic uint64_t *extent = &visible->extent[(visible->begin[slot] + i) / OST_LANES];
@@ -339,14 +357,16 @@ void ost_splat_avx2(const ost_splat_eye *eye, const ost_visible *visible, uint32
         for (uint32_t j = i; j < i + OST_LANES && j < count; j += EIGHT)
             splat_some(eye, visible, slot, j, count - j < EIGHT ? (int)(count - j) : EIGHT, planes, part, &e);
         if (known == OST_EXTENT_UNKNOWN)
-            atomic_store_explicit(extent, e.y0 < e.y1 ? ost_extent_word(e.x0, e.x1, e.y0, e.y1) : OST_EXTENT_NONE, memory_order_relaxed);
+            atomic_store_explicit(extent, e.y0 < e.y1 ? ost_extent_word(e.x0, e.x1, e.y0, e.y1) : OST_EXTENT_NONE,
+                                  memory_order_relaxed);
     }
 }
 
 static inline __m256i lit(__m256i colour, __m256i light)
 {
     const __m256i rb = _mm256_set1_epi32(0xff00ff), g = _mm256_set1_epi32(0xff00);
-    const __m256i a = _mm256_and_si256(_mm256_srli_epi32(_mm256_mullo_epi32(_mm256_and_si256(colour, rb), light), 8), rb);
+    const __m256i a = _mm256_and_si256(_mm256_srli_epi32(_mm256_mullo_epi32(_mm256_and_si256(colour, rb), light), 8),
+                                       rb);
     const __m256i b = _mm256_and_si256(_mm256_srli_epi32(_mm256_mullo_epi32(_mm256_and_si256(colour, g), light), 8), g);
     return _mm256_or_si256(a, b);
 }
@@ -363,7 +383,8 @@ static inline __m256i lookup(const ost_visible *visible, __m256i number, __m256i
         const uint32_t one = slots[__builtin_ctz(left)];
         const __m256i here = _mm256_cmpeq_epi32(slot, _mm256_set1_epi32((int)one));
         for (int a = 0; a < 3; a++)
-            o->v[a] = _mm256_blendv_ps(o->v[a], all(visible->bases[4 * (size_t)one + (size_t)a]), _mm256_castsi256_ps(here));
+            o->v[a] = _mm256_blendv_ps(o->v[a], all(visible->bases[4 * (size_t)one + (size_t)a]),
+                                       _mm256_castsi256_ps(here));
         begin = _mm256_blendv_epi8(begin, _mm256_set1_epi32((int)visible->begin[one]), here);
         left &= ~bits(_mm256_castsi256_ps(here));
     }
@@ -372,8 +393,10 @@ static inline __m256i lookup(const ost_visible *visible, __m256i number, __m256i
 
 static inline __m256i four(const uint64_t *from, const uint32_t at[4])
 {
-    const __m128d low = _mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + at[0]))), (const void *)(from + at[1]));
-    const __m128d high = _mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + at[2]))), (const void *)(from + at[3]));
+    const __m128d low = _mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + at[0]))),
+                                     (const void *)(from + at[1]));
+    const __m128d high = _mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + at[2]))),
+                                      (const void *)(from + at[3]));
     return _mm256_castpd_si256(_mm256_insertf128_pd(_mm256_castpd128_pd256(low), high, 1));
 }
 
@@ -382,7 +405,8 @@ static inline lanes3 places(lanes3 o, __m256i id)
 {
     const __m256i five = _mm256_set1_epi32(31);
     for (int a = 0; a < 3; a++)
-        o.v[a] = _mm256_add_ps(o.v[a], _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five)));
+        o.v[a] = _mm256_add_ps(
+            o.v[a], _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five)));
     return o;
 }
 
@@ -392,7 +416,8 @@ static inline __m256i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v
     lanes near[3], d[3];
     for (int a = 0; a < 3; a++) {
         near[a] = _mm256_sub_ps(absolute(o.v[a]), all(OST_HALF));
-        d[a] = absolute(_mm256_add_ps(all(eye->axis[0][a] + v * eye->axis[2][a]), _mm256_mul_ps(u, all(eye->axis[1][a]))));
+        d[a] = absolute(
+            _mm256_add_ps(all(eye->axis[0][a] + v * eye->axis[2][a]), _mm256_mul_ps(u, all(eye->axis[1][a]))));
     }
     lanes best_near = near[0], best_d = d[0], best_o = o.v[0];
     __m256i best = _mm256_setzero_si256();
@@ -407,7 +432,8 @@ static inline __m256i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v
     return _mm256_or_si256(best, _mm256_srli_epi32(_mm256_castps_si256(best_o), 31));
 }
 
-void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1)
+void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
+                      int x1)
 {
     const float v = eye->eye.half_h - ((float)y + 0.5f);
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), even = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
@@ -417,19 +443,24 @@ void ost_resolve_avx2(const ost_splat_eye *eye, const ost_visible *visible, cons
         const size_t at = ost_row(planes, y) + (size_t)x;
         const uint64_t *key = ost_key_row(planes, y) + x;
         const __m256i low = _mm256_load_si256((const void *)key), high = _mm256_load_si256((const void *)(key + 4));
-        const __m256i distance = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(low, odd), _mm256_permutevar8x32_epi32(high, odd), 0xf0);
-        const __m256i any = _mm256_xor_si256(_mm256_cmpeq_epi32(distance, _mm256_set1_epi32((int)OST_NO_DISTANCE)), _mm256_set1_epi32(-1));
+        const __m256i distance = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(low, odd),
+                                                    _mm256_permutevar8x32_epi32(high, odd), 0xf0);
+        const __m256i any = _mm256_xor_si256(_mm256_cmpeq_epi32(distance, _mm256_set1_epi32((int)OST_NO_DISTANCE)),
+                                             _mm256_set1_epi32(-1));
         __m256i face = _mm256_set1_epi32(OST_NO_FACE), colour = _mm256_set1_epi32((int)visible->background);
         if (!_mm256_testz_si256(any, any)) {
             const lanes u = across(eye, _mm256_add_epi32(_mm256_set1_epi32(x), step));
-            const __m256i number = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(low, even), _mm256_permutevar8x32_epi32(high, even), 0xf0);
+            const __m256i number = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(low, even),
+                                                      _mm256_permutevar8x32_epi32(high, even), 0xf0);
             lanes3 o;
             const __m256i index = lookup(visible, number, any, &o);
             _Alignas(32) uint32_t at_list[EIGHT];
             _mm256_store_si256((void *)at_list, _mm256_and_si256(any, index));
             const __m256i first = four(visible->seen, at_list), second = four(visible->seen, at_list + 4);
-            const __m256i id = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(first, even), _mm256_permutevar8x32_epi32(second, even), 0xf0);
-            const __m256i tint = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(first, odd), _mm256_permutevar8x32_epi32(second, odd), 0xf0);
+            const __m256i id = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(first, even),
+                                                  _mm256_permutevar8x32_epi32(second, even), 0xf0);
+            const __m256i tint = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(first, odd),
+                                                    _mm256_permutevar8x32_epi32(second, odd), 0xf0);
             lanes depth;
             const __m256i entered = enter(eye, places(o, id), u, v, &depth);
             face = _mm256_blendv_epi8(face, entered, any);
@@ -453,7 +484,8 @@ uint64_t ost_farthest_avx2(const ost_planes *planes, int x, int y, int rows)
     __m256i most = _mm256_setzero_si256();
     _Alignas(32) uint64_t part[4];
     for (int j = 0; j < rows; j++, row += planes->stride)
-        most = greater_key(most, greater_key(_mm256_load_si256((const void *)row), _mm256_load_si256((const void *)(row + 4))));
+        most = greater_key(
+            most, greater_key(_mm256_load_si256((const void *)row), _mm256_load_si256((const void *)(row + 4))));
     _mm256_store_si256((void *)part, most);
     const uint64_t a = part[0] > part[1] ? part[0] : part[1], b = part[2] > part[3] ? part[2] : part[3];
     return a > b ? a : b;

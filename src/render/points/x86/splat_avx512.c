@@ -70,24 +70,30 @@ static inline __m512i turned_of(const uint8_t turned[OST_BLOCK], __m512i index)
     return _mm512_mask_blend_epi32(upper, turned_at(low, index), turned_at(high, index));
 }
 
-uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK], ost_chosen *out)
+uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
+                           ost_chosen *out)
 {
     const __m512i one = _mm512_set1_epi32(1);
-    const __m512i local = _mm512_set1_epi32((1 << OST_LOCAL_BITS) - 1), high = _mm512_set1_epi32((int)(slot << OST_LOCAL_BITS));
+    const __m512i local = _mm512_set1_epi32((1 << OST_LOCAL_BITS) - 1),
+                  high = _mm512_set1_epi32((int)(slot << OST_LOCAL_BITS));
     uint32_t n = 0;
     for (uint32_t i = 0; i < block->count; i += OST_LANES) {
         const uint32_t left = block->count - i;
         const __mmask16 live = left < OST_LANES ? (__mmask16)((1u << left) - 1) : (__mmask16)0xffff;
-        const __m512i p = _mm512_maskz_loadu_epi32(live, block->points + i), l = _mm512_maskz_loadu_epi32(live, block->shades + i);
+        const __m512i p = _mm512_maskz_loadu_epi32(live, block->points + i),
+                      l = _mm512_maskz_loadu_epi32(live, block->shades + i);
         const __m512i x = turned_of(turned[0], p);
         const __m512i y = turned_of(turned[1], _mm512_srli_epi32(p, 5));
         const __m512i z = turned_of(turned[2], _mm512_srli_epi32(p, 10));
-        const __m512i seen = _mm512_and_si512(_mm512_srli_epi32(p, OST_FACES_SHIFT), _mm512_or_si512(_mm512_or_si512(x, y), z));
-        const __mmask16 take = _mm512_test_epi32_mask(seen, seen), several = _mm512_test_epi32_mask(seen, _mm512_sub_epi32(seen, one));
+        const __m512i seen = _mm512_and_si512(_mm512_srli_epi32(p, OST_FACES_SHIFT),
+                                              _mm512_or_si512(_mm512_or_si512(x, y), z));
+        const __mmask16 take = _mm512_test_epi32_mask(seen, seen),
+                        several = _mm512_test_epi32_mask(seen, _mm512_sub_epi32(seen, one));
         __m512i only = _mm512_maskz_mov_epi32(_mm512_cmpgt_epi32_mask(seen, _mm512_set1_epi32(3)), one);
         only = _mm512_mask_add_epi32(only, _mm512_cmpgt_epi32_mask(seen, _mm512_set1_epi32(15)), only, one);
         only = _mm512_mask_mov_epi32(only, several, _mm512_set1_epi32(OST_SEVERAL));
-        _mm512_storeu_si512(out->id + n, _mm512_maskz_compress_epi32(take, _mm512_or_si512(_mm512_and_si512(p, local), high)));
+        _mm512_storeu_si512(out->id + n,
+                            _mm512_maskz_compress_epi32(take, _mm512_or_si512(_mm512_and_si512(p, local), high)));
         _mm512_storeu_si512(out->shade + n, _mm512_maskz_compress_epi32(take, l));
         _mm_storeu_si128((void *)(out->only + n), _mm512_cvtepi32_epi8(_mm512_maskz_compress_epi32(take, only)));
         n += (uint32_t)__builtin_popcount(take);
@@ -108,7 +114,8 @@ typedef struct sixteen {
  * run in the negative direction of axis a. single[a]: set where the only face to draw is on axis
  * a.
  */
-static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i negative[3], const __mmask16 single[3], sixteen *out)
+static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i negative[3], const __mmask16 single[3],
+                            sixteen *out)
 {
     __mmask16 turn_first[3], turn_second[3];
     for (int a = 0; a < 3; a++) {
@@ -123,10 +130,13 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
             m[a] = _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(all(s->wide[i][a])), negative[a]));
         for (int a = 0; a < 3; a++) {
             const int b = (a + 1) % 3, c = (a + 2) % 3;
-            const lanes n = _mm512_sub_ps(_mm512_mul_ps(o.v[b], all(s->axis[i][c])), _mm512_mul_ps(o.v[c], all(s->axis[i][b])));
-            const lanes both = _mm512_add_ps(m[b], m[c]), turned = _mm512_mask_sub_ps(_mm512_sub_ps(m[c], m[b]), single[b], m[b], m[c]);
+            const lanes n = _mm512_sub_ps(_mm512_mul_ps(o.v[b], all(s->axis[i][c])),
+                                          _mm512_mul_ps(o.v[c], all(s->axis[i][b])));
+            const lanes both = _mm512_add_ps(m[b], m[c]),
+                        turned = _mm512_mask_sub_ps(_mm512_sub_ps(m[c], m[b]), single[b], m[b], m[c]);
             _mm512_store_ps(out->edge[2 * a][i], _mm512_sub_ps(_mm512_mask_mov_ps(both, turn_first[a], turned), n));
-            _mm512_store_ps(out->edge[2 * a + 1][i], _mm512_add_ps(_mm512_mask_mov_ps(both, turn_second[a], turned), n));
+            _mm512_store_ps(out->edge[2 * a + 1][i],
+                            _mm512_add_ps(_mm512_mask_mov_ps(both, turn_second[a], turned), n));
         }
     }
 }
@@ -137,7 +147,8 @@ static inline __m512i any_negative(const lanes f[6])
     __m512i v[6];
     for (int i = 0; i < 6; i++)
         v[i] = _mm512_castps_si512(f[i]);
-    const __m512i first = _mm512_ternarylogic_epi32(v[0], v[1], v[2], 0xfe), second = _mm512_ternarylogic_epi32(v[3], v[4], v[5], 0xfe);
+    const __m512i first = _mm512_ternarylogic_epi32(v[0], v[1], v[2], 0xfe),
+                  second = _mm512_ternarylogic_epi32(v[3], v[4], v[5], 0xfe);
     return _mm512_or_si512(first, second);
 }
 
@@ -156,13 +167,17 @@ static inline lanes upward(const ost_splat_eye *s, __m512i y)
  * Finds the pixels of voxels `which`, whose rectangles have at most SMALL x SMALL
  * pixels, and stores them as index << 4 | lane: frames have at most 2^26 pixels.
  */
-static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which, const ost_planes *planes)
+static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which,
+                                                 const ost_planes *planes)
 {
     uint32_t covered[OST_LANES * SMALL * SMALL + OST_LANES], n = 0;
     const __m512i x0 = _mm512_load_si512(r->x0), y0 = _mm512_load_si512(r->y0);
-    const __m512i width = _mm512_sub_epi32(_mm512_load_si512(r->x1), x0), height = _mm512_sub_epi32(_mm512_load_si512(r->y1), y0);
+    const __m512i width = _mm512_sub_epi32(_mm512_load_si512(r->x1), x0),
+                  height = _mm512_sub_epi32(_mm512_load_si512(r->y1), y0);
     const __m512i lane = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
-    const __m512i offset = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_sub_epi32(y0, _mm512_set1_epi32(planes->key_top)), _mm512_set1_epi32(planes->stride)), x0);
+    const __m512i offset = _mm512_add_epi32(
+        _mm512_mullo_epi32(_mm512_sub_epi32(y0, _mm512_set1_epi32(planes->key_top)), _mm512_set1_epi32(planes->stride)),
+        x0);
     const __m512i first = _mm512_or_si512(_mm512_slli_epi32(offset, 4), lane);
     lanes ub[SMALL][6];
     __mmask16 column[SMALL];
@@ -208,9 +223,11 @@ static inline void write_nearest(uint64_t *row, __mmask8 in, __m512i key)
 }
 
 /* Fills a rectangle of up to eight columns, two rows at a time: one in the even lanes and one in the odd. */
-static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows, float start[6][TALL], const ost_planes *planes)
+static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows,
+                                                 float start[6][TALL], const ost_planes *planes)
 {
-    const __m512i step = _mm512_set_epi32(7, 7, 6, 6, 5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 0, 0), key = _mm512_set1_epi64((long long)r->key[k]);
+    const __m512i step = _mm512_set_epi32(7, 7, 6, 6, 5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 0, 0),
+                  key = _mm512_set1_epi64((long long)r->key[k]);
     const lanes u = across(s, _mm512_add_epi32(_mm512_set1_epi32(r->x0[k]), step));
     const unsigned live = (2u << (r->x1[k] - r->x0[k])) - 1;
     uint64_t *row = ost_key_row(planes, y) + r->x0[k];
@@ -220,7 +237,8 @@ static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const s
     for (int j = 0; j < rows; j += 2, row += 2 * (size_t)planes->stride) {
         lanes value[6];
         for (int f = 0; f < 6; f++)
-            value[f] = _mm512_add_ps(_mm512_broadcast_f32x2(_mm_castsi128_ps(_mm_loadl_epi64((const void *)&start[f][j]))), ub[f]);
+            value[f] = _mm512_add_ps(
+                _mm512_broadcast_f32x2(_mm_castsi128_ps(_mm_loadl_epi64((const void *)&start[f][j]))), ub[f]);
         const unsigned in = ~(unsigned)_mm512_movepi32_mask(any_negative(value));
         write_nearest(row, (__mmask8)(_pext_u32(in, 0x5555) & live), key);
         if (j + 1 < rows)
@@ -229,9 +247,11 @@ static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const s
 }
 
 /* Fills a rectangle sixteen columns at a time, row by row. */
-static __attribute__((noinline)) void fill_rows(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows, float start[6][TALL], const ost_planes *planes)
+static __attribute__((noinline)) void fill_rows(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows,
+                                                float start[6][TALL], const ost_planes *planes)
 {
-    const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0), key = _mm512_set1_epi64((long long)r->key[k]);
+    const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0),
+                  key = _mm512_set1_epi64((long long)r->key[k]);
     const int x1 = r->x1[k];
     for (int x = r->x0[k]; x <= x1; x += OST_LANES) {
         const lanes u = across(s, _mm512_add_epi32(_mm512_set1_epi32(x), step));
@@ -282,14 +302,16 @@ static inline void fill_all(const ost_splat_eye *s, const sixteen *r, __mmask16 
 }
 
 /* Finds which of sixteen voxels may be visible, and their rectangles. */
-static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, const __mmask16 single[3], __mmask16 live, sixteen *out)
+static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, const __mmask16 single[3], __mmask16 live,
+                                   sixteen *out)
 {
     static const float origin[3];
     const ost_eye *e = &s->eye;
     const __m512i sign = _mm512_set1_epi32(INT32_MIN);
     live = _mm512_mask_cmp_ps_mask(live, _mm512_sub_ps(dot(e->forward, o), all(s->reach[2])), all(e->near), _CMP_GT_OQ);
     for (int a = 0; a < 3; a++) {
-        const __m512i half = _mm512_or_si512(_mm512_and_si512(_mm512_castps_si512(o.v[a]), sign), _mm512_castps_si512(all(OST_HALF)));
+        const __m512i half = _mm512_or_si512(_mm512_and_si512(_mm512_castps_si512(o.v[a]), sign),
+                                             _mm512_castps_si512(all(OST_HALF)));
         o.v[a] = _mm512_mask_sub_ps(o.v[a], single[a], o.v[a], _mm512_castsi512_ps(half));
     }
     const lanes x = dot(e->right, o), y = dot(e->up, o), z = dot(e->forward, o);
@@ -300,8 +322,10 @@ static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, const __mma
     const lanes hy = _mm512_add_ps(_mm512_mul_ps(spread(e->up, ty, e->forward, single), k), all(0.01f));
     const lanes px = _mm512_add_ps(_mm512_mul_ps(tx, all(e->focal)), all(e->half_w - 0.5f));
     const lanes py = _mm512_sub_ps(all(e->half_h - 0.5f), _mm512_mul_ps(ty, all(e->focal)));
-    const __m512i left = within(up(_mm512_sub_ps(px, hx)), 0, e->width), right = within(down(_mm512_add_ps(px, hx)), -1, e->width - 1);
-    const __m512i top = within(up(_mm512_sub_ps(py, hy)), 0, e->height), bottom = within(down(_mm512_add_ps(py, hy)), -1, e->height - 1);
+    const __m512i left = within(up(_mm512_sub_ps(px, hx)), 0, e->width),
+                  right = within(down(_mm512_add_ps(px, hx)), -1, e->width - 1);
+    const __m512i top = within(up(_mm512_sub_ps(py, hy)), 0, e->height),
+                  bottom = within(down(_mm512_add_ps(py, hy)), -1, e->height - 1);
     _mm512_store_si512(out->x0, left);
     _mm512_store_si512(out->x1, right);
     _mm512_store_si512(out->y0, top);
@@ -312,7 +336,8 @@ static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, const __mma
 static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
 {
     const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
-    const __m512i low = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0), high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
+    const __m512i low = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0),
+                  high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
     const lanes xy = _mm512_add_ps(_mm512_mul_ps(o.v[0], o.v[0]), _mm512_mul_ps(o.v[1], o.v[1]));
     const __m512i distance = _mm512_castps_si512(_mm512_add_ps(xy, _mm512_mul_ps(o.v[2], o.v[2])));
     const __m512i number = _mm512_add_epi32(_mm512_set1_epi32((int)first), step);
@@ -321,14 +346,16 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
 }
 
 /* Draws voxels next to the eye again for each other combination of signs that their rays may have. */
-static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3], __mmask16 live, sixteen *r, const ost_planes *planes)
+static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
+                               __mmask16 live, sixteen *r, const ost_planes *planes)
 {
     for (unsigned turned = 1; turned < 8; turned++) {
         __mmask16 which = live;
         __m512i negative[3];
         for (int a = 0; a < 3; a++) {
             const bool turn = turned >> a & 1;
-            const __m512i sign = _mm512_set1_epi32(INT32_MIN), down = _mm512_and_si512(_mm512_castps_si512(o.v[a]), sign);
+            const __m512i sign = _mm512_set1_epi32(INT32_MIN),
+                          down = _mm512_and_si512(_mm512_castps_si512(o.v[a]), sign);
             negative[a] = turn ? _mm512_xor_si512(down, sign) : down;
             which = (__mmask16)(turn ? which & inside[a] : which);
         }
@@ -355,12 +382,14 @@ static inline uint64_t extent_of(const sixteen *r, __mmask16 live)
 {
     if (!live)
         return OST_EXTENT_NONE;
-    return ost_extent_word(_mm512_mask_reduce_min_epi32(live, _mm512_load_si512(r->x0)), _mm512_mask_reduce_max_epi32(live, _mm512_load_si512(r->x1)) + 1,
-                           _mm512_mask_reduce_min_epi32(live, _mm512_load_si512(r->y0)), _mm512_mask_reduce_max_epi32(live, _mm512_load_si512(r->y1)) + 1);
+    return ost_extent_word(_mm512_mask_reduce_min_epi32(live, _mm512_load_si512(r->x0)),
+                           _mm512_mask_reduce_max_epi32(live, _mm512_load_si512(r->x1)) + 1,
+                           _mm512_mask_reduce_min_epi32(live, _mm512_load_si512(r->y0)),
+                           _mm512_mask_reduce_max_epi32(live, _mm512_load_si512(r->y1)) + 1);
 }
 
-void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count, const ost_planes *planes,
-                      const ost_extent *part)
+void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
+                      const ost_planes *planes, const ost_extent *part)
 {
     const uint32_t first = visible->begin[slot];
     const uint64_t *points = visible->seen + first;
@@ -373,7 +402,8 @@ void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint
         if (ost_extent_misses(known, part))
             continue;
         __mmask16 live = count - i < OST_LANES ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff, inside[3];
-        const __m512i p = _mm512_permutex2var_epi32(_mm512_loadu_si512(points + i), even, _mm512_loadu_si512(points + i + 8));
+        const __m512i p = _mm512_permutex2var_epi32(_mm512_loadu_si512(points + i), even,
+                                                    _mm512_loadu_si512(points + i + 8));
         const __m512i only = _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *)(visible->only + first + i)));
         sixteen r;
         lanes3 o;
@@ -403,7 +433,8 @@ void ost_splat_avx512(const ost_splat_eye *eye, const ost_visible *visible, uint
 static inline __m512i lit(__m512i colour, __m512i light)
 {
     const __m512i rb = _mm512_set1_epi32(0xff00ff), g = _mm512_set1_epi32(0xff00);
-    const __m512i a = _mm512_and_si512(_mm512_srli_epi32(_mm512_mullo_epi32(_mm512_and_si512(colour, rb), light), 8), rb);
+    const __m512i a = _mm512_and_si512(_mm512_srli_epi32(_mm512_mullo_epi32(_mm512_and_si512(colour, rb), light), 8),
+                                       rb);
     const __m512i b = _mm512_and_si512(_mm512_srli_epi32(_mm512_mullo_epi32(_mm512_and_si512(colour, g), light), 8), g);
     return _mm512_or_si512(a, b);
 }
@@ -431,7 +462,8 @@ static inline __m512i lookup(const ost_visible *visible, __m512i number, __mmask
 
 static inline __m128i two(const uint64_t *from, uint32_t a, uint32_t b)
 {
-    return _mm_castpd_si128(_mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + a))), (const void *)(from + b)));
+    return _mm_castpd_si128(
+        _mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64((const void *)(from + a))), (const void *)(from + b)));
 }
 
 static inline __m256i four(const uint64_t *from, const uint32_t at[4])
@@ -449,7 +481,8 @@ static inline lanes3 places(lanes3 o, __m512i id)
 {
     const __m512i five = _mm512_set1_epi32(31);
     for (int a = 0; a < 3; a++)
-        o.v[a] = _mm512_add_ps(o.v[a], _mm512_cvtepi32_ps(_mm512_and_si512(_mm512_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five)));
+        o.v[a] = _mm512_add_ps(
+            o.v[a], _mm512_cvtepi32_ps(_mm512_and_si512(_mm512_srl_epi32(id, _mm_cvtsi32_si128(5 * a)), five)));
     return o;
 }
 
@@ -459,13 +492,15 @@ static inline __m512i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v
     lanes near[3], d[3];
     for (int a = 0; a < 3; a++) {
         near[a] = _mm512_sub_ps(_mm512_abs_ps(o.v[a]), all(OST_HALF));
-        d[a] = _mm512_abs_ps(_mm512_add_ps(all(eye->axis[0][a] + v * eye->axis[2][a]), _mm512_mul_ps(u, all(eye->axis[1][a]))));
+        d[a] = _mm512_abs_ps(
+            _mm512_add_ps(all(eye->axis[0][a] + v * eye->axis[2][a]), _mm512_mul_ps(u, all(eye->axis[1][a]))));
     }
     const __m512i two = _mm512_set1_epi32(2);
     lanes best_near = near[0], best_d = d[0], best_o = o.v[0];
     __m512i best = _mm512_setzero_si512();
     for (int a = 1; a < 3; a++) {
-        const __mmask16 later = _mm512_cmp_ps_mask(_mm512_mul_ps(near[a], best_d), _mm512_mul_ps(best_near, d[a]), _CMP_GT_OQ);
+        const __mmask16 later = _mm512_cmp_ps_mask(_mm512_mul_ps(near[a], best_d), _mm512_mul_ps(best_near, d[a]),
+                                                   _CMP_GT_OQ);
         best_near = _mm512_mask_mov_ps(best_near, later, near[a]);
         best_d = _mm512_mask_mov_ps(best_d, later, d[a]);
         best_o = _mm512_mask_mov_ps(best_o, later, o.v[a]);
@@ -475,7 +510,8 @@ static inline __m512i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v
     return _mm512_or_si512(best, _mm512_srli_epi32(_mm512_castps_si512(best_o), 31));
 }
 
-void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0, int x1)
+void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
+                        int x1)
 {
     const float v = eye->eye.half_h - ((float)y + 0.5f);
     const __m512i step = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
@@ -485,7 +521,8 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
         const size_t at = ost_row(planes, y) + (size_t)x;
         const uint64_t *key = ost_key_row(planes, y) + x;
         const __m512i low = _mm512_load_si512(key), high = _mm512_load_si512(key + 8);
-        const __mmask16 any = _mm512_cmpneq_epi32_mask(_mm512_permutex2var_epi32(low, odd, high), _mm512_set1_epi32((int)OST_NO_DISTANCE));
+        const __mmask16 any = _mm512_cmpneq_epi32_mask(_mm512_permutex2var_epi32(low, odd, high),
+                                                       _mm512_set1_epi32((int)OST_NO_DISTANCE));
         __m512i face = _mm512_set1_epi32(OST_NO_FACE), colour = _mm512_set1_epi32((int)visible->background);
         if (any) {
             const lanes u = across(eye, _mm512_add_epi32(_mm512_set1_epi32(x), step));
@@ -499,7 +536,8 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
             _mm512_store_si512(at_list, _mm512_maskz_mov_epi32(any, index));
             __asm__("" : "+m"(at_list));
             const __m512i first = eight(visible->seen, at_list), second = eight(visible->seen, at_list + 8);
-            const __m512i id = _mm512_permutex2var_epi32(first, even, second), tint = _mm512_permutex2var_epi32(first, odd, second);
+            const __m512i id = _mm512_permutex2var_epi32(first, even, second),
+                          tint = _mm512_permutex2var_epi32(first, odd, second);
             lanes depth;
             const __m512i entered = enter(eye, places(o, id), u, v, &depth);
             face = _mm512_mask_mov_epi32(face, any, entered);

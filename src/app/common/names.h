@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Names in messages: lists of them, and the one that a misspelt name probably means. */
+#ifndef OST_APP_COMMON_NAMES_H
+#define OST_APP_COMMON_NAMES_H
+
+/* Writes "a|b|c" as "a, b or c", with the text `before` in front of each. Returns text. */
+enum { OPTION_SPOKEN = 160 };
+const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char *before);
+
+/* Returns the name nearest to a misspelt one, or NULL if none is near. */
+const char *nearest_name(const char *text, const char *const *names, int count);
+
+#endif
