@@ -29,7 +29,8 @@ static ost_status record_snap(performer *p, int i, const ost_snapped_mesh meshes
     trace_begin(p->w, TRACE_SNAP, p->case_index, (uint32_t)i);
     if (made)
         trace_flags(p->w, TRACE_MADE);
-    const ost_status status = steps_put_snap(p->w, p->s->tools[i].raw[0].triangle_count ? meshes : NULL, err);
+    const ost_status status =
+        steps_put_snap(p->w, p->second, p->s->tools[i].raw[0].triangle_count ? meshes : NULL, err);
     const ost_status written = perform_end_record(p, TRACE_SNAP, (uint32_t)i, err);
     return status != OST_OK ? status : written;
 }

@@ -18,7 +18,10 @@
  *            in the gap are cut, then out of the bone within one event; rows that
  *            leak in the mesh that does not cut and are closed in the other;
  *            corners on one line; poses 2048 and 4096 tool voxels away, where a
- *            base in 32 bits wraps; 73 cubes of 50 voxels along x
+ *            base in 32 bits wraps; 73 cubes of 50 voxels along x; a bar of 1024
+ *            voxels, turned by 180 degrees, whose end lies in a block with a base
+ *            beyond 2^30, and whose rows are complete words, a part of which does
+ *            not cut
  */
 #include "validation/scene_parts.h"
 
@@ -273,7 +276,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 
 /* ------------------------------------------------------------------ hollow */
 
-enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33 };
+enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33, HOLLOW_BAR = 1024 };
 
 /* Adds a tick of a tool at cube (x, y, z) of the bone, moved back along x by `before` voxels of the tool. */
 static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z, int32_t before)
@@ -312,7 +315,9 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
     if (status == OST_OK)
         status = scene_add_bar(s, (ost_dims){33, 9, 17}, 0, cube / 2, err);
     if (status == OST_OK)
-        status = reserve_ticks(s, 6, err);
+        status = scene_add_bar(s, (ost_dims){HOLLOW_BAR, 3, 3}, 1, cube / 2, err);
+    if (status == OST_OK)
+        status = reserve_ticks(s, 7, err);
     if (status != OST_OK)
         return status;
     /* The plates lie 16 to 20 voxels from the tool's middle on either side; they do not reach the last rows and the
@@ -328,6 +333,12 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
     const ost_pm3 at = pose->t;
     status = ost_pose_from_doubles(none, slanted, pose, err);
     pose->t = at;
+    /* A third of a cube behind the tenth. */
+    hollow_tick(s, 3, 10, 32, 3, -HOLLOW_BAR / 2);
+    pose = &s->path.ticks[s->path.count - 1].pose;
+    pose->t.x += cube / 3;
+    pose->qw = 0;
+    pose->qz = OST_Q30_ONE;
     s->collide_every = 1;
     return status;
 }

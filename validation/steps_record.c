@@ -16,7 +16,7 @@ static void put_int128(trace_writer *w, ost_int128 value)
     put_int(w, (int64_t)(value >> 64));
 }
 
-static ost_status put_mesh(trace_writer *w, const ost_snapped_mesh *m, ost_error *err)
+static ost_status put_mesh(trace_writer *w, bool second, const ost_snapped_mesh *m, ost_error *err)
 {
     const ost_tool_geometry *g = &m->grid;
     const int64_t words[] = {g->dims.x,
@@ -31,7 +31,7 @@ static ost_status put_mesh(trace_writer *w, const ost_snapped_mesh *m, ost_error
                              (int64_t)m->triangle_count,
                              (int64_t)m->dropped_triangles};
     ost_digest digest;
-    const ost_status status = ost_snapped_mesh_digest(m, &digest, err);
+    const ost_status status = second ? steps_mesh_digest(m, &digest, err) : ost_snapped_mesh_digest(m, &digest, err);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         put_int(w, words[i]);
     for (size_t i = 0; i < sizeof digest.bytes && status == OST_OK; i += 8) {
@@ -42,13 +42,13 @@ static ost_status put_mesh(trace_writer *w, const ost_snapped_mesh *m, ost_error
     return status;
 }
 
-ost_status steps_put_snap(trace_writer *w, const ost_snapped_mesh *parts, ost_error *err)
+ost_status steps_put_snap(trace_writer *w, bool second, const ost_snapped_mesh *parts, ost_error *err)
 {
     if (!parts)
         return OST_OK;
-    ost_status status = put_mesh(w, &parts[0], err);
+    ost_status status = put_mesh(w, second, &parts[0], err);
     if (status == OST_OK)
-        status = put_mesh(w, &parts[1], err);
+        status = put_mesh(w, second, &parts[1], err);
     for (size_t v = 0; v < parts[0].vertex_count && v < SNAP_VERTICES && status == OST_OK; v++) {
         const int32_t *p = parts[0].vertices[v]; /* each coordinate is at most 2^20 */
         put_int(w, p[0] | (int64_t)p[1] << 21 | (int64_t)p[2] << 42);

@@ -31,9 +31,12 @@ typedef struct steps_pose {
 /* Returns the first voxels of the blocks whose bases are recorded: the grid's first, its middle and its last block. */
 void steps_blocks(ost_dims bone, int32_t first[3][3]);
 
-/* Adds the words of a snap record. parts[1] has no triangles if there is no second mesh. parts is NULL if the meshes
-   before snapping are not known. */
-ost_status steps_put_snap(trace_writer *w, const ost_snapped_mesh *parts, ost_error *err);
+/* Computes AR-DIG-7 without src/core's function for it. */
+ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
+
+/* Adds the words of a snap record. second: the digest is computed by steps_mesh_digest. parts[1] has no triangles if
+   there is no second mesh. parts is NULL if the meshes before snapping are not known. */
+ost_status steps_put_snap(trace_writer *w, bool second, const ost_snapped_mesh *parts, ost_error *err);
 void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, const ost_tick *tick);
 void steps_put_pose(trace_writer *w, const steps_pose *p);
 

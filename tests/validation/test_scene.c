@@ -49,8 +49,8 @@ static void campaigns(void **state)
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
-        {PLAN_SMOKE, "reach", 99, "9097febadbd8f0a60455e78fa561337772b6b1db11fe814c61ef2fadd1010d56"},
-        {PLAN_STANDARD, "reach", 99, "cf06fe720371806bc09eb0c507de3b10dc374f1b447a2e6975b292fe2b2c5b8f"},
+        {PLAN_SMOKE, "reach", 99, "c9ce963b25b7414c4f0b8370e261312556d29288fd7a2ebdda04416b4569c09d"},
+        {PLAN_STANDARD, "reach", 99, "8a52018cf92b7099cf8631e72ca7c41f0dc86e9aa601442d5c5879716c307ff4"},
         {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
         {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},
     };
@@ -243,6 +243,12 @@ static void reach_has_what_it_is_for(void **state)
                 assert_int_equal(s.path.ticks[5].pose.t.x - tick->pose.t.x,
                                  s.tools[tick->tool].cutting.grid.voxel << (n + 8));
             }
+            /* The turned bar ends within a block whose first voxel has a coordinate beyond 2^30. */
+            const ost_tool_geometry *bar = &s.tools[3].cutting.grid;
+            const ost_pm end = s.path.ticks[6].pose.t.x + bar->corner.x - s.rect.origin.x;
+            assert_int_equal(bar->dims.x, OST_TOOL_DIM_REMOVE_MAX);
+            assert_true(s.tools[3].noncutting.triangle_count > 0);
+            assert_true(end > s.cubic && end < (OST_MAP_BLOCK - 1) * s.cubic);
         } else if (i % 6 == 4) {
             uint8_t active[65] = {0}, places[64] = {0};
             for (size_t n = 0; n < s.sample_count; n++) {
