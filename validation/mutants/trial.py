@@ -115,7 +115,7 @@ def stage_names(source):
 def family_names(source):
     """Returns the families of generated cases in the smoke tier, as listed in the measured commit's plan."""
     with open(os.path.join(source, "validation/plan.c"), encoding="utf-8") as f:
-        rows = re.findall(r'\[PLAN_\w+\] = \{"(\w+)", "[^"]*", \{(\d+),', f.read())
+        rows = re.findall(r'\[PLAN_\w+\] = \{"(\w+)",\s*"[^"]*",\s*\{(\d+),', f.read())
     return [name for name, count in rows if int(count) > 0]
 
 

@@ -137,7 +137,7 @@ class Generator(unittest.TestCase):
         self.assertEqual((names[0], names[1], names[-1]), ("case", "rect", "end"))
         self.assertIn("failed", names)
         families = trial.family_names(SOURCE)
-        self.assertLessEqual({"import", "mesh", "poses", "sweep", "session", "operation"}, set(families))
+        self.assertLessEqual({"import", "mesh", "poses", "sweep", "session", "operation", "steps", "reach"}, set(families))
         self.assertNotIn("static", families)
 
     def test_foreign_mutant(self):
