@@ -84,8 +84,20 @@ OST_API ost_status ost_fail(ost_error *err, ost_status status, const char *forma
 /* Inserts "prefix: " before the text in err; returns err's status, or OST_ERR_INTERNAL if err is NULL. */
 OST_API ost_status ost_fail_context(ost_error *err, const char *format, ...) OST_PRINTF(2, 3);
 
-/* Returns the library's version, for example "0.1.0". */
+/*
+ * The version of these headers.  Version 0.2.0 is OST_VERSION_NUMBER(0, 2, 0), an integer, so that a
+ * preprocessor can compare versions: #if OST_VERSION >= OST_VERSION_NUMBER(0, 2, 0).
+ */
+#define OST_VERSION_MAJOR 0
+#define OST_VERSION_MINOR 2
+#define OST_VERSION_PATCH 0
+#define OST_VERSION_NUMBER(major, minor, patch) ((major) * 1000000 + (minor) * 1000 + (patch))
+#define OST_VERSION OST_VERSION_NUMBER(OST_VERSION_MAJOR, OST_VERSION_MINOR, OST_VERSION_PATCH)
+
+/* Returns the version of the library that is running, for example "0.2.0"; static, never NULL. */
 OST_API const char *ost_version(void);
+/* Returns the version of the library that is running as an OST_VERSION_NUMBER. */
+OST_API int ost_version_number(void);
 /* The version of docs/arithmetic.md that this library implements. */
 enum { OST_ARITHMETIC_VERSION = 2 };
 

@@ -76,3 +76,8 @@ const char *ost_version(void)
 {
     return PACKAGE_VERSION;
 }
+
+int ost_version_number(void)
+{
+    return OST_VERSION;
+}

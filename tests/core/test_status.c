@@ -4,6 +4,8 @@
 
 #include <osteon/status.h>
 
+#include "config.h"
+
 static void every_status_has_its_exit(void **state)
 {
     (void)state;
@@ -37,12 +39,28 @@ static void a_null_error_is_allowed(void **state)
     assert_int_equal(ost_fail(NULL, OST_ERR_IO, "x"), OST_ERR_IO);
 }
 
+/* The headers, the library and configure.ac state the same version. */
+static void version_is_one(void **state)
+{
+    (void)state;
+    char text[32];
+    snprintf(text, sizeof text, "%d.%d.%d", OST_VERSION_MAJOR, OST_VERSION_MINOR, OST_VERSION_PATCH);
+    assert_string_equal(ost_version(), text);
+    assert_string_equal(ost_version(), PACKAGE_VERSION);
+    assert_int_equal(ost_version_number(), OST_VERSION);
+    assert_int_equal(OST_VERSION_NUMBER(1, 2, 3), 1002003);
+#if OST_VERSION < OST_VERSION_NUMBER(0, 2, 0) || OST_VERSION >= OST_VERSION_NUMBER(1, 0, 0)
+    fail_msg("the preprocessor compares versions otherwise");
+#endif
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_status_has_its_exit),
         cmocka_unit_test(text_is_one_bounded_line),
         cmocka_unit_test(a_null_error_is_allowed),
+        cmocka_unit_test(version_is_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
