@@ -113,8 +113,8 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 }
 
 /*
- * Returns true if RHE rounds the quotient up. The remainder is rest / ten_to_e, plus beyond in units of
- * 10^-18 / ten_to_e, plus a smaller part above 0 if more is set.
+ * Returns true if RHE rounds the quotient up. The quotient's fraction is remainder / ten_to_e, plus beyond in
+ * units of 10^-18 / ten_to_e, plus a smaller part above 0 if more is set.
  */
 static bool rounds_up(ost_i128 quotient, ost_i128 remainder, ost_i128 ten_to_e, int64_t beyond, bool more)
 {

@@ -18,7 +18,7 @@ struct ost_text_lines {
     int64_t file_size;
     int64_t read_bytes;
     bool at_start, ended, terminated;
-    size_t used, remaining; /* buffer[0, used) is filled, buffer[rest, used) has not been returned yet */
+    size_t used, next; /* buffer[0, used) is filled, buffer[next, used) has not been returned yet */
     char buffer[OST_TEXT_BUFFER + 1]; /* one more byte for the newline that the last line may lack */
 };
 
@@ -35,7 +35,7 @@ ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error
     lines->at_start = true;
     lines->ended = false;
     lines->terminated = true;
-    lines->used = lines->remaining = 0;
+    lines->used = lines->next = 0;
 
     ost_status status = OST_OK;
     ost_file file;
@@ -136,9 +136,9 @@ ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_t
 {
     char *buffer = lines->buffer;
     block->begin = block->end = buffer;
-    memmove(buffer, buffer + lines->remaining, lines->used - lines->remaining);
-    lines->used -= lines->remaining;
-    lines->remaining = 0;
+    memmove(buffer, buffer + lines->next, lines->used - lines->next);
+    lines->used -= lines->next;
+    lines->next = 0;
     ost_status status = fill(lines, err);
     if (status != OST_OK)
         return status;
@@ -161,14 +161,14 @@ ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_t
         lines->terminated = last == buffer + lines->used - 1;
         if (!lines->terminated)
             buffer[lines->used++] = '\n';
-        lines->remaining = lines->used;
+        lines->next = lines->used;
     } else if (last) {
-        lines->remaining = (size_t)(last - buffer) + 1;
+        lines->next = (size_t)(last - buffer) + 1;
     } else {
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: the line is longer than %d bytes; expected a text file",
                         lines->path, (long long)line_number, OST_TEXT_LINE_MAX);
     }
-    block->end = buffer + lines->remaining;
+    block->end = buffer + lines->next;
     return OST_OK;
 }
 
@@ -180,7 +180,7 @@ ost_status ost_text_lines_rewind(ost_text_lines *lines, ost_error *err)
     lines->at_start = true;
     lines->ended = false;
     lines->terminated = true;
-    lines->used = lines->remaining = 0;
+    lines->used = lines->next = 0;
     return OST_OK;
 }
 
