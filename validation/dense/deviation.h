@@ -197,7 +197,8 @@ typedef enum deviation_stage {
       "T: Alg. 2.9, floor and ceiling mixed up",                                                                       \
       "the box has room to spare, as osteon's own boxes have, and does not end at the grid's border")                  \
     X(NON_CUTTING_CUTS, "non-cutting-cuts", REMOVE, "call", "every solid tool voxel cuts",                             \
-      "P: != 0 where == 1 is meant; the thesis' tools know 0 and 1 only", "never: a touched voxel becomes a hit one")  \
+      "P: != 0 where == 1 is meant; the thesis' tools know 0 and 1 only",                                              \
+      "every voxel that such a part touches is hit at another pose")                                                   \
     X(TOUCHED_THOUGH_HIT, "touched-though-hit", REMOVE, "call",                                                        \
       "a voxel that is hit at one pose and touched at another counts as both", "P: poses counted one by one",          \
       "never: the number of touched voxels is in the report")                                                          \
