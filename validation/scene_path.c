@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Ticks that bring tools into the bone.  A pose is drawn in doubles and then
- * quantised like that of any device (AR-POSE); from there on all backends have
- * the same integers.
+ * Ticks that bring tools into the bone. A pose is chosen at random in double precision, then
+ * quantised like a device's pose (AR-POSE); from there on all backends have the same integers.
  */
 #include "validation/scene_parts.h"
 

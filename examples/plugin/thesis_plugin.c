@@ -9,7 +9,7 @@
  * and is not meant to be fast.  A bone here is one dense array, in which a chunk
  * without active voxels is zero, as if its buffer were deleted.
  *
- * The file has more than 500 lines, so that all slots of the table can be read in one place.
+ * The file has more than 500 lines, because all slots of the table are in one place.
  */
 #include <stdarg.h>
 #include <stdio.h>

@@ -217,7 +217,8 @@ enum { FLOATS = 4 };
 static const uint32_t float_in[3 * FLOATS] = {
     0x3f800800, 0x3f800800, 0xbf800000, /* 1 + 2^-12, the same, -1: a * b + c shows whether the sum is fused */
     0x3f800000, 0x40400000, 0x00000000, /* 1 / 3 */
-    0x3f000000, 0x3f800000, 0x00000000, /* 1/2 of the least normal number */
+    /* 0.5: the kernel multiplies it by the least normal number; is the product denormal or 0? */
+    0x3f000000, 0x3f800000, 0x00000000,
     0x501502f9, 0x3f800000, 0x00000000, /* 1e10, to int */
 };
 

@@ -60,7 +60,7 @@ typedef struct cl_tool {
     cl_mem cells;  /* classes with reach (kernels/shared.h) */
     cl_mem windows; /* windows of the classes (kernels/shared.h) for the kernel set for CPUs, else NULL */
     bool touches;   /* true if a voxel may have class 2 */
-    bool made;     /* true once the device was waited for after the launches that make cells and windows */
+    bool made;     /* true once the launches that make cells and windows have completed */
 } cl_tool;
 
 /* Returns OST_ERR_UNAVAILABLE if an earlier failure left the object in an unknown state. */

@@ -35,8 +35,8 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 }
 
 /*
- * Returns the tool's grid.  Its origin is a corner, a bone's origin the middle of its first
- * voxel; half a picometre is not visible.
+ * Returns the tool's grid. A tool's origin is a corner of its grid, a bone's is the middle of the
+ * first voxel; a rounding by half a picometre is not visible.
  */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {

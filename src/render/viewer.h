@@ -63,8 +63,8 @@ ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_sty
 void ost_viewer_free(ost_viewer *viewer); /* a zeroed viewer is valid */
 
 /*
- * Draws later frames by OpenGL.  If OpenGL fails, the processor draws again and
- * lost holds the reason.  Returns OST_ERR_UNAVAILABLE as ost_gl_open does.
+ * From the next frame on, draws with OpenGL. If OpenGL fails, drawing returns to the processor, and
+ * `lost` holds the reason. Returns OST_ERR_UNAVAILABLE as ost_gl_open does.
  */
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
 

@@ -74,7 +74,7 @@ static void edit(void)
         if (capacity)
             input[at] = (uint8_t)next();
         break;
-    case 2: /* insert a character that texts use */
+    case 2: /* insert a character that occurs in text inputs */
         if (capacity)
             input[at] = (uint8_t) "0123456789+-.eE \t,;#\n\r\0\xff"[below(24)];
         break;

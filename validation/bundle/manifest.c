@@ -109,7 +109,7 @@ static ost_status manifest_of_files(const char *folder, const folder_files *l, j
     return status;
 }
 
-/* Receives a problem of a folder that this program filled, which is an error. */
+/* Stores the first problem found in the folder. This program filled the folder, so any problem is an error. */
 static void first_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
 {
     ost_error *first = user;

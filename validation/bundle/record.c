@@ -84,7 +84,7 @@ static ost_status shard_name(const char *folder, char name[32], ost_error *err)
     return status;
 }
 
-/* Reads the file of every shard, by the shard's name. */
+/* Reads the file `name` of every shard into *out, keyed by the shard's name. */
 static ost_status gather(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     DIR *dir = opendir(folder);

@@ -7,8 +7,9 @@
  *   private key (PEM) --------------------------------> DSSE envelope: signatures/TIME-KEY.intoto.jsonl
  *   time-stamping authority (RFC 3161), optional -----> the same name followed by .tsr
  *
- * A statement follows from the bundle except for the signer's claims (name,
- * meaning, time), so a check makes it again and compares.  A key is identified by
+ * Except for the signer's claims (name, meaning, time), a statement is derived from the bundle, so
+ * verification derives it again
+ * and compares the two.  A key is identified by
  * its fingerprint: SHA-256 of the DER form of the public key.
  */
 #ifndef OST_VALIDATION_SIGN_H

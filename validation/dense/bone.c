@@ -100,7 +100,7 @@ static int16_t given(const dense_bone *bone, const upload *from, int32_t i, int3
     return from->voxels[dense_at(d, i, j, k - from->z0)];
 }
 
-/* Stores a voxel by AR-CHK-1, or by a kind of mistake that violates it. */
+/* Stores a voxel as AR-CHK-1 requires, or with a deliberate mistake. */
 static void store(deviant *m, const dense_bone *bone, const upload *from, int32_t i, int32_t j, int32_t k,
                   int16_t *density, uint8_t *active)
 {

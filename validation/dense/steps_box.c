@@ -62,8 +62,8 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
 
 enum { BLOCK = 16 };
 
-/* Returns true if a voxel of the block is inside the grid (AR-MAP-4). |base| < 2^31 and |15 step| < 2^28, so 64 bits
-   suffice. */
+/* Returns true if any bone voxel of the block lies inside the tool's grid (AR-MAP-4). |base| <
+   2^31 and |15 step| < 2^28, so 64 bits suffice. */
 static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, const ost_dims bone, const int32_t f[3],
                           const int32_t base[3])
 {

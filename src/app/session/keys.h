@@ -28,8 +28,8 @@ typedef struct session_setup {
 ost_status session_keys_make(const session_setup *setup, ost_backend *backend, const ost_bone *bone,
                              ost_tool *const *tools, const char *device, ost_session_header **out, ost_error *err);
 
-/* Reads a header. Returns OST_ERR_INPUT with the session and the key if a key is missing or
-   invalid. Texts in *out live as long as header. */
+/* Reads a header. Returns OST_ERR_INPUT, with a message that names the session and the key, if a
+   key is missing or invalid. Texts in *out live as long as header. */
 ost_status session_keys_read(const char *session, const ost_session_header *header, session_setup *out, ost_error *err);
 
 /* Returns OST_ERR_INPUT unless the digests of bone and tools are those in the header. */

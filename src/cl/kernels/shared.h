@@ -431,12 +431,11 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
  * tool voxel by at most floor(j m / 2^20) + 1, which is < r if j m < (r - 1) 2^20.
  * m <= 2^24 + 1, so all this is below 2^29.
  *
- * whole[c]: the least r for a cube of e = 4 << c voxels whose middle lies in a
- * cell of reach r.  The middle is the first voxel's coordinate plus (e - 1) / 2 of
- * the three steps, rounded to integer units.  A coordinate of the cube differs
- * from the middle's by at most d = ((e - 1) t + 1) / 2, with t the sum of the three
- * |step[b][a]|, and its tool voxel by at most floor(d / 2^20) + 1, which must be
- * < r.  15 t < 2^29 (AR-MAP-5).
+ * whole[c]: the least reach r with which the cell at the middle of a cube of e = 4 << c voxels
+ * decides the entire cube. The middle is the first voxel's coordinate plus (e - 1) / 2 of the three
+ * steps, rounded to integer units. A coordinate of the cube differs from the middle's by at most d
+ * = ((e - 1) t + 1) / 2, with t the sum of the three |step[b][a]|, and its tool voxel by at most
+ * floor(d / 2^20) + 1, which must be < r. 15 t < 2^29 (AR-MAP-5).
  *
  * planes: along an axis a brick's coordinates lie within 3 t of their least
  * one, so its tool voxels are the least one's and at most floor(3 t / 2^20) + 1

@@ -53,7 +53,7 @@ typedef struct task {
     int32_t height;
     cpu_tap y[N_MAX], z[4];
     int slices; /* slices of the layer that lie in the grid */
-    size_t row[2 * N_MAX]; /* source rows of all y, ascending without repetition */
+    size_t row[2 * N_MAX]; /* source rows of all y, in ascending order, without duplicates */
     int rows, first[N_MAX / 4]; /* count of row[]; per four y: index of the first row that no earlier y has */
     /* Source slices of the layer, and those of the next layer that are new; ascending without repetition. */
     size_t source[SLICES], ahead[SLICES];

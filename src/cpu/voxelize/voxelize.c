@@ -162,7 +162,7 @@ static bool is_void(const job *j, int m, size_t number)
 }
 
 /*
- * Computes the solid bits of one mesh in this tile, in the result if direct, otherwise in d->bits[m].
+ * Writes the solid bits of one mesh in this tile to the result if j->direct, otherwise to d->bits[m].
  * Returns the number of solid voxels.
  */
 static uint64_t fill_mesh(const job *j, scratch *d, int m, size_t number, uint64_t *leaking_rows)

@@ -11,7 +11,7 @@
  *                 else only pixdim with origin 0: a file without orientation.
  *                 (Codes above 2 lead to a template brain, not to the patient's
  *                 size.)  A sform and a qform that both lead to the patient
- *                 must agree to a voxel, unless the caller chooses one
+ *                 must agree to within a voxel, unless the caller chooses one
  *   lengths       xyzt_units m, mm or um; none means mm.  A float32 stands for
  *                 the shortest decimal that reads back as it (of its value in mm)
  *   spacing       for an axis that runs exactly along R, A or S by sform: that

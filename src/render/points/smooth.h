@@ -56,7 +56,7 @@ typedef struct ost_smooth_kernels {
     /* Computes a row of cells from two rows of each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
                   uint8_t out[OST_CELLS]);
-    /* Joins count rows of cells of three blocks to lines, which begin at x = -8 as those of bone do. */
+    /* Joins `count` rows of cells from three blocks into lines. A line begins at x = -8, like a line of bone. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
     /*
