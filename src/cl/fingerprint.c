@@ -266,7 +266,7 @@ void ost_cl_fingerprint_floats(cl_backend *b, char *notes, size_t size)
     if (status == OST_OK)
         status = ost_digest_bytes(out, sizeof out, &digest, &err);
     if (status != OST_OK) {
-        snprintf(notes, size, "integers as they must be; floats unknown: %.160s", err.text);
+        snprintf(notes, size, "integers are correct; floats unknown: %.160s", err.text);
         return;
     }
     char loops[64] = "";
@@ -274,7 +274,7 @@ void ost_cl_fingerprint_floats(cl_backend *b, char *notes, size_t size)
         snprintf(loops, sizeof loops, ", loops end after %u turns", (unsigned)b->turns);
     ost_digest_hex(&digest, hex);
     snprintf(notes, size,
-             "integers as they must be%s; floats (they decide nothing): a*b+c %s, 1/3 %s, denormals %s, 1e10 to int "
+             "integers are correct%s; floats (no voxel depends on them): a*b+c %s, 1/3 %s, denormals %s, 1e10 to int "
              "0x%x; %.16s",
              loops, out[0] == 0x3a000000 ? "rounded twice" : "fused",
              out[OST_CL_FLOATS + 3] == 0x3eaaaaab ? "correctly rounded" : "inexact",

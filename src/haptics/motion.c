@@ -140,7 +140,7 @@ static ost_haptic_answer motion_read(haptic_instance *m, ost_haptic_state *state
 
 const haptic_driver haptic_motion = {
     .name = "motion",
-    .description = "a hand that was tracked, from a file: motion:FILE.csv",
+    .description = "a recorded motion of a hand: motion:FILE.csv",
     .caps = OST_HAPTIC_ORIENTATION | OST_HAPTIC_LOGICAL,
     .open = motion_open,
     .close = motion_close,

@@ -177,7 +177,7 @@ static void mouse_write(haptic_instance *instance, const ost_wrench *wrench)
 
 const haptic_driver haptic_mouse = {
     .name = "mouse",
-    .description = "the mouse and keys of the simulator's window; forces are shown",
+    .description = "the mouse and keys of the simulator's window; forces are displayed",
     .caps = OST_HAPTIC_SHOWN | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,
     .buttons = {{"space", OST_ACTION_MOTOR}},
     .open = mouse_open,

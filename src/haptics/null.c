@@ -42,7 +42,7 @@ static ost_haptic_answer null_read(haptic_instance *instance, ost_haptic_state *
 
 const haptic_driver haptic_null = {
     .name = "null",
-    .description = "a tool that stays where it is",
+    .description = "a tool that does not move",
     .caps = OST_HAPTIC_LOGICAL,
     .open = null_open,
     .close = null_close,

@@ -86,7 +86,7 @@ static ost_haptic_answer script_read(haptic_instance *instance, ost_haptic_state
 
 const haptic_driver haptic_script = {
     .name = "script",
-    .description = "a path, a row a tick",
+    .description = "the rows of a path, one per tick",
     .caps = OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL | OST_HAPTIC_LOGICAL,
     .open = script_open,
     .close = script_close,

@@ -95,7 +95,7 @@ static ost_status finish(ost_backend *backend, ost_error *err)
 
 const ost_backend_ops ost_backend_plugin = {
     .name = "plugin",
-    .description = "somebody else's implementation, loaded from a file: plugin:FILE.so",
+    .description = "an external implementation, loaded from a file: plugin:FILE.so",
     .available = available,
     .devices = ost_no_devices,
     .open = open_plugin,
