@@ -103,7 +103,7 @@ typedef struct ost_haptic_setup {
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
  *   motion:FILE       recorded motion of a tracked hand (docs/haptics.md), plain or gzip: scale=PERCENT (5),
  *                     gap=MS, jump=MM (both are derived from its rows by default)
- *   mouse             the mouse of a window, through setup.hand
+ *   mouse             the mouse of a window, through setup.mouse
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
  *   spnav             SpaceMouse: speed=MM/S (20), turn=DEGREES/S (30), hold=0|1 (0)
@@ -165,9 +165,15 @@ typedef struct ost_wrench {
     double force_n[3], torque_nm[3];
 } ost_wrench;
 
-/* Reads a device without a clock of its own; called once a tick. Does not block. */
+/*
+ * Reads a device; called once a tick.  Does not block.  A device with a clock of its own may be read only on the
+ * device's thread within a tick, as ost_servo_run does.
+ */
 OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state);
-/* Writes a wrench to a device without a clock of its own; called once a tick. Does not block. */
+/*
+ * Writes a wrench; called once a tick.  Does not block.  A device with a clock of its own may be written only on the
+ * device's thread within a tick, or when no ticks run.  Has no effect on a device that renders no force.
+ */
 OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
 
 /*
@@ -286,8 +292,14 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
 
 /*
  * Runs the servo loop on the calling thread until one of ost_servo_end.  Ticks are due at absolute times.  A late tick
- * runs at once; ticks that are already past are skipped and counted.  done may be NULL.  report, about 260 kB, is
- * filled in every case; allocate it on the heap.  A device with a clock of its own calls tick on its own thread.
+ * runs at once; ticks that are already past are skipped and counted.  No tick runs before the device's first pose,
+ * unless it reports that tracking is lost.  When the loop has ended, a wrench of 0 is written to the device.  A device
+ * with a clock of its own calls tick on its own thread.
+ *
+ * options may be NULL (the defaults), done may be NULL.  report, about 260 kB, is filled in every case; allocate it on
+ * the heap or statically.  Returns OST_ERR_USAGE, with a report of zeros and without a tick, if the period is not from
+ * 10,000 ns to 1 s, if lead_ns is not from 0 to half a period, or if no_clock is set for a device without
+ * OST_HAPTIC_LOGICAL.  Returns the error of a device with a clock of its own that cannot run.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
                                  ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);

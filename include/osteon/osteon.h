@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * osteon: a surgical simulation platform for glenoid reaming, and any joint.
- * This header brings all of the library; each concept has its own.
+ * This header includes the complete library; each concept has a header of its own.
  *
- *   status.h   what can go wrong               backend.h  who keeps the voxels
- *   length.h   picometres                      io.h       files in and out
- *   pose.h     where a tool is                 phantom.h  generated bones and tools
- *   grid.h     dense grids                     sim.h      the world and its step
- *   mesh.h     triangles                       picture.h  pictures without a display
- *   tool.h     tool grids                      path.h     a tool over time
- *   digest.h   SHA-256 of grids                event.h    sweep, map, report
- *   plugin.h   somebody else's backend         session.h  what happened, to be done again
- *   haptics.h  devices and their loop          operation.h  a world that a device moves
- *   force.h    what the hand feels             metrics.h  what an operation has come to
- *   render.h   voxels as points                live.h     what others see of a running operation
+ *   status.h    statuses, error messages, versions   backend.h    grids, bones and tools, and operations on them
+ *   length.h    exact lengths in picometres          io.h         reading and writing files
+ *   pose.h      position and rotation of a tool      phantom.h    generated bones and parametric tools
+ *   grid.h      dense grids of densities             sim.h        the world and its step
+ *   mesh.h      triangle meshes                      picture.h    pictures without a display
+ *   tool.h      tool grids                           path.h       the motion of a tool over time
+ *   digest.h    SHA-256 of grids                     event.h      sweeps, maps, events and their reports
+ *   plugin.h    external backends, loaded from files session.h    recorded operations
+ *   haptics.h   devices and the servo loop           operation.h  a world that a device moves
+ *   force.h     force feedback and safety layer      metrics.h    the outcome of an operation
+ *   render.h    voxels drawn as points               live.h       the state of a running operation for viewers
+ *   motor.h     the motor that turns a tool
  */
 #ifndef OSTEON_H
 #define OSTEON_H
