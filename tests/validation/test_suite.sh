@@ -40,7 +40,7 @@ grep -q '"output_bytes": 7,' b/suite.json && grep -q "\"output_sha256\": \"$(ech
 checks=$((checks + 1))
 grep '^requirement,"AR-POSE-1",' b/trace.csv | grep -q '; the test suite",".*; tests: 1 passed","common.json suite.json"$' || fail "AR-POSE-1 is not traced to its test: $(grep AR-POSE-1 b/trace.csv)"
 checks=$((checks + 1))
-grep '^requirement,"REQ-CLI-HELP",' b/trace.csv | grep -q '"not by this bundle; tests: 0 passed; tests/app/test_usage.sh skipped: it is not built' || fail "a skipped test shows something"
+grep '^requirement,"REQ-CLI-HELP",' b/trace.csv | grep -q '"not by this bundle; tests: 0 passed; tests/app/test_guide.sh skipped: it is not built' || fail "a skipped test shows something"
 checks=$((checks + 1))
 grep -q 'id="suite"' b/report.html && ! grep -q 'SUITE FAILED' b/report.html || fail "the report does not have the suite, or says that it failed"
 run 0 verify b --json
