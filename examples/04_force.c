@@ -58,7 +58,7 @@ int main(int argc, char **argv)
     if (!status)
         status = ost_tool_upload(backend, &volume, &tool, &err);
 
-    /* NULL selects the default parameters (docs/force.md). The force reads single voxels of the bone. */
+    /* NULL selects the default parameters (docs/reference/force.md). The force reads single voxels of the bone. */
     if (!status)
         status = ost_force_create(bone, NULL, &force, &err);
     if (!status)

@@ -6,7 +6,7 @@
  *   06_session replay BONE.nrrd TOOL.nrrd SESSION
  *
  * A session contains the ticks and a digest of the result of each, not voxels
- * (docs/session.md).  The replay needs the same bone and tool; it may use any backend.
+ * (docs/spec/session.md).  The replay needs the same bone and tool; it may use any backend.
  */
 #include <osteon/osteon.h>
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# OST_CHECK_ARITHMETIC: the conditions of docs/arithmetic.md section 2 on the
+# OST_CHECK_ARITHMETIC: the conditions of docs/spec/arithmetic.md section 2 on the
 # compiler and its flags.  Sets OST_ARITH_CFLAGS.  The same conditions are
 # asserted again at compile time in src/core/conditions.h, so that a foreign
 # build system cannot lose them.
@@ -27,7 +27,7 @@ int x;]])], [AC_MSG_RESULT([no])],
   for ost_flag in $CFLAGS $CPPFLAGS $LDFLAGS; do
     AS_CASE([$ost_flag],
       [-ffast-math|-Ofast|-funsafe-math-optimizations|-fassociative-math|-freciprocal-math|-ffp-contract=fast|-ffp-contract=on|-ftrapv|-mfpmath=*387*|-mdaz-ftz|-fshort-enums|-fpack-struct*],
-      [AC_MSG_ERROR([$ost_flag breaks the arithmetic (docs/arithmetic.md section 2); remove it])])
+      [AC_MSG_ERROR([$ost_flag breaks the arithmetic (docs/spec/arithmetic.md section 2); remove it])])
   done
 
   AC_MSG_CHECKING([that floats are evaluated in their own type (no x87)])

@@ -75,7 +75,7 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err)
         return status;
     status = ost_file_read(path, 1 << 20, &bytes, &size, &absent, &why);
     if (status != OST_OK)
-        return ost_fail(err, status, "%s%s", why.text, absent ? "; a dump has this file, see docs/dumps.md" : "");
+        return ost_fail(err, status, "%s%s", why.text, absent ? "; a dump has this file, see docs/spec/dumps.md" : "");
     json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &where);
     free(bytes);
     if (!o)
@@ -94,8 +94,8 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err)
         status = bad_head(path, "osteon_dump must be 1, the format's version", err);
     else if (arithmetic && json_integer_value(arithmetic) != OST_ARITHMETIC_VERSION)
         status = ost_fail(err, OST_ERR_INPUT,
-                          "%s: arithmetic is %lld; this osteon compares with version %d of docs/arithmetic.md", path,
-                          (long long)json_integer_value(arithmetic), OST_ARITHMETIC_VERSION);
+                          "%s: arithmetic is %lld; this osteon compares with version %d of docs/spec/arithmetic.md",
+                          path, (long long)json_integer_value(arithmetic), OST_ARITHMETIC_VERSION);
     else if (!known)
         status = bad_head(path, "tier must be \"smoke\", \"standard\" or \"full\"", err);
     else if (seed && (!json_is_string(seed) || !decimal(json_string_value(seed), &out->seed)))

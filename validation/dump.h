@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Dumps: the grids that another program made of the cases, as files. They are
- * compared like the results of a backend.  docs/dumps.md describes the format
+ * compared like the results of a backend.  docs/spec/dumps.md describes the format
  * for the authors of such programs.
  *
  *   DIR/dump.json                 which cases, of which campaign

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The digest of a snapped mesh (AR-DIG-7) from docs/arithmetic.md alone: bytes in the order of its table, hashed by the
-   library. */
+/*
+ * The digest of a snapped mesh (AR-DIG-7) from docs/spec/arithmetic.md alone: bytes in the order of its
+ * table, hashed by the library.
+ */
 #include "validation/steps_record.h"
 
 #include <osteon/digest.h>

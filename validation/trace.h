@@ -85,7 +85,7 @@ void trace_flags(trace_writer *w, uint64_t flags);
 enum { TRACE_STAND_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
 
 /*
- * docs/arithmetic.md prescribes no box and no range of chunks (AR-REM-5).  In a
+ * docs/spec/arithmetic.md prescribes no box and no range of chunks (AR-REM-5).  In a
  * record with TRACE_BOUNDS these words are the least box (TRACE_STEPS) or range
  * of chunks (TRACE_TICK) that must be covered; compare.c then compares them by
  * trace_word_holds.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sections 9, 11 and 12 of docs/arithmetic.md: snapping, sweep and map.  A plugin
+ * Sections 9, 11 and 12 of docs/spec/arithmetic.md: snapping, sweep and map.  A plugin
  * without these slots uses the host's results; with them, `osteon validate`
  * compares the plugin's results with the host's.
  */

@@ -20,7 +20,7 @@
  * The thesis does not define how a row meets a triangle; edge functions with the
  * tie rule of AR-VOX-2 are used here, in floats.  Ties of Alg. 2.1's round() go to
  * even, as in Table 3.5, and those of Alg. 2.3's away from zero; a voxel's
- * position is its centre; chunk ranges are half-open.  docs/thesis-notes.md has
+ * position is its centre; chunk ranges are half-open.  docs/design/thesis-notes.md has
  * the reasons.
  */
 #ifdef __OPENCL_VERSION__

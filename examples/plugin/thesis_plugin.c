@@ -569,7 +569,7 @@ static int32_t run_collide(const ost_plugin_bone *bone, const ost_plugin_tool *t
 static const ost_plugin table = {
     .size = sizeof table,
     .abi = OST_PLUGIN_ABI,
-    .arithmetic = 0, /* the plugin follows the thesis, not docs/arithmetic.md */
+    .arithmetic = 0, /* the plugin follows the thesis, not docs/spec/arithmetic.md */
     .name = engine_name,
     .description = engine_about,
     .open = plugin_open,

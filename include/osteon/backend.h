@@ -6,7 +6,7 @@
  *
  *   cpu                              the default; selects the instruction set and the number of threads
  *                                    itself, or by options: "cpu:isa=avx2,threads=2"
- *   ref                              the scalar reference, the executable form of docs/arithmetic.md
+ *   ref                              the scalar reference, the executable form of docs/spec/arithmetic.md
  *   cl:platform=Portable,device=0    an OpenCL device
  *   plugin:FILE.so                   an implementation in a shared library (plugin.h)
  *

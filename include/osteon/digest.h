@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Digests of grids (docs/arithmetic.md, AR-DIG).
+ * Digests of grids (docs/spec/arithmetic.md, AR-DIG).
  *
  * Tests of equality compare the voxels by memcmp; digests are for records.  A grid's
  * digest is SHA-256 over a canonical form that does not depend on the chunk size or

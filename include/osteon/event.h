@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A removal event: the poses a tool swept through since the last event, each
- * as an integer map from bone voxels to tool voxels (docs/arithmetic.md,
+ * as an integer map from bone voxels to tool voxels (docs/spec/arithmetic.md,
  * AR-SWEEP, AR-MAP, AR-REM).
  *
  *   previous pose, pose --ost_sweep_count, ost_sweep_pose--> n poses --ost_map_make--> n maps
@@ -98,7 +98,7 @@ typedef struct ost_density_classes {
 } ost_density_classes;
 
 /*
- * cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...): facts and sources in docs/arithmetic.md,
+ * cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...): facts and sources in docs/spec/arithmetic.md,
  * AR-CLS.
  */
 OST_API ost_density_classes ost_density_classes_default(void);

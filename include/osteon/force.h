@@ -19,7 +19,7 @@
  *
  * The computation uses floating point but decides no voxel: the tool's pose is
  * quantised before ost_world_step uses it, and a session records the quantised
- * pose.  docs/force.md contains the equations, the parameters and their sources.
+ * pose.  docs/reference/force.md contains the equations, the parameters and their sources.
  *
  * Threads: an ost_force is used on the thread of its world only.
  */
@@ -34,7 +34,7 @@ extern "C" {
 
 typedef enum ost_force_mode { OST_FORCE_ENERGY, OST_FORCE_INSTANT } ost_force_mode;
 
-/* SI units; docs/force.md has the source of each default. */
+/* SI units; docs/reference/force.md has the source of each default. */
 typedef struct ost_force_params {
     ost_force_mode mode;
     double scale;              /* hand force over contact force; a device of 3.3 N cannot render the 40 N of a reamer */
@@ -55,7 +55,7 @@ typedef struct ost_force_params {
     double teeth;              /* teeth that pass in one turn */
 } ost_force_params;
 
-/* Returns the defaults that docs/force.md lists. */
+/* Returns the defaults that docs/reference/force.md lists. */
 OST_API ost_force_params ost_force_defaults(void);
 /* Returns the density of bone of hu Hounsfield units, g/cm^3. */
 OST_API double ost_force_density(const ost_force_params *params, int hu);
@@ -135,7 +135,7 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
 
 /* ------------------------------------------------------------------ safety */
 
-/* Limits between the computed force and the device. SI units; docs/force.md lists the sources. */
+/* Limits between the computed force and the device. SI units; docs/reference/force.md lists the sources. */
 typedef struct ost_safety_params {
     double max_n, max_nm;       /* greatest force and torque; saturation is smooth */
     double slew_n;              /* greatest change of the force in one tick, N */

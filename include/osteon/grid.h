@@ -62,7 +62,7 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
 
 /* Keys with a defined meaning. Lengths are decimal mm, vectors "x y z". */
 #define OST_META_KIND "kind"                   /* "ct", "bone" or "tool" */
-#define OST_META_ARITHMETIC "arithmetic"       /* version of docs/arithmetic.md */
+#define OST_META_ARITHMETIC "arithmetic"       /* version of docs/spec/arithmetic.md */
 #define OST_META_THRESHOLD "threshold"         /* of a bone */
 #define OST_META_RESAMPLE "resample"           /* rule of resampling from the CT: "linear", "nearest" or "thesis" */
 #define OST_META_GLENOID_AT "glenoid_at_mm"    /* centre of the glenoid's face */

@@ -101,7 +101,7 @@ typedef struct ost_haptic_setup {
  *   replay            repeats the ticks of a session
  *   sim               simulates a device of 60 g with friction and encoders in a hand that follows a path:
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
- *   motion:FILE       recorded motion of a tracked hand (docs/haptics.md), plain or gzip: scale=PERCENT (5),
+ *   motion:FILE       recorded motion of a tracked hand (docs/reference/devices.md), plain or gzip: scale=PERCENT (5),
  *                     gap=MS, jump=MM (both are derived from its rows by default)
  *   mouse             the mouse of a window, through setup.mouse
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)

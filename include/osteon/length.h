@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Exact lengths as int64 picometres (docs/arithmetic.md, AR-LEN).
+ * Exact lengths as int64 picometres (docs/spec/arithmetic.md, AR-LEN).
  *
  *   1 mm = 1,000,000,000 pm, so 0.48828125 mm and every decimal with up to
  *   nine places is exact.  |length| <= OST_LENGTH_MAX (8 m).

@@ -4,7 +4,7 @@
  *
  *   file -> ost_mesh (picometres) -> ost_snapped_mesh (lattice) -> backend
  *
- * Backends must be equal from the snapped mesh on (docs/arithmetic.md, AR-MESH): it is
+ * Backends must be equal from the snapped mesh on (docs/spec/arithmetic.md, AR-MESH): it is
  * made once, on the host, and its digest is recorded.
  */
 #ifndef OSTEON_MESH_H

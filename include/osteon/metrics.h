@@ -10,7 +10,7 @@
  *          w v       | |     <- peg hole: where a drill removed bone
  *                    '-'
  *
- * docs/metrics.md documents how each value is computed and how accurate it is.
+ * docs/reference/metrics.md documents how each value is computed and how accurate it is.
  */
 #ifndef OSTEON_METRICS_H
 #define OSTEON_METRICS_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The motor that turns a tool about its own z axis (docs/arithmetic.md, AR-MOTOR).
+ * The motor that turns a tool about its own z axis (docs/spec/arithmetic.md, AR-MOTOR).
  *
  *   pose of the hand, speed, time --ost_motor_turn--> pose of the tool
  *

@@ -2,7 +2,7 @@
 /*
  * A path: the motion of a tool over time.  A row is a tick; t strictly increases.
  * Rows contain the index of the tool in use, so that a path may switch tools, and
- * the speed of its motor (docs/arithmetic.md, AR-MOTOR).
+ * the speed of its motor (docs/spec/arithmetic.md, AR-MOTOR).
  */
 #ifndef OSTEON_PATH_H
 #define OSTEON_PATH_H

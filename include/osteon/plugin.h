@@ -11,7 +11,7 @@
  *   reports, error texts                  <-------
  *
  * A plugin needs only this file of osteon: it is not linked to the library, and
- * all types here are plain C.  docs/arithmetic.md defines the results of the
+ * all types here are plain C.  docs/spec/arithmetic.md defines the results of the
  * stages; its rules are named AR-....  examples/plugin contains a complete
  * plugin, in C and in OpenCL.
  *
@@ -240,7 +240,7 @@ typedef enum ost_plugin_resample {
 typedef struct ost_plugin_host {
     uint32_t size;
     uint32_t abi;
-    int32_t arithmetic;  /* version of docs/arithmetic.md with which the host compares */
+    int32_t arithmetic;  /* version of docs/spec/arithmetic.md with which the host compares */
     uint32_t reserved;
     const char *version; /* version of osteon */
     /*
@@ -265,7 +265,7 @@ typedef struct ost_plugin_tool ost_plugin_tool; /* a tool grid: 0 void, 1 cuttin
 typedef struct ost_plugin {
     uint32_t size;
     uint32_t abi;            /* OST_PLUGIN_ABI */
-    int32_t arithmetic;      /* the version of docs/arithmetic.md that the plugin implements; 0: none */
+    int32_t arithmetic;      /* the version of docs/spec/arithmetic.md that the plugin implements; 0: none */
     uint32_t reserved;
     const char *name;        /* one line, for example "mine 1.2" */
     const char *description; /* one sentence */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pose transforms the tool's frame to the bone's (docs/arithmetic.md, AR-POSE):
+ * A pose transforms the tool's frame to the bone's (docs/spec/arithmetic.md, AR-POSE):
  *
  *     p_bone = R(q) p_tool + t          Hamilton convention, active rotation
  *
@@ -12,7 +12,7 @@
  *       when read (an interpolated pose may be shorter, see event.h)
  *
  * In the thesis a pose is that of the centre of the tool's box, which depends on the
- * tool's resolution; here it does not (docs/thesis-notes.md).
+ * tool's resolution; here it does not (docs/design/thesis-notes.md).
  */
 #ifndef OSTEON_POSE_H
 #define OSTEON_POSE_H

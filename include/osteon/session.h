@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Sessions: a file that records the inputs of a world and the results of its steps,
- * tick by tick, while they happen (docs/session.md).
+ * tick by tick, while they happen (docs/spec/session.md).
  *
  *   tick --put--> ring --> writer thread --> blocks, appended --> SESSION
  *                                                                    |
@@ -30,7 +30,7 @@ extern "C" {
 
 /*
  * The description of a session: keys [a-z0-9_.]{1,40} and values of any bytes but NUL
- * up to OST_SESSION_VALUE, in the order in which they were set.  docs/session.md lists
+ * up to OST_SESSION_VALUE, in the order in which they were set.  docs/spec/session.md lists
  * the keys with a meaning.
  */
 enum { OST_SESSION_KEY = 41, OST_SESSION_VALUE = 4096, OST_SESSION_KEYS_MAX = 128 };
@@ -136,7 +136,10 @@ OST_API const char *ost_session_missing(const ost_session *session, char text[OS
 OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err);
 /* Writes all valid blocks to a new session, which appears complete or not at all; the session's file is not changed. */
 OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost_error *err);
-/* Writes a table for other programs, one line per tick: the columns of a path, then all others (docs/session.md). */
+/*
+ * Writes a table for other programs, one line per tick: the columns of a path, then all others
+ * (docs/spec/session.md).
+ */
 OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, ost_error *err);
 
 /* -------------------------------------------------------------- recording */

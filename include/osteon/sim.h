@@ -73,7 +73,8 @@ OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_st
 OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose *pose, ost_error *err);
 
 /*
- * Returns the 64-bit digest of a step (docs/session.md, SES-DIGEST).  Equal steps have equal digests on every backend.
+ * Returns the 64-bit digest of a step (docs/spec/session.md, SES-DIGEST).  Equal steps have equal digests on every
+ * backend.
  * Steps that differ in the chunk, class or density of a removed voxel, or in the number of poses, have different ones.
  * The report of result must still be valid; classes is the number of the world's density classes.
  */

@@ -31,7 +31,7 @@ extern "C" {
  *   OST_ERR_DIFFER       a check failed or two grids differ
  *   OST_ERR_USAGE        the caller's arguments are wrong
  *   OST_ERR_INPUT        a file's content is wrong; the text has the position
- *   OST_ERR_RANGE        a value lies outside the range for which docs/arithmetic.md
+ *   OST_ERR_RANGE        a value lies outside the range for which docs/spec/arithmetic.md
  *                        has its proofs; the text has the value and the bound
  *   OST_ERR_IO           the system failed to read or write; the text has the reason
  *   OST_ERR_MEMORY       an allocation failed; the text has its size or its purpose
@@ -98,7 +98,7 @@ OST_API ost_status ost_fail_context(ost_error *err, const char *format, ...) OST
 OST_API const char *ost_version(void);
 /* Returns the version of the library that is running as an OST_VERSION_NUMBER. */
 OST_API int ost_version_number(void);
-/* The version of docs/arithmetic.md that this library implements. */
+/* The version of docs/spec/arithmetic.md that this library implements. */
 enum { OST_ARITHMETIC_VERSION = 2 };
 
 #ifdef __cplusplus

@@ -15,7 +15,7 @@
  *   - Only one thread at a time calls the slots of a backend.
  *   - A slot that fails has changed nothing, or the object is lost: all its slots
  *     except free and geometry then return OST_ERR_UNAVAILABLE.
- *   - Results are bit-exact as docs/arithmetic.md defines, where a slot's comment says so.
+ *   - Results are bit-exact as docs/spec/arithmetic.md defines, where a slot's comment says so.
  */
 #ifndef OST_CORE_BACKEND_H
 #define OST_CORE_BACKEND_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Asserts the properties of the compiler and the machine on which the arithmetic
- * depends (docs/arithmetic.md section 2).  Included by every source that decides a
+ * depends (docs/spec/arithmetic.md section 2).  Included by every source that decides a
  * voxel.
  */
 #ifndef OST_CORE_CONDITIONS_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads and scales decimals exactly as written (docs/arithmetic.md, AR-LEN-2).
+ * Reads and scales decimals exactly as written (docs/spec/arithmetic.md, AR-LEN-2).
  *
  *   "-57.3400e1"  ->  mantissa -573400, tail 0, exponent -3, places 3
  *

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Exact integer division (docs/arithmetic.md, AR-INT): floor, ceiling, and
+ * Exact integer division (docs/spec/arithmetic.md, AR-INT): floor, ceiling, and
  * RHE, round half to even.  Divisors are positive; the quotient must fit.
  */
 #ifndef OST_CORE_INTEGER_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The two force laws (docs/force.md).
+ * The two force laws (docs/reference/force.md).
  *
  *   energy    device o~~~spring, damper~~~o tool | points: f = b * advance
  *

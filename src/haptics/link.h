@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Packets between a simulation and a bridge.  docs/haptics.md, section "udp",
+ * Packets between a simulation and a bridge.  docs/reference/devices.md, section "udp",
  * documents every byte.  All packets have fixed sizes, are little-endian, and
  * end in an HMAC-SHA-256 of the preceding bytes with a key that both sides have.
  *

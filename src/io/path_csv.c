@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Paths as text (docs/arithmetic.md, AR-PATH): each row with a pose is a tick.
+ * Paths as text (docs/spec/arithmetic.md, AR-PATH): each row with a pose is a tick.
  *
  *   t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]      or x_m,y_m,z_m; plain or gzip
  *   0,-12.5,3,40.25,1,0,0,0

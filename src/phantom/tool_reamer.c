@@ -19,7 +19,7 @@
  *
  * The rim's flats face 0, 120 and 240 degrees at 29/30 of the radius, and there are crests at
  * all multiples of 30 degrees.  So the bounds of the default head are exactly (-18, -18, 0) to
- * (17.4, 18, 20.3) mm, from which the thesis' three grids follow (docs/arithmetic.md, AR-TOOL).
+ * (17.4, 18, 20.3) mm, from which the thesis' three grids follow (docs/spec/arithmetic.md, AR-TOOL).
  *
  * In polar coordinates the face and the back are heights over the radius, and the back is
  * higher everywhere, so the skin never meets itself.

@@ -41,7 +41,7 @@ static ost_status check_table(const char *file, const ost_plugin *found, ost_plu
 #undef CHECK_SLOT
     if (table->arithmetic != 0 && table->arithmetic != OST_ARITHMETIC_VERSION)
         return ost_fail(err, OST_ERR_USAGE,
-                        "%s: follows version %d of docs/arithmetic.md; this osteon compares with version %d", file,
+                        "%s: follows version %d of docs/spec/arithmetic.md; this osteon compares with version %d", file,
                         (int)table->arithmetic, OST_ARITHMETIC_VERSION);
     snprintf(name, PLUGIN_NAME, "%.60s", table->name);
     return OST_OK;

@@ -13,7 +13,7 @@
  *   peg-hole      22 mm deep at 10 mm/s: within the vault, which is 25 to 30 mm
  *   glenoid-ream  3 mm deep at 1.5 mm/s: through the cartilage, 2 mm, and into the
  *                 subchondral plate behind it, 1.2 to 2.9 mm, whose remaining part
- *                 carries the implant (facts and sources: docs/arithmetic.md, AR-CLS)
+ *                 carries the implant (facts and sources: docs/spec/arithmetic.md, AR-CLS)
  *
  *   glenoid-slow  the same depth in a minute, starting close to the face: a tool in contact
  *                 throughout, for the servo loop and for devices

@@ -10,7 +10,7 @@
  * The bone is an entity that never moves: its frame is the world's.  Tools
  * are moved by ticks.  In the thesis the box also contains the pose and is
  * centred on the entity; here the pose maps the entity's own frame to the
- * bone's, and the box is a property of the entity (docs/thesis-notes.md).
+ * bone's, and the box is a property of the entity (docs/design/thesis-notes.md).
  */
 #ifndef OST_SIM_ENTITY_H
 #define OST_SIM_ENTITY_H

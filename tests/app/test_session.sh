@@ -176,7 +176,7 @@ run 0 info limited.nrrd
 run 0 info limited.session --json
 [ "$(value replayable_ticks)" -gt 0 ] || fail "nothing is left of a recording that met a limit"
 
-# The file is read by another program, from docs/session.md alone; then a recording is changed.
+# The file is read by another program, from docs/spec/session.md alone; then a recording is changed.
 if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
     tool="$PYTHON3 $source_folder/tests/app/session_tool.py"
     check "read by another program" "$($tool check whole.session)" "$ticks ended"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Compares digests with values computed by another SHA-256 (Python's hashlib) over the layout
- * of docs/arithmetic.md; the Python expression is in the comment of each test.
+ * of docs/spec/arithmetic.md; the Python expression is in the comment of each test.
  * Covers: AR-DIG-1, AR-DIG-2, AR-DIG-3, AR-DIG-4
  */
 #include "harness.h"

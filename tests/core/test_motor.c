@@ -14,7 +14,7 @@
 
 static const ost_pose straight = {.qw = OST_Q30_ONE};
 
-/* The example of docs/arithmetic.md, section 11: the second tick, and the same one turn later. */
+/* The example of docs/spec/arithmetic.md, section 11: the second tick, and the same one turn later. */
 static void the_worked_example(void **state)
 {
     (void)state;

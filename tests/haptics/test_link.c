@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Packets of the link, byte for byte: the expected bytes and HMACs were made with
- * Python's struct and hmac, by the table in docs/haptics.md.  Also packets that
+ * Python's struct and hmac, by the table in docs/reference/devices.md.  Also packets that
  * must be refused, keys, sequence numbers, and the plane from which a bridge
  * computes its force, in a closed loop with a delay.
  * Covers: REQ-LINK

@@ -105,7 +105,7 @@ static void spacings_of_the_field(void **state)
 }
 
 /*
- * The numbers of docs/arithmetic.md, AR-CT-3: four places do not show 0.48828125 directly, but
+ * The numbers of docs/spec/arithmetic.md, AR-CT-3: four places do not show 0.48828125 directly, but
  * 60 layers determine it.
  */
 static void few_digits_many_layers(void **state)

@@ -176,7 +176,7 @@ static void rows_far_apart_are_a_gap(void **state)
 {
     (void)state;
     static const gap_case cases[] = {
-        /* The example of docs/arithmetic.md: intervals of 3.5 ms, and one of 98. */
+        /* The example of docs/spec/arithmetic.md: intervals of 3.5 ms, and one of 98. */
         {"", {0}, 6, {0, 3.5, 7, 10.5, 108.5, 112}, {0}, {[4] = true}},
         /* With intervals of one second, ten seconds are no gap yet, and more than ten are one. */
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000}, {0}, {false}},

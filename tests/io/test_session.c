@@ -236,7 +236,7 @@ static void version_1_is_read(void **state)
     ost_session_close(session);
 }
 
-/* The bytes of a tick by hand, from docs/session.md: the layout must not change. */
+/* The bytes of a tick by hand, from docs/spec/session.md: the layout must not change. */
 static void bytes_are_as_documented(void **state)
 {
     (void)state;

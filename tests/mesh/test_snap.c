@@ -12,7 +12,7 @@ static ost_pm mm(double value)
     return (ost_pm)(value * 1e6 + (value < 0 ? -0.5 : 0.5)) * 1000; /* to the nearest nanometre; for literals */
 }
 
-/* docs/arithmetic.md, AR-TOOL-2, which computes these by hand. */
+/* docs/spec/arithmetic.md, AR-TOOL-2, which computes these by hand. */
 static void the_reamer_has_the_thesis_grids(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the pseudo-code of docs/arithmetic.md, AR-CT-3 and AR-CT-7, against the reader of CT texts.
+"""Runs the pseudo-code of docs/spec/arithmetic.md, AR-CT-3 and AR-CT-7, against the reader of CT texts.
 
-    docs/arithmetic.md --its ```python block, as it stands--> spacings  |  equal for every text, and
+    docs/spec/arithmetic.md --its ```python block, as it stands--> spacings  |  equal for every text, and
     random lattices ---> texts ---> dump_lattices (src/io/text) ------> |  refused by both or by neither
 
 The texts have all numbers of digits that occur in practice, with and without trailing zeros, absent
@@ -35,11 +35,11 @@ MM = 10**9
 def pseudo_code():
     """Returns the names that the program in the document defines."""
     root = os.environ.get("top_srcdir") or os.path.join(os.path.dirname(__file__), "..", "..")
-    with open(os.path.join(root, "docs", "arithmetic.md"), encoding="utf-8") as file:
+    with open(os.path.join(root, "docs", "spec", "arithmetic.md"), encoding="utf-8") as file:
         text = file.read()
     block, = (b for b in re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S) if "def ar_ct_3" in b)
     names = {}
-    exec(compile(block, "docs/arithmetic.md", "exec"), names)  # pylint: disable=exec-used
+    exec(compile(block, "docs/spec/arithmetic.md", "exec"), names)  # pylint: disable=exec-used
     return names
 
 

@@ -3,7 +3,7 @@
 """Runs the built command on small generated inputs and compares every grid, count and digest with the oracle's.
 
     CT text ---osteon import-----> BONE.nrrd, stages   |  all bit-identical to the results
-    STL -------osteon voxelize---> TOOL.nrrd           |  of docs/arithmetic.md alone
+    STL -------osteon voxelize---> TOOL.nrrd           |  of docs/spec/arithmetic.md alone
     path CSV --osteon ream-------> BONE2.nrrd, report  |  (osteon_oracle*.py)
 
 Covers: AR-LEN-2, AR-LEN-3, AR-LEN-4, AR-LEN-5, AR-GRID-2, AR-GRID-5, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the numbers of docs/thesis-notes.md again: the results of the thesis' algorithms implemented literally.
+"""Computes the numbers of docs/design/thesis-notes.md again: the results of the thesis' algorithms implemented literally.
 
 Covers: AR-CUB-2, AR-TOOL-2, REQ-NOTES
 """

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Imports random NRRD volumes and compares the rect grid with the rules of docs/arithmetic.md for values and orientation.
+"""Imports random NRRD volumes and compares the rect grid with the rules of docs/spec/arithmetic.md for values and orientation.
 
     NRRD (axes permuted, flipped, tilted; LPS, RAS, LAS; every type, in text and raw; some broken)
       ---osteon import---> digest of the rect grid, or status 2

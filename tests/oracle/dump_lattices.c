@@ -2,7 +2,7 @@
 /*
  * Prints the grid that the reader of CT texts finds in each file: one line "dims spacing
  * origin" of nine integers (voxels and picometres), or "refused " and the message.
- * check_lattices.py compares them with the pseudo-code of docs/arithmetic.md.
+ * check_lattices.py compares them with the pseudo-code of docs/spec/arithmetic.md.
  *
  * Usage: dump_lattices FILE...
  */

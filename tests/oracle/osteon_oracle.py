@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A second implementation of the arithmetic of osteon: numbers, texts, grids, chunks, digests.
 
-Written from docs/arithmetic.md alone, in Python's integers and fractions, without regard
+Written from docs/spec/arithmetic.md alone, in Python's integers and fractions, without regard
 to speed: every rule is implemented as the document states it, and named by its identifier.
 This implementation and the C library have only the document in common, so where they
 differ one of the two (or the document) is wrong.
@@ -529,7 +529,7 @@ def grid_digest(grid, kind):
 
 
 def self_check():
-    """Checks the examples of docs/arithmetic.md, sections 1 to 8 and 15."""
+    """Checks the examples of docs/spec/arithmetic.md, sections 1 to 8 and 15."""
     assert [rhe(Fraction(n, 2)) for n in (5, 7, -5, -7)] == [2, 4, -2, -4]
     assert (floor(Fraction(-7, 2)), ceil(Fraction(-7, 2)), rhe(Fraction(-1, 3)), rhe(Fraction(-2, 3))) == (-4, -3, 0, -1)
 
@@ -625,4 +625,4 @@ def self_check():
 
 if __name__ == "__main__":
     self_check()
-    print("osteon_oracle: the worked numbers of docs/arithmetic.md hold")
+    print("osteon_oracle: the worked numbers of docs/spec/arithmetic.md hold")

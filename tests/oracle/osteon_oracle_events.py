@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Poses, sweep, map and removal, by docs/arithmetic.md sections 5, 11 to 14."""
+"""Poses, sweep, map and removal, by docs/spec/arithmetic.md sections 5, 11 to 14."""
 
 import itertools
 import math
@@ -304,7 +304,7 @@ def period(rate):
 
 
 def self_check():
-    """Checks the examples of docs/arithmetic.md, sections 5 and 11 to 14."""
+    """Checks the examples of docs/spec/arithmetic.md, sections 5 and 11 to 14."""
     from osteon_oracle import Bone, Grid
 
     def lifted(times):
@@ -370,4 +370,4 @@ def self_check():
 
 if __name__ == "__main__":
     self_check()
-    print("osteon_oracle_events: the worked numbers of docs/arithmetic.md hold")
+    print("osteon_oracle_events: the worked numbers of docs/spec/arithmetic.md hold")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the NRRD files that osteon writes (docs/arithmetic.md section 16), attached, raw or gzip.
+"""Reads the NRRD files that osteon writes (docs/spec/arithmetic.md section 16), attached, raw or gzip.
 
 An independent reader, so that the comparison uses the file's content and not the data
 that one library has written and read back.

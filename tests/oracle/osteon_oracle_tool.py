@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mesh -> snapped mesh -> tool grid, by docs/arithmetic.md sections 9 and 10.
+"""Mesh -> snapped mesh -> tool grid, by docs/spec/arithmetic.md sections 9 and 10.
 
 The crossing of a row with a triangle's plane is computed as a fraction and
 compared with voxel centres, where the C code evaluates a determinant. The
@@ -150,7 +150,7 @@ class Tool(Grid):
 
 
 def self_check():
-    """Checks the examples of docs/arithmetic.md, sections 9, 10 and 15."""
+    """Checks the examples of docs/spec/arithmetic.md, sections 9, 10 and 15."""
     mm = 10**9
     reamer = ([(-18 * mm, -18 * mm, 0), (17400000000, 18 * mm, 20300000000), (0, 0, 0)], [(0, 1, 2)])
     for voxel, corner, dims in ((mm, (-19, -19, -1), (38, 38, 23)), (750000000, (-18.75, -18.75, -0.75), (50, 50, 30)),
@@ -197,4 +197,4 @@ def self_check():
 
 if __name__ == "__main__":
     self_check()
-    print("osteon_oracle_tool: the worked numbers of docs/arithmetic.md hold")
+    print("osteon_oracle_tool: the worked numbers of docs/spec/arithmetic.md hold")

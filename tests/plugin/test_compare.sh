@@ -153,7 +153,7 @@ run 0 validate --worker ref --dump none --only import/1
 rm -rf none/import-1
 run 2 compare none
 rm none/dump.json
-refuse 2 "docs/dumps.md" compare none
+refuse 2 "docs/spec/dumps.md" compare none
 refuse 2 "nobody" compare nobody
 refuse 2 "--worker needs --trace or --dump" validate --worker ref --trace x --dump y
 

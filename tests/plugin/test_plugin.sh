@@ -36,7 +36,7 @@ ream 2 "has no symbol ost_plugin_entry" --backend "plugin:$(ls "$build"/.libs/li
 ream 2 "version 99 of the plugin interface" --backend plugin:broken_abi.so
 ream 2 "has 40 bytes" --backend plugin:broken_size.so
 ream 2 "slot collide of its table is NULL" --backend plugin:broken_slot.so
-ream 2 "version 99 of docs/arithmetic.md" --backend plugin:broken_arithmetic.so
+ream 2 "version 99 of docs/spec/arithmetic.md" --backend plugin:broken_arithmetic.so
 ream 2 "does not support" --backend plugin:broken_refuses.so
 ream 2 "xxxx" --backend plugin:mirror.so,break=options
 ream 3 "but no object" --backend plugin:mirror.so,break=nothing

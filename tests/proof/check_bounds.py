@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Proves bounds of docs/arithmetic.md, section 18, that cbmc does not decide, by exact integers (AR-INT-3).
+"""Proves bounds of docs/spec/arithmetic.md, section 18, that cbmc does not decide, by exact integers (AR-INT-3).
 
 There are two kinds of proofs; docs/qualification/proofs.md lists them together with those of cbmc:
 

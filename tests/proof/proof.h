@@ -2,7 +2,7 @@
 /*
  * Definitions for the proofs of ranges (AR-INT-3), which cbmc reads and no compiler builds. A
  * harness includes a source of src, calls one of its functions with any input within the
- * documented range, and asserts the bound that docs/arithmetic.md states; cbmc adds the checks
+ * documented range, and asserts the bound that docs/spec/arithmetic.md states; cbmc adds the checks
  * of overflow and conversion. A callee with a proof of its own may be replaced by its contract:
  * any result within its bound, and an assertion of its range of inputs.
  *

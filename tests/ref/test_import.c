@@ -34,7 +34,7 @@ static int16_t voxel_at(const ost_grid *grid, int32_t x, int32_t y, int32_t z)
 static void the_documents_example(void **state)
 {
     /*
-     * docs/arithmetic.md, AR-CT: the spacing is 0.47 and the minimum -57.34; 4.0499 is off the
+     * docs/spec/arithmetic.md, AR-CT: the spacing is 0.47 and the minimum -57.34; 4.0499 is off the
      * lattice by 0.38319 of a voxel, 4.1799 by only 0.10659.
      */
     ost_error err = {0};
@@ -415,7 +415,7 @@ static void the_thesis_tables(void **state)
 {
     /*
      * Tables 3.1 and 3.2. The scapula has its own dimensions: 201 layers of 1 mm are 428 layers
-     * of 0.47 mm (docs/thesis-notes.md).
+     * of 0.47 mm (docs/design/thesis-notes.md).
      */
     const struct {
         ost_dims rect;

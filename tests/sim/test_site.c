@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The site of an operation: bone in front of a face, along the axis and under a
- * tool, against counts made here from the definitions in docs/metrics.md.
+ * tool, against counts made here from the definitions in docs/reference/metrics.md.
  * Covers: REQ-SITE
  */
 #include "ref/scene.h"

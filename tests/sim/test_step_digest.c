@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The digest of a step.  The expected values were computed from docs/session.md
+ * The digest of a step.  The expected values were computed from docs/spec/session.md
  * in another language; 0xe220a8397b1dcdaf is the published first number of
  * SplitMix64 after seed 0.
  * Covers: REQ-STEP-DIGEST

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs the commands for many machines in docs/validation.md literally, with two shards of a few
+# Runs the commands for many machines in docs/reference/campaigns.md literally, with two shards of a few
 # cases instead of eight of the full tier. A script of the same form replaces sbatch; parallel
 # is GNU's, if it is installed.
 # Covers: REQ-SHARDS
@@ -33,7 +33,7 @@ chmod +x bin/sbatch
 
 # Writes each block of the section to a file, and replaces its large parameters by small ones.
 awk '/^## /{ on = $0 == "## Many machines" } on && /^```/{ if (open) close(file); else file = "block-" ++n; open = !open; next } on && open { print >file }' \
-    "$source_folder/docs/validation.md"
+    "$source_folder/docs/reference/campaigns.md"
 check "blocks" "$(echo block-*)" "block-1 block-2"
 # shellcheck disable=SC2086 # words
 run 0 validate $small --out whole --quiet

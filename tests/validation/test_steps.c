@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The second implementation of the steps before the voxels: the examples of docs/arithmetic.md,
+ * The second implementation of the steps before the voxels: the examples of docs/spec/arithmetic.md,
  * wide integers compared with __int128, and the differences that a comparison with it names.
  *
  * Covers: AR-INT-1, AR-INT-2, AR-POSE-4, AR-CUB-1, AR-TOOL-2, AR-MESH-3, AR-MESH-4, AR-SWEEP-1..5,
@@ -139,7 +139,7 @@ static void sweep_and_motor_of_the_text(void **state)
     ost_path_free(&rows);
 }
 
-/* Checks the table of section 9 and the example of the cube, both of docs/arithmetic.md. */
+/* Checks the table of section 9 and the example of the cube, both of docs/spec/arithmetic.md. */
 static void grid_of_the_text(void **state)
 {
     (void)state;

@@ -9,8 +9,8 @@ static json_t *by_the_tests(void)
     static const struct {
         const char *what, *tests;
     } list[] = {
-        {"an independent implementation of docs/arithmetic.md in Python, in fractions: import, tools, paths, sweeps, "
-         "maps and removal, voxel by voxel",
+        {"an independent implementation of docs/spec/arithmetic.md in Python, in fractions: import, tools, paths, "
+         "sweeps, maps and removal, voxel by voxel",
          "tests/oracle/check_pipeline.py tests/oracle/check_events.py"},
         {"the numbers of the thesis recomputed", "tests/oracle/check_thesis.py"},
         {"readers of CT, meshes and paths, held against files with known content and broken ones",

@@ -4,7 +4,7 @@
  * with each other.  These checks compare the reference with results that do not
  * depend on any program:
  *
- *   golden     small grids, worked out by hand from docs/arithmetic.md
+ *   golden     small grids, worked out by hand from docs/spec/arithmetic.md
  *   volume     bodies whose volume is given by a formula
  *   relation   two computations whose results must be equal for all voxels
  *

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Laws of docs/arithmetic.md (AR-LAW): two computations that must give the same voxels, on random bones, tools and
+/* Laws of docs/spec/arithmetic.md (AR-LAW): two computations that must give the same voxels, on random bones, tools and
    poses. */
 #include <stdio.h>
 #include <stdlib.h>

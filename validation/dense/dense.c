@@ -38,7 +38,7 @@ static ost_status finish(ost_backend *backend, ost_error *err)
 
 static const ost_backend_ops table = {
     .name = "dense",
-    .description = "second implementation of docs/arithmetic.md: dense arrays, plain loops",
+    .description = "second implementation of docs/spec/arithmetic.md: dense arrays, plain loops",
     .available = available,
     .devices = ost_no_devices,
     .open = open_right,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A second implementation of the function table, written from
- * docs/arithmetic.md alone, on dense arrays and with the simplest loops.
+ * docs/spec/arithmetic.md alone, on dense arrays and with the simplest loops.
  *
  * Without a deviation it is evidence against mistakes that the reference and
  * the backends derived from it have in common: it has its own division, uses

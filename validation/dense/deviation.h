@@ -20,7 +20,7 @@
  * backend must find first_changed as its first difference.
  *
  * The causes marked F are documented in the literature or were measured on a
- * device, those marked T are the thesis' own text (docs/thesis-notes.md), those
+ * device, those marked T are the thesis' own text (docs/design/thesis-notes.md), those
  * marked P are only known from experience.
  */
 #ifndef OST_VALIDATION_DENSE_DEVIATION_H

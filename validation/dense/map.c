@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Determines the tool voxel of every active bone voxel at one pose (AR-MAP), by
- * blocks as in docs/arithmetic.md, in 64 bits, without far blocks and without the
+ * blocks as in docs/spec/arithmetic.md, in 64 bits, without far blocks and without the
  * event's boxes, so that voxels which those omit wrongly are found.  Only a block
  * whose coordinates lie beyond one side of the tool at all of its corners is
  * skipped; the coordinates are linear.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A second implementation of the steps before the voxels, written from
- * docs/arithmetic.md alone. src/core makes these steps once for all backends.
+ * docs/spec/arithmetic.md alone. src/core makes these steps once for all backends.
  *
  *   steps_snap.c    mesh in pm, voxel -> tool's grid, snapped mesh   AR-TOOL-2, AR-MESH-3, AR-MESH-4
  *   steps_motor.c   rows of a device, speed -> ticks of a tool       AR-MOTOR-2 to 4, AR-MOTOR-7

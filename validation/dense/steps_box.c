@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxels that a broad phase must include (AR-REM-5). docs/arithmetic.md
+ * The voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md
  * prescribes no box, so this is a bound and not a value.  sim/box.h promises the
  * voxels whose centres lie in the bone-aligned bounds of the tool's grid
  * enlarged by one voxel, unless no voxel at all is inside the grid.

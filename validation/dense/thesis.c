@@ -15,7 +15,7 @@
  * The thesis leaves some details open, which are chosen here: the intersection of
  * a triangle and a row (edge functions with the tie rule of AR-VOX-2, all in
  * floats), ties of round() away from zero, the half voxel of a centre, the
- * half-open range of chunks (thesis-notes.md).  Integers of the function table
+ * half-open range of chunks (docs/design/thesis-notes.md).  Integers of the function table
  * are converted to the nearest float: vertices from the lattice, matrices from
  * the map.
  */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mesh to tool grid (AR-VOX), row by row as in docs/arithmetic.md: for every
+ * Mesh to tool grid (AR-VOX), row by row as in docs/spec/arithmetic.md: for every
  * triangle it is determined whether it owns the row, and for every voxel whether
  * its centre is not left of the crossing.
  */

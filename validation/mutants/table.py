@@ -93,7 +93,7 @@ def markdown(files, rows, known, command):
     head = ["file"] + COLUMNS[2:]
     out = [
         "# Mutants of the backends' code", "",
-        "Made by `validation/mutants/mutants.py table`; [validation.md](../validation.md#mutants-of-the-real-code) says how", "mutants are made and measured.", "",
+        "Made by `validation/mutants/mutants.py table`; [validation.md](../design/validation.md#mutants-of-the-real-code) says how", "mutants are made and measured.", "",
         *command, "",
         f"- Noticed by smoke: {share(every['smoke'], able)} of those that are able to change a result. The goal is 95 %.",
         f"- The same with those that change no result counted as not noticed: {share(every['smoke'], strict)}.",

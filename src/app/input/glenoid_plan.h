@@ -6,7 +6,7 @@
  *
  *   options --.
  *   session ---+--> plan --> debrief
- *   bone -----'       '----> session, keys plan.* (docs/session.md)
+ *   bone -----'       '----> session, keys plan.* (docs/spec/session.md)
  */
 #ifndef OST_APP_INPUT_GLENOID_PLAN_H
 #define OST_APP_INPUT_GLENOID_PLAN_H

@@ -5,7 +5,7 @@
  *   --tool peg --path builtin:peg-hole --tool reamer --path builtin:glenoid-ream
  *
  * Path k moves tool k, or the only tool if there is one; a file whose ticks name tools other than 0
- * moves those. Each path begins 1 ms after the end of the previous one, lifted (docs/arithmetic.md,
+ * moves those. Each path begins 1 ms after the end of the previous one, lifted (docs/spec/arithmetic.md,
  * AR-PATH-6).
  */
 #ifndef OST_APP_INPUT_REAM_PATH_H

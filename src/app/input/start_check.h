@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Checks before an operation begins, and the count of the voxels removed on the near side of the
- * face (docs/metrics.md).
+ * face (docs/reference/metrics.md).
  *
  *   start_check  --warnings, or with --strict an error-->  the operation  -->  start_check_end
  */

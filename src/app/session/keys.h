@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A session's header, written by the verbs that record and read by those that replay: the bone and
- * the tools, the options they were loaded with, the options of the world. docs/session.md describes
+ * the tools, the options they were loaded with, the options of the world. docs/spec/session.md describes
  * the keys.
  */
 #ifndef OST_APP_SESSION_KEYS_H

@@ -138,7 +138,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .kind = OPTION_TEXT,
          .out = &args.force_file,
          .value = "FILE",
-         .help = "parameters of the force and of its safety layer, lines of key: number (docs/force.md); the "
+         .help = "parameters of the force and of its safety layer, lines of key: number (docs/reference/force.md); the "
                  "default limit of the force is the device's own, or 3 N"},
         {.name = "print-force-params",
          .kind = OPTION_FLAG,

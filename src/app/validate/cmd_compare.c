@@ -140,7 +140,7 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
     put(app->result, "margins", list);
     put(app->result, "cases", cases);
     if (!compared)
-        return ost_fail(err, OST_ERR_INPUT, "no grid of these cases found; see docs/dumps.md for their names");
+        return ost_fail(err, OST_ERR_INPUT, "no grid of these cases found; see docs/spec/dumps.md for their names");
     if (!campaign_equal(c))
         return ost_fail(err, OST_ERR_DIFFER, "%d of %d results differ from the reference's, %d failed",
                         c->counts[CASE_DIFFERS], compared,
@@ -225,7 +225,7 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
         .about = "Compares the grids of another program with those of the scalar reference, stage\n"
                  "by stage, and prints for every voxel that differs how near its decision was to\n"
                  "the other result.\n"
-                 "DUMPS is a folder with a dump.json (docs/dumps.md); BACKEND is the name of a\n"
+                 "DUMPS is a folder with a dump.json (docs/spec/dumps.md); BACKEND is the name of a\n"
                  "backend, such as plugin:./mine.so.",
         .operands = names,
         .options = options,

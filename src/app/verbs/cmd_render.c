@@ -241,7 +241,7 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
          .help = "pose of the tool, as in a path (default: start of the built-in reaming)"},
         {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|gl|thesis",
          .help = "the processor (default), OpenGL, or OpenGL with every voxel a point as in the thesis "
-                 "(docs/rendering.md)"},
+                 "(docs/design/rendering.md)"},
         HEADING("appearance"),
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
          .help = "shade by the surface's normals (default), or with flat faces as in the thesis"},

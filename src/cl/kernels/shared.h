@@ -23,7 +23,7 @@
  *     writes, or it uses 32-bit atomics of commuting operations (add, min, max,
  *     or, and, xchg with one value) and no result depends on their old values.
  *   - Indices into buffers are 64 bits wide.  int is at least as wide as the
- *     ranges of docs/arithmetic.md, section 18, require.
+ *     ranges of docs/spec/arithmetic.md, section 18, require.
  *   - Build option -DOST_FOR=d selects the kernel sets: for devices of many small
  *     work items (d & 1, GPUs) or of few strong ones (d & 2, CPUs).  Where both
  *     sets have a kernel for the same work, their results are the same.

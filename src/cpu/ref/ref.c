@@ -54,7 +54,7 @@ static ost_status finish(ost_backend *backend, ost_error *err)
 
 const ost_backend_ops ost_backend_ref = {
     .name = "ref",
-    .description = "scalar reference: plain, serial, the executable form of docs/arithmetic.md",
+    .description = "scalar reference: plain, serial, the executable form of docs/spec/arithmetic.md",
     .available = available,
     .devices = ost_no_devices,
     .open = open_ref,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scalar reference: the plain, serial, executable form of docs/arithmetic.md.
+ * The scalar reference: the plain, serial, executable form of docs/spec/arithmetic.md.
  * Each file names the rules that it implements, to be read together with that
  * document.  The code is deliberately simple and not optimised.
  *

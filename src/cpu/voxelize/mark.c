@@ -32,7 +32,7 @@
  *              <= 2^-41 < 2^-40.  The dividend is within nx 2^12 <= 2^52 of zero,
  *              so it is a double.
  * Ranges in int64: |dy (Z - az)|, |dz (ay - h)| <= 2^41; |nx (..)| <= 2^49;
- * |ny (Y - ay)|, |nz (Z - az)| <= 2^60 (docs/arithmetic.md, section 10).
+ * |ny (Y - ay)|, |nz (Z - az)| <= 2^60 (docs/spec/arithmetic.md, section 10).
  */
 #include <assert.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bytes of a session (docs/session.md is the normative text).
+ * The bytes of a session (docs/spec/session.md is the normative text).
  *
  *   | block | block | block | ...        a block: a block header of 64 bytes, then a payload
  *     head    head    records            that is a multiple of 64 long, so all offsets are too

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the spacing of a CT text from its coordinates (docs/arithmetic.md, AR-CT-3).
+ * Finds the spacing of a CT text from its coordinates (docs/spec/arithmetic.md, AR-CT-3).
  *
  * One axis has m distinct coordinates c_0 < c_1 < ... < c_(m-1), written to a
  * unit u (0.0001 mm if four digits follow the point).  They are the points of a

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Parses CT text, from bytes to rows (thesis, Alg. 2.2; docs/arithmetic.md, AR-CT-1, AR-CT-2).
+ * Parses CT text, from bytes to rows (thesis, Alg. 2.2; docs/spec/arithmetic.md, AR-CT-1, AR-CT-2).
  *
  *   # osteon spacing_mm: 0.47 0.47 1      facts, one per comment
  *   x y z density                         one header line of words may come first

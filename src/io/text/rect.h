@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Second pass over a CT text: stores every sample in its voxel (thesis, Alg. 2.4;
- * docs/arithmetic.md, AR-CT-4 to AR-CT-6), in batches, through the backend.
+ * docs/spec/arithmetic.md, AR-CT-4 to AR-CT-6), in batches, through the backend.
  */
 #ifndef OST_IO_TEXT_RECT_H
 #define OST_IO_TEXT_RECT_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * First pass over a CT text: collects everything that does not need a grid (thesis,
- * Alg. 2.3; docs/arithmetic.md, AR-CT-3).
+ * Alg. 2.3; docs/spec/arithmetic.md, AR-CT-3).
  *
  *   file --ost_text_scan--> extent, distinct coordinates, facts, fingerprint
  *        --ost_text_geometry--> dims, spacing, origin

@@ -9,7 +9,7 @@
 #include "render/marks.h"
 
 enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
-/* docs/metrics.md defines PLATE_MM. */
+/* docs/reference/metrics.md defines PLATE_MM. */
 static const double PLATE_MM = 4.5, PLATE_CLEAR_MM = 7.5, PLATE_RADIUS_MM = 20;
 
 static double voxel_mm(const ost_uncut *g)
