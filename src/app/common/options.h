@@ -53,6 +53,10 @@ typedef struct option {
 /* A row that starts a group of options in --help. */
 #define HEADING(text) {.name = (text), .kind = OPTION_HEADING}
 
+/* The row of --compress in the tables of the verbs that write volumes. */
+#define COMPRESS_OPTION(flag)                                                                                          \
+    {.name = "compress", .kind = OPTION_FLAG, .out = &(flag), .help = "compress a .nrrd with gzip"}
+
 typedef struct operand {
     const char *name;
     const char **out;

@@ -23,6 +23,15 @@ typedef struct target_options {
     size_t press_ticks; /* for builtin:glenoid-press; 0: one minute */
 } target_options;
 
+/* Rows for a verb's table of options. about_at: the help of --at, which names the default. */
+#define TARGET_OPTIONS(t, about_at)                                                                                    \
+    {.name = "at", .kind = OPTION_POINT, .out = &(t).at, .given = &(t).at_given, .value = "X,Y,Z",                     \
+     .help = about_at},                                                                                                \
+    {.name = "axis", .kind = OPTION_VECTOR, .out = (t).axis, .given = &(t).axis_given, .value = "X,Y,Z",               \
+     .help = "direction into the bone at the glenoid's centre (default: as in the file)"},                             \
+    {.name = "side", .kind = OPTION_CHOICE, .out = &(t).side, .given = &(t).side_given, .value = "left|right",         \
+     .help = "side of the body (default: as in the file, else derived from the axis)"}
+
 /*
  * Finds the glenoid from the options, or from the bone's header where an option is not given; the
  * side also follows from the axis. Returns OST_ERR_USAGE if a value is not set, OST_ERR_INPUT if

@@ -13,6 +13,7 @@
  */
 #include "app/common/progress.h"
 #include "app/common/print.h"
+#include "app/input/removal_options.h"
 #include "app/sim/appearance.h"
 #include "app/sim/window.h"
 
@@ -79,34 +80,10 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .value = "SESSION",
          .help = "continue the operation of a session with its bone, tools and options"},
         HEADING("glenoid and plan"),
-        {.name = "at",
-         .kind = OPTION_POINT,
-         .out = &t->at,
-         .given = &t->at_given,
-         .value = "X,Y,Z",
-         .help = "centre of the glenoid's face, for the built-in paths (default: as in the bone's file)"},
-        {.name = "axis",
-         .kind = OPTION_VECTOR,
-         .out = t->axis,
-         .given = &t->axis_given,
-         .value = "X,Y,Z",
-         .help = "direction into the bone at this centre (default: as in the file)"},
-        {.name = "side",
-         .kind = OPTION_CHOICE,
-         .out = &t->side,
-         .given = &t->side_given,
-         .value = "left|right",
-         .help = "side of the body (default: as in the file, else derived from the axis)"},
+        TARGET_OPTIONS(*t, "centre of the glenoid's face, for the built-in paths (default: as in the bone's file)"),
         GLENOID_PLAN_OPTIONS(args.plan),
         HEADING("motor, buttons and removal"),
-        {.name = "rpm",
-         .kind = OPTION_INTEGER,
-         .out = &args.rpm,
-         .min = 0,
-         .max = OST_RPM_MAX,
-         .value = "N",
-         .help = "speed of the tool's motor in turns per minute, clockwise seen from behind; 0: off, and nothing "
-                 "is removed (default: 200)"},
+        RPM_OPTION(args.rpm, NULL),
         {.name = "buttons",
          .kind = OPTION_TEXT,
          .out = &args.buttons_text,
@@ -114,17 +91,9 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .help = "actions of the device's buttons, as in stylus1=motor,stylus2=next-tool: motor (on while "
                  "pressed), motor-switch, next-tool, clutch, home or none; osteon devices lists the buttons and "
                  "their defaults. A motor that a button switches is off at first, any other is on"},
-        {.name = "rate",
-         .kind = OPTION_DECIMAL,
-         .out = &args.rate,
-         .value = "HZ",
-         .help = "removals per second (default: at every tick)"},
+        RATE_OPTION(args.rate),
         MAX_GAP_OPTION(args.max_gap),
-        {.name = "classes",
-         .kind = OPTION_TEXT,
-         .out = &args.classes_text,
-         .value = "NAME:HU,...",
-         .help = "density classes of the counts, each from its HU upwards"},
+        CLASSES_OPTION(args.classes_text),
         STRICT_OPTION(args.strict),
         HEADING("force feedback"),
         {.name = "force",
@@ -226,7 +195,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         HEADING("reading a mesh"),
         TOOL_OPTIONS(args.how),
         HEADING("writing"),
-        {.name = "compress", .kind = OPTION_FLAG, .out = &args.compress, .help = "compress a .nrrd with gzip"},
+        COMPRESS_OPTION(args.compress),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--headless] [--device NAME] [--seconds N] [options]",

@@ -15,6 +15,7 @@
 
 #include "app/input/load.h"
 #include "app/input/ream_path.h"
+#include "app/input/removal_options.h"
 #include "validation/user_store.h"
 
 typedef struct user_files {
@@ -37,33 +38,8 @@ typedef struct user_files {
 /* Rows for the options by which they are read, as in import, voxelize and ream. */
 #define USER_FILES_HOW(u)                                                                                              \
     CT_OPTIONS((u).ct), TOOL_OPTIONS((u).how),                                                                         \
-        {.name = "at",                                                                                                 \
-         .kind = OPTION_POINT,                                                                                         \
-         .out = &(u).target.at,                                                                                        \
-         .given = &(u).target.at_given,                                                                                \
-         .value = "X,Y,Z",                                                                                             \
-         .help = "centre of the glenoid's face, for the built-in paths"},                                              \
-        {.name = "axis",                                                                                               \
-         .kind = OPTION_VECTOR,                                                                                        \
-         .out = (u).target.axis,                                                                                       \
-         .given = &(u).target.axis_given,                                                                              \
-         .value = "X,Y,Z",                                                                                             \
-         .help = "direction into the bone at this centre"},                                                            \
-        {.name = "side",                                                                                               \
-         .kind = OPTION_CHOICE,                                                                                        \
-         .out = &(u).target.side,                                                                                      \
-         .given = &(u).target.side_given,                                                                              \
-         .value = "left|right",                                                                                        \
-         .help = "side of the body (default: as in the file, else derived from the axis)"},                            \
-        {.name = "rate",                                                                                               \
-         .kind = OPTION_DECIMAL,                                                                                       \
-         .out = &(u).rate,                                                                                             \
-         .value = "HZ",                                                                                                \
-         .help = "removals per second (default: at every tick)"},                                                      \
-    {                                                                                                                  \
-        .name = "sweep", .kind = OPTION_CHOICE, .out = &(u).sweep, .value = "off|on",                                  \
-        .help = "remove along the way between two ticks too (default: on)"                                             \
-    }
+        TARGET_OPTIONS((u).target, "centre of the glenoid's face, for the built-in paths (default: as in the CT)"),    \
+        RATE_OPTION((u).rate), SWEEP_OPTION((u).sweep)
 
 bool user_files_given(const user_files *u);
 

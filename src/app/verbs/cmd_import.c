@@ -122,7 +122,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         HEADING("landmarks, stored in the bone's header"),
         PATIENT_OPTIONS(patient),
         HEADING("writing"),
-        {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "compress a .nrrd with gzip"},
+        COMPRESS_OPTION(compress),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "CT --out BONE.nrrd [options]",

@@ -75,7 +75,7 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
          .help = "side of the body (default: right)"},
         {.name = "decimals", .kind = OPTION_INTEGER, .out = &decimals, .value = "N", .min = 1, .max = 9,
          .help = "digits after the decimal point in a .txt (default: as many as needed)"},
-        {.name = "compress", .kind = OPTION_FLAG, .out = &compress, .help = "compress a .nrrd with gzip"},
+        COMPRESS_OPTION(compress),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "KIND --out FILE [options]",
