@@ -2,8 +2,8 @@
 /*
  * The servo loop without an operation: the deadlines that the machine itself makes a loop miss.
  *
- *   servo/quiet   a tick does nothing
- *   servo/busy    a tick reads the clock for BUSY_US, about as long as a tick of an operation takes;
+ *   servo/empty   a tick does nothing
+ *   servo/spin    a tick reads the clock for SPIN_US, about as long as a tick of an operation takes;
  *                 a hypervisor takes more time from a core that is used more
  *
  * The figure is the delay after which a tick begins. Rows have no baseline, since no other loop is
@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { TICKS = 5000, QUICK_TICKS = 50, BUSY_US = 100 };
+enum { TICKS = 5000, QUICK_TICKS = 50, SPIN_US = 100 };
 
 typedef struct loop {
     bench_series delay;
@@ -69,7 +69,7 @@ ost_status bench_servo(const bench_options *options, bench_table *table, ost_err
     static const struct {
         const char *name;
         int64_t spin_us;
-    } rows[] = {{"servo/quiet", 0}, {"servo/busy", BUSY_US}};
+    } rows[] = {{"servo/empty", 0}, {"servo/spin", SPIN_US}};
     ost_status status = OST_OK;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0] && status == OST_OK; i++) {
         if (!bench_wanted(options, rows[i].name))

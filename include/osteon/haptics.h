@@ -271,9 +271,9 @@ typedef struct ost_servo_report {
     uint64_t missed;           /* deadlines: ticks that ended after the next one was due, and ticks skipped for them */
     /*
      * Causes, whose sum is `missed`.  missed_by_work: the tick used more than half a period of thread CPU time.
-     * Otherwise missed_woken_late: the loop woke a period late or more.  Otherwise missed_taken: it was preempted.
+     * Otherwise missed_woken_late: the loop woke a period late or more.  Otherwise missed_preempted: it was preempted.
      */
-    uint64_t missed_by_work, missed_woken_late, missed_taken;
+    uint64_t missed_by_work, missed_woken_late, missed_preempted;
     int64_t lead_ns;           /* lead of the rehearsals; 0: there were none */
     uint64_t longest_miss;     /* greatest number of consecutive ticks skipped */
     uint64_t without_sample;   /* ticks without a new pose */

@@ -143,7 +143,7 @@ static void count_missed(servo *s, uint64_t missed)
     switch (classify_missed_deadline(own, s->wake_ns, s->options.period_ns)) {
     case MISSED_BY_WORK: r->missed_by_work += missed; break;
     case MISSED_WOKEN_LATE: r->missed_woken_late += missed; break;
-    case MISSED_PREEMPTED: r->missed_taken += missed; break;
+    case MISSED_PREEMPTED: r->missed_preempted += missed; break;
     }
     r->missed += missed;
 }

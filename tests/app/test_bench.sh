@@ -105,9 +105,9 @@ row_has render/frame/whole/1 p99_ms drawn_share put_back_share kept_splat_ms who
 
 # The output for people: a table of at most 100 columns, and Markdown.
 run 0 bench --suite servo --quick --json
-check "the servo loop's rows" "$(value rows.0.name) $(value rows.1.name) $(value rows.0.ticks)" "servo/quiet servo/busy 50"
+check "the servo loop's rows" "$(value rows.0.name) $(value rows.1.name) $(value rows.0.ticks)" "servo/empty servo/spin 50"
 has rows.0.missed rows.1.missed rows.1.p99_us
-run 0 bench --suite servo --filter quiet --quick
+run 0 bench --suite servo --filter empty --quick
 grep -q 'deadlines missed: [0-9]* of 50' out || fail "a servo row without its missed deadlines: $(cat out)"
 run 0 bench --suite removal --filter peg/32 --quick
 check "columns" "$(awk 'length > 100' out | grep -v '^  baseline' | wc -l | tr -d ' ')" 0

@@ -416,17 +416,17 @@ static void silence(void **state)
     assert_ok(open_at(s, "", &device, &err));
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
     /* Four ticks are bridged; then tracking is lost, and after half a second the device is. */
-    int stale = 0, tracking_lost = 0;
+    int without = 0, tracking_lost = 0;
     ost_haptic_answer got;
     while ((got = ost_haptic_read(device, &hand)) != OST_HAPTIC_LOST) {
         if (got == OST_HAPTIC_FRESH)
-            stale = tracking_lost = 0;
-        stale += got == OST_HAPTIC_NO_SAMPLE;
+            without = tracking_lost = 0;
+        without += got == OST_HAPTIC_NO_SAMPLE;
         tracking_lost += got == OST_HAPTIC_NOT_TRACKED;
         if (atomic_load(&s->answers) < 5)
             nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
     }
-    assert_true(stale == 4 && tracking_lost == 496);
+    assert_true(without == 4 && tracking_lost == 496);
     ost_haptic_close(device);
     end_service(s);
     /* No service listens there any more. */

@@ -135,10 +135,10 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_integer(o, "missed", (int64_t)r->missed);
     put_integer(o, "missed_by_work", (int64_t)r->missed_by_work);
     put_integer(o, "missed_woken_late", (int64_t)r->missed_woken_late);
-    put_integer(o, "missed_taken", (int64_t)r->missed_taken);
+    put_integer(o, "missed_preempted", (int64_t)r->missed_preempted);
     put_integer(o, "rehearsed_us", r->lead_ns / 1000);
     put_integer(o, "longest_miss", (int64_t)r->longest_miss);
-    put_integer(o, "stale", (int64_t)r->without_sample);
+    put_integer(o, "ticks_without_sample", (int64_t)r->without_sample);
     put_integer(o, "stolen_ms", r->stolen_ms);
     put_integer(o, "faults", (int64_t)s->done.faults);
     put_integer(o, "fault_ticks", (int64_t)s->done.fault_ticks);
@@ -149,7 +149,7 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     if (!args->no_clock && r->missed)
         print_line(app, "  deadlines missed: %s of %s: %llu woken late, %llu preempted, %llu by the work of a tick",
                    format_count(a, (int64_t)r->missed), format_count(b, (int64_t)r->ticks),
-                   (unsigned long long)r->missed_woken_late, (unsigned long long)r->missed_taken,
+                   (unsigned long long)r->missed_woken_late, (unsigned long long)r->missed_preempted,
                    (unsigned long long)r->missed_by_work);
     else if (!args->no_clock)
         print_line(app, "  deadlines missed: 0 of %s", format_count(a, (int64_t)r->ticks));
