@@ -40,7 +40,6 @@ struct ost_outfile {
     int slot;         /* slot of the hidden name; -1 if there is none */
     ost_status failed;
     int failed_errno;
-    uint64_t size;    /* bytes passed to write */
     uint64_t flushed; /* bytes that the system has accepted */
     size_t used;
     unsigned char buffer[BUFFER_BYTES];
@@ -217,7 +216,7 @@ static ost_status allocate(const char *path, ost_outfile **out, ost_error *err)
     file->folder = file->fd = file->slot = -1;
     file->failed = OST_OK;
     file->failed_errno = 0;
-    file->size = file->flushed = 0;
+    file->flushed = 0;
     file->used = 0;
     file->path = strdup(path);
     if (!file->path) {
@@ -307,7 +306,6 @@ ost_status ost_outfile_write(ost_outfile *file, const void *bytes, size_t size, 
 {
     if (file->failed != OST_OK)
         return write_failed(file, err);
-    file->size += size;
     if (size <= BUFFER_BYTES - file->used) {
         memcpy(file->buffer + file->used, bytes, size);
         file->used += size;
@@ -333,11 +331,6 @@ ost_status ost_outfile_printf(ost_outfile *file, ost_error *err, const char *for
     if (n < 0 || (size_t)n >= sizeof text)
         return ost_fail(err, OST_ERR_INTERNAL, "%s: a formatted line of output is too long", file->path);
     return ost_outfile_write(file, text, (size_t)n, err);
-}
-
-uint64_t ost_outfile_size(const ost_outfile *file)
-{
-    return file->size;
 }
 
 const char *ost_outfile_path(const ost_outfile *file)

@@ -57,8 +57,6 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
 ost_status ost_outfile_write(ost_outfile *file, const void *bytes, size_t size, ost_error *err);
 ost_status ost_outfile_printf(ost_outfile *file, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
 
-/* Returns the number of bytes passed to write so far. */
-uint64_t ost_outfile_size(const ost_outfile *file);
 /* Returns the name as the caller passed it to open, for messages. */
 const char *ost_outfile_path(const ost_outfile *file);
 

@@ -16,14 +16,6 @@ const deviation_about *deviation_describe(deviation_kind kind)
     return &table[kind];
 }
 
-deviation_kind deviation_by_name(const char *name)
-{
-    for (int kind = DEVIATION_NONE + 1; kind < DEVIATION_KINDS; kind++)
-        if (strcmp(table[kind].name, name) == 0)
-            return (deviation_kind)kind;
-    return DEVIATION_NONE;
-}
-
 const char *deviation_stage_name(deviation_stage stage)
 {
     static const char *const names[] = {"rect", "cubic", "chunks", "tool", "remove", "every"};

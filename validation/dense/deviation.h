@@ -253,8 +253,6 @@ typedef struct deviation_about {
 
 /* Returns the row of the table; kind must not be NONE. */
 const deviation_about *deviation_describe(deviation_kind kind);
-/* Returns the kind with this name; NONE if there is none. */
-deviation_kind deviation_by_name(const char *name);
 /* Returns the name of a stage: "rect", ..., "every". */
 const char *deviation_stage_name(deviation_stage stage);
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/points/palette.h"
 
-const char *const ost_colouring_names[OST_COLOUR_COUNT] = {"bone", "class", "depth", "density"};
 const char *const ost_tissue_names[OST_TISSUES] = {"cartilage", "cancellous", "cortical", "subchondral plate"};
 const uint32_t ost_tissue_colours[OST_TISSUES] = {0xe8bd6a, 0x2f4fc4, 0xb6b9c6, 0x4fc4ee};
 

@@ -21,7 +21,6 @@ typedef enum ost_colouring {
     OST_COLOUR_DENSITY,
     OST_COLOUR_COUNT
 } ost_colouring;
-extern const char *const ost_colouring_names[OST_COLOUR_COUNT]; /* "bone", ... */
 
 enum {
     OST_PAINTS = 256,

@@ -21,12 +21,12 @@ static void table_is_complete(void **state)
     assert_true(DEVIATION_KINDS - 1 >= 30);
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++) {
         const deviation_about *about = deviation_describe((deviation_kind)k);
-        assert_int_equal(deviation_by_name(about->name), k);
+        for (int other = DEVIATION_NONE + 1; other < k; other++)
+            assert_string_not_equal(deviation_describe((deviation_kind)other)->name, about->name);
         assert_true(strlen(about->unit) > 0 && strlen(about->what) > 0 && strlen(about->survives) > 0);
         assert_true(strchr("FTP", about->cause[0]) && strlen(about->cause) > 3);
         assert_string_not_equal(deviation_stage_name(about->stage), "");
     }
-    assert_int_equal(deviation_by_name("no such kind"), DEVIATION_NONE);
     ost_error err = {0};
     ost_backend *backend;
     assert_int_equal(dense_open(&(deviation){.kind = DEVIATION_KINDS}, &backend, &err), OST_ERR_USAGE);
