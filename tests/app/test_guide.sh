@@ -13,6 +13,10 @@ pages=0
 commands=0
 for page in "$source_folder"/docs/guide/*.md; do
     pages=$((pages + 1))
+    if grep -q '^openssl ' "$page" && ! command -v openssl >/dev/null; then
+        echo "no openssl: $page is not tried"
+        continue
+    fi
     folder=$(basename "$page" .md)
     mkdir "$folder"
     awk '/^```sh$/ { on = 1; next } /^```/ { on = 0 } on' "$page" >"$folder.sh"
