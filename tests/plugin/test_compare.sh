@@ -79,7 +79,7 @@ check "validate apart" "$(value apart) $(value evidence)" "true false"
 check "validate apart: stage" "$(value findings.0.stage)" "$("$json_get" cases.0.stage <apart.json)"
 refuse 2 "evidence needs complete runs" validate --apart --out nothing
 run 0 validate --backends cpu:threads=1 --only import/1 --apart
-grep -q "every stage and tick apart" out || fail "apart is not said: $(head -n 1 out)"
+grep -q "each stage and tick with the reference's input" out || fail "apart is not said: $(head -n 1 out)"
 refuse 2 "--given needs" validate --given theirs
 run 0 validate --worker ref --dump some --only poses/1
 mv some/poses-1/tick-23.raw t23

@@ -70,9 +70,9 @@ fails snap "snap 0: mesh digest is" mesh/1
 fails steps "steps 0: step yz (pose 1) is" sweep/1
 run 0 validate --only sweep/1 --backends plugin:mirror.so
 checks=$((checks + 2))
-grep -q '^ *made itself, and compared: [0-9]* records of stages snap and steps$' out || fail "own steps are not named: $(cat out)"
+grep -q '^ *computed by the backend itself and compared: [0-9]* records of stages snap and steps$' out || fail "own steps are not named: $(cat out)"
 run 0 validate --only sweep/1 --backends plugin:old_table.so
-grep -q '^ *handed to it: sweep, map, boxes, poses and snapping, as src/core made them$' out || fail "handed steps are not named: $(cat out)"
+grep -q '^ *supplied by src/core and not compared: sweep, map, boxes, poses and snapping$' out || fail "supplied steps are not named: $(cat out)"
 refuse 2 "ended by signal 11" validate --only mesh/1 --backends plugin:mirror.so,break=open
 refuse 2 "slot collide of its table is NULL" validate --only mesh/1 --backends plugin:broken_slot.so
 

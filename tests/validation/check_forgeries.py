@@ -195,7 +195,7 @@ def upload_of_the_second_implementation_said_absent(f):
     lack(f, "dense", "upload")
 
 
-@forgery("valid", status=0, rerun="comes out otherwise on the reference here than the bundle says")
+@forgery("valid", status=0, rerun="the reference here gives another result than the bundle states")
 def digests_of_reference_and_backend_made_up(f):
     lines = lines_of(f)
     for one in lines:

@@ -29,7 +29,7 @@ if [ -e "$build/.libs/mirror.so" ]; then
     cp "$build/.libs/mirror.so" "$build/.libs/thesis_f32.so" .
     run 1 verify b --rerun --backend plugin:./thesis_f32.so
     checks=$((checks + 1))
-    grep -q "import/0 comes out otherwise on plugin:./thesis_f32.so here (differs" out || fail "another result than the bundle's: $(cat out)"
+    grep -q "import/0 plugin:./thesis_f32.so gives another result here (differs" out || fail "another result than the bundle's: $(cat out)"
 
     # A backend that never ends is stopped after the limit, and its case has a verdict of its
     # own.

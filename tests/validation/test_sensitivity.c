@@ -94,8 +94,8 @@ static void statement_says_what_it_is_of(void **state)
     faults_statement(&s, text);
     char expected[FAULTS_STATEMENT];
     snprintf(expected, sizeof expected,
-             "%d of %d kinds of mistakes, made on purpose in the second implementation (validation/dense) and in no "
-             "backend, were noticed; "
+             "%d of %d kinds of deliberate mistakes, made in the second implementation (validation/dense) and in no "
+             "backend, were detected; "
              "15 kinds changed nothing in this tier",
              DEVIATION_KINDS - 17, DEVIATION_KINDS - 1);
     assert_string_equal(text, expected);

@@ -46,7 +46,7 @@ change noticed 'report->duplicates++;' 'report->duplicates += 2;'
 try 0 noticed.patch
 says 'noticed.patch: NOTICED by case import/0 at stage rect on cpu:threads=1' out
 says 'class report-only; duplicates' out
-again=$(sed -n 's/^  again: //p; s/^  made small: .*: \(.* validate --case .*\)/\1/p' out | head -n 1)
+again=$(sed -n 's/^  again: //p; s/^  reduced to .*: \(.* validate --case .*\)/\1/p' out | head -n 1)
 sh -c "$again" >again.out 2>&1
 check "the printed command: $again" $? 1
 

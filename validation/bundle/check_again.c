@@ -30,9 +30,9 @@ static ost_status compare_reference(const again *a, const campaign *c, int i, co
     if (status != OST_OK)
         return status;
     if (strcmp(evidence_text(row, "input_sha256"), evidence_text(one, "input_sha256")) != 0)
-        report(a, one, "has another input than the bundle says");
+        report(a, one, "has another input than the bundle states");
     else if (!json_equal(json_object_get(row, "reference"), json_object_get(one, "reference")))
-        report(a, one, "comes out otherwise on the reference here than the bundle says");
+        report(a, one, "the reference here gives another result than the bundle states");
     json_decref(row);
     return OST_OK;
 }
@@ -49,9 +49,9 @@ static void compare_backend(const again *a, const campaign *c, int i, const json
         ost_digest_hex(&r->made, hex);
     if (strcmp(hex, stated) == 0)
         return;
-    snprintf(text, sizeof text, "comes out otherwise on %.200s here (%s%s%.100s) than %s", a->spec,
+    snprintf(text, sizeof text, "%.200s gives another result here (%s%s%.100s) than %s", a->spec,
              case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text,
-             there ? "the bundle says" : "on the bundle's reference");
+             there ? "the bundle states" : "the bundle's reference");
     report(a, one, text);
 }
 

@@ -34,7 +34,7 @@ void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION])
         snprintf(text, EVIDENCE_DESCRIPTION, "%s%.300s", location, evidence_text(result, "text"));
     const size_t used = strlen(text);
     if (*evidence_text(result, "class") && used < EVIDENCE_DESCRIPTION)
-        snprintf(text + used, EVIDENCE_DESCRIPTION - used, "; looks like %.40s (%.160s)",
+        snprintf(text + used, EVIDENCE_DESCRIPTION - used, "; class %.40s (%.160s)",
                  evidence_text(result, "class"), evidence_text(result, "class_text"));
 }
 
@@ -140,7 +140,7 @@ static void deviations(FILE *to, const json_t *protocol, const json_t *cases, co
     const json_t *list = json_object_get(summary, "not_shown");
     (void)protocol;
     (void)cases;
-    fputs("id,what was not shown\n", to);
+    fputs("id,not shown\n", to);
     for (size_t i = 0; i < json_array_size(list); i++) {
         fprintf(to, "D%zu,", i + 1);
         put_csv(to, json_string_value(json_array_get(list, i)), '\n');
@@ -167,19 +167,22 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
             json_array_size(cases) == 1 ? "" : "s", json_array_size(json_object_get(protocol, "backends")),
             json_array_size(json_object_get(protocol, "backends")) == 1 ? "" : "s");
     if (!json_is_true(json_object_get(summary, "evidence")))
-        fputs("**This is a reduced run and no evidence.**\n\n", to);
-    fputs("What was not shown:\n\n", to);
+        fputs("**This is a reduced run; it is not evidence.**\n\n", to);
+    fputs("Not shown:\n\n", to);
     for (size_t i = 0; i < json_array_size(list); i++)
         fprintf(to, "- %s\n", json_string_value(json_array_get(list, i)));
     char *files = evidence_own_options(protocol, false), *own = evidence_own_options(protocol, true);
-    fprintf(to,
-            "\n## Check it, offline\n\n```\nosteon verify .            # every hash, every derived file\nosteon verify "
-            ". --rerun%s    # and the reference's results, again; --backend NAME: those of a backend too\n```\n\n",
-            files ? files : "");
+    fprintf(
+        to,
+        "\n## Verify this bundle\n\nNeither a network nor a device is needed.\n\n```\nosteon verify .            # "
+        "every hash, every derived file\nosteon verify "
+        ". --rerun%s    # also computes the reference's results again; --backend NAME: and those of a backend\n```\n\n",
+        files ? files : "");
     if (files && *files)
-        fputs("FILE: the user's own files, which are not in this bundle; inputs.csv has their sizes and SHA-256.\n\n",
+        fputs("FILE stands for the user's own files, which are not in this bundle; inputs.csv has their sizes and "
+              "SHA-256.\n\n",
               to);
-    fputs("## Do it again\n\n```\n", to);
+    fputs("## Repeat the campaign\n\n```\n", to);
     fprintf(to, "osteon validate --tier %s --seed %s", evidence_text(protocol, "tier"),
             evidence_text(protocol, "seed"));
     if (json_integer_value(json_array_get(shard, 1)) > 1)
@@ -197,52 +200,59 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
     fputs(json_object_get(protocol, "suite") ? " --with-suite FOLDER" : "", to);
     free(files);
     free(own);
-    fputs(" --out BUNDLE\n```\n\nWith the same build and the same backends, `results_root` of manifest.json comes out "
-          "the same.\n\n",
+    fputs(" --out BUNDLE\n```\n\nThe same build with the same list of backends gives the same `results_root` in "
+          "manifest.json.\n\n",
           to);
     fputs(
         "## Files\n\n"
-        "| file | is |\n|---|---|\n"
-        "| protocol.json | what was to be done and what counts as passed, written before anything ran (its hash: first "
+        "| file | content |\n|---|---|\n"
+        "| protocol.json | the plan and the criteria for passing, written before anything ran (its hash is in the "
+        "first "
         "lines of audit.log) |\n"
-        "| cases.jsonl | a line a case: digest of its input, digests of everything the reference made, of each backend "
-        "the digest of what it made, and the verdict that follows |\n"
-        "| results.json, junit.xml, results.tap | the verdicts; inputs.csv: inputs; anomalies.csv: differences; "
-        "margins.csv: how near each differing voxel was; deviations.csv: what was not shown |\n"
-        "| sensitivity.json | mistakes made on purpose in a second implementation (validation/dense), in no backend, "
-        "and whether the comparison noticed them; kinds_silent changed nothing in this tier (the first shard's run "
-        "makes it) |\n"
-        "| common.json | checks of the reference by hand, by volume and by law: mistakes that all backends could have "
+        "| cases.jsonl | one line per case: the digest of its input, the digests of the reference's results, the "
+        "digest "
+        "of each backend's results, and the verdict that follows from them |\n"
+        "| results.json, junit.xml, results.tap | the verdicts |\n"
+        "| inputs.csv, anomalies.csv, margins.csv, deviations.csv | digests of the inputs; the differences; the margin "
+        "of each differing decision; what was not shown |\n"
+        "| sensitivity.json | deliberate mistakes, made in a second implementation (validation/dense) and in no "
+        "backend, "
+        "and the number of them that the comparison detected; kinds_silent lists the kinds that changed nothing in "
+        "this tier (in a sharded campaign, the first shard makes this file) |\n"
+        "| common.json | checks of the reference by hand, by volume and by law, for mistakes that all backends could "
+        "have "
         "in common |\n"
-        "| requirements.csv, trace.csv | requirements, their tests, what of this bundle bears on them; orphans in both "
-        "directions |\n"
-        "| suite.json | with --with-suite: each test that a requirement names, whether it passed, and the digest of "
-        "what it printed |\n"
-        "| known-anomalies.csv | what was known to be wrong with this release |\n"
-        "| devices.json | OpenCL devices: what their drivers say, and their numeric fingerprints |\n"
-        "| tools.json | commit, compiler, flags, and every library that ran with the program, by SHA-256 |\n"
+        "| requirements.csv, trace.csv | the requirements, their tests, and the parts of this bundle that concern "
+        "them; "
+        "orphans in both directions |\n"
+        "| suite.json | with --with-suite: the result of each test that a requirement names, and the digest of its "
+        "output |\n"
+        "| known-anomalies.csv | the known anomalies of this release |\n"
+        "| devices.json | OpenCL devices: the information of their drivers, and their numeric fingerprints |\n"
+        "| tools.json | commit, compiler, flags, and the SHA-256 of every library that was loaded |\n"
         "| sbom.spdx.json, soup.csv | the same as a bill of materials (SPDX 2.3) and as a list of software of unknown "
         "provenance |\n"
-        "| environment.json, times.json, audit.log | the machine, the times, what was done when |\n"
-        "| report.html, pictures/ | all of this for people, on one page; the pictures in it |\n"
+        "| environment.json, times.json, audit.log | the machine, the times, and a log of every step |\n"
+        "| report.html, pictures/ | the same content as one page for people, and its pictures |\n"
         "| manifest.json | size and SHA-256 of every file, and two roots |\n"
-        "| signatures/ | signatures over manifest.json (`osteon sign`), not part of it |\n\n"
-        "## What differs from run to run\n\n"
-        "Two runs of one build on one machine leave the same files, byte for byte, but for these:\n\n"
-        "| file | differs, because |\n|---|---|\n"
-        "| audit.log | it has the time of day of each step, and the digests of the files here |\n"
-        "| times.json | it has how long each backend took, and when |\n"
-        "| environment.json | it has the kernel and the variables of that run; of merged shards, a machine for each |\n"
-        "| junit.xml | it has the times and the host |\n"
-        "| report.html | it has the date, the machine and the threads of that run |\n"
-        "| manifest.json | it has the digests of those, and `root` over all |\n"
-        "| suite.json, trace.csv | with --with-suite: they have the suite's results, and the times of its tests |\n"
-        "| signatures/ | it says who signed, and when |\n\n"
-        "`results_root` leaves these out, and what changes with the machine and its drivers: tools.json, devices.json, "
-        "sbom.spdx.json and soup.csv; and impact.json, which is about one older bundle. "
-        "What is left depends on the cases, the code and the list of backends alone, so that two machines with the "
-        "same list have the same `results_root`. "
-        "Bundles of shards merge into the bundle of one run, with the same exceptions.\n",
+        "| signatures/ | signatures over manifest.json (`osteon sign`); manifest.json does not list them |\n\n"
+        "## Files that differ from run to run\n\n"
+        "Two runs of one build on one machine give byte-identical files, except these:\n\n"
+        "| file | run-dependent content |\n|---|---|\n"
+        "| audit.log | the time of each step, and the digests of the files in this table |\n"
+        "| times.json | the begin and the duration of each backend's runs |\n"
+        "| environment.json | the kernel and the environment variables of the run; after a merge, those of each shard "
+        "|\n"
+        "| junit.xml | the times and the host |\n"
+        "| report.html | the date, the machine and the threads of the run |\n"
+        "| manifest.json | the digests of these files, and `root` over all files |\n"
+        "| suite.json, trace.csv | with --with-suite: the results and the times of the tests |\n"
+        "| signatures/ | the signers and the times of signing |\n\n"
+        "`results_root` covers none of these files, none that depend on the machine and its drivers (tools.json, "
+        "devices.json, sbom.spdx.json, soup.csv), and not impact.json, which concerns an older bundle. "
+        "The other files depend only on the cases, the code and the list of backends, so two machines with the same "
+        "list have the same `results_root`. "
+        "Merging the bundles of shards gives the bundle of a single run, with the same exceptions.\n",
         to);
 }
 

@@ -267,15 +267,15 @@ static const char *second_implementation(const json_t *protocol, const json_t *c
     }
     if (ran)
         snprintf(text, size,
-                 "Sweep, map, boxes, poses and snapping are made by src/core and src/sim for every backend, so that "
-                 "comparing backends does not show them. "
+                 "src/core and src/sim compute sweep, map, boxes, poses and snapping for every backend, so comparing "
+                 "backends does not verify these steps. "
                  "Backend " SUBJECT_DENSE
-                 " has a second implementation of them: it was equal in %lld ticks and %lld tools.",
+                 " has a second implementation of them, whose results were equal in %lld ticks and for %lld tools.",
                  (long long)ticks, (long long)tools);
     else
         snprintf(text, size,
-                 "Sweep, map, boxes, poses and snapping are made by src/core and src/sim for every backend; the second "
-                 "implementation of them, backend " SUBJECT_DENSE ", was not compared.");
+                 "src/core and src/sim compute sweep, map, boxes, poses and snapping for every backend; the second "
+                 "implementation of these steps, backend " SUBJECT_DENSE ", was not compared.");
     return text;
 }
 
@@ -296,30 +296,30 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
     const json_t *backends = json_object_get(protocol, "backends");
     if (!compared)
         add_sentence(
-            list, "Nothing was compared: no backend but the reference ran a case that the reference did not refuse.");
+            list, "Nothing was compared: no backend other than the reference ran a case that the reference accepted.");
     if (refused) {
         snprintf(text, sizeof text,
-                 "The reference refused the input of %lld of %zu cases; that a backend refuses it as well is not "
+                 "The reference refused the input of %lld of %zu cases; a backend that refuses the same input is not "
                  "counted as equal.",
                  (long long)refused, json_array_size(cases));
         add_sentence(list, text);
     }
     if (strcmp(evidence_text(protocol, "tier"), "smoke") == 0)
-        add_sentence(list, "The smoke tier is a check for every day: few cases and small ones. It is no evidence; the "
-                           "standard tier is.");
+        add_sentence(list, "The smoke tier has few and small cases and is meant for frequent runs. It is not evidence; "
+                           "the standard tier is.");
     if (json_integer_value(json_array_get(json_object_get(protocol, "shard"), 1)) > 1)
-        add_sentence(list, "This is one shard of a campaign; the others' cases were not run here.");
+        add_sentence(list, "This is one shard of a campaign; the cases of the other shards were not run here.");
     if (json_object_get(protocol, "case"))
-        add_sentence(list, "The cases of one file alone were run (case.json).");
+        add_sentence(list, "Only the cases of one file were run (case.json).");
     if (*evidence_text(protocol, "only"))
-        add_sentence(list, "Some cases alone were asked for.");
+        add_sentence(list, "Only some of the tier's cases were selected.");
     if (*evidence_text(protocol, "chosen")) {
-        snprintf(text, sizeof text, "Some backends alone were asked for: %.300s.", evidence_text(protocol, "chosen"));
+        snprintf(text, sizeof text, "Only these backends were selected: %.300s.", evidence_text(protocol, "chosen"));
         add_sentence(list, text);
     }
     if (!json_is_true(json_object_get(protocol, "opencl"))) {
         snprintf(text, sizeof text, "No OpenCL device was compared: %.300s.",
-                 json_is_true(json_object_get(protocol, "cpu_only")) ? "the CPU's variants alone were asked for"
+                 json_is_true(json_object_get(protocol, "cpu_only")) ? "only variants of the CPU backend were selected"
                                                                      : evidence_text(protocol, "no_opencl"));
         add_sentence(list, text);
     }
@@ -332,7 +332,7 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
         add_sentence(list, text);
     }
     if (json_array_size(json_object_get(protocol, "cases")) != json_array_size(cases))
-        add_sentence(list, "Cases of the protocol are missing.");
+        add_sentence(list, "Some cases of the protocol are missing.");
     add_sentence(list, second_implementation(protocol, cases, text, sizeof text));
     for (size_t s = 0; s < json_array_size(backends); s++) {
         const char *name = evidence_text(json_array_get(backends, s), "name");
@@ -340,20 +340,26 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
             makes_steps(cases, name))
             continue;
         snprintf(text, sizeof text,
-                 "%.300s was handed sweep, map, boxes, poses and snapping ready-made: nothing is shown of its own.",
+                 "%.300s received sweep, map, boxes, poses and snapping from src/core; its own computation of "
+                 "these steps was not compared.",
                  name);
         add_sentence(list, text);
     }
-    add_sentence(list, json_object_get(protocol, "user")
-                           ? "Inputs are generated but for the cases user/1 and on, which are the user's own files; "
-                             "those are not in the bundle. How files are read, and how floats of meshes and devices "
-                             "become integers, is shared by all backends and is not shown by this comparison."
-                           : "Inputs are generated, not a patient's. How files are read, and how floats of meshes and "
-                             "devices become integers, is shared by all backends and is not shown by this comparison.");
-    add_sentence(list, "A mistake that the reference and a backend have in common does not show in a comparison of the "
-                       "two; the checks in common.json look for some of those.");
+    add_sentence(list,
+                 json_object_get(protocol, "user")
+                     ? "All inputs are generated, except those of the cases user/1 and following, which are the "
+                       "user's own files and are not in the bundle. All backends share the code that reads files "
+                       "and that converts the floats of meshes and devices to integers; this comparison does not "
+                       "verify that code."
+                     : "All inputs are generated; none is a patient's. All backends share the code that reads files "
+                       "and that converts the floats of meshes and devices to integers; this comparison does not "
+                       "verify that code.");
+    add_sentence(list, "A mistake that the reference and a backend have in common cannot be detected by comparing the "
+                       "two; the checks in common.json detect some of these mistakes.");
     add_sentence(
-        list, "That the simulation is right about bone, tools or patients: that is validation, and not what this is.");
+        list,
+        "This comparison does not show that the simulation predicts real bone, tools or patients correctly: that would "
+        "be validation.");
     return list;
 }
 

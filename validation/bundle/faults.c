@@ -23,8 +23,8 @@ void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT])
     if (unchanged)
         snprintf(none, sizeof none, "; %d kind%s changed nothing in this tier", unchanged, unchanged == 1 ? "" : "s");
     snprintf(out, FAULTS_STATEMENT,
-             "%d of %d kinds of mistakes, made on purpose in the second implementation (validation/dense) and in no "
-             "backend, were noticed%s",
+             "%d of %d kinds of deliberate mistakes, made in the second implementation (validation/dense) and in no "
+             "backend, were detected%s",
              s->kinds_noticed, kinds, none);
 }
 

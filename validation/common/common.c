@@ -9,11 +9,11 @@ static json_t *by_the_tests(void)
     static const struct {
         const char *what, *tests;
     } list[] = {
-        {"an independent implementation of docs/spec/arithmetic.md in Python, in fractions: import, tools, paths, "
-         "sweeps, maps and removal, voxel by voxel",
+        {"an independent implementation of docs/spec/arithmetic.md in Python with exact fractions: import, tools, "
+         "paths, sweeps, maps and removal, voxel by voxel",
          "tests/oracle/check_pipeline.py tests/oracle/check_events.py"},
-        {"the numbers of the thesis recomputed", "tests/oracle/check_thesis.py"},
-        {"readers of CT, meshes and paths, held against files with known content and broken ones",
+        {"the numbers of the thesis, computed again", "tests/oracle/check_thesis.py"},
+        {"readers of CTs, meshes and paths, on files with known content and on damaged files",
          "tests/io tests/mesh tests/fuzz"},
         {"mirrors, quarter turns and permutations of axes", "tests/ref/test_remove.c"},
     };
@@ -40,7 +40,7 @@ ost_status common_check(uint64_t seed, json_t **out, ost_error *err)
     if (l.status == OST_OK) {
         *out = json_pack("{s:I,s:I,s:s,s:O,s:o}", "passed", passed, "failed",
                          (json_int_t)json_array_size(l.checks) - passed, "on",
-                         "the scalar reference; other backends equal it where the cases say so", "checks", l.checks,
+                         "the scalar reference; the cases show which backends are equal to it", "checks", l.checks,
                          "by_the_tests", by_the_tests());
         if (!*out)
             l.status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the checks");

@@ -50,7 +50,8 @@ static void scatter(lab *l)
         l->status = ost_grid_download(rect, 0, 2, got, l->err);
     ost_grid_free(rect);
     record_list(l, "samples", "AR-CT-4 AR-CT-6 AR-GRID-2",
-                "eight samples given backwards and one of them twice lie at x first, then y, then z", expected, got, 8);
+                "eight samples in reverse order, one of them twice, are stored with x fastest, then y, then z",
+                expected, got, 8);
 }
 
 /*
@@ -95,7 +96,7 @@ static void layers(lab *l)
         ost_bone_free(bone);
         ost_grid_free(cubic);
         record_list(l, rules[r].name, rules[r].requirements,
-                    "three layers 2.5 mm apart become eight layers of 1 mm that begin 0.75 mm before them",
+                    "three layers 2.5 mm apart become eight layers of 1 mm, the first 0.75 mm before them",
                     rules[r].cubic, cubic_got, 8);
         if (r == 0)
             record_list(l, "threshold", "AR-CHK-1", "119 is no bone, 120 is", bone_expected, bone_got, 8);
@@ -124,8 +125,8 @@ static void cube(lab *l)
                                                                                                       : OST_TOOL_VOID);
     }
     lab_record(l, "golden", "cube", "AR-TOOL-2 AR-TOOL-3 AR-VOX-1 AR-VOX-2 AR-VOX-3 AR-VOX-4",
-               "a mesh of 2 mm at a voxel of 1 mm is 4 x 4 x 4 voxels with the inner 8 solid", grid && as_expected,
-               "4 x 4 x 4 from -1 mm, 8 solid", "%d x %d x %d, %lld solid", d.x, d.y, d.z,
+               "a cube of 2 mm in voxels of 1 mm gives a grid of 4 x 4 x 4 voxels whose inner 8 are solid",
+               grid && as_expected, "4 x 4 x 4 from -1 mm, 8 solid", "%d x %d x %d, %lld solid", d.x, d.y, d.z,
                l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0);
     ost_tool_volume_free(&v);
     ost_mesh_free(&mesh);
@@ -152,7 +153,7 @@ static void gone(lab *l, const char *name, const char *what, const char *expecte
     }
     ost_tool_free(tool);
     lab_record(l, "golden", name, "AR-REM-1 AR-REM-2 AR-MAP-1 AR-POSE-1", what, right == 512, expected,
-               "%d of 512 voxels as expected, %d gone", right, removed);
+               "%d of 512 voxels as expected, %d removed", right, removed);
 }
 
 /* A row under the tool classes cutting, cutting, cutting, not cutting and void. Density classes are half-open, so
@@ -177,8 +178,8 @@ static void classes(lab *l)
     }
     ost_tool_volume_free(&volume);
     lab_remove(l, &g, 16, voxels, tool, &here, 1, &r);
-    record_list(l, "not cutting", "AR-REM-1 AR-REM-2 AR-TOOL-4", "what does not cut removes nothing", expected, voxels,
-                5);
+    record_list(l, "not cutting", "AR-REM-1 AR-REM-2 AR-TOOL-4", "a tool that does not cut removes nothing", expected,
+                voxels, 5);
     lab_record(l, "golden", "classes", "AR-CLS-1 AR-CLS-2 AR-REM-6",
                "149, 150 and 650 are of three classes; one voxel is touched",
                r.voxels[0] == 1 && r.voxels[1] == 1 && r.voxels[2] == 1 && r.touched_voxels == 1, "1, 1, 1; 1 touched",
@@ -250,7 +251,7 @@ static void sweep(lab *l)
     if (l->status == OST_OK)
         first = ost_sweep_pose(&a, &b, 1, 3);
     lab_record(l, "golden", "sweep", "AR-SWEEP-2 AR-SWEEP-4",
-               "a tool that moves by 0.5 mm in a bone of 0.47 mm has three poses; the first is a third of the way",
+               "a motion of 0.5 mm in a bone of 0.47 mm has three poses; the first is after a third of the way",
                count == 3 && first.t.x == 100000000 && first.t.y == 133333333 && first.t.z == 0,
                "3; 100000000, 133333333, 0", "%d; %lld, %lld, %lld", count, (long long)first.t.x, (long long)first.t.y,
                (long long)first.t.z);
@@ -286,8 +287,8 @@ static void borders(lab *l)
         refused += ost_sweep_count(&beyond, &beyond, &tool, LAB_MM, &count, NULL) == OST_ERR_RANGE;
     }
     lab_record(l, "golden", "pose beyond 8 m", "AR-POSE-3 AR-LEN-1",
-               "neither a map nor a sweep takes a pose a picometre beyond 8 m", l->status == OST_OK && refused == 12,
-               "12 refused", "%d refused", refused);
+               "a pose one picometre beyond 8 m is refused by the map and by the sweep",
+               l->status == OST_OK && refused == 12, "12 refused", "%d refused", refused);
 }
 
 void lab_golden(lab *l)
@@ -297,14 +298,15 @@ void lab_golden(lab *l)
     layers(l);
     cube(l);
     gone(l, "removal",
-         "a cube of 2 mm at (2, 3, 4) takes the voxels with centres 2, 3 and 3, 4 and 4, 5: a tool's box is half-open",
-         "8 gone", (ost_pose){{2 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, 1 << 30, 0, 0, 0}, (const int[3]){2, 3, 4},
+         "a cube of 2 mm at (2, 3, 4) removes the voxels with centres at x 2 and 3, y 3 and 4, z 4 and 5: its box is "
+         "half-open",
+         "8 removed", (ost_pose){{2 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, 1 << 30, 0, 0, 0}, (const int[3]){2, 3, 4},
          (const int[3]){4, 5, 6});
     gone(l, "quarter turn",
-         "turned a quarter about z its y runs along the bone's -x, so that at x = 4 it takes 3 and 4", "8 gone",
-         (ost_pose){{4 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, half, 0, 0, half}, (const int[3]){3, 3, 4},
+         "turned by a quarter about z, the tool's y points along the bone's -x, so at x = 4 it removes x 3 and 4",
+         "8 removed", (ost_pose){{4 * LAB_MM, 3 * LAB_MM, 4 * LAB_MM}, half, 0, 0, half}, (const int[3]){3, 3, 4},
          (const int[3]){5, 5, 6});
-    gone(l, "border", "over two borders of the bone only what is inside is taken", "2 gone",
+    gone(l, "border", "across two borders of the bone, only voxels inside the bone are removed", "2 removed",
          (ost_pose){{-LAB_MM, 7 * LAB_MM, 0}, 1 << 30, 0, 0, 0}, (const int[3]){0, 7, 0}, (const int[3]){1, 8, 2});
     classes(l);
     digests(l);

@@ -123,11 +123,12 @@ static void shifted(lab *l, draw *d, scene *s)
 static const law laws[] = {
     {"chunk sizes", "AR-CHK-3 AR-LAW-1", "chunks of 16, 32 and 64 give the same voxels", chunk_sizes},
     {"twice is once", "AR-LAW-2", "the same event again removes nothing", twice},
-    {"order", "AR-LAW-2", "events in another order leave the same voxels", order},
-    {"poses one by one", "AR-LAW-3", "an event of several poses is its poses one after the other", one_by_one},
-    {"moved together", "AR-LAW-5", "bone and tool moved by any number of picometres give the same voxels by index",
+    {"order", "AR-LAW-2", "events in another order give the same voxels", order},
+    {"poses one by one", "AR-LAW-3", "an event of several poses equals single events at these poses", one_by_one},
+    {"moved together", "AR-LAW-5", "bone and tool moved together by any number of picometres give the same voxels",
      moved},
-    {"moved tool", "AR-MAP-1", "a tool moved in its frame and moved back by its pose cuts the same", shifted},
+    {"moved tool", "AR-MAP-1", "a tool moved within its frame, with a pose that moves it back, removes the same voxels",
+     shifted},
 };
 
 /* Counts voxels that are neither unchanged nor 0: an event only removes. */
@@ -160,7 +161,7 @@ static void removal_laws(lab *l)
                    "%lld voxels differ in %d rounds", (long long)wrong, rounds);
     }
     lab_record(l, "relation", "only removed", "AR-LAW-2 AR-REM-2",
-               "a voxel is what it was or empty, and some are removed at all", added == 0 && removed > 0,
+               "each voxel is unchanged or removed, and some are removed", added == 0 && removed > 0,
                "0 other voxels", "%lld other voxels, %lld removed", (long long)added, (long long)removed);
 }
 
@@ -212,12 +213,12 @@ static void mesh_laws(lab *l)
             ost_mesh_free(&m[i]);
         }
     }
-    lab_record(l, "relation", "inside out", "AR-LAW-8", "a mesh with all its faces turned over is the same body",
+    lab_record(l, "relation", "inside out", "AR-LAW-8", "a mesh with all its faces reversed gives the same voxels",
                reversed == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)reversed, rounds);
     lab_record(l, "relation", "two halves", "AR-LAW-7 AR-VOX-2",
-               "a mesh cut in two closed halves: each voxel is in exactly one of them", halves == 0 && solid > 0,
-               "0 voxels differ", "%lld differ in %d rounds", (long long)halves, rounds);
-    lab_record(l, "relation", "moved mesh", "AR-LAW-4", "a mesh moved by whole voxels is the same grid",
+               "of a mesh cut into two closed halves, each solid voxel is in exactly one half",
+               halves == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)halves, rounds);
+    lab_record(l, "relation", "moved mesh", "AR-LAW-4", "a mesh moved by a whole number of voxels gives the same grid",
                moved_by == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)moved_by, rounds);
 }
 
@@ -257,7 +258,7 @@ static void sample_laws(lab *l)
         }
     }
     lab_record(l, "relation", "samples in any order", "AR-CT-9",
-               "shuffled and in batches of any size they make the same grid",
+               "samples in any order and in batches of any size give the same grid",
                memcmp(got[0], got[1], sizeof got[0]) == 0, "the same grid",
                memcmp(got[0], got[1], sizeof got[0]) == 0 ? "the same grid" : "another grid");
 }

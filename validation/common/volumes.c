@@ -17,8 +17,8 @@ static void box(lab *l)
     lab_box(l, (ost_pm3){LAB_MM, -2 * LAB_MM, 3 * LAB_MM}, (ost_pm3){8 * LAB_MM, 3 * LAB_MM, 6 * LAB_MM}, false, &mesh);
     lab_voxelize(l, &mesh, NULL, LAB_MM / 2, &v);
     const long long solid = l->status == OST_OK ? (long long)ost_tool_volume_count(&v, OST_TOOL_CUTTING) : 0;
-    lab_record(l, "volume", "box", "AR-VOX-4 AR-TOOL-2 REQ-VOLUME", "a box of 7 x 5 x 3 mm at 0.5 mm", solid == 840,
-               "840 voxels, 105 mm3", "%lld voxels", solid);
+    lab_record(l, "volume", "box", "AR-VOX-4 AR-TOOL-2 REQ-VOLUME", "a box of 7 x 5 x 3 mm in voxels of 0.5 mm",
+               solid == 840, "840 voxels, 105 mm3", "%lld voxels", solid);
     ost_tool_volume_free(&v);
     ost_mesh_free(&mesh);
 }
@@ -74,7 +74,8 @@ static void ball(lab *l)
                  mesh_volume = l->status == OST_OK ? ost_mesh_volume_mm3(&mesh) : 0;
     snprintf(expected, sizeof expected, "between %.1f and %.1f mm3; the mesh has %.1f", least, most, mesh_volume);
     lab_record(l, "volume", "ball", "AR-VOX-4 REQ-VOLUME",
-               "a ball of 10 mm radius as 9,024 triangles at 0.5 mm, within half a voxel's diagonal of its surface",
+               "a ball of 10 mm radius as 9,024 triangles in voxels of 0.5 mm: the volume is exact to half a voxel "
+               "diagonal at the surface",
                got >= least && got <= most, expected, "%.1f mm3, %+.2f %% of the mesh's", got,
                mesh_volume > 0 ? 100 * (got / mesh_volume - 1) : 0.0);
     ost_tool_volume_free(&v);
@@ -94,7 +95,7 @@ static void slot(lab *l)
     const unsigned long long gone = lab_removed(l, &g, tool, poses, STEPS, 400);
     ost_tool_free(tool);
     lab_record(l, "volume", "slot", "AR-REM-1 AR-REM-2 AR-REM-8",
-               "a cube of 4 mm moved 24 mm through bone of 1 mm voxels", gone == 28 * 4 * 4, "448 voxels, 448 mm3",
+               "a cube of 4 mm moved by 24 mm through a bone of 1 mm voxels", gone == 28 * 4 * 4, "448 voxels, 448 mm3",
                "%llu voxels", gone);
 }
 

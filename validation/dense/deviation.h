@@ -47,12 +47,13 @@ typedef enum deviation_stage {
  */
 #define DEVIATION_LIST(X)                                                                                              \
     /* samples to rect grid */                                                                                         \
-    X(TRUNCATED_INDEX, "truncated-index", RECT, "sample", "the index is a float quotient, cut off instead of rounded", \
-      "T: Alg. 2.4, convert_int3_rtz; 2.9999998 is cut to 2, layers are lost and others doubled",                      \
-      "the voxel that loses its sample and the one that gets it have equal densities")                                 \
+    X(TRUNCATED_INDEX, "truncated-index", RECT, "sample",                                                              \
+      "the index is a float quotient, truncated instead of rounded",                                                   \
+      "T: Alg. 2.4, convert_int3_rtz; 2.9999998 is truncated to 2, so layers are lost and others are doubled",         \
+      "the voxel that loses its sample and the one that receives it have equal densities")                             \
     X(LOST_DUPLICATE_RULE, "lost-duplicate-rule", RECT, "sample",                                                      \
-      "of two samples in a voxel the wrong one stays, and no conflict is told",                                        \
-      "P: a scatter without atomics; the order of work items is nobody's",                                             \
+      "of two samples in a voxel the wrong one is kept, and no conflict is reported",                                  \
+      "P: a scatter without atomics; the order of work items is undefined",                                            \
       "a third sample of the voxel decides again")                                                                     \
     X(DROPPED_LAST_ITEMS, "dropped-last-items", RECT, "batch",                                                         \
       "the last count mod 64 samples of a batch are not scattered",                                                    \
@@ -62,60 +63,61 @@ typedef enum deviation_stage {
       "all samples lie in the first row, or the densities that change places are equal")                               \
     X(LAST_LAYER_LOST, "last-layer-lost", RECT, "batch", "samples of the last layer are not stored",                   \
       "T: Alg. 2.3, the last layer is written outside the array", "the last layer's densities are 0")                  \
-    X(SATURATED_SHORT, "saturated-short", RECT, "sample", "densities end at -1024 and 3071",                           \
+    X(SATURATED_SHORT, "saturated-short", RECT, "sample", "densities are clamped to -1024 .. 3071",                    \
       "P: the 12 bits of a scanner, a saturating conversion too early", "another sample of the voxel decides")         \
     X(GARBAGE_IN_VOID, "garbage-in-void", RECT, "voxel", "the grid is not cleared before the first batch",             \
-      "P: memory of a device is not zero when it is given", "a sample comes to the voxel")                             \
+      "P: a device's memory is not zero when it is allocated", "a sample falls on the voxel")                          \
     X(RELATIVE_LINE, "relative-line", RECT, "batch", "lines are counted from the batch's start",                       \
       "P: the offset of a batch is not added in the kernel", "no line of the batch is named in the report")            \
     X(REPORT_OVERWRITTEN, "report-overwritten", RECT, "batch",                                                         \
-      "a batch's counts replace those before instead of adding to them",                                               \
-      "P: a counter set where it should be added to", "never: the number of samples is in the report")                 \
+      "a batch's counts replace the previous ones instead of being added to them",                                     \
+      "P: an assignment in place of an addition", "never: the number of samples is in the report")                     \
     /* rect grid to cubic grid */                                                                                      \
     X(OTHER_RULE, "other-rule", CUBIC, "call",                                                                         \
-      "the voxel that holds the centre instead of the mean of eight or of the floor, the floor instead of that voxel", \
+      "the voxel that contains the centre instead of the mean of eight or of the floor; the floor instead of that "    \
+      "voxel",                                                                                                         \
       "T: Alg. 2.5 can be read as either", "the voxels that change are equal")                                         \
-    X(FLOAT_LAYER, "float-layer", CUBIC, "layer", "the position is a float quotient, cut off",                         \
-      "T: Alg. 2.5, convert_int_rtz; an exact quotient comes out a little too small",                                  \
-      "the two neighbouring layers are equal, or the mean rounds to the same")                                         \
+    X(FLOAT_LAYER, "float-layer", CUBIC, "layer", "the position is a float quotient, truncated",                       \
+      "T: Alg. 2.5, convert_int_rtz; the quotient is slightly less than the exact one",                                \
+      "the two neighbouring layers are equal, or the mean rounds to the same value")                                   \
     X(TEXTURE_WEIGHTS, "texture-weights", CUBIC, "layer", "linear weights have 8 bits",                                \
       "F: CUDA C Programming Guide, Texture Fetching: linear filtering uses 9-bit fixed point with 8 bits of "         \
       "fractional value",                                                                                              \
-      "the weight has 8 bits already, or the mean rounds to the same")                                                 \
+      "the weight has 8 bits already, or the mean rounds to the same value")                                           \
     X(ROUNDED_EACH, "rounded-each", CUBIC, "call", "linear rounds after each axis instead of once",                    \
-      "P: three passes over int16", "one axis alone has weights, or the means round to the same")                      \
+      "P: three passes over int16", "only one axis has weights, or the means round to the same value")                 \
     X(LAYER_OFF_BY_ONE, "layer-off-by-one", CUBIC, "layer", "a z layer takes the source layer before its own",         \
       "T: Alg. 2.5, PrevRectGridIndex", "the two source layers are equal")                                             \
     X(MULTIPLE_OFF_BY_ONE, "multiple-off-by-one", CUBIC, "layer",                                                      \
-      "where the position is exactly a layer the one before is taken",                                                 \
-      "P: ceil(q) - 1 for floor(q); a reciprocal that comes out a little too small",                                   \
+      "where the position is exactly on a layer, the layer before it is used",                                         \
+      "P: ceil(q) - 1 for floor(q); a reciprocal slightly less than the exact one",                                    \
       "the two neighbouring layers are equal")                                                                         \
     X(SWAPPED_AXIS, "swapped-axis", CUBIC, "call", "the source is read with x and y exchanged",                        \
       "T: Alg. 1.1 is named ZYX and takes (x, y, z)", "the grid is its own mirror image about x = y")                  \
-    X(PADDED_PITCH, "padded-pitch", CUBIC, "call", "rows of the source are taken for multiples of 32 voxels",          \
-      "P: a row pitch of an image or an aligned allocation", "the grid is uniform as far as it is read")               \
+    X(PADDED_PITCH, "padded-pitch", CUBIC, "call", "rows of the source are assumed to have a multiple of 32 voxels",   \
+      "P: a row pitch of an image or an aligned allocation", "all voxels that are read are equal")                     \
     /* cubic grid to chunks */                                                                                         \
-    X(WRONG_THRESHOLD, "wrong-threshold", CHUNKS, "chunk", "active above the threshold, not at it",                    \
-      "T: section 2.4 says less than or equal to 120 is deleted, Alg. 2.6 says at least 120 is active",                \
+    X(WRONG_THRESHOLD, "wrong-threshold", CHUNKS, "chunk", "voxels at the threshold are not active",                   \
+      "T: section 2.4 deletes densities of at most 120, Alg. 2.6 makes those of at least 120 active",                  \
       "never: every density at the threshold becomes 0")                                                               \
     X(BYTE_ORDER, "byte-order", CHUNKS, "chunk", "the two bytes of a density are exchanged",                           \
       "P: a file or a device of the other byte order", "before and after, the density is below the threshold")         \
     X(UNSIGNED_COMPARE, "unsigned-compare", CHUNKS, "chunk",                                                           \
-      "densities are compared as unsigned numbers, so air is active", "P: ushort where short is meant",                \
+      "densities are compared as unsigned numbers, so air is active", "P: ushort for short",                           \
       "never: every negative density is kept")                                                                         \
     X(INACTIVE_KEPT, "inactive-kept", CHUNKS, "chunk", "voxels below the threshold keep their densities",              \
       "T: Alg. 2.6 copies every density and only counts the active ones", "never: every such density but 0 stays")     \
     X(CHUNK_BORDER_LOST, "chunk-border-lost", CHUNKS, "chunk", "the last x layer of a chunk stays empty",              \
       "P: x < n - 1, copied from a loop over differences", "that layer has no active voxel")                           \
-    X(PARTIAL_CHUNKS_LOST, "partial-chunks-lost", CHUNKS, "call", "chunks that stick out of the grid are not filled",  \
-      "P: dims / n where the ceiling is meant", "those chunks have no active voxel")                                   \
+    X(PARTIAL_CHUNKS_LOST, "partial-chunks-lost", CHUNKS, "call", "chunks that extend beyond the grid are not filled", \
+      "P: dims / n rounded down instead of up", "those chunks have no active voxel")                                   \
     X(CHUNK_SHIFTED, "chunk-shifted", CHUNKS, "chunk", "a chunk reads one voxel too far along x",                      \
       "T: Alg. 2.6, ChunkMinPosInUnitVoxels off by one",                                                               \
       "every row of the chunk is uniform and the next voxel as well")                                                  \
     /* mesh to tool grid */                                                                                            \
     X(FLIPPED_TIE, "flipped-tie", TOOL, "triangle", "rows on an edge belong to its other side",                        \
-      "F: D3D11.3 3.4.2.1 decides ties by the top-left rule, with y down; the mirrored rule is the usual slip",        \
-      "all triangles about the edge flip alike and the surface crosses the row at the same voxel on both sides")       \
+      "F: D3D11.3 3.4.2.1 decides ties by the top-left rule, with y down; the mirrored rule is a common mistake",      \
+      "all triangles at the edge flip alike and the surface crosses the row at the same voxel on both sides")          \
     X(OWNED_EDGE_TWICE, "owned-edge-twice", TOOL, "triangle", "rows on an edge belong to both its sides",              \
       "F: Embree #188 'hit exactly an edge, I sometimes get two intersections'; cuda_voxelizer #61",                   \
       "the edge is a silhouette and the doubled steps fall on the same voxel, outside the solid")                      \
@@ -124,102 +126,102 @@ typedef enum deviation_stage {
       "the two triangles that lose the row cancel, as at a silhouette")                                                \
     X(CONTRACTED_MULTIPLY_ADD, "contracted-multiply-add", TOOL, "triangle",                                            \
       "edge functions in float32 with a fused multiply-add",                                                           \
-      "F: OpenCL's FP_CONTRACT is ON by default; PoCL 3.1 fuses on avx2 and not on avx (measured); HIP #1717",         \
-      "the sign, which is all that counts, stays the same for every row")                                              \
+      "F: FP_CONTRACT is ON by default in OpenCL; PoCL 3.1 fuses on avx2 and not on avx (measured); HIP #1717",        \
+      "the sign, which alone decides, stays the same for every row")                                                   \
     X(EXCLUDED_CROSSING, "excluded-crossing", TOOL, "triangle", "a centre on the surface does not count (D > 0)",      \
-      "P: > for >=", "the surface leaves where another enters")                                                        \
+      "P: > for >=", "another surface enters at the same voxel")                                                       \
     X(NARROW_AREA, "narrow-area", TOOL, "triangle", "the area is computed in 32 bits and wraps",                       \
       "F: edge functions of k bits need 2 k + 2 (R4); signed overflow differs between compilers (measured on PoCL "    \
       "3.1)",                                                                                                          \
-      "the sign comes out right, or no row is in the triangle")                                                        \
-    X(CULLED_BACK_FACES, "culled-back-faces", TOOL, "triangle", "triangles that look to low x are left out",           \
+      "the sign is correct, or no row is in the triangle")                                                             \
+    X(CULLED_BACK_FACES, "culled-back-faces", TOOL, "triangle", "triangles that face lower x are left out",            \
       "P: back-face culling left on in a rasterizing voxelizer", "the triangle owns no row")                           \
     X(TRIANGLES_LOST, "triangles-lost", TOOL, "call", "the last count mod 64 triangles are not drawn",                 \
       "P: a global size rounded down to whole work-groups", "those triangles own no row")                              \
     X(CORNER_FOR_CENTRE, "corner-for-centre", TOOL, "call",                                                            \
-      "voxels are sampled at their corner instead of their centre", "P: i where i + 1/2 is meant",                     \
-      "no part of the surface lies between corners and centres that matter")                                           \
+      "voxels are sampled at their corner instead of their centre", "P: i for i + 1/2",                                \
+      "no part of the surface lies between the corner and the centre of a voxel")                                      \
     X(PARITY_FOR_WINDING, "parity-for-winding", TOOL, "call", "the other rule of filling",                             \
-      "F: even-odd is what most voxelizers do", "no winding number but 0, 1 and -1, as for every clean mesh")          \
-    X(FILLED_LEAK, "filled-leak", TOOL, "row", "a row whose count does not return to 0 is filled all the same",        \
-      "T: the pass that adjusts densities along x (Table 2.1) knows no leaks",                                         \
+      "F: most voxelizers use the even-odd rule", "all winding numbers are 0, 1 or -1, as for every clean mesh")       \
+    X(FILLED_LEAK, "filled-leak", TOOL, "row", "a row whose count does not return to 0 is filled nevertheless",        \
+      "T: the pass that adjusts densities along x (Table 2.1) has no rule for leaks",                                  \
       "never: the row is not counted as a leaking one")                                                                \
     X(UNCLEARED_COUNTS, "uncleared-counts", TOOL, "row", "a row starts with the counts of the row before",             \
       "P: local memory is not cleared between two uses",                                                               \
       "the sum of both is not 0 exactly where the row's own count is not")                                             \
-    X(NONCUTTING_ON_TOP, "noncutting-on-top", TOOL, "call", "where both meshes are solid the voxel does not cut",      \
+    X(NONCUTTING_ON_TOP, "noncutting-on-top", TOOL, "call", "a voxel that is solid in both meshes does not cut",       \
       "P: the second mesh is drawn over the first", "the meshes have no voxel in common")                              \
     /* removal */                                                                                                      \
-    X(WRONG_MAP_ROUNDING, "wrong-map-rounding", REMOVE, "block", "a block's base is cut down instead of rounded",      \
+    X(WRONG_MAP_ROUNDING, "wrong-map-rounding", REMOVE, "block", "a block's base is truncated instead of rounded",     \
       "F: RTZ devices, convert_int_rtz by default; only RTE is required of floats, integers divide towards zero",      \
       "no coordinate lies that close to a border of tool voxels (1 in about 10^6 does), or the classes there are "     \
       "equal")                                                                                                         \
-    X(FLOAT_BASE, "float-base", REMOVE, "block", "a block's base is summed up in float32",                             \
+    X(FLOAT_BASE, "float-base", REMOVE, "block", "a block's base is computed in float32",                              \
       "P: the matrix is uploaded as float4x4",                                                                         \
       "no coordinate lies within its error of a border, or the classes there are equal")                               \
     X(DRIFTING_MAP, "drifting-map", REMOVE, "call",                                                                    \
-      "steps are added up from voxel (0, 0, 0) instead of from the block's",                                           \
-      "P: one base for all the grid; the rounding of a step grows with the distance",                                  \
+      "steps are added from voxel (0, 0, 0) on instead of from the block's first voxel",                               \
+      "P: one base for the complete grid; the rounding of a step grows with the distance",                             \
       "the steps are exact, or no coordinate lies within the drift of a border")                                       \
-    X(TRUNCATED_STEP, "truncated-step", REMOVE, "pose", "steps are cut off instead of rounded",                        \
+    X(TRUNCATED_STEP, "truncated-step", REMOVE, "pose", "steps are truncated instead of rounded",                      \
       "F: integers divide towards zero",                                                                               \
       "no coordinate lies within 45 units of a border, or the classes there are equal")                                \
-    X(TRANSPOSED_MATRIX, "transposed-matrix", REMOVE, "pose", "rows for columns in the rotation",                      \
-      "P: row-major here, column-major there",                                                                         \
-      "the turn is so small, or the tool so round, that the same voxels are hit")                                      \
+    X(TRANSPOSED_MATRIX, "transposed-matrix", REMOVE, "pose", "rows and columns of the rotation are exchanged",        \
+      "P: a row-major matrix read as column-major",                                                                    \
+      "the rotation is so small, or the tool so round, that the same voxels are hit")                                  \
     X(MUL24, "mul24", REMOVE, "pose", "steps are multiplied by mul24",                                                 \
       "F: mul24 is implementation-defined for operands beyond 24 bits; a step is one when a bone voxel has 8 tool "    \
       "voxels or more",                                                                                                \
-      "nothing of the tool is where the wrapped step leads, nor where the right one does")                             \
+      "no part of the tool is at the wrapped position or at the correct one")                                          \
     X(WRAPPED_FAR_BLOCK, "wrapped-far-block", REMOVE, "block",                                                         \
       "far blocks are not skipped and their base wraps in 32 bits",                                                    \
       "F: no signed overflow may be relied upon (R3); AR-MAP-5 is the rule that forbids it",                           \
       "the wrapped coordinates miss the tool, which has 1024 of 4096 tool voxels an axis at the most")                 \
     X(TRUNCATED_NEGATIVE, "truncated-negative", REMOVE, "pose",                                                        \
-      "u / 2^20 towards zero: a voxel less than one before the tool is in it",                                         \
+      "u / 2^20 is rounded towards zero, so a point up to one voxel before the tool counts as inside",                 \
       "F: convert_int_rtz, C's division; OpenCL's >> of a negative number is defined and right",                       \
       "the outer layer of the tool is void, as it is for every voxelized mesh (AR-TOOL-2)")                            \
     X(BORDER_INCLUDED, "border-included", REMOVE, "pose",                                                              \
-      "inside is <= dims; what lies behind the row's end is the next row", "P: <= for <",                              \
+      "<= dims counts as inside, so the voxel after a row's end is the first of the next row", "P: <= for <",          \
       "the outer layer of the tool is void, as it is for every voxelized mesh (AR-TOOL-2)")                            \
     X(MISSED_BARRIER, "missed-barrier", REMOVE, "block",                                                               \
-      "the second half of a block's voxels use the base of the block before",                                          \
-      "F: races are found by Oclgrind and GPUVerify only where they look; a work-group's later waves read local "      \
+      "the second half of a block's voxels uses the base of the previous block",                                       \
+      "F: Oclgrind and GPUVerify find races only in the code that they run; a work-group's later waves read local "    \
       "memory too early",                                                                                              \
       "no active voxel of that half changes its class")                                                                \
-    X(STALE_POSE, "stale-pose", REMOVE, "call", "the first pose is the last one of the event before",                  \
+    X(STALE_POSE, "stale-pose", REMOVE, "call", "the first pose is the last one of the previous event",                \
       "P: a kernel's argument is not set again",                                                                       \
-      "both poses hit the same voxels, or the sweep's others cover the difference")                                    \
-    X(OMITTED_SWEEP_STEP, "omitted-sweep-step", REMOVE, "pose", "a pose of a sweep but the last is left out",          \
-      "P: k < n - 1; or a queue that drops what it cannot take",                                                       \
-      "the neighbouring poses cover what it would have hit, as for thick tools nearly always")                         \
+      "both poses hit the same voxels, or the other poses of the sweep cover the difference")                          \
+    X(OMITTED_SWEEP_STEP, "omitted-sweep-step", REMOVE, "pose", "one pose of a sweep, not the last, is left out",      \
+      "P: k < n - 1; or a queue that drops elements when it is full",                                                  \
+      "the neighbouring poses hit the same voxels, as they nearly always do for thick tools")                          \
     X(TIGHT_BOX, "tight-box", REMOVE, "pose", "the last layer of a pose's box is left out on each axis",               \
-      "T: Alg. 2.9, floor and ceiling mixed up",                                                                       \
-      "the box has room to spare, as osteon's own boxes have, and does not end at the grid's border")                  \
+      "T: Alg. 2.9, floor and ceiling exchanged",                                                                      \
+      "the box is larger than necessary, as osteon's own boxes are, and does not end at the grid's border")            \
     X(NON_CUTTING_CUTS, "non-cutting-cuts", REMOVE, "call", "every solid tool voxel cuts",                             \
-      "P: != 0 where == 1 is meant; the thesis' tools know 0 and 1 only",                                              \
+      "P: != 0 for == 1; the thesis' tools have only 0 and 1",                                                         \
       "every voxel that such a part touches is hit at another pose")                                                   \
     X(TOUCHED_THOUGH_HIT, "touched-though-hit", REMOVE, "call",                                                        \
       "a voxel that is hit at one pose and touched at another counts as both", "P: poses counted one by one",          \
       "never: the number of touched voxels is in the report")                                                          \
     X(LAST_CHUNK_LOST, "last-chunk-lost", REMOVE, "call", "the last chunk with a hit is not processed",                \
       "P: a list of chunks that is one short", "never: its hits are not in the report")                                \
-    X(STALE_CHUNK, "stale-chunk", REMOVE, "chunk", "a chunk's hits are reported, its memory stays as it was",          \
+    X(STALE_CHUNK, "stale-chunk", REMOVE, "chunk", "a chunk's hits are reported, but its memory is not changed",       \
       "P: a cached copy that is not written back, a transfer that is not waited for",                                  \
       "never, unless the event only collides")                                                                         \
     X(OCCUPANCY_NOT_CLEARED, "occupancy-not-cleared", REMOVE, "chunk", "densities become 0, occupancy bits stay set",  \
-      "P: two arrays for one fact, one of them forgotten",                                                             \
-      "the tool never comes by again; until then the number of active voxels tells")                                   \
+      "P: two arrays for one fact, only one of which is updated",                                                      \
+      "the tool does not reach the voxels again; otherwise the number of active voxels differs")                       \
     X(FREED_TOO_EARLY, "freed-too-early", REMOVE, "chunk",                                                             \
-      "a chunk's counter falls once per hit and pose, and frees it while voxels are left",                             \
-      "P: atomic_dec without asking whether the bit was still set", "the counter stays above 0")                       \
-    X(LOST_CHUNK_REPORT, "lost-chunk-report", REMOVE, "chunk", "a chunk's part of the report is lost",                 \
-      "P: two work-groups take the same place in a list", "never: the report is one chunk shorter")                    \
+      "a chunk's counter is decremented once per hit and pose, so the chunk is freed while it has active voxels",      \
+      "P: atomic_dec without a test of whether the bit was still set", "the counter stays above 0")                    \
+    X(LOST_CHUNK_REPORT, "lost-chunk-report", REMOVE, "chunk", "the report lacks one chunk",                           \
+      "P: two work-groups write to the same element of a list", "never: the report is one chunk shorter")              \
     X(COUNTED_PER_POSE, "counted-per-pose", REMOVE, "chunk", "a voxel hit at several poses counts several times",      \
-      "P: atomic_inc without asking whether the bit was still set", "never: the counts are in the report")             \
+      "P: atomic_inc without a test of whether the bit was still set", "never: the counts are in the report")          \
     X(CLASS_BORDER, "class-border", REMOVE, "chunk", "a density on the border of two classes counts in the lower one", \
       "P: > for >=", "never: the counts are in the report")                                                            \
-    X(FLOAT_SUM, "float-sum", REMOVE, "chunk", "densities are summed up in float32",                                   \
+    X(FLOAT_SUM, "float-sum", REMOVE, "chunk", "densities are summed in float32",                                      \
       "F: exact to 2^24 only, and dependent on the order; OpenMP 5.2 5.5.6 leaves the order open",                     \
       "the roundings cancel out")                                                                                      \
     X(FLIP_BIT, "flip-bit", REMOVE, "call", "one bit of one density flips", "P: memory without error correction",      \
@@ -228,8 +230,9 @@ typedef enum deviation_stage {
     X(THESIS_F32, "thesis-f32", EVERY, "everything",                                                                   \
       "the thesis' float arithmetic, written out: Algs. 2.1, 2.3 to 2.6, 2.8 to 2.10", "T: as printed",                \
       "sizes and positions are such that every float is exact")                                                        \
-    X(THESIS_F32_FMA, "thesis-f32-fma", EVERY, "everything", "the same with every multiply-add fused",                 \
-      "T and F: as printed, as a compiler that contracts would translate it",                                          \
+    X(THESIS_F32_FMA, "thesis-f32-fma", EVERY, "everything",                                                           \
+      "the thesis' float arithmetic with every multiply-add fused",                                                    \
+      "T and F: as printed, translated by a compiler that contracts",                                                  \
       "sizes and positions are such that every float is exact")
 
 typedef enum deviation_kind {

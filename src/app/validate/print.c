@@ -23,8 +23,8 @@ void validate_print_faults(const app_state *app, const sensitivity *s)
     faults_statement(s, statement);
     print_line(app, "SENSITIVITY%s: %s", faults_proved(s) ? "" : " NOT PROVED", statement);
     print_line(app,
-               "  %s mistakes, %s changed a result, %s of them were found, %llu not where they are; %llu false alarms "
-               "in %llu right runs",
+               "  %s mistakes were made; %s changed a result, of which %s were detected and %llu were located wrongly; "
+               "%llu false alarms in %llu runs without a mistake",
                format_count(a, (int64_t)s->all.injected), format_count(b, (int64_t)s->all.changed),
                format_count(c, (int64_t)(s->all.changed - s->all.not_detected)), (unsigned long long)s->all.not_located,
                (unsigned long long)s->false_alarms, (unsigned long long)s->clean_runs);
@@ -32,7 +32,7 @@ void validate_print_faults(const app_state *app, const sensitivity *s)
         print_line(app, "  %s", s->first_problem);
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
         if (!s->of[k].changed)
-            print_line(app, "  %s changed nothing; its mistakes survive when %s",
+            print_line(app, "  %s changed nothing; such a mistake has no effect when %s",
                        deviation_describe((deviation_kind)k)->name, deviation_describe((deviation_kind)k)->survives);
 }
 
@@ -61,7 +61,7 @@ void validate_print_difference(const app_state *app, const plan_case *c, const s
     else
         print_line(app, "  %s on %s: %s%s: %s", c->id, s->spec, trace_stage_name(d->stage), where,
                    d->kind == COMPARE_MISSING ? "the backend failed there, the reference did not"
-                                              : "its blocks are not those of the reference");
+                                              : "its blocks differ from those of the reference");
     if (r->verdict == CASE_DIFFERS && r->found && r->found->class)
     {
         char hint[CAUSES_TEXT];
@@ -69,16 +69,17 @@ void validate_print_difference(const app_state *app, const plan_case *c, const s
         if (r->found->chunk_size)
             print_line(app, "    in chunk (%d, %d, %d) of %d^3", r->found->chunk[0], r->found->chunk[1],
                        r->found->chunk[2], r->found->chunk_size);
-        print_line(app, "    looks like %s: %s", r->found->class, r->found->text);
+        print_line(app, "    class %s: %s", r->found->class, r->found->text);
         if (*hint)
             print_line(app, "    %s", hint);
     }
     if (r->verdict == CASE_DIFFERS && strcmp(s->spec, SUBJECT_DENSE) == 0)
-        print_line(app, "    suspect: the core (src/core, src/sim), which every backend shares, or the second "
-                        "implementation of it");
+        print_line(app,
+                   "    the cause is in the core (src/core, src/sim), which every backend shares, or in the second "
+                   "implementation of it");
     if (r->verdict == CASE_DIFFERS && r->found && r->found->reproduce[0])
-        print_line(app, "    made small: %s: osteon validate --case BUNDLE/%s --backends '%s'%s", r->found->small,
-                   r->found->reproduce, s->spec, c->family == PLAN_USER ? " and the files that you gave" : "");
+        print_line(app, "    reduced to %s: osteon validate --case BUNDLE/%s --backends '%s'%s", r->found->small,
+                   r->found->reproduce, s->spec, c->family == PLAN_USER ? " and the same files" : "");
 }
 
 /* Stores the code paths that a backend's workers entered and those that they did not; prints the latter. */
@@ -103,11 +104,11 @@ static void print_paths(const app_state *app, const path_list *list, json_t *o)
 static void print_second(const app_state *app, const campaign *c, bool equal)
 {
     char ticks[FORMAT_TEXT], tools[FORMAT_TEXT];
-    print_line(
-        app,
-        "    src/core's sweep, map, boxes, poses and snapping against a second implementation: %s, %s ticks, %s tools",
-        equal ? "equal" : "NOT equal", format_count(ticks, (int64_t)c->stage_records[TRACE_STEPS]),
-        format_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
+    print_line(app,
+               "    sweep, map, boxes, poses and snapping of src/core, compared with a second implementation: %s, %s "
+               "ticks, %s tools",
+               equal ? "equal" : "NOT equal", format_count(ticks, (int64_t)c->stage_records[TRACE_STEPS]),
+               format_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
 }
 
 /* Prints whether a plugin computed the steps before the voxels itself or received them from src/core. */
@@ -117,10 +118,10 @@ static void print_made(const app_state *app, const campaign *c, int s)
     for (int i = 0; i < c->plan->count; i++)
         made += result_at(c, i, s)->own_steps;
     if (made)
-        print_line(app, "    made itself, and compared: %llu records of stages snap and steps",
+        print_line(app, "    computed by the backend itself and compared: %llu records of stages snap and steps",
                    (unsigned long long)made);
     else
-        print_line(app, "    handed to it: sweep, map, boxes, poses and snapping, as src/core made them");
+        print_line(app, "    supplied by src/core and not compared: sweep, map, boxes, poses and snapping");
 }
 
 static void print_backends(app_state *app, const campaign *c)
@@ -151,7 +152,8 @@ static void print_backends(app_state *app, const campaign *c)
             print_line(app, "  %-32s the reference, %s", one->spec, format_time(time, 1e3 * c->seconds[s]));
         else
             print_line(app, "  %-32s %d of %d equal%s, %s", one->spec, equal, c->plan->count,
-                       refused ? ", others refused as by the reference" : "", format_time(time, 1e3 * c->seconds[s]));
+                       refused ? "; the others were refused as by the reference" : "",
+                       format_time(time, 1e3 * c->seconds[s]));
         print_paths(app, &c->paths[s], o);
         if (s > 0 && one->available && strcmp(one->spec, SUBJECT_DENSE) == 0)
             print_second(app, c, equal + refused == c->plan->count);
@@ -180,7 +182,7 @@ void validate_print_last(app_state *app, const char *out, const json_t *summary)
     struct stat info;
     snprintf(path, sizeof path, "%s/%s", out, PICTURE_AFTER);
     const bool picture = stat(path, &info) == 0;
-    print_line(app, "  check it   osteon verify %s", out);
+    print_line(app, "  verify     osteon verify %s", out);
     print_line(app, "  verdict    %s%s%s", evidence_text(summary, "verdict"),
                json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)",
                json_integer_value(json_object_get(json_object_get(app->result, "suite"), "failed"))
@@ -206,7 +208,7 @@ static void print_changes(const app_state *app, const json_t *list, const char *
                    *evidence_text(one, "old") ? evidence_text(one, "old") : "none");
     }
     if (json_array_size(list) > SHOWN)
-        print_line(app, "    and %zu more of %s; " IMPACT_FILE " has all", json_array_size(list) - SHOWN, what);
+        print_line(app, "    and %zu more of %s, see " IMPACT_FILE, json_array_size(list) - SHOWN, what);
 }
 
 void validate_print_impact(app_state *app, const char *against, json_t *impact)
@@ -234,10 +236,11 @@ void validate_print_suite(const app_state *app, const json_t *suite)
     const json_int_t passed = json_integer_value(json_object_get(suite, "passed")),
                      failed = json_integer_value(json_object_get(suite, "failed"));
     int shown = 0;
-    print_line(app, "TEST SUITE %s: of %zu tests that requirements name, %lld passed, %lld failed, %lld were skipped",
+    print_line(app,
+               "TEST SUITE %s: of the %zu tests that requirements name, %lld passed, %lld failed and %lld were skipped",
                failed   ? "FAILED"
                : passed ? "PASSED"
-                 : "NOT RUN",
+                        : "NOT RUN",
                json_array_size(tests), (long long)passed, (long long)failed,
                (long long)json_integer_value(json_object_get(suite, "skipped")));
     for (size_t i = 0; i < json_array_size(tests); i++)
@@ -245,14 +248,14 @@ void validate_print_suite(const app_state *app, const json_t *suite)
             print_line(app, "  %s %s", evidence_text(json_array_get(tests, i), "test"),
                        evidence_text(json_array_get(tests, i), "reason"));
     if (shown > SHOWN)
-        print_line(app, "  and %d more; " SUITE_FILE " has all", shown - SHOWN);
+        print_line(app, "  and %d more, see " SUITE_FILE, shown - SHOWN);
 }
 
 ost_status validate_judge_suite(const json_t *suite, ost_error *err)
 {
     const json_int_t failed = json_integer_value(json_object_get(suite, "failed"));
     if (failed)
-        return ost_fail(err, OST_ERR_DIFFER, "%lld test%s of the suite failed; " SUITE_FILE " and the report say which",
+        return ost_fail(err, OST_ERR_DIFFER, "%lld test%s of the suite failed; see " SUITE_FILE " and the report",
                         (long long)failed, failed == 1 ? "" : "s");
     if (!json_integer_value(json_object_get(suite, "passed")))
         return ost_fail(err, OST_ERR_UNAVAILABLE, "no test of the suite ran; see " SUITE_FILE " for the reasons");
@@ -286,19 +289,19 @@ ost_status validate_print(app_state *app, const validate_args *args, const campa
                plan_tier_name(c->plan->tier), (unsigned long long)c->plan->seed,
                json_is_true(json_object_get(summary, "evidence")) && !args->apart ? ""
                                                                                   : " (a reduced run: no evidence)",
-               args->apart ? ", every stage and tick apart" : "");
+               args->apart ? ", each stage and tick with the reference's input" : "");
     print_backends(app, c);
     for (int i = 0; i < c->plan->count; i++)
         for (int s = 1; s < c->subjects->count; s++)
             if (result_at(c, i, s)->verdict != CASE_EQUAL && result_at(c, i, s)->verdict != CASE_NOT_RUN)
                 validate_print_difference(app, &c->plan->cases[i], &c->subjects->subjects[s], result_at(c, i, s));
     print_line(app,
-               equal ? "  %s records, %s of results, compared byte by byte and found equal"
-                     : "  %s records compared byte by byte; the cases that are equal: %s of results",
+               equal ? "  %s records with %s of results were compared byte by byte and are equal"
+                     : "  %s records were compared byte by byte; the equal cases have %s of results",
                format_count(records, (int64_t)c->records), format_bytes(bytes, (int64_t)c->bytes));
     for (size_t i = 0; i < json_array_size(list); i++)
         print_line(app, "%s%s", i ? "             " : "  not shown: ", json_string_value(json_array_get(list, i)));
-    print_line(app, "COMMON MISTAKES %s: %lld of %lld checks by hand, by volume and by law passed on the reference",
+    print_line(app, "COMMON MISTAKES %s: the reference passed %lld of %lld checks by hand, by volume and by law",
                common_proved(common) ? "NONE FOUND" : "FOUND",
                (long long)json_integer_value(json_object_get(common, "passed")),
                (long long)json_array_size(json_object_get(common, "checks")));
@@ -319,7 +322,7 @@ ost_status validate_print(app_state *app, const validate_args *args, const campa
                         proof->first_problem[0] ? proof->first_problem : "no result was changed");
     if (!common_proved(common))
         return ost_fail(err, OST_ERR_DIFFER,
-                        "%lld of the checks of common mistakes failed; common.json and the report say which",
+                        "%lld of the checks for common mistakes failed; see common.json and the report",
                         (long long)json_integer_value(json_object_get(common, "failed")));
     if (!c->subjects->opencl && !args->cpu_only && !args->backends)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL was not compared: %s; pass --cpu-only if this is intended",
