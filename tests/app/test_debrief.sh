@@ -46,7 +46,7 @@ check "the page ends" "$(tail -n 1 o.html)" "</body></html>"
 grep -q "Peg hole: depth" o.html || fail "no hole on the page"
 # The verdict comes first and agrees with the numbers; letters and legend show the orientation
 # of the map.
-said=$(printf 'As planned. Reamed %.1f mm deep of 3.0 planned, axis tilt 0.0 degrees, entry 0.0 mm off, over-reaming %.0f mm3, subchondral bone kept %.0f %%, peg hole inside the bone.' \
+said=$(printf 'As planned. Reamed %.1f mm deep of 3.0 planned, axis tilt 0.0 degrees, entry 0.0 mm off, over-reaming %.0f mm3, subchondral bone preserved %.0f %%, peg hole inside the bone.' \
     "$(value metrics.reach_mm)" "$(value metrics.over_mm3)" "$(value metrics.plate_kept_percent)")
 check "the verdict" "$(value metrics.verdict)" "$said"
 grep -qF "$said" o.html || fail "the page does not say: $said"

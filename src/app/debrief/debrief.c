@@ -194,13 +194,13 @@ static void print_all(const app_state *app, const debrief *d, const ost_metrics 
     if (m->sphere)
         print_line(app, "  backing contact %.0f %%, gap up to %.1f mm", m->contact_percent, m->gap_max_mm);
     if (m->rim_seen_percent > 0)
-        print_line(app, "  rim: lowered by more than 1 mm on %.0f %% of what is seen of it", m->rim_lowered_percent);
+        print_line(app, "  rim: lowered by more than 1 mm on %.0f %% of its measured part", m->rim_lowered_percent);
     if (m->hole)
         print_line(app, "  peg hole: %.1f mm deep, axis tilt %.1f degrees, entry %.1f mm off; %s", m->hole_depth_mm,
                    m->hole_angle_deg, m->hole_entry_mm,
                    m->hole_breach          ? "IT IS OPEN TO THE OUTSIDE"
-                   : m->hole_wall_mm < 5.9 ? "its wall holds"
-                                           : "6 mm of bone around it, or more");
+                   : m->hole_wall_mm < 5.9 ? "wall not perforated"
+                                           : "6 mm of bone or more around it");
 }
 
 ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes,

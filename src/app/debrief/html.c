@@ -52,7 +52,7 @@ static const char head[] =
 
 static const char *const level_class[] = {"good", "watch", "bad", ""};
 static const char *const level_sign[] = {"&#10003;", "&#9650;", "&#10007;", ""};
-static const char *const level_word[] = {"within the aim", "to be looked at", "beyond the aim", ""};
+static const char *const level_word[] = {"within tolerance", "to be reviewed", "outside tolerance", ""};
 
 static void print_verdict(html_page *p, const verdict *v)
 {
@@ -102,7 +102,7 @@ static double plain(double value)
 static void face_table(html_page *p, const debrief *d, const ost_metrics *m, const verdict *l)
 {
     char a[CELL], b[CELL], text[REMARK];
-    html_text(p, "<h2>Against the plan</h2>\n<table><tr><th></th><th class=\"n\">got</th><th "
+    html_text(p, "<h2>Comparison with the plan</h2>\n<table><tr><th></th><th class=\"n\">measured</th><th "
                  "class=\"n\">plan</th><th>aim</th><th>known</th></tr>\n");
     if (m->reamed) {
         const char *frame = m->scapular ? "" : "in the CT's planes, not in the scapula's frame";
@@ -134,7 +134,7 @@ static void face_table(html_page *p, const debrief *d, const ost_metrics *m, con
              m->over_percent, m->over_max_mm);
     row(p, l->over, "Over-reaming", number(a, "%.0f", m->over_mm3), "0", "mm&sup3;", "20 or less", text);
     if (m->plate_mm3 > 0)
-        row(p, l->plate, "Subchondral bone kept", number(a, "%.0f", m->plate_kept_percent), "", "%", "50 or more",
+        row(p, l->plate, "Subchondral bone preserved", number(a, "%.0f", m->plate_kept_percent), "", "%", "50 or more",
             "650 HU or more, to 4.5 mm deep; it carries the implant [6]");
     if (m->sphere) {
         snprintf(text, sizeof text, "within 0.5 mm of a back of radius %.1f mm", m->sphere_mm);
@@ -190,7 +190,7 @@ static void technique_table(html_page *p, const debrief *d, const verdict *l)
     const ost_technique *t = &d->technique;
     html_text(p, "<div><h2>Technique</h2>\n");
     if (!d->count) {
-        html_text(p, "<p>The motion is not known.</p></div>\n");
+        html_text(p, "<p>No motion was recorded.</p></div>\n");
         return;
     }
     html_text(p, "<table>\n");
@@ -212,7 +212,7 @@ static void technique_table(html_page *p, const debrief *d, const verdict *l)
 
 static void removed_table(html_page *p, const ost_density_classes *classes, const ost_metrics *m)
 {
-    html_text(p, "<div><h2>What was removed</h2>\n<table>\n");
+    html_text(p, "<div><h2>Removed bone</h2>\n<table>\n");
     for (int c = 0; c < classes->count; c++) {
         html_text(p, "<tr><td>");
         html_escaped(p, classes->name[c]);
@@ -231,14 +231,14 @@ static void not_measured(html_page *p, const debrief *d, const ost_metrics *m)
     if (!m->sphere)
         html_text(p, "; backing contact, since less than 50 mm&sup2; were bared");
     if (!m->scapular)
-        html_text(p, "; version and inclination in the scapula's own frame, since its landmarks are not known "
+        html_text(p, "; version and inclination in the scapula's own frame, since its landmarks are not set "
                      "(--trigonum, --inferior-angle): angles are in the CT's planes");
     if (m->rim_seen_percent < 99.9)
         html_print(p, "; the %.0f %% of the rim that lie beyond the map", 100 - m->rim_seen_percent);
     if (!d->count)
-        html_text(p, "; the hand");
+        html_text(p, "; the motion of the hand");
     else if (!d->technique.felt)
-        html_text(p, "; forces, since nobody felt any");
+        html_text(p, "; forces, since the device rendered none");
     html_text(p, ".</small></p>\n");
 }
 
@@ -246,14 +246,14 @@ static const char sources[] = "<p><small><b>How it is measured:</b> depth, tilt 
                               "where it was deepest; version and "
                               "inclination are that axis in the scapula's frame (trigonum, inferior angle, centre of "
                               "the glenoid). Angles hold to 0.1&deg;, lengths to 0.1 mm and half a "
-                              "voxel of the tool, volumes to the bone's voxels; on CT, version itself is known to 3 or "
-                              "4&deg; [9]. For training; this is no medical device.</small></p>\n"
-                              "<p><small><b>Known from:</b> [1] 104 shoulders on CT, at mid height, BMC Musculoskelet "
+                              "voxel of the tool, volumes to the bone's voxels; on CT, version is accurate to 3 or "
+                              "4&deg; [9]. For training; this is not a medical device.</small></p>\n"
+                              "<p><small><b>Sources:</b> [1] 104 shoulders on CT, at mid height, BMC Musculoskelet "
                               "Disord 2016, 10.1186/s12891-016-1381-4. [2] Clavert et al. 2007: 15&deg; of "
                               "retroversion corrected by reaming, the peg left the vault in all five. [3] 19 donors, "
                               "mean age 81, retroversion 5.2&deg;, BMC Musculoskelet Disord 2021, "
                               "10.1186/s12891-021-04660-4. [4] Axford, thesis 2019. [5] Frich: mean 1.9 mm. [6] "
-                              "Stephens et al., review in JBJS: ream 10 to 15&deg; at most, keep subchondral bone. "
+                              "Stephens et al., review in JBJS: ream 10 to 15&deg; at most, preserve subchondral bone. "
                               "[7] deviation from a sphere of 40 mm: reamers by hand, power, Marksman (SiftDesk). [8] "
                               "501 scapulae, Folia Morphol 2023; 82: 325. [9] Robertson et al. 2022.</small></p>\n";
 
@@ -271,9 +271,9 @@ ost_status debrief_page(const char *file, const char *name, const debrief *d, co
     html_escaped(&p, name);
     html_print(&p,
                "</h1>\n<p class=\"soft\">Glenoid of the %s shoulder; planned: %.1f mm deep at its centre. <span "
-               "class=\"good\">&#10003; within the aim</span>, "
-               "<span class=\"watch\">&#9650; to be looked at</span>, <span class=\"bad\">&#10007; beyond the "
-               "aim</span>.</p>\n",
+               "class=\"good\">&#10003; within tolerance</span>, "
+               "<span class=\"watch\">&#9650; to be reviewed</span>, <span class=\"bad\">&#10007; outside "
+               "tolerance</span>.</p>\n",
                d->plan.left ? "left" : "right", d->plan.depth_mm);
     html_text(&p, "<div class=\"cols main\"><div>\n");
     face_table(&p, d, m, v);

@@ -117,7 +117,7 @@ static void make_line(const debrief *d, const ost_metrics *m, verdict *v)
     else
         add(v, ". The face was not reamed; over-reaming %.0f mm3", m->over_mm3);
     if (m->plate_mm3 > 0)
-        add(v, ", subchondral bone kept %.0f %%", m->plate_kept_percent);
+        add(v, ", subchondral bone preserved %.0f %%", m->plate_kept_percent);
     if (m->hole && m->hole_breach)
         add(v, ", peg hole through the wall of the vault");
     else if (m->hole)
@@ -132,14 +132,14 @@ void verdict_make(const debrief *d, const ost_metrics *m, verdict *out)
         judge_axis(d, m, out);
     out->over = judge(m->over_mm3, AIM_OVER_MM3, 5 * AIM_OVER_MM3);
     notice(out, out->over, fmax(1, m->over_max_mm),
-           "%.0f mm3 were taken more than 1 mm deeper than planned; up to %.0f mm3 are allowed", m->over_mm3,
+           "%.0f mm3 were removed more than 1 mm deeper than planned; up to %.0f mm3 are allowed", m->over_mm3,
            AIM_OVER_MM3);
     if (m->sphere)
         judge_seat(m, out);
     if (m->plate_mm3 > 0) {
         out->plate = m->plate_kept_percent >= PLATE_GOOD ? GOOD : m->plate_kept_percent >= PLATE_WATCH ? WATCH : BAD;
         notice(out, out->plate, (100 - m->plate_kept_percent) / (100 - PLATE_GOOD),
-               "only %.0f %% of the subchondral bone are kept; at least %d %% are required", m->plate_kept_percent,
+               "only %.0f %% of the subchondral bone are preserved; at least %d %% are required", m->plate_kept_percent,
                PLATE_GOOD);
     }
     if (m->hole)
