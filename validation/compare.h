@@ -44,7 +44,7 @@ typedef struct compare_range {
 } compare_range;
 
 compare_range compare_find(const trace *t, uint32_t case_index);
-/* Compares record `at` of both ranges alone. The result is COMPARE_EQUAL also if one of them has no such record. */
+/* Compares only record `at` of both ranges. The result is COMPARE_EQUAL if at least one of them has no such record. */
 void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
                        compare_difference *out);
 /* Finds the records of a case from *at on, and sets *at to their end if there are any. *at is 0 for the first case; the

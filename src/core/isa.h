@@ -62,9 +62,9 @@ bool ost_isa_available(ost_isa isa);
 /* Returns the highest available level. */
 ost_isa ost_isa_best(void);
 /*
- * Selects the level to use by its name, for example "avx2". For NULL or "auto" it is the level of the
- * environment, or the best one if the environment has none. OST_ERR_USAGE if there is no such level,
- * OST_ERR_UNAVAILABLE if it cannot be used here.
+ * Selects the level by its name, for example "avx2". NULL and "auto" select the level that the environment
+ * variable OSTEON_ISA names, or the best one if it is not set. Returns OST_ERR_USAGE if there is no such
+ * level, OST_ERR_UNAVAILABLE if this processor does not have it.
  */
 ost_status ost_isa_choose(const char *name, ost_isa *out, ost_error *err);
 

@@ -24,7 +24,7 @@
  */
 int32_t ost_code_point(const char *text, size_t *bytes);
 
-/* Returns true if a terminal only displays the code point. */
+/* Returns true if the code point is not in the list above: a terminal then displays it and does nothing else. */
 int ost_code_point_is_printable(int32_t code);
 
 /* Replaces every character of the list above by '?', in place; the text never becomes longer. */

@@ -327,8 +327,8 @@ static void both_sets(void **state)
         ost_backend_close(backend[i]);
 }
 
-/* An event with more poses than such a device allows is refused before anything has changed; one with a pose less is
-   performed. */
+/* An event with more poses than such a device allows is refused before anything has changed; an event with one pose
+   less is performed. */
 static void too_many_poses(void **state)
 {
     (void)state;

@@ -13,8 +13,8 @@
 #define FAULTS_FILE "sensitivity.json"
 
 /*
- * Writes one sentence: how many kinds of how many were noticed, that the mistakes are in the second implementation and
- * in no backend, and how many kinds changed nothing.
+ * Writes one sentence with the number of all kinds of mistakes, of those detected, and of those that changed
+ * nothing; it states that the mistakes were made in the second implementation and in no backend.
  */
 enum { FAULTS_STATEMENT = 240 };
 void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);

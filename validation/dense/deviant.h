@@ -29,8 +29,8 @@ void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims d
 
 /* Returns true if the mistake is of this kind and is made in this unit of the current call; false if m is NULL. */
 bool deviates(const deviant *m, deviation_kind kind, uint64_t item);
-/* Returns true if a mistake may be made in this stage. Otherwise the stage need not run a second time without it.
-   False if m is NULL. */
+/* Returns true if a mistake can be made in this stage; false if m is NULL. Only such a stage is also run without the
+   mistake, to determine what the mistake changed. */
 bool deviant_in(const deviant *m, deviation_stage stage);
 /* Returns a pseudo-random number for this unit of the current call, for further random choices. m must not be NULL. */
 uint64_t deviant_draw(const deviant *m, uint64_t item);

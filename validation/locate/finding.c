@@ -33,8 +33,8 @@ static void find_chunk(const scene *s, const trace *ref, compare_range in_ref, c
     }
 }
 
-/* Finds the tick of the same number for a difference in a collision's report: the voxels that the tick removes show
-   more than the report. */
+/* If the difference is in the report of a collision, finds the difference in the tick with the same number. A tick has
+   voxels, which locate the difference better than a report does. Returns false if there is none. */
 static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                             const compare_difference *d, compare_difference *out)
 {

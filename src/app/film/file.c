@@ -116,9 +116,9 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
 }
 
 /*
- * Starts ffmpeg. It writes to a descriptor that is already open, so that a link cannot redirect the
- * output; it can seek in it, which .mp4 requires. Its messages are read only if it fails: they may
- * contain the bytes of any file name.
+ * Starts ffmpeg. It writes to a descriptor that is already open, so a symbolic link cannot redirect the
+ * output, and the descriptor can be positioned, which .mp4 requires. The messages of ffmpeg are read only
+ * if it fails, since they may contain arbitrary bytes of a file name.
  */
 static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {

@@ -49,7 +49,7 @@
 enum {
     OST_UNIT = 32,         /* edge of a unit, which is processed at once: a chunk, or an eighth of a chunk of 64^3 */
     OST_UNIT_BRICKS = 512,
-    OST_CUBES_SLACK = 16,  /* number of elements behind the last one that a kernel may overwrite */
+    OST_CUBES_SLACK = 16,  /* elements after the last one that a kernel may overwrite */
     OST_TIE_BITS = 13,
     OST_NEAR_TIES = 1024,
 };

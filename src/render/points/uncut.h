@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The reference: the CT's densities of the uncut bone, and the paint that follows
- * from them.
+ * The uncut bone, for comparison with the bone as it is now: the densities of its CT, and the paint
+ * computed from them.
  *
  *   densities --class, density---------> paint of voxels that a tool has bared
  *   bits before --distance to outside--> the same, by depth
