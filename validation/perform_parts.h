@@ -72,9 +72,10 @@ ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, os
 ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err);
 /* Writes counts of chunks and voxels into the open record. */
 void perform_record_counts(performer *p, const ost_bone_info *info);
-/* Writes the backend's own digest into the open record: it is a result like any other. */
+/* Writes the digest of a bone into the open record: it is a result like any other. */
 void perform_record_digest(performer *p, const ost_digest *root);
-/* Writes a record of the complete bone, which becomes p->was. */
+/* Writes a record of the complete bone, which becomes p->was. The digest is the backend's own, or, if p->second is
+   true, that of the second implementation. */
 ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
 
 /* ---- perform_apart.c: each does nothing unless p->given is set */

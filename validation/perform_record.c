@@ -41,18 +41,19 @@ ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err)
     const int32_t lo[3] = {0, 0, 0};
     ost_digest root;
     ost_status status = ost_bone_info_get(p->bone, &info, err);
-    if (status == OST_OK)
+    if (status == OST_OK && !p->second)
         status = ost_bone_digest(p->bone, NULL, &root, err);
+    if (status == OST_OK)
+        status = ost_bone_download(p->bone, 0, p->dims.z, p->was, err);
+    if (status == OST_OK && p->second)
+        status = steps_bone_digest(&p->geometry, p->s->threshold, p->was, &root, err);
     if (status != OST_OK)
         return status;
     trace_begin(p->w, stage, p->case_index, 0);
     perform_record_counts(p, &info);
     perform_record_digest(p, &root);
-    int16_t *voxels = trace_block(p->w, lo, info.geometry.dims, 2);
+    int16_t *voxels = trace_block(p->w, lo, p->dims, 2);
     if (voxels)
-        status = ost_bone_download(p->bone, 0, info.geometry.dims.z, voxels, err);
-    if (voxels && status == OST_OK)
-        memcpy(p->was, voxels, (size_t)ost_dims_count(p->dims) * 2);
-    ost_status written = perform_end_record(p, stage, 0, err);
-    return status != OST_OK ? status : written;
+        memcpy(voxels, p->was, (size_t)ost_dims_count(p->dims) * 2);
+    return perform_end_record(p, stage, 0, err);
 }

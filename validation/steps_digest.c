@@ -1,14 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The digest of a snapped mesh (AR-DIG-7) from docs/spec/arithmetic.md alone: bytes in the order of its
- * table, hashed by the library.
+ * The digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5) from
+ * docs/spec/arithmetic.md alone: bytes in the order of its tables, hashed by the library.
  */
 #include "validation/steps_record.h"
 
 #include <osteon/digest.h>
 #include <osteon/status.h>
+#include <string.h>
 
-enum { HEADER = 84 };
+enum {
+    HEADER = 84,
+    LEAF_SIDE = 32,
+    LEAF_BYTES = 1 + 2 * LEAF_SIDE * LEAF_SIDE * LEAF_SIDE,
+    ROOT_HEADER = 1 + 128,
+    LEVELS = 40 /* a grid has fewer than 2^39 leaves */
+};
 
 static size_t little_endian(uint8_t *at, uint64_t value, size_t bytes)
 {
@@ -68,4 +75,77 @@ ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_
         status = add_triples(hasher, mesh->triangles, mesh->triangle_count, err);
     const ost_status closed = ost_hasher_close(hasher, status == OST_OK ? out : NULL, status == OST_OK ? err : NULL);
     return status != OST_OK ? status : closed;
+}
+
+/* ------------------------------------------------------------------ a bone */
+
+/* Computes the digest of the leaf whose first voxel is (x0, y0, z0); a voxel beyond the grid is 0 (AR-DIG-2). */
+static ost_status leaf_digest(const int16_t *voxels, ost_dims d, int32_t x0, int32_t y0, int32_t z0, ost_digest *out,
+                              ost_error *err)
+{
+    uint8_t bytes[LEAF_BYTES] = {0};
+    for (int32_t z = z0; z < z0 + LEAF_SIDE && z < d.z; z++)
+        for (int32_t y = y0; y < y0 + LEAF_SIDE && y < d.y; y++)
+            for (int32_t x = x0; x < x0 + LEAF_SIDE && x < d.x; x++) {
+                const size_t to = (size_t)(x - x0) + LEAF_SIDE * ((size_t)(y - y0) + LEAF_SIDE * (size_t)(z - z0));
+                const size_t from = (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
+                little_endian(bytes + 1 + 2 * to, (uint16_t)voxels[from], 2);
+            }
+    return ost_digest_bytes(bytes, sizeof bytes, out, err);
+}
+
+/* Replaces *left by the digest of the node over both (AR-DIG-3). */
+static ost_status join(ost_digest *left, const ost_digest *right, ost_error *err)
+{
+    uint8_t bytes[1 + 2 * OST_DIGEST_BYTES] = {1};
+    memcpy(bytes + 1, left->bytes, OST_DIGEST_BYTES);
+    memcpy(bytes + 1 + OST_DIGEST_BYTES, right->bytes, OST_DIGEST_BYTES);
+    return ost_digest_bytes(bytes, sizeof bytes, left, err);
+}
+
+/* Computes the digest of the grid from that of its tree (AR-DIG-4). */
+static ost_status root_digest(const ost_geometry *g, int32_t threshold, uint64_t leaves, const ost_digest *tree,
+                              ost_digest *out, ost_error *err)
+{
+    enum { BONE = 3 };
+    uint8_t bytes[ROOT_HEADER + OST_DIGEST_BYTES] = "\2OSTEONG1";
+    const uint64_t lengths[] = {(uint64_t)g->spacing.x, (uint64_t)g->spacing.y, (uint64_t)g->spacing.z,
+                                (uint64_t)g->origin.x,  (uint64_t)g->origin.y,  (uint64_t)g->origin.z};
+    const int32_t dims[] = {g->dims.x, g->dims.y, g->dims.z};
+    uint8_t *const header = bytes + 1;
+    little_endian(header + 8, OST_ARITHMETIC_VERSION, 4);
+    little_endian(header + 12, BONE, 4);
+    for (size_t a = 0; a < 3; a++)
+        little_endian(header + 16 + 4 * a, (uint64_t)dims[a], 4);
+    for (size_t i = 0; i < 6; i++)
+        little_endian(header + 32 + 8 * i, lengths[i], 8);
+    little_endian(header + 80, (uint64_t)threshold, 4);
+    little_endian(header + 84, LEAF_SIDE, 4);
+    little_endian(header + 88, leaves, 8);
+    memcpy(bytes + ROOT_HEADER, tree->bytes, OST_DIGEST_BYTES);
+    return ost_digest_bytes(bytes, sizeof bytes, out, err);
+}
+
+/*
+ * The leaves are added one by one.  pending[] has the trees of 2^k leaves that
+ * the set bits of `leaves` count, the largest first; two of one size are joined.
+ */
+ost_status steps_bone_digest(const ost_geometry *g, int32_t threshold, const int16_t *voxels, ost_digest *out,
+                             ost_error *err)
+{
+    ost_digest pending[LEVELS];
+    size_t count = 0;
+    uint64_t leaves = 0;
+    ost_status status = OST_OK;
+    for (int32_t z = 0; z < g->dims.z; z += LEAF_SIDE)
+        for (int32_t y = 0; y < g->dims.y; y += LEAF_SIDE)
+            for (int32_t x = 0; x < g->dims.x && status == OST_OK; x += LEAF_SIDE) {
+                status = leaf_digest(voxels, g->dims, x, y, z, &pending[count++], err);
+                leaves++;
+                for (uint64_t pairs = leaves; pairs % 2 == 0 && status == OST_OK; pairs /= 2, count--)
+                    status = join(&pending[count - 2], &pending[count - 1], err);
+            }
+    for (; count > 1 && status == OST_OK; count--)
+        status = join(&pending[count - 2], &pending[count - 1], err);
+    return status == OST_OK ? root_digest(g, threshold, leaves, &pending[0], out, err) : status;
 }

@@ -34,6 +34,11 @@ void steps_blocks(ost_dims bone, int32_t first[3][3]);
 /* Computes AR-DIG-7 without src/core's function for it. */
 ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
+/* Computes the digest of a bone by AR-DIG-2 to AR-DIG-5 without src/core's functions for it. g: the bone's grid,
+   voxels: its densities, x fastest. */
+ost_status steps_bone_digest(const ost_geometry *g, int32_t threshold, const int16_t *voxels, ost_digest *out,
+                             ost_error *err);
+
 /* Adds the words of a snap record. second: the digest is computed by steps_mesh_digest. parts[1] has no triangles if
    there is no second mesh. parts is NULL if the meshes before snapping are not known. */
 ost_status steps_put_snap(trace_writer *w, bool second, const ost_snapped_mesh *parts, ost_error *err);

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The second implementation of the steps before the voxels: the examples of docs/spec/arithmetic.md,
- * wide integers compared with __int128, and the differences that a comparison with it names.
+ * wide integers compared with __int128, digests of bones, and the differences that a comparison with
+ * it names.
  *
  * Covers: AR-INT-1, AR-INT-2, AR-POSE-4, AR-CUB-1, AR-TOOL-2, AR-MESH-3, AR-MESH-4, AR-SWEEP-1..5,
- * AR-MAP-1..5, AR-MOTOR-2..7, AR-REM-7
+ * AR-MAP-1..5, AR-MOTOR-2..7, AR-REM-7, AR-DIG-2..5
  */
 #include "harness.h"
 
@@ -303,6 +304,34 @@ static void boxes_are_bounds(void **state)
                  trace_word_holds(TRACE_TICK, END_Y, x, y));
 }
 
+/* The bone of the example of AR-DIG, and bones of random dims, for which the library computes the same digest. */
+static void digests_of_bones(void **state)
+{
+    enum { MOST = 97 };
+    static int16_t voxels[MOST * MOST * MOST];
+    const ost_geometry example = {{33, 1, 1}, {470 * UM, 470 * UM, 470 * UM}, {-57340 * UM, 0, 0}};
+    char hex[OST_DIGEST_HEX];
+    ost_digest digest, right;
+    ost_error err = {0};
+    (void)state;
+    test_rng rng = rng_seeded("digests of bones");
+    voxels[0] = 120;
+    voxels[32] = 1000;
+    assert_ok(steps_bone_digest(&example, 120, voxels, &digest, &err));
+    assert_string_equal(ost_digest_hex(&digest, hex),
+                        "08722c4b6c9d76cb5d1320756f78c1bafa96e2e0e8fd360569a8c8dc92935ed4");
+    for (int i = 0; i < 12; i++) {
+        const int32_t last[3] = {(int32_t)(rng_next(&rng) % 3) - 1, (int32_t)(rng_next(&rng) % 3) - 1,
+                                 (int32_t)(rng_next(&rng) % 3) - 1};
+        ost_geometry g = {{32 + last[0], 64 + last[1], 32 * (1 + i % 3) + last[2]}, {7, 8, 9}, {-1, -2, -3}};
+        for (int64_t v = 0; v < ost_dims_count(g.dims); v++)
+            voxels[v] = (int16_t)rng_next(&rng);
+        assert_ok(steps_bone_digest(&g, 0, voxels, &digest, &err));
+        assert_ok(ost_digest_dense(OST_GRID_BONE, &g, voxels, sizeof voxels[0], &right, &err));
+        assert_true(ost_digest_equal(&digest, &right));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -313,6 +342,7 @@ int main(void)
         cmocka_unit_test(events_by_hand),
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(boxes_are_bounds),
+        cmocka_unit_test(digests_of_bones),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }
