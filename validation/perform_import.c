@@ -4,6 +4,10 @@
 
 #include <stdlib.h>
 
+#include "validation/resample.h"
+
+enum { RESAMPLED_VOXELS = 1 << 19 };
+
 static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err)
 {
     const ost_dims dims = ost_grid_geometry(grid)->dims;
@@ -34,6 +38,18 @@ static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
     }
     free(voxels);
     return status;
+}
+
+/* Writes a record of dims, spacing and voxels of a cubic grid. */
+static ost_status record_cubic(performer *p, trace_stage stage, const ost_grid *grid, ost_error *err)
+{
+    const ost_geometry *g = ost_grid_geometry(grid);
+    const int64_t words[] = {g->dims.x, g->dims.y, g->dims.z, g->spacing.x, g->spacing.y, g->spacing.z};
+    trace_begin(p->w, stage, p->case_index, 0);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        trace_word(p->w, (uint64_t)words[i]);
+    const ost_status status = record_grid(p, grid, err), written = perform_end_record(p, stage, 0, err);
+    return status != OST_OK ? status : written;
 }
 
 /* Returns true if a sample was rejected or conflicts with another, which ends the import. */
@@ -95,27 +111,50 @@ static ost_status make_bone(performer *p, const ost_grid *cubic, ost_error *err)
     return ost_cubic_to_chunks(cubic, p->s->chunk_size, p->s->threshold, &p->bone, err);
 }
 
-static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_error *err)
+/*
+ * Returns true if the cubic grid is resampled once more, to voxels of 7/5 of its
+ * size.  Large grids are left out for time, and those for which the result might
+ * reach beyond the range of lengths (AR-LEN-1).
+ */
+static bool is_resampled_again(const performer *p, const ost_grid *cubic)
+{
+    const ost_geometry *g = ost_grid_geometry(cubic);
+    const ost_pm lo[] = {g->origin.x, g->origin.y, g->origin.z};
+    const int32_t dims[] = {g->dims.x, g->dims.y, g->dims.z};
+    bool is = !p->watch && ost_dims_count(g->dims) <= RESAMPLED_VOXELS && g->spacing.x <= OST_SPACING_MAX / 2;
+    for (int a = 0; a < 3; a++)
+        is = is && lo[a] > -OST_LENGTH_MAX / 2 && lo[a] + (dims[a] + 2) * g->spacing.x < OST_LENGTH_MAX / 2;
+    return is;
+}
+
+/* Resamples the cubic grid by the case's rule. Leaves *out NULL if the case has no such grid. */
+static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid **out, ost_error *err)
+{
+    if (!is_resampled_again(p, cubic))
+        return OST_OK;
+    return ost_rect_to_cubic(cubic, resample_again(p->s->cubic), p->s->resample, out, err);
+}
+
+/* Makes and records the cubic grid. *again is made of it before its download, as a backend may keep both as lists of
+   slices until then. */
+static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_grid **again, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
     if (status == OST_OK)
         status = add_a_sample(p, rect, err);
     if (status != OST_OK)
         return status;
-    const ost_status chunks = before_the_download(p) ? make_bone(p, *out, err) : OST_OK;
-    const ost_geometry *g = ost_grid_geometry(*out);
-    const int64_t words[] = {g->dims.x, g->dims.y, g->dims.z, g->spacing.x, g->spacing.y, g->spacing.z};
-    trace_begin(p->w, TRACE_CUBIC, p->case_index, 0);
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        trace_word(p->w, (uint64_t)words[i]);
-    status = record_grid(p, *out, err);
-    ost_status written = perform_end_record(p, TRACE_CUBIC, 0, err);
-    return chunks != OST_OK ? chunks : status != OST_OK ? status : written;
+    ost_status before = before_the_download(p) ? make_bone(p, *out, err) : OST_OK;
+    if (before_the_download(p) && before == OST_OK)
+        before = make_again(p, *out, again, err);
+    ost_error ignored = {0};
+    status = record_cubic(p, TRACE_CUBIC, *out, before == OST_OK ? err : &ignored);
+    return before != OST_OK ? before : status;
 }
 
 ost_status perform_import(performer *p, ost_error *err)
 {
-    ost_grid *rect = NULL, *cubic = NULL;
+    ost_grid *rect = NULL, *cubic = NULL, *again = NULL;
     ost_status status = run_rect(p, &rect, err);
     if (p->refused) {
         ost_grid_free(rect);
@@ -124,9 +163,15 @@ ost_status perform_import(performer *p, ost_error *err)
     if (status == OST_OK)
         status = perform_give_grid(p, TRACE_RECT, rect, err);
     if (status == OST_OK)
-        status = run_cubic(p, rect, &cubic, err);
+        status = run_cubic(p, rect, &cubic, &again, err);
     if (status == OST_OK)
         status = perform_give_grid(p, TRACE_CUBIC, cubic, err);
+    if (status == OST_OK && !before_the_download(p))
+        status = make_again(p, cubic, &again, err);
+    if (status == OST_OK)
+        status = again ? record_cubic(p, TRACE_RESAMPLE, again, err)
+                       : perform_record_nothing(p, TRACE_RESAMPLE, 0, err);
+    ost_grid_free(again);
     if (status == OST_OK && !before_the_download(p))
         status = make_bone(p, cubic, err);
     if (status == OST_OK) {

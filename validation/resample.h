@@ -50,6 +50,12 @@ static inline ost_pm3 resample_origin(const ost_geometry *rect, ost_pm cubic)
                      rect->origin.z + ost_rhe_div(cubic - rect->spacing.z, 2)};
 }
 
+/* Returns the spacing to which a campaign resamples the cubic grid once more (TRACE_RESAMPLE). */
+static inline ost_pm resample_again(ost_pm cubic)
+{
+    return cubic * 7 / 5;
+}
+
 /* Finds one of the eight rect voxels around a cubic voxel's centre: if bit a of corner is set, the next one along
    axis a. Returns its weight in units of 2^-45. */
 static inline int64_t resample_corner(const resample_tap tap[3], int corner, int64_t at[3])

@@ -20,8 +20,9 @@
 enum { HEAD = 32, BLOCK_HEAD = 32 };
 static const char magic[4] = {'O', 'S', 'T', 'R'};
 
-static const char *const stage_names[TRACE_STAGES] = {"case",  "rect", "cubic",  "chunks", "snap",  "tool",   "collide",
-                                                      "steps", "tick", "sample", "upload", "final", "failed", "end"};
+static const char *const stage_names[TRACE_STAGES] = {"case",    "rect",  "cubic", "resample", "chunks",
+                                                      "snap",    "tool",  "collide", "steps",  "tick",
+                                                      "sample",  "upload", "final", "failed",  "end"};
 
 const char *trace_stage_name(trace_stage stage)
 {
@@ -51,7 +52,8 @@ const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words,
     static const char *const rect[] = {"samples",       "duplicates",    "off lattice", "worst offset", "worst line",
                                        "rejected line", "conflict line", "density had", "density has"};
     static const char *const cubic[] = {"width", "height", "depth", "x spacing", "y spacing", "z spacing"};
-    static const char *const chunks[] = {"chunks", "active chunks", "active voxels"};
+    static const char *const chunks[] = {"chunks",         "active chunks",  "active voxels", "digest of bone",
+                                         "digest of bone", "digest of bone", "digest of bone"};
     static const char *const tool[] = {"solid voxels", "cutting voxels", "leaking rows"};
     static const char *const tick[] = {
         "status",      "removal",     "boxes meet",  "poses",         "chunk range",    "chunk range",    "chunk range",
@@ -61,9 +63,9 @@ const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words,
         const char *const *names;
         size_t count;
     } of[TRACE_STAGES] = {[TRACE_CASE] = {input, 4},        [TRACE_RECT] = {rect, 9},     [TRACE_CUBIC] = {cubic, 6},
-                          [TRACE_CHUNKS] = {chunks, 3},     [TRACE_TOOL] = {tool, 3},     [TRACE_TICK] = {tick, 13},
-                          [TRACE_COLLIDE] = {tick + 10, 3}, [TRACE_UPLOAD] = {chunks, 3}, [TRACE_FINAL] = {chunks, 3},
-                          [TRACE_FAILED] = {failed, 1}};
+                          [TRACE_CHUNKS] = {chunks, 7},     [TRACE_TOOL] = {tool, 3},     [TRACE_TICK] = {tick, 13},
+                          [TRACE_COLLIDE] = {tick + 10, 3}, [TRACE_UPLOAD] = {chunks, 7}, [TRACE_FINAL] = {chunks, 7},
+                          [TRACE_FAILED] = {failed, 1},     [TRACE_RESAMPLE] = {cubic, 6}};
     if (stage < TRACE_STAGES && word < of[stage].count)
         return of[stage].names[word];
     const size_t head = trace_report_head(stage);

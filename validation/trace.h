@@ -3,7 +3,7 @@
  * A trace holds all results of one backend for a list of cases, in order, as
  * bytes by which two backends can be compared.
  *
- *   case, rect, cubic, chunks, tool 0, tool 1, ..., tick 0, tick 1, ..., final,
+ *   case, rect, cubic, resample, chunks, tool 0, tool 1, ..., tick 0, tick 1, ..., final,
  *   case, ...
  *
  * A record is a head of 32 bytes and a body:
@@ -31,6 +31,7 @@ typedef enum trace_stage {
     TRACE_CASE,    /* words: the input's SHA-256, which shows that all backends got the same input */
     TRACE_RECT,
     TRACE_CUBIC,
+    TRACE_RESAMPLE, /* the cubic grid, resampled once more; nothing depends on it */
     TRACE_CHUNKS,
     TRACE_SNAP,    /* words: a tool's grid and its meshes' vertices on it (steps_record.h) */
     TRACE_TOOL,

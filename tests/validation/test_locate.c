@@ -374,7 +374,7 @@ static void operands_decide(void **state)
                 assert_true(o.count > 0);
                 const char *text;
                 char expected[64];
-                if (r->stage == TRACE_CUBIC) {
+                if (r->stage == TRACE_CUBIC || r->stage == TRACE_RESAMPLE) {
                     const bool mean = value_of(&o, "mean");
                     snprintf(expected, sizeof expected, mean ? ": %d" : ") has %d", is);
                     text = value_of(&o, mean ? "mean" : "source");

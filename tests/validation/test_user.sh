@@ -19,7 +19,7 @@ run 0 validate --only user --backends "$one;cpu:isa=scalar,threads=2" --ct $ct -
 check "equal" "$(value equal)" true
 check "cases" "$(value cases)" 2
 check "the whole of the first" "$(sed -n 1p b/cases.jsonl | grep -o '"stage":"[a-z]*"' | sort | uniq -c | tr -s ' \n' ' ')" \
-    ' 1 "stage":"chunks" 1 "stage":"collide" 1 "stage":"cubic" 1 "stage":"final" 1 "stage":"rect" 4 "stage":"sample" 2 "stage":"snap" 40 "stage":"steps" 40 "stage":"tick" 2 "stage":"tool" 1 "stage":"upload" '
+    ' 1 "stage":"chunks" 1 "stage":"collide" 1 "stage":"cubic" 1 "stage":"final" 1 "stage":"rect" 1 "stage":"resample" 4 "stage":"sample" 2 "stage":"snap" 40 "stage":"steps" 40 "stage":"tick" 2 "stage":"tool" 1 "stage":"upload" '
 check "names in the bundle" "$(grep -rlF -e Doe-Jane -e prototype-q17 -e monday-session -e second.nrrd -e "$(pwd)" b)" ""
 for file in $ct second.nrrd $mesh $path; do
     checks=$((checks + 1))

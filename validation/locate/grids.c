@@ -135,14 +135,19 @@ static bool with_input(const scene *s, const trace *ref, compare_range in_ref, g
         out->behind = samples_behind(s);
         return out->behind;
     }
-    if (out->stage == TRACE_CUBIC && grids_block(ref, in_ref, TRACE_RECT, 0, &in) && same_dims(in.dims, s->rect.dims)) {
-        const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
+    const bool again = out->stage == TRACE_RESAMPLE;
+    if (again ? grids_block(ref, in_ref, TRACE_CUBIC, 0, &in)
+              : out->stage == TRACE_CUBIC && grids_block(ref, in_ref, TRACE_RECT, 0, &in) &&
+                    same_dims(in.dims, s->rect.dims)) {
+        const ost_pm to = again ? resample_again(s->cubic) : s->cubic,
+                     spacing[3] = {again ? s->cubic : s->rect.spacing.x, again ? s->cubic : s->rect.spacing.y,
+                                   again ? s->cubic : s->rect.spacing.z};
         const int32_t n[3] = {out->dims.x, out->dims.y, out->dims.z}, m[3] = {in.dims.x, in.dims.y, in.dims.z};
         out->before = widened(&in);
         out->before_dims = in.dims;
         bool found = out->before;
         for (int a = 0; a < 3; a++)
-            found = find_sources(n[a], s->cubic, spacing[a], m[a], s->resample, &out->source[a], &out->weight[a]) &&
+            found = find_sources(n[a], to, spacing[a], m[a], s->resample, &out->source[a], &out->weight[a]) &&
                     found;
         return found;
     }
@@ -207,9 +212,9 @@ pattern_view grids_view(const grids *g, const scene *s, bool reported_too)
     v.solid_a = v.solid_b = tool ? 1 : s->threshold;
     v.chunk = tool || !s->chunk_size ? OST_LEAF : s->chunk_size;
     if (g->before) {
-        v.input = g->stage == TRACE_CUBIC    ? PATTERN_SOURCE
-                  : g->stage == TRACE_CHUNKS ? PATTERN_THRESHOLDED
-                                             : PATTERN_BEFORE;
+        v.input = g->stage == TRACE_CUBIC || g->stage == TRACE_RESAMPLE ? PATTERN_SOURCE
+                  : g->stage == TRACE_CHUNKS                              ? PATTERN_THRESHOLDED
+                                                                          : PATTERN_BEFORE;
         v.in = g->before;
         v.in_dims = g->before_dims;
         for (int a = 0; a < 3; a++) {

@@ -170,7 +170,7 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
     scene_cut cut = {.no_ct = d->stage == TRACE_TOOL || d->stage == TRACE_SNAP,
                      .no_collide = d->stage != TRACE_COLLIDE};
     const uint32_t all = (1u << s->tool_count) - 1;
-    if (d->stage == TRACE_RECT || d->stage == TRACE_CUBIC || d->stage == TRACE_CHUNKS) {
+    if (d->stage == TRACE_RECT || d->stage == TRACE_CUBIC || d->stage == TRACE_RESAMPLE || d->stage == TRACE_CHUNKS) {
         cut.no_tools = all;
         cut.ticks = (cut_list){.some = true};
         add(&list, &cut);

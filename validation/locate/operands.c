@@ -55,6 +55,7 @@ static void rect_operands(const scene *s, const compare_difference *d, operands 
 
 /* ------------------------------------------------------------------ cubic */
 
+/* Adds the operands of a voxel of TRACE_CUBIC, or of TRACE_RESAMPLE, whose source is the cubic grid. */
 static void cubic_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
                            operands *o)
 {
@@ -62,22 +63,31 @@ static void cubic_operands(const scene *s, const trace *ref, compare_range in_re
         [OST_RESAMPLE_LINEAR] = "linear: t = ((2 i + 1) cubic - rect) / (2 rect), from 0 to the last",
         [OST_RESAMPLE_NEAREST] = "nearest: floor((2 i + 1) cubic / (2 rect)), at most the last",
         [OST_RESAMPLE_THESIS] = "thesis: floor(i cubic / rect)"};
-    const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
-    const int32_t n[3] = {s->rect.dims.x, s->rect.dims.y, s->rect.dims.z};
+    const bool again = d->stage == TRACE_RESAMPLE;
+    const ost_pm to = again ? resample_again(s->cubic) : s->cubic;
+    ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
+    ost_dims dims = s->rect.dims;
     resample_tap tap[3];
     trace_block_view rect;
+    const bool found = grids_block(ref, in_ref, again ? TRACE_CUBIC : TRACE_RECT, 0, &rect);
+    if (again && !found)
+        return;
+    for (int a = 0; a < 3 && again; a++)
+        spacing[a] = s->cubic;
+    if (again)
+        dims = rect.dims;
+    const int32_t n[3] = {dims.x, dims.y, dims.z};
     add(o, "rule", "%s", rules[s->resample]);
     for (int a = 0; a < 3; a++) {
         const resample_tap *t = &tap[a];
         const char name[] = {"xyz"[a], '\0'};
-        tap[a] = resample_at(d->voxel[a], s->cubic, spacing[a], n[a], s->resample);
+        tap[a] = resample_at(d->voxel[a], to, spacing[a], n[a], s->resample);
         add(o, name, "%lld / %lld: source %lld of %d%s", (long long)t->top, (long long)t->bottom, (long long)t->index,
             n[a], t->weight ? " and the next" : "");
         if (t->weight)
             add(o, "weight", "%lld / 32768 of the next along %s", (long long)t->weight, name);
     }
-    if (!grids_block(ref, in_ref, TRACE_RECT, 0, &rect) || rect.dims.x != n[0] || rect.dims.y != n[1] ||
-        rect.dims.z != n[2])
+    if (!found || rect.dims.x != n[0] || rect.dims.y != n[1] || rect.dims.z != n[2])
         return;
     int64_t sum = 0;
     for (int corner = 0; corner < 8; corner++) {
@@ -87,8 +97,8 @@ static void cubic_operands(const scene *s, const trace *ref, compare_range in_re
             continue;
         const int density = grids_voxel(&rect, (size_t)(q[0] + n[0] * (q[1] + n[1] * q[2])));
         sum += weight * density;
-        add(o, "source", "rect voxel (%lld, %lld, %lld) has %d", (long long)q[0], (long long)q[1], (long long)q[2],
-            density);
+        add(o, "source", "%s voxel (%lld, %lld, %lld) has %d", again ? "cubic" : "rect", (long long)q[0],
+            (long long)q[1], (long long)q[2], density);
     }
     if (tap[0].weight || tap[1].weight || tap[2].weight)
         add(o, "mean", "%lld / 2^45, rounded half to even: %lld", (long long)sum,
@@ -370,7 +380,7 @@ void operands_of(const scene *s, const trace *ref, compare_range in_ref, const c
         return;
     if (d->stage == TRACE_RECT)
         rect_operands(s, d, out);
-    else if (d->stage == TRACE_CUBIC)
+    else if (d->stage == TRACE_CUBIC || d->stage == TRACE_RESAMPLE)
         cubic_operands(s, ref, in_ref, d, out);
     else if (d->stage == TRACE_CHUNKS)
         chunk_operands(s, ref, in_ref, d, out);

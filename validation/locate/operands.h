@@ -6,6 +6,7 @@
  *
  *   rect     the samples that fall on the voxel, and the rule between them     AR-CT
  *   cubic    per axis the division that gives the source voxel                 AR-CUB
+ *   resample the same, from the cubic grid
  *   chunks   density, threshold                                                AR-CHK
  *   tool     the row's crossings, the winding number, the row's sum            AR-VOX
  *   tick     the event's poses; the one that decides, the point in tool        AR-SWEEP,

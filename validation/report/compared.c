@@ -199,6 +199,7 @@ void section_reference(const page *p)
     static const char *const what[TRACE_STAGES] = {
         [TRACE_RECT] = "a CT's samples put into a grid",
         [TRACE_CUBIC] = "resampled to cubes",
+        [TRACE_RESAMPLE] = "the cubes resampled once more, to larger ones",
         [TRACE_CHUNKS] = "the bone, cut into chunks",
         [TRACE_SNAP] = "a tool's grid and its mesh snapped to it, before a voxel is made",
         [TRACE_STEPS] = "which poses a tick's event has, and the integers that map bone voxels to tool voxels at each",
