@@ -12,7 +12,7 @@ static const struct {
     int count[PLAN_TIERS];
     int named; /* number of cases if --only names the family */
 } families[PLAN_FAMILIES] = {
-    [PLAN_IMPORT] = {"import", "random CTs: scatter, resampling, chunks", {7, 48, 240}, 0},
+    [PLAN_IMPORT] = {"import", "random CTs: scatter, resampling, chunks", {8, 48, 240}, 0},
     [PLAN_MESH] = {"mesh", "tools from simple to hostile meshes", {8, 48, 240}, 0},
     [PLAN_POSES] = {"poses", "unrelated poses, borders and quarter turns", {4, 24, 120}, 0},
     [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}, 0},

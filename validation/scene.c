@@ -51,6 +51,15 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
     const int32_t most = c->tier == PLAN_SMOKE ? 56 : 120;
     draw_lattice(s, d);
     ost_dims dims = draw_dims(d, 1, most);
+    if (c->number == 7) {
+        /* Only y is interpolated. Spacings are odd numbers of picometres, and the offsets grow from sample to sample
+           through odd and even ppm. There is one leaf of 32 voxels along each axis, full or without its last voxel. */
+        const ost_pm odd = 1000 * UM + 1;
+        s->rect.spacing = (ost_pm3){odd, 1300 * UM + 7, odd};
+        s->cubic = odd;
+        s->resample = OST_RESAMPLE_LINEAR;
+        return scene_ct_drifting(s, d, (ost_dims){31, 24, 32}, err);
+    }
     if (c->number % 6 == 0) {
         /* Every index is an exact multiple: a quotient that is computed slightly too small selects another layer. */
         s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x;

@@ -88,6 +88,31 @@ ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err)
     return OST_OK;
 }
 
+ost_status scene_ct_drifting(scene *s, draw *d, ost_dims dims, ost_error *err)
+{
+    const int64_t voxels = ost_dims_count(dims);
+    const ost_geometry *g = &s->rect;
+    s->rect.dims = dims;
+    s->chunk_size = 32;
+    s->threshold = 120;
+    s->duplicates = OST_DUPLICATES_ERROR;
+    s->batch = 5000;
+    s->samples = malloc((size_t)voxels * sizeof *s->samples);
+    if (!s->samples)
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %lld samples", (long long)voxels);
+    for (int32_t k = 0; k < dims.z; k++)
+        for (int32_t j = 0; j < dims.y; j++)
+            for (int32_t i = 0; i < dims.x; i++) {
+                const int64_t n = (int64_t)s->sample_count++;
+                s->samples[n] = (ost_sample){.x = g->origin.x + g->spacing.x * i + SCENE_DRIFT * (n + 1) / voxels,
+                                             .y = g->origin.y + g->spacing.y * j,
+                                             .z = g->origin.z + g->spacing.z * k,
+                                             .density = telling_density(d, s->threshold),
+                                             .line = (uint32_t)((size_t)n % s->batch)};
+            }
+    return OST_OK;
+}
+
 ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err)
 {
     const ost_geometry *g = &volume->geometry;

@@ -9,6 +9,13 @@
 /* Makes the samples of a random CT of these dims; spacing, origin and duplicates must be set; a threshold of 0 is
    drawn. */
 ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err);
+/*
+ * Makes one sample of every voxel, in the order of a file.  Along x each sample
+ * lies a little farther off its lattice point than the one before, the last of
+ * them by SCENE_DRIFT.
+ */
+enum { SCENE_DRIFT = 2000005 };
+ost_status scene_ct_drifting(scene *s, draw *d, ost_dims dims, ost_error *err);
 /* Makes one sample of every voxel of a volume, in the order of a file. */
 ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err);
 

@@ -12,7 +12,7 @@ one='cpu:isa=scalar,threads=1'
 run 0 validate --only import/ --backends "$one" --out b --json
 check "equal" "$(value equal)" true
 check "evidence of some cases alone" "$(value evidence)" false
-check "cases" "$(value cases)" 7
+check "cases" "$(value cases)" 8
 run 0 verify b --rerun --json
 check "valid" "$(value valid)" true
 check "made again" "$(value rerun)" true

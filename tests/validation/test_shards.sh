@@ -46,7 +46,7 @@ for block in block-1 block-2; do
     check "$block: what is made small" "$(diff $block small | grep -c '^>')" 1
     checks=$((checks + 1))
     sh -eu small >out 2>err || fail "$block: status $?: $(tail -n 3 err out)"
-    grep -q '^EQUAL: 7 cases from 2 shards$' out || fail "$block: $(cat out)"
+    grep -q '^EQUAL: 8 cases from 2 shards$' out || fail "$block: $(cat out)"
     check "$block: results_root" "$("$json_get" results_root <bundle/manifest.json)" "$("$json_get" results_root <whole/manifest.json)"
     run 0 verify bundle
     rm -rf shards bundle
