@@ -53,6 +53,10 @@ typedef struct ost_backend_info {
 
 /* Returns the number of backends; indices 0 to count - 1 are in a fixed order. */
 OST_API int ost_backend_count(void);
+/*
+ * Describes the backend of an index. Tests whether it can be opened here, without opening it. Returns
+ * OST_ERR_USAGE if the index is out of range. The texts are static.
+ */
 OST_API ost_status ost_backend_describe(int index, ost_backend_info *out, ost_error *err);
 
 /* A device that a backend may be opened on, as `osteon devices` lists it. */
@@ -80,7 +84,9 @@ OST_API ost_status ost_backend_devices(int index, ost_device_visit *visit, void 
  * cannot run on this machine.
  */
 OST_API ost_status ost_backend_open(const char *spec, ost_backend **out, ost_error *err);
-OST_API void ost_backend_close(ost_backend *backend); /* NULL is allowed */
+/* Closes a backend. All its grids, bones and tools must have been freed. NULL is allowed. */
+OST_API void ost_backend_close(ost_backend *backend);
+/* Returns the name without options, for example "cpu"; static. */
 OST_API const char *ost_backend_name(const ost_backend *backend);
 
 /* Settings of an open backend, as its options, the environment and the machine determine them. */
@@ -90,16 +96,20 @@ typedef struct ost_backend_settings {
     int platform, device; /* indices as in "cl:platform=0,device=1"; -1 if the backend has no devices */
 } ost_backend_settings;
 
+/* Returns the settings of an open backend. The texts are valid until it is closed. */
 OST_API ost_backend_settings ost_backend_settings_get(const ost_backend *backend);
 
 /* ----------------------------------------------------------------- grids */
 
 /* Creates a grid filled with 0. */
 OST_API ost_status ost_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
-OST_API void ost_grid_free(ost_grid *grid); /* NULL is allowed */
+/* Frees a grid. NULL is allowed. */
+OST_API void ost_grid_free(ost_grid *grid);
+/* Returns the geometry of a grid; valid until the grid is freed. */
 OST_API const ost_geometry *ost_grid_geometry(const ost_grid *grid);
-/* Copy slices z0 <= k < z0 + count, x fastest, to or from host memory of dims.x * dims.y * count elements. */
+/* Copies slices z0 <= k < z0 + count, x fastest, from host memory of dims.x * dims.y * count elements to a grid. */
 OST_API ost_status ost_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+/* Copies slices from a grid, as ost_grid_upload copies them to it. */
 OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 
 /* ---------------------------------------------------------------- import */
@@ -114,8 +124,9 @@ typedef struct ost_sample {
     uint32_t line;   /* line number less the batch's first line */
 } ost_sample;
 
-typedef enum ost_duplicates { /* which density a voxel gets that has several */
-    OST_DUPLICATES_ERROR,
+/* The density of a voxel that has several samples (AR-CT-6). */
+typedef enum ost_duplicates {
+    OST_DUPLICATES_ERROR, /* it is an error */
     OST_DUPLICATES_FIRST, /* in the order of the file */
     OST_DUPLICATES_LAST,
     OST_DUPLICATES_MAX
@@ -169,6 +180,7 @@ OST_API ost_status ost_cubic_to_chunks(const ost_grid *cubic, int chunk_size, in
 
 /* ----------------------------------------------------------------- bones */
 
+/* The properties of a bone and the counts of its voxels and bytes. */
 typedef struct ost_bone_info {
     ost_geometry geometry; /* equal spacing on all axes */
     int chunk_size;
@@ -184,13 +196,16 @@ typedef struct ost_bone_info {
 /* Creates a bone without an active voxel. */
 OST_API ost_status ost_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size,
                                    int32_t threshold, ost_bone **out, ost_error *err);
-OST_API void ost_bone_free(ost_bone *bone); /* NULL is allowed */
+/* Frees a bone. NULL is allowed. */
+OST_API void ost_bone_free(ost_bone *bone);
+/* Fills *out with the properties of a bone and its counts. With a device, blocks until they are known. */
 OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, ost_error *err);
 /*
- * Copy densities of slices z0 <= k < z0 + count, x fastest, without the padding of chunks: dims.x * dims.y * count
- * elements.  Upload applies the threshold.
+ * Copies densities of slices z0 <= k < z0 + count to a bone, x fastest, without the padding of chunks: dims.x *
+ * dims.y * count elements.  Densities below the threshold are stored as 0.
  */
 OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
+/* Copies slices from a bone, as ost_bone_upload copies them to it; voxels that are not active are 0. */
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 /*
  * Reads the densities of count single voxels with indices at[0][i], at[1][i], at[2][i] along x, y and z; 0 for voxels
@@ -227,11 +242,18 @@ typedef struct ost_voxelize_report {
 OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                 ost_tool **out, ost_error *err);
+/*
+ * Makes a tool from voxels in host memory, which are copied (classes 0, 1 and 2; AR-TOOL-4). The
+ * caller frees *out.
+ */
 OST_API ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 /* Copies a tool to host memory. *out need not be initialised; its meta is empty. The caller frees it. */
 OST_API ost_status ost_tool_download(const ost_tool *tool, ost_tool_volume *out, ost_error *err);
-OST_API void ost_tool_free(ost_tool *tool); /* NULL is allowed */
+/* Frees a tool. NULL is allowed. */
+OST_API void ost_tool_free(ost_tool *tool);
+/* Returns the geometry of a tool's grid; valid until the tool is freed. */
 OST_API const ost_tool_geometry *ost_tool_geometry_get(const ost_tool *tool);
+/* Computes the digest of a tool (AR-DIG). */
 OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_error *err);
 
 /* ---------------------------------------------------------------- events */
@@ -244,6 +266,7 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
                                    ost_error *err);
+/* Reports the hits and touched voxels of an event as ost_bone_remove does, without changing the bone. */
 OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event,
                                     ost_report *report, ost_error *err);
 

@@ -25,6 +25,7 @@ extern "C" {
 
 enum { OST_DIGEST_BYTES = 32, OST_DIGEST_HEX = 65, OST_LEAF = 32 };
 
+/* A SHA-256 digest. */
 typedef struct ost_digest {
     uint8_t bytes[OST_DIGEST_BYTES];
 } ost_digest;
@@ -43,6 +44,7 @@ OST_API ost_dims ost_leaf_dims(ost_dims dims);
 /* Computes the digest of a leaf of 32^3 int16 (or uint8) voxels, x fastest. */
 OST_API ost_status ost_digest_leaf16(const int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out,
                                      ost_error *err);
+/* Computes the digest of a leaf of 32^3 uint8 voxels, x fastest. */
 OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out,
                                     ost_error *err);
 
@@ -68,11 +70,14 @@ OST_API ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *
 
 /* Writes the digest as 64 lower-case hexadecimal digits and a NUL. Returns hex. */
 OST_API char *ost_digest_hex(const ost_digest *digest, char hex[OST_DIGEST_HEX]);
+/* Returns true if two digests have the same bytes. */
 OST_API bool ost_digest_equal(const ost_digest *a, const ost_digest *b);
 
 /* An incremental SHA-256 for streams, such as the samples of a text or a file. It is opaque and has one owner. */
 typedef struct ost_hasher ost_hasher;
+/* Creates a hasher. The caller ends it by ost_hasher_close. */
 OST_API ost_status ost_hasher_open(ost_hasher **out, ost_error *err);
+/* Adds bytes to the hash. After a failure only ost_hasher_close may be called. */
 OST_API ost_status ost_hasher_add(ost_hasher *hasher, const void *bytes, size_t size, ost_error *err);
 /* Writes the digest to *out, unless out is NULL, and frees the hasher. */
 OST_API ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err);

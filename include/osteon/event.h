@@ -98,8 +98,8 @@ typedef struct ost_density_classes {
 } ost_density_classes;
 
 /*
- * cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...): facts and sources in docs/spec/arithmetic.md,
- * AR-CLS.
+ * Returns the default classes: cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...) (AR-CLS, with
+ * the sources).
  */
 OST_API ost_density_classes ost_density_classes_default(void);
 /*
@@ -144,6 +144,7 @@ typedef struct ost_report {
 OST_API void ost_report_clear(ost_report *report);
 /* Appends a chunk, which is copied, and adds it to the totals. OST_ERR_MEMORY on failure. */
 OST_API ost_status ost_report_add(ost_report *report, const ost_chunk_report *chunk, ost_error *err);
+/* Frees the memory of a report. The report is then empty and may be used again. */
 OST_API void ost_report_free(ost_report *report);
 
 #ifdef __cplusplus

@@ -32,6 +32,7 @@
 extern "C" {
 #endif
 
+/* The law of the force; the head of this file describes both. */
 typedef enum ost_force_mode { OST_FORCE_ENERGY, OST_FORCE_INSTANT } ost_force_mode;
 
 /* SI units; docs/reference/force.md has the source of each default. */
@@ -71,6 +72,7 @@ typedef struct ost_shell_point {
 } ost_shell_point;
 
 enum { OST_SHELL_MAX = 512 };
+/* The points of a tool's surface. */
 typedef struct ost_shell {
     size_t count;
     ost_shell_point *points; /* owned */
@@ -81,6 +83,7 @@ typedef struct ost_shell {
  * ost_shell_free frees it.  OST_ERR_MEMORY on failure.
  */
 OST_API ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error *err);
+/* Frees the points of a shell, which is then empty. */
 OST_API void ost_shell_free(ost_shell *shell);
 
 /* ------------------------------------------------------------------- force */
@@ -93,7 +96,8 @@ typedef struct ost_force ost_force;
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
                                     ost_error *err);
-OST_API void ost_force_free(ost_force *force); /* NULL is allowed */
+/* Frees a force. NULL is allowed. */
+OST_API void ost_force_free(ost_force *force);
 /* Adds a tool; tools are added in the order of the world's tools. The tool's voxels are read during the call. */
 OST_API ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error *err);
 /* Adds a tool by a shell of the caller's, which is copied. */
@@ -146,6 +150,7 @@ typedef struct ost_safety_params {
     double max_damping;         /* greatest damping that the passivity controller adds, N s/m; 0: none */
 } ost_safety_params;
 
+/* Returns the default limits that docs/reference/force.md lists. */
 OST_API ost_safety_params ost_safety_defaults(void);
 
 /* ------------------------------------------------------------ parameter files */
@@ -156,11 +161,15 @@ typedef struct ost_force_key {
     double lo, hi;
 } ost_force_key;
 
+/* Returns the number of parameters of both structs; indices 0 to count - 1 are in a fixed order. */
 OST_API int ost_force_key_count(void);
-OST_API const ost_force_key *ost_force_key_at(int index); /* NULL beyond the last */
+/* Describes the parameter of an index; static. Returns NULL beyond the last. */
+OST_API const ost_force_key *ost_force_key_at(int index);
+/* Returns the value of the parameter of an index; exactly one of the two structs contains it. */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
-OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]); /* in the form of a parameter file */
+/* Writes a value into text in the form of a parameter file. Returns text. */
+OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]);
 
 /*
  * Reads lines of the form "key: number"; # starts a comment.  Parameters that the file does not name keep their values.
@@ -170,6 +179,7 @@ OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]); /*
 OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety,
                                          ost_error *err);
 
+/* The state of the safety layer. Members other than params and damped_ticks are private. */
 typedef struct ost_safety {
     ost_safety_params params;
     double ramp, last[3], last_torque[3], energy_j, applied[3];
@@ -179,6 +189,7 @@ typedef struct ost_safety {
     uint64_t damped_ticks; /* ticks in which the passivity controller reduced the force */
 } ost_safety;
 
+/* The decision of the safety layer on the force of a tick. */
 typedef enum ost_safety_answer {
     OST_SAFETY_GIVEN,
     OST_SAFETY_WITHHELD, /* no dead-man button is held, or poses are missing: the force is 0 and ramps in afterwards */

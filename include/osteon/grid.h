@@ -18,10 +18,12 @@
 extern "C" {
 #endif
 
+/* Numbers of voxels along the three axes. */
 typedef struct ost_dims {
     int32_t x, y, z;
 } ost_dims;
 
+/* The grid of a volume: dims, spacing and origin in picometres (AR-GRID). */
 typedef struct ost_geometry {
     ost_dims dims;
     ost_pm3 spacing;
@@ -32,9 +34,11 @@ enum { OST_DIM_MAX = 16384 };
 #define OST_SPACING_MIN (OST_PM_PER_MM / 1000)
 #define OST_SPACING_MAX (100 * OST_PM_PER_MM)
 
+/* Returns the number of voxels x * y * z; the product of dims within AR-GRID does not overflow. */
 OST_API int64_t ost_dims_count(ost_dims dims);
 /* Returns OST_ERR_RANGE if a range above does not hold; `what` names the grid in the message. */
 OST_API ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, ost_error *err);
+/* Returns true if dims, spacing and origin are equal. */
 OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
 
 /*
@@ -45,6 +49,7 @@ OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
  * a key again replaces its value in the same position (AR-FILE-8).
  */
 enum { OST_META_MAX = 32, OST_META_KEY = 41, OST_META_VALUE = 201 };
+/* Facts in the order in which they were set; zero-initialise it before use. */
 typedef struct ost_meta {
     int count;
     struct {
@@ -74,6 +79,7 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
     "orientation" /* "stated XYZ" or "assumed LPS"; set if the CT's file has none (AR-FILE-6) */
 #define OST_META_TOOL_CORNER "tool_corner_mm"  /* MinVoxelCoords of Alg. 2.1, exact */
 
+/* A dense grid of densities in host memory. */
 typedef struct ost_volume {
     ost_geometry geometry;
     ost_meta meta;
@@ -82,6 +88,7 @@ typedef struct ost_volume {
 
 /* Allocates a volume filled with zeros. On failure *volume has no voxels and can still be freed. */
 OST_API ost_status ost_volume_init(ost_volume *volume, const ost_geometry *geometry, ost_error *err);
+/* Frees the voxels of a volume, which is then empty. */
 OST_API void ost_volume_free(ost_volume *volume);
 
 #ifdef __cplusplus

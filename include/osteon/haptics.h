@@ -48,7 +48,8 @@ typedef enum ost_action {
     OST_ACTION_HOME,         /* moves the tool to its first pose, clear of the bone, without cutting on the way */
     OST_ACTION_COUNT
 } ost_action;
-OST_API const char *ost_action_name(ost_action action); /* "none", "motor", "home", ... */
+/* Returns the name of an action, "none", "motor", "home" and so on; static. */
+OST_API const char *ost_action_name(ost_action action);
 
 enum { OST_BUTTONS_MAX = 8 };
 typedef struct ost_button {
@@ -115,11 +116,13 @@ typedef struct ost_haptic_setup {
  * The caller owns *out and closes it by ost_haptic_close.
  */
 OST_API ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err);
-OST_API void ost_haptic_close(ost_haptic *device); /* NULL is allowed */
+/* Closes a device; its force is 0 afterwards. NULL is allowed. */
+OST_API void ost_haptic_close(ost_haptic *device);
+/* Returns the name of an open device without options; valid until it is closed. */
 OST_API const char *ost_haptic_name(const ost_haptic *device);
 
-/* Writes a few words about an open device into text, for instance the address it listens on, or "". Returns text. */
 enum { OST_HAPTIC_TEXT = 160 };
+/* Writes a few words about an open device into text, for instance the address it listens on, or "". Returns text. */
 OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAPTIC_TEXT]);
 /*
  * Force limits that an open device reports, and their source: "HD_NOMINAL_MAX_FORCE", "an omega".
@@ -135,12 +138,13 @@ typedef struct ost_haptic_limits {
 OST_API bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out);
 /* Returns true if the force is 0.1 to 100 N and the torque is 0 or 0.001 to 10 N m. */
 OST_API bool ost_haptic_limits_usable(const ost_haptic_limits *limits);
-/* Reads the counters of a device since it was opened. Returns their number. May be called on any thread. */
+/* A counter of a device: its name and its value. */
 enum { OST_HAPTIC_COUNTS = 12 };
 typedef struct ost_haptic_tally {
     const char *name; /* "wrong_key" */
     uint64_t value;
 } ost_haptic_tally;
+/* Reads the counters of a device since it was opened. Returns their number. May be called on any thread. */
 OST_API int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST_HAPTIC_COUNTS]);
 
 typedef enum ost_haptic_answer {
@@ -151,6 +155,7 @@ typedef enum ost_haptic_answer {
     OST_HAPTIC_LOST   /* no more poses will follow: the device failed or was unplugged */
 } ost_haptic_answer;
 
+/* A sample of a device. */
 typedef struct ost_haptic_state {
     ost_pose pose;
     int32_t tool; /* index of the tool; -1: the device does not report it */
@@ -181,8 +186,10 @@ OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
  * than an operation accepts.  Both sides are wait-free; only one thread may call ost_mouse_input_put.
  */
 enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the device `mouse` */
+/* Creates the hand with its first state. The caller frees it after the device has been closed. */
 OST_API ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err);
-OST_API void ost_mouse_input_free(ost_mouse_input *mouse); /* NULL is allowed */
+/* Frees the hand of the device `mouse`. NULL is allowed. */
+OST_API void ost_mouse_input_free(ost_mouse_input *mouse);
 /* Sets the pose. With state->lifted the device moves there in one tick and reports that the tool was lifted. */
 OST_API void ost_mouse_input_put(ost_mouse_input *mouse, const ost_haptic_state *state);
 
@@ -190,11 +197,13 @@ OST_API void ost_mouse_input_put(ost_mouse_input *mouse, const ost_haptic_state 
 
 /* A histogram of times: bins of 1 us below 4096 us, and bins of 1 ms up to 4096 ms for longer times. */
 enum { OST_TIMES_BINS = 4096 };
+/* A histogram; zero-initialise it before use. */
 typedef struct ost_times {
     uint64_t count, max_ns;
     uint64_t us[OST_TIMES_BINS], ms[OST_TIMES_BINS];
 } ost_times;
 
+/* Adds a time in nanoseconds to a histogram. Allocates no memory. */
 OST_API void ost_times_add(ost_times *times, uint64_t ns);
 /*
  * Returns the quantile of share (0 to 1) in us: the upper end of its bin, but at most the greatest time.
@@ -241,6 +250,7 @@ typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 /* Called on the servo thread before a tick is due, without its pose. Must not block; see lead_ns. */
 typedef void ost_servo_rehearse(void *user);
 
+/* Options of the servo loop; zero for the defaults. */
 typedef struct ost_servo_options {
     int64_t period_ns;    /* 0: 1,000,000 */
     uint64_t ticks;       /* number of ticks; 0: until the device ends or tick returns false */
@@ -257,6 +267,7 @@ typedef struct ost_servo_options {
     ost_servo_rehearse *rehearse;
 } ost_servo_options;
 
+/* The reason why the servo loop ended. */
 typedef enum ost_servo_end {
     OST_SERVO_TICKS,
     OST_SERVO_STOPPED,
@@ -265,6 +276,10 @@ typedef enum ost_servo_end {
     OST_SERVO_WATCHDOG
 } ost_servo_end;
 
+/*
+ * The results of the servo loop. It has about 460 kB, because of its histograms: allocate it, do not
+ * put it on the stack.
+ */
 typedef struct ost_servo_report {
     ost_servo_end end;
     uint64_t ticks;

@@ -24,6 +24,7 @@ extern "C" {
 /* Called from time to time with the share done in [0, 1]. Return false to cancel the operation (OST_ERR_CANCELLED). */
 typedef bool ost_progress(void *user, const char *stage, double share);
 
+/* The kind of a file's content. */
 typedef enum ost_file_kind {
     OST_FILE_UNKNOWN,
     OST_FILE_CT_TEXT,
@@ -84,9 +85,10 @@ typedef struct ost_write_options {
 OST_API ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options,
                                     ost_error *err);
 
-/* Reads and writes a tool grid as uint8 NRRD. */
+/* Reads a tool grid from uint8 NRRD. *out need not be initialised; the caller frees it by ost_tool_volume_free. */
 OST_API ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_error *err);
-OST_API ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, ost_error *err); /* .nrrd */
+/* Writes a tool grid as uint8 NRRD. The file appears complete or not at all. */
+OST_API ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, ost_error *err);
 
 /* ---------------------------------------------------------------- meshes */
 
@@ -158,6 +160,7 @@ typedef struct ost_landmark {
     ost_pm3 at;                     /* LPS */
 } ost_landmark;
 
+/* Landmarks in the order of their file. */
 typedef struct ost_landmarks {
     int count;
     ost_landmark *items; /* owned */
@@ -169,6 +172,7 @@ typedef struct ost_landmarks {
  * error, as is a file without landmarks. *out is empty on failure.
  */
 OST_API ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *err);
+/* Frees landmarks, which are then empty. */
 OST_API void ost_landmarks_free(ost_landmarks *landmarks);
 
 /*
@@ -180,6 +184,7 @@ OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta,
 
 /* ---------------------------------------------------------------- import */
 
+/* Options of an import; zero for the defaults. */
 typedef struct ost_import_options {
     ost_pm3 spacing;          /* 0 = inferred; for text, and to override a file's own */
     ost_pm cubic;             /* spacing of the cubic grid; 0 = the rect grid's x spacing */
@@ -198,6 +203,7 @@ typedef struct ost_import_options {
 } ost_import_options;
 
 enum { OST_STAGES_MAX = 8 };
+/* The time and, on request, the digest of a stage of an import. */
 typedef struct ost_stage {
     char name[16];       /* "samples" (text only), "rect", "cubic", "chunks" */
     double time_ms;
@@ -205,6 +211,7 @@ typedef struct ost_stage {
     ost_digest digest;
 } ost_stage;
 
+/* The results of an import: geometries, facts, counts and stages. */
 typedef struct ost_import_result {
     ost_file_kind kind;
     ost_geometry rect;

@@ -27,6 +27,7 @@ extern "C" {
 
 typedef int64_t ost_pm;
 
+/* A point or a vector in picometres. */
 typedef struct ost_pm3 {
     ost_pm x, y, z;
 } ost_pm3;
@@ -94,6 +95,7 @@ OST_API ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err);
  * picometres, RHE. Returns false if the number is NaN, infinite or out of range.
  */
 OST_API bool ost_pm_from_float(float mm, ost_pm *out);
+/* Converts a float64 in the same way. */
 OST_API bool ost_pm_from_double(double mm, ost_pm *out);
 
 /*

@@ -59,7 +59,8 @@ typedef struct ost_live_state {
  * must not gain chunks.
  */
 OST_API ost_status ost_live_create(const ost_bone *bone, ost_live **out, ost_error *err);
-OST_API void ost_live_free(ost_live *live); /* NULL is allowed */
+/* Frees a live state. NULL is allowed. */
+OST_API void ost_live_free(ost_live *live);
 
 /* ----------------------------------------------------------- servo thread */
 
@@ -86,8 +87,9 @@ typedef ost_status ost_live_visit(void *user, const int32_t at[3], const uint32_
  * take, the remaining chunks are part of the next one.  Returns the status of visit.
  */
 OST_API ost_status ost_live_take(ost_live *live, ost_live_visit *visit, void *user, ost_error *err);
-/* Return the bone's geometry and chunk size. */
+/* Returns the bone's geometry; valid until the live state is freed. */
 OST_API const ost_geometry *ost_live_geometry(const ost_live *live);
+/* Returns the edge length of the bone's chunks in voxels. */
 OST_API int ost_live_chunk_size(const ost_live *live);
 
 #ifdef __cplusplus

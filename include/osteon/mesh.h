@@ -29,6 +29,7 @@ enum { OST_MESH_TRIANGLES_MAX = 1 << 26 };
 
 /* Allocates arrays of these sizes, without initialising their elements. */
 OST_API ost_status ost_mesh_init(ost_mesh *mesh, size_t vertex_count, size_t triangle_count, ost_error *err);
+/* Frees the arrays of a mesh, which is then empty. */
 OST_API void ost_mesh_free(ost_mesh *mesh);
 /*
  * Computes the bounds of the vertices that a triangle uses. Returns OST_ERR_INPUT if there is no triangle, and
@@ -80,8 +81,14 @@ typedef struct ost_snapped_mesh {
     size_t dropped_triangles;
 } ost_snapped_mesh;
 
+/*
+ * Snaps a mesh to the lattice of a tool grid (AR-MESH-3, AR-MESH-4). Returns OST_ERR_RANGE if a vertex
+ * is outside the lattice, OST_ERR_MEMORY if memory runs out. The caller frees *out by
+ * ost_snapped_mesh_free.
+ */
 OST_API ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,
                                  ost_error *err);
+/* Frees the arrays of a snapped mesh, which is then empty. */
 OST_API void ost_snapped_mesh_free(ost_snapped_mesh *mesh);
 /* Computes the stage digest of the data that every backend receives (AR-DIG-7). */
 OST_API ost_status ost_snapped_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);

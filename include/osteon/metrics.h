@@ -38,6 +38,7 @@ enum { OST_METRICS_MAP = 81 };
 
 /* The role of a tool in the metrics. */
 typedef enum ost_metrics_tool_kind { OST_METRICS_REAMER, OST_METRICS_DRILL, OST_METRICS_OTHER } ost_metrics_tool_kind;
+/* A tool as the metrics need it. */
 typedef struct ost_metrics_tool {
     ost_metrics_tool_kind kind;
     double radius_mm, length_mm; /* of its cutting part */
@@ -60,6 +61,7 @@ typedef struct ost_metrics_motion {
     size_t count;
 } ost_metrics_motion;
 
+/* The metrics of an operation; docs/reference/metrics.md defines each. */
 typedef struct ost_metrics {
     double removed_mm3, removed_by_class_mm3[OST_CLASS_MAX];
     /* The floor: the exposed bone, without the holes of drills. */

@@ -24,6 +24,7 @@
 extern "C" {
 #endif
 
+/* A fault: a sample of the device or a force that cannot be real. */
 typedef enum ost_fault {
     OST_FAULT_NONE,
     OST_FAULT_JUMP, /* the pose moved more than 5 mm in a tick */
@@ -34,6 +35,7 @@ typedef enum ost_fault {
 
 typedef struct ost_operation ost_operation;
 
+/* Options of an operation; zero for the defaults. */
 typedef struct ost_operation_options {
     int32_t tool;            /* index of the tool if the device does not report it */
     /*
@@ -65,7 +67,8 @@ typedef struct ost_operation_options {
  */
 OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out,
                                         ost_error *err);
-OST_API void ost_operation_free(ost_operation *operation); /* NULL is allowed */
+/* Frees an operation. NULL is allowed. */
+OST_API void ost_operation_free(ost_operation *operation);
 
 /*
  * Runs one tick; an ost_servo_tick.  A pose that cannot be a hand's is a fault: the tool does not move, nothing is

@@ -25,6 +25,7 @@ enum { OST_RPM_ON = -1, OST_RPM_OF_DEVICE = -2, OST_RPM_MAX = 3000 };
 /* One revolution of the motor in the unit of its angles, revolutions per minute times nanoseconds. */
 #define OST_MOTOR_TURN INT64_C(60000000000)
 
+/* A row of a path: the pose of a tool at a time. */
 typedef struct ost_tick {
     int64_t t_ns; /* nanoseconds */
     int32_t tool; /* index into the world's tools */
@@ -34,6 +35,7 @@ typedef struct ost_tick {
     bool lifted;  /* the tool was lifted before this tick: there is no sweep from the previous tick (AR-SWEEP-5) */
 } ost_tick;
 
+/* Ticks in ascending order of time. */
 typedef struct ost_path {
     size_t count;
     ost_tick *ticks; /* owned */
@@ -54,6 +56,7 @@ typedef struct ost_path_options {
 
 /* Allocates count rows without initialising them. */
 OST_API ost_status ost_path_init(ost_path *path, size_t count, ost_error *err);
+/* Frees the rows of a path, which is then empty. */
 OST_API void ost_path_free(ost_path *path);
 
 #ifdef __cplusplus

@@ -34,6 +34,7 @@ typedef struct ost_phantom_options {
     bool left;         /* default: right */
 } ost_phantom_options;
 
+/* Returns the name of a kind of phantom, as `osteon phantom` takes it; static. */
 OST_API const char *ost_phantom_name(ost_phantom_kind kind);
 /* Makes a phantom; options may be NULL. The caller owns *out. */
 OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *options, ost_volume *out,
@@ -63,9 +64,15 @@ typedef struct ost_tool_options {
     ost_tool_part part;
 } ost_tool_options;
 
+/* Returns the name of a kind of tool, as `osteon tool` takes it; static. */
 OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
 /* Returns true for kinds that have a shaft. */
 OST_API bool ost_tool_has_shaft(ost_tool_kind kind);
+/*
+ * Makes the closed mesh of a tool in its own frame: z along the axis, away from the hand. options may
+ * be NULL. Returns OST_ERR_RANGE if a dimension is out of range. The caller frees *out by
+ * ost_mesh_free.
+ */
 OST_API ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err);
 
 #ifdef __cplusplus

@@ -18,7 +18,9 @@ typedef struct ost_picture {
     uint8_t *rgb; /* owned; 3 * width * height */
 } ost_picture;
 
+/* Allocates a picture filled with zeros. On failure it has no pixels and can still be freed. */
 OST_API ost_status ost_picture_init(ost_picture *picture, int width, int height, ost_error *err);
+/* Frees the pixels of a picture, which is then empty. */
 OST_API void ost_picture_free(ost_picture *picture);
 /* Writes the picture as a PNG file. Returns OST_ERR_UNAVAILABLE if built without libpng. */
 OST_API ost_status ost_picture_write_png(const char *path, const ost_picture *picture, ost_error *err);
@@ -37,6 +39,7 @@ typedef struct ost_slices_options {
     int pixels;           /* pixels of the longest side of a slice; 0 = 480 */
     bool unoriented;      /* the directions of the axes in the patient are not known: none are drawn */
 } ost_slices_options;
+/* Draws the slices described above. The caller owns *out. */
 OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before,
                                       const ost_slices_options *options, ost_picture *out, ost_error *err);
 
@@ -59,6 +62,7 @@ typedef struct ost_view_options {
     bool no_legend;       /* neither legend nor scale nor directions are drawn */
     int threads;          /* 0 = one for each processor */
 } ost_view_options;
+/* Draws the view described above. The caller owns *out. */
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
                                     ost_picture *out, ost_error *err);
 

@@ -57,6 +57,7 @@ extern "C" {
 
 #define OST_PLUGIN_ABI 2
 
+/* The result of a slot; every slot that can fail returns one as int32_t. */
 typedef enum ost_plugin_status {
     OST_PLUGIN_OK = 0,
     OST_PLUGIN_USAGE = 1,       /* options or arguments are wrong */
@@ -67,6 +68,7 @@ typedef enum ost_plugin_status {
     OST_PLUGIN_LOST = 6         /* the object's content is unknown from now on */
 } ost_plugin_status;
 
+/* The memory for the text of an error, which the host provides. */
 typedef struct ost_plugin_error {
     uint32_t size;
     uint32_t text_size; /* bytes of text, its NUL included */
@@ -91,12 +93,14 @@ typedef struct ost_plugin_tool_geometry {
 
 /* ---------------------------------------------------------------- import */
 
+/* A sample of a CT. */
 typedef struct ost_plugin_sample { /* its layout of 32 bytes never changes */
     int64_t x_pm, y_pm, z_pm;
     int32_t density;
     uint32_t line; /* counted from the batch's first_line */
 } ost_plugin_sample;
 
+/* A batch of samples. */
 typedef struct ost_plugin_samples {
     uint32_t size;
     int32_t duplicates; /* 0 error, 1 first, 2 last, 3 max: AR-CT-6 */
@@ -124,6 +128,7 @@ typedef struct ost_plugin_mesh {
     const uint32_t *triangles; /* three vertices of each triangle, counter-clockwise from outside */
 } ost_plugin_mesh;
 
+/* The counts of a voxelization; see ost_voxelize_report in backend.h. */
 typedef struct ost_plugin_voxelize_report {
     uint32_t size;
     uint32_t reserved;
@@ -154,6 +159,7 @@ typedef struct ost_plugin_map {
     int32_t box_lo[3], box_hi[3]; /* no voxel outside [lo, hi) can be inside the tool's grid at this pose */
 } ost_plugin_map;
 
+/* An event: the maps of its poses and the density classes (AR-REM). */
 typedef struct ost_plugin_event {
     uint32_t size;
     int32_t map_count; /* >= 1: the poses of a sweep */
@@ -176,6 +182,7 @@ typedef struct ost_plugin_raw_mesh {
     const uint32_t *triangles;  /* three vertices of each triangle */
 } ost_plugin_raw_mesh;
 
+/* A snapped mesh (AR-MESH-3), in memory that the host provides. */
 typedef struct ost_plugin_snapped {
     uint32_t size;
     int32_t fraction_bits;
@@ -184,6 +191,7 @@ typedef struct ost_plugin_snapped {
     uint32_t *triangles;     /* has space for all triangles */
 } ost_plugin_snapped;
 
+/* A pose: quaternion and translation (AR-POSE). */
 typedef struct ost_plugin_pose {
     uint32_t size;
     int32_t q[4]; /* w, x, y, z in 2^-30 */
@@ -222,6 +230,7 @@ typedef struct ost_plugin_report {
     uint64_t touched_voxels; /* active voxels covered only by non-cutting tool voxels */
 } ost_plugin_report;
 
+/* The counts of a bone; see ost_bone_info in backend.h. */
 typedef struct ost_plugin_bone_stats {
     uint32_t size;
     uint32_t reserved;
@@ -237,6 +246,7 @@ typedef enum ost_plugin_resample {
 
 /* ------------------------------------------------------------------ host */
 
+/* The functions and facts that the host provides; valid until the plugin is closed. */
 typedef struct ost_plugin_host {
     uint32_t size;
     uint32_t abi;

@@ -25,11 +25,13 @@ extern "C" {
 
 #define OST_Q30_ONE (INT32_C(1) << 30)
 
+/* A pose: the translation t and the quaternion (qw, qx, qy, qz) / 2^30, not necessarily of unit length. */
 typedef struct ost_pose {
     ost_pm3 t;
     int32_t qw, qx, qy, qz;
 } ost_pose;
 
+/* Returns the pose without translation and rotation. */
 OST_API ost_pose ost_pose_identity(void);
 
 /*

@@ -57,6 +57,7 @@ typedef struct ost_points_options {
     const char *isa;
     int threads;
 } ost_points_options;
+/* Draws the picture described above. The caller owns *out. */
 OST_API ost_status ost_picture_points(const ost_volume *volume, const ost_camera *camera,
                                       const ost_points_options *options, ost_picture *out, ost_error *err);
 

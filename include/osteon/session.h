@@ -36,14 +36,21 @@ extern "C" {
 enum { OST_SESSION_KEY = 41, OST_SESSION_VALUE = 4096, OST_SESSION_KEYS_MAX = 128 };
 typedef struct ost_session_header ost_session_header;
 
+/* Creates an empty header. The caller frees it. */
 OST_API ost_status ost_session_header_create(ost_session_header **out, ost_error *err);
-OST_API void ost_session_header_free(ost_session_header *header); /* NULL is allowed */
+/* Frees a header. NULL is allowed. */
+OST_API void ost_session_header_free(ost_session_header *header);
 /* Sets or replaces a key's value. Returns OST_ERR_RANGE if key or value is not allowed, or there are too many keys. */
 OST_API ost_status ost_session_header_set(ost_session_header *header, const char *key, const char *value,
                                           ost_error *err);
 /* Returns the value, or NULL if there is none. The pointer is valid until header is changed. */
 OST_API const char *ost_session_header_get(const ost_session_header *header, const char *key);
+/* Returns the number of keys of a header. */
 OST_API int ost_session_header_count(const ost_session_header *header);
+/*
+ * Returns key and value of an index in the order in which they were set; valid until the header is
+ * changed or freed.
+ */
 OST_API void ost_session_header_entry(const ost_session_header *header, int index, const char **key,
                                       const char **value);
 
@@ -74,6 +81,7 @@ typedef struct ost_session_tick {
 } ost_session_tick;
 
 enum { OST_SESSION_TEXT = 104 };
+/* A line of text at a time, for instance a fault. */
 typedef struct ost_session_note {
     int64_t t_ns;
     char text[OST_SESSION_TEXT]; /* one line; truncated if longer */
@@ -86,8 +94,10 @@ typedef struct ost_session_end {
     ost_digest root; /* the bone's digest at the end */
 } ost_session_end;
 
+/* The kind of a record. */
 typedef enum ost_record_kind { OST_RECORD_TICK = 1, OST_RECORD_NOTE = 2, OST_RECORD_END = 3 } ost_record_kind;
 
+/* A record of a session; kind selects the member of as. */
 typedef struct ost_record {
     ost_record_kind kind;
     union {
@@ -122,14 +132,18 @@ typedef struct ost_session ost_session;
  * reported in the summary.  A session can be read while it is being written.
  */
 OST_API ost_status ost_session_open(const char *path, ost_session **out, ost_error *err);
-OST_API void ost_session_close(ost_session *session); /* NULL is allowed */
+/* Closes a session. NULL is allowed. */
+OST_API void ost_session_close(ost_session *session);
+/* Returns the header of an open session; valid until it is closed. */
 OST_API const ost_session_header *ost_session_header_of(const ost_session *session);
+/* Returns the summary of an open session; valid until it is closed. */
 OST_API const ost_session_summary *ost_session_summary_of(const ost_session *session);
 /* Reads the next valid record; *more is false after the last. Records are in their order; missing ones are skipped. */
 OST_API ost_status ost_session_next(ost_session *session, ost_record *out, bool *more, ost_error *err);
+/* Makes ost_session_next return the first tick again. */
 OST_API void ost_session_rewind(ost_session *session);
-/* Writes one sentence for each kind of missing data into text; "" if nothing is missing. Returns text. */
 enum { OST_SESSION_MISSING = 512 };
+/* Writes one sentence for each kind of missing data into text; "" if nothing is missing. Returns text. */
 OST_API const char *ost_session_missing(const ost_session *session, char text[OST_SESSION_MISSING]);
 
 /* Returns the ticks that can be replayed (complete_ticks) as a path. The caller frees it. */

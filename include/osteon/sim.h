@@ -37,7 +37,8 @@ enum { OST_WORLD_TOOLS_MAX = 16 };
 
 /* Creates a world. The bone and the tools are borrowed and must outlive it. options is copied and may be NULL. */
 OST_API ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err);
-OST_API void ost_world_free(ost_world *world); /* NULL is allowed */
+/* Frees a world; the bone and the tools remain. NULL is allowed. */
+OST_API void ost_world_free(ost_world *world);
 /*
  * Adds a tool and returns its index, counted from 0, at most OST_WORLD_TOOLS_MAX in all.  The name is copied.
  * OST_ERR_USAGE or OST_ERR_RANGE if the tool cannot be used with the bone (AR-MAP-2).
@@ -106,7 +107,9 @@ typedef struct ost_world_totals {
     uint64_t removed_by_class[OST_CLASS_MAX];
     int64_t density_by_class[OST_CLASS_MAX];
 } ost_world_totals;
+/* Copies the totals since the world was created. */
 OST_API void ost_world_totals_get(const ost_world *world, ost_world_totals *out);
+/* Returns the world's density classes; valid until it is freed. */
 OST_API const ost_density_classes *ost_world_classes(const ost_world *world);
 
 /* ----------------------------------------------------- checks before an operation */
@@ -136,11 +139,12 @@ typedef struct ost_glenoid {
     bool left;
 } ost_glenoid;
 
+/* The side of the body of a glenoid. */
+typedef enum ost_side { OST_SIDE_UNKNOWN, OST_SIDE_LEFT, OST_SIDE_RIGHT } ost_side;
 /*
  * Returns the side that an inward axis implies.  A glenoid faces laterally: the inward axis of a left one points to the
  * patient's right, and vice versa.  Returns OST_SIDE_UNKNOWN within 15 degrees of the sagittal plane.
  */
-typedef enum ost_side { OST_SIDE_UNKNOWN, OST_SIDE_LEFT, OST_SIDE_RIGHT } ost_side;
 OST_API ost_side ost_side_of_axis(const double axis[3]);
 /*
  * Determines the side: the stated one, or that of the axis if stated is OST_SIDE_UNKNOWN.  OST_ERR_INPUT if the two
@@ -163,6 +167,7 @@ OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, os
  */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 
+/* The built-in paths on a glenoid. */
 typedef enum ost_builtin {
     OST_BUILTIN_PEG_HOLE,
     OST_BUILTIN_GLENOID_REAM,
@@ -170,8 +175,9 @@ typedef enum ost_builtin {
     OST_BUILTIN_GLENOID_PRESS,
     OST_BUILTIN_COUNT
 } ost_builtin;
+/* Returns the name of a built-in path, as `--path builtin:NAME` takes it; static. */
 OST_API const char *ost_builtin_name(
-    ost_builtin which); /* "peg-hole", "glenoid-ream", "glenoid-slow", "glenoid-press" */
+    ost_builtin which);
 
 /*
  * Makes a built-in path of 1 kHz ticks of a hand (OST_RPM_OF_DEVICE): approach, advance along the axis, dwell, retreat.

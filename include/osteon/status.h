@@ -52,6 +52,7 @@ extern "C" {
     X(OST_ERR_CANCELLED, 2, "cancelled")                     \
     X(OST_ERR_INTERNAL, 2, "defect in osteon")
 
+/* The result of a function that can fail. */
 typedef enum ost_status {
 #define OST_STATUS_ENUM(name, exit_status, text) name,
     OST_STATUS_LIST(OST_STATUS_ENUM)

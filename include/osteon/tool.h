@@ -18,6 +18,7 @@ extern "C" {
 
 enum { OST_TOOL_VOID = 0, OST_TOOL_CUTTING = 1, OST_TOOL_NONCUTTING = 2 };
 
+/* A tool grid in host memory, one byte a voxel. */
 typedef struct ost_tool_volume {
     ost_tool_geometry geometry;
     ost_meta meta;
@@ -26,6 +27,7 @@ typedef struct ost_tool_volume {
 
 /* Allocates a tool grid filled with zeros (void). */
 OST_API ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *geometry, ost_error *err);
+/* Frees the voxels of a tool volume, which is then empty. */
 OST_API void ost_tool_volume_free(ost_tool_volume *tool);
 /* Returns the number of voxels of one class. */
 OST_API int64_t ost_tool_volume_count(const ost_tool_volume *tool, uint8_t tool_class);
