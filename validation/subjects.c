@@ -260,7 +260,7 @@ static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *lis
 ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err)
 {
     *out = (subject_list){0};
-    snprintf(out->no_opencl, sizeof out->no_opencl, "it was not asked for");
+    snprintf(out->no_opencl, sizeof out->no_opencl, "it was not selected");
     ost_status status = add(out, "ref", "the scalar reference", err) ? OST_OK : OST_ERR_MEMORY;
     if (!wanted || strcmp(wanted, "cpu") == 0)
         status = status == OST_OK ? add_dense(out, err) : status;

@@ -140,7 +140,7 @@ static void deviations(FILE *to, const json_t *protocol, const json_t *cases, co
     const json_t *list = json_object_get(summary, "not_shown");
     (void)protocol;
     (void)cases;
-    fputs("id,not shown\n", to);
+    fputs("id,what was not shown\n", to);
     for (size_t i = 0; i < json_array_size(list); i++) {
         fprintf(to, "D%zu,", i + 1);
         put_csv(to, json_string_value(json_array_get(list, i)), '\n');
