@@ -14,7 +14,7 @@ static const struct {
 } families[PLAN_FAMILIES] = {
     [PLAN_IMPORT] = {"import", "random CTs: scatter, resampling, chunks", {8, 48, 240}, 0},
     [PLAN_MESH] = {"mesh", "tools from simple to hostile meshes", {8, 48, 240}, 0},
-    [PLAN_POSES] = {"poses", "unrelated poses, borders and quarter turns", {4, 24, 120}, 0},
+    [PLAN_POSES] = {"poses", "unrelated poses, borders and quarter turns", {5, 24, 120}, 0},
     [PLAN_SWEEP] = {"sweep", "fast motion, many poses an event", {2, 12, 60}, 0},
     [PLAN_SESSION] = {"session", "slow cutting with changes of tool", {2, 8, 40}, 0},
     [PLAN_OPERATION] = {"operation", "the built-in peg hole and reaming", {1, 2, 4}, 0},

@@ -113,6 +113,8 @@ static ost_status add_tools(scene *s, draw *d, int count, ost_pm least, ost_pm m
 
 static ost_status make_poses(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
+    if (c->number == 4)
+        return scene_corners(s, d, err);
     ost_status status = make_bone(s, d, c->tier == PLAN_SMOKE ? 48 : 80, err);
     if (status == OST_OK)
         status = add_tools(s, d, 3, 3000 * UM, 24000 * UM, err);

@@ -28,6 +28,9 @@ ost_status scene_steps(scene *s, draw *d, int number, ost_error *err);
 /* Makes case `number` of the family PLAN_REACH (scene_reach.c). */
 ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
 
+/* Makes poses at which the corner of a cube of 8^3 voxels lies just within a tool of one voxel (scene_corner.c). */
+ost_status scene_corners(scene *s, draw *d, ost_error *err);
+
 /* Make two kinds of cases of PLAN_REACH (scene_lone.c): chunks with one column of active voxels; a bone without any. */
 ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err);
 ost_status scene_emptied(int kind, scene *s, draw *d, ost_error *err);

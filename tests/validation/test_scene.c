@@ -48,7 +48,9 @@ static void campaigns(void **state)
         /* computed by a program of its own from draw.h, the description of the case and the order of scene_digest */
         {PLAN_SMOKE, "import/7", 99, "dd2f0af38ef77641aa8732c2118c60c104c4f61c4ad7f1bc6aca6b3853c0427c"},
         {PLAN_SMOKE, "mesh", 99, "e0382851553eae28b444416d254a92e9df2c634bd5451522f75894491442f8f9"},
-        {PLAN_SMOKE, "poses", 99, "8b022b3f72300c358b762a4a6688c9f564a2b1d739326970d805e9854c560fa9"},
+        {PLAN_SMOKE, "poses", 4, "8b022b3f72300c358b762a4a6688c9f564a2b1d739326970d805e9854c560fa9"},
+        /* computed likewise */
+        {PLAN_SMOKE, "poses/4", 99, "140b34ba992cc48acf44abc5c197276580ba6f0736613133e7aae15a3f9ea323"},
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
@@ -201,6 +203,78 @@ static void drifting_samples(void **state)
     scene_free(&s);
 }
 
+/* Computes a position in tool coordinates, in voxels, of a tool whose grid has its corner at 0. */
+static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], double out[3])
+{
+    const ost_pose *p = &tick->pose;
+    const double w = (double)p->qw, v[3] = {-(double)p->qx, -(double)p->qy, -(double)p->qz},
+                 r[3] = {(double)(at[0] - p->t.x), (double)(at[1] - p->t.y), (double)(at[2] - p->t.z)},
+                 norm = w * w + v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    double once[3];
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        once[a] = v[b] * r[c] - v[c] * r[b] + w * r[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        out[a] = (r[a] + 2 * (v[b] * once[c] - v[c] * once[b]) / norm) / (double)voxel;
+    }
+}
+
+/*
+ * poses/4: a corner of the cube [8, 16)^3 is the last voxel of the cube's diagonal in a tool of one
+ * voxel; the cube's radius R is above the distance of its middle's cell of 2^3 tool voxels from the
+ * tool, and below that distance rounded up to eighths.
+ */
+static void corners_of_cubes(void **state)
+{
+    static const int32_t squares[] = {34, 20, 26, 30};
+    ost_error err = {0};
+    plan_case c;
+    scene s;
+    (void)state;
+    assert_true(plan_find(PLAN_SMOKE, 1, "poses/4", NULL, &c));
+    assert_ok(scene_make(&c, &s, &err));
+    assert_int_equal(s.tool_count, 4);
+    assert_int_equal((int)s.path.count, 4);
+    for (int i = 0; i < 4; i++) {
+        const ost_tool_geometry *tool = &s.tools[i].cutting.grid;
+        const ost_pm3 o = s.rect.origin;
+        const double ratio = (double)s.cubic / (double)tool->voxel, squared = 3 * 3.5 * 3.5 * ratio * ratio;
+        double middle[3], at[3];
+        assert_true(tool->dims.x == 1 && tool->dims.y == 1 && tool->dims.z == 1);
+        assert_true(tool->corner.x == 0 && tool->corner.y == 0 && tool->corner.z == 0);
+        assert_true(ratio > 0.5 && ratio <= 1);
+        in_tool(&s.path.ticks[i], tool->voxel,
+                (const ost_pm[]){o.x + s.cubic * 23 / 2, o.y + s.cubic * 23 / 2, o.z + s.cubic * 23 / 2}, middle);
+        int64_t square = 0;
+        for (int a = 0; a < 3; a++) {
+            int64_t cell = 2 * (int64_t)(middle[a] / 2); /* its first tool voxel */
+            cell -= middle[a] < (double)cell ? 2 : 0;
+            const int64_t gap = cell > 0 ? cell - 1 : cell < 0 ? -(cell + 2) : 0;
+            square += gap * gap;
+        }
+        assert_int_equal(square, squares[i]);
+        int eighths = 0;
+        while (eighths * eighths < 64 * square)
+            eighths++;
+        assert_true(squared > (double)square + 0.01 && 64 * squared < (double)(eighths * eighths) - 0.01);
+        int inside = 0;
+        for (int corner = 0; corner < 8; corner++) {
+            in_tool(&s.path.ticks[i], tool->voxel,
+                    (const ost_pm[]){o.x + s.cubic * (corner & 1 ? 15 : 8), o.y + s.cubic * (corner & 2 ? 15 : 8),
+                                     o.z + s.cubic * (corner & 4 ? 15 : 8)},
+                    at);
+            bool in = true;
+            for (int a = 0; a < 3; a++)
+                in = in && at[a] > 0.001 && at[a] < 0.999;
+            inside += in;
+        }
+        assert_int_equal(inside, 1);
+    }
+    scene_free(&s);
+}
+
 /* Tests the purpose of each case of the family `reach`; the numbers are those of its description. */
 static void reach_has_what_it_is_for(void **state)
 {
@@ -344,6 +418,7 @@ int main(void)
         cmocka_unit_test(small_bones_are_fetched_whole),
         cmocka_unit_test(ratios_decide_a_voxel),
         cmocka_unit_test(drifting_samples),
+        cmocka_unit_test(corners_of_cubes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
