@@ -372,6 +372,7 @@ static void a_tool_of_an_odd_voxel(void **state)
     char *file = read_all(at("odd.nrrd"), &size);
     assert_non_null(strstr(file, "space origin: (-0.0004999995,0.0005000005,2.0005000005)\n"));
     assert_non_null(strstr(file, "osteon_tool_corner_mm:=-0.001 0 2\n"));
+    assert_non_null(strstr(file, "encoding: gzip\n"));
     free(file);
     ost_tool_volume back;
     assert_ok(ost_tool_volume_read(at("odd.nrrd"), &back, &err));
@@ -401,9 +402,17 @@ static void foreign_tools(void **state)
     assert_int_equal(tool.geometry.corner.z, pm("2.75"));
     assert_int_equal(tool.voxels[1], OST_TOOL_NONCUTTING);
     ost_tool_volume_free(&tool);
+    /* A corner that is 1 pm (1e-9 mm) away from origin - voxel / 2 is used; 2 pm away it is refused below. */
+    write_tool("type: uint8\nspacings: 1 1 1\nosteon_tool_corner_mm:=-0.500000001 -0.499999999 -0.5\n", "1 2");
+    assert_ok(ost_tool_volume_read(at("t.nrrd"), &tool, &err));
+    assert_int_equal(tool.geometry.corner.x, -500000001);
+    assert_int_equal(tool.geometry.corner.y, -499999999);
+    ost_tool_volume_free(&tool);
     static const struct {
         const char *fields, *values, *words;
     } bad[] = {
+        {"type: uint8\nspacings: 1 1 1\nosteon_tool_corner_mm:=-0.500000002 -0.5 -0.5\n", "1 1", "half a voxel before"},
+        {"type: uint8\nspacings: 1 1 1\nosteon_tool_corner_mm:=-0.5 -0.5 -0.499999998\n", "1 1", "half a voxel before"},
         {"type: uint8\nspacings: 1 1 1\n", "1 3", "voxel (1, 0, 0) is 3"},
         {"type: int16\nspacings: 1 1 1\n", "1 1", "uint8"},
         {"type: uint8\nspacings: 1 1 0.5\n", "1 1", "cubic"},

@@ -387,7 +387,7 @@ static void broken_bytes_are_told_where(void **state)
 {
     (void)state;
     static bytes b;
-    const float nan_value = __builtin_nanf("");
+    const float nan_value = __builtin_nanf(""), infinite = -__builtin_inff();
     const uint32_t huge = 4000000000u;
     static const struct {
         int which;
@@ -396,6 +396,7 @@ static void broken_bytes_are_told_where(void **state)
     } rows[] = {
         {0, 80, "byte 80: the header states 4000000000 triangles"},
         {0, 84 + 50 * 7 + 12 + 16, "byte 462: triangle 7 has a coordinate that is not a number"},
+        {0, 84 + 50 * 7 + 12 + 16, "byte 462: triangle 7 has a coordinate that is infinite"},
         {10, 2, "byte 2: the header states 4000000000 bytes"},
         {10, 8, "byte 6: a chunk whose size"},
         {10, 36, "byte 36: a coordinate that is no finite number"},
@@ -405,7 +406,8 @@ static void broken_bytes_are_told_where(void **state)
         ost_mesh mesh;
         make_file(rows[i].which, &b);
         const bool number = strstr(rows[i].says, "coordinate") != NULL;
-        memcpy(b.at + rows[i].at, number ? (const void *)&nan_value : (const void *)&huge, 4);
+        const float *value = strstr(rows[i].says, "infinite") ? &infinite : &nan_value;
+        memcpy(b.at + rows[i].at, number ? (const void *)value : (const void *)&huge, 4);
         ost_status status = ost_mesh_read(scratch_write(folder, names[rows[i].which], b.at, b.size), OST_UNIT_AUTO,
                                           &mesh, NULL, &err);
         assert_int_equal(status, OST_ERR_INPUT);
