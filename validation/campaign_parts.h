@@ -75,14 +75,15 @@ void batch_free(batch *b);
 
 /* Starts a worker for a backend's remaining cases in a batch. */
 ost_status runner_start(runner *r, int number, int subject_index, ost_error *err);
-/* Reads the trace of the worker in slot `which`, which ended as *end says, and frees the slot. */
+/* Reads the trace of the worker in slot `which` after the worker ended with the result *end, and frees the slot. */
 ost_status runner_ended(runner *r, int which, const worker_result *end, ost_error *err);
 
 /* ---- campaign_results.c */
 
 /* Enters the results of the reference. Fails if the reference did not finish, since nothing can be compared then. */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
-/* Enters the verdicts of a backend's trace and, if its worker ended prematurely, of the case in which it ended. */
+/* Enters the verdicts of the cases in a backend's trace. If its worker ended prematurely, also enters the verdict of
+   the case in which it ended. */
 ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end,
                               ost_error *err);
 /* Judges cases [from, until) of a backend's trace; *judged receives the number of them that the trace has complete. */

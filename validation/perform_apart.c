@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs stages apart: replaces the backend's results by the reference's. */
+/* Runs each stage separately: replaces the backend's results by the reference's, which are the next stage's input. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>

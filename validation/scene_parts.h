@@ -43,9 +43,9 @@ ost_status scene_emptied(int kind, scene *s, draw *d, ost_error *err);
 ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, ost_error *err);
 
 /*
- * Adds two closed plates, 32 voxels apart along x, and between them a box that
- * does not cut and lacks a face: its rows leak and pass through both plates.
- * Some triangles have their corners on one line.
+ * Adds two closed plates, 32 voxels apart along x, and between them a non-cutting
+ * box without one of its faces: its rows leak, and they pass through both plates.
+ * The corners of some triangles are collinear.
  */
 ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 

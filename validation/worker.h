@@ -18,9 +18,9 @@
 
 #include "validation/plan.h"
 
-/* Called in the worker. Runs cases [from, to) of the plan on the backend of this spec; lines about failed stages go
-   to stderr. given: the reference's trace of these cases, whose grids every stage gets as input (perform_apart);
-   NULL: each stage gets the result of the one before it. */
+/* Called in the worker. Runs cases [from, to) of the plan on the backend of this spec; writes a line to stderr for
+   each stage that fails. If given is not NULL, it is the reference's trace of these cases, and its grids are the input
+   of every stage (perform_apart); otherwise the input of a stage is the result of the previous one. */
 ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given,
                       ost_error *err);
 

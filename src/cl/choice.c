@@ -20,7 +20,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Limits on what is listed; a driver that reports more is defective. */
+/* Limits on the number of platforms and devices; a driver that reports more is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
 /* Removes blanks at both ends and replaces control characters by '?'. */

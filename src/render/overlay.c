@@ -24,7 +24,7 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/* depth in voxels by which a line may lie below a surface and still count as in front */
+/* greatest depth in voxels below a surface at which a line still counts as in front of it */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Pictures as PNG, in memory and on disk, by libpng.
- *
- * The file contains nothing but the pixels (no time, no program's name), so equal pictures give
- * equal files.  Writing to disk is done by io: write_file is the only function here that writes
- * a file.
+ * A file contains only the pixels, neither a time nor the name of a program, so equal pictures
+ * give equal files.  write_file is the only function here that writes to disk; it uses io.
  */
 #include <errno.h>
 #include <setjmp.h>

@@ -35,8 +35,8 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 }
 
 /*
- * Returns the tool's grid. A tool's origin is a corner of its grid, a bone's is the middle of the
- * first voxel; a rounding by half a picometre is not visible.
+ * Returns the tool's grid as the geometry of a bone: its origin is the middle of the first voxel,
+ * not the grid's corner. Half a voxel is rounded down to picometres, which is not visible.
  */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {

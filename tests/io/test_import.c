@@ -293,7 +293,7 @@ static void the_result_tells_all(void **state)
     ost_bone_free(bone);
 }
 
-/* Returns the rule by which a file is resampled, and checks the fact that its bone's header holds about it. */
+/* Returns the rule by which a file is resampled, and checks that the bone's header states this rule. */
 static ost_resample rule_of(const char *path, const ost_import_options *options, const char *fact)
 {
     ost_error err = {0};
@@ -441,7 +441,7 @@ static void positions_off_the_lattice(void **state)
                "refused.txt:4: y = 1.376 lies 0.376 voxels off the lattice of 1 mm from 0 mm; expected at most 3/8"));
 }
 
-/* A few samples that are far apart must not allocate the complete memory. */
+/* A text of a few samples that are far apart is refused before memory for the grid between them is allocated. */
 static void sparse_texts_are_refused(void **state)
 {
     (void)state;

@@ -398,7 +398,7 @@ static void oblique(void **state)
     ost_volume_free(&v);
 }
 
-/* Without libnifti the file's kind is still recognized, and the error says what to install. */
+/* Without libnifti the file's kind is still recognized, and the error names the package to install. */
 static void without_libnifti(void **state)
 {
     (void)state;

@@ -272,7 +272,6 @@ static int next_turn(void)
 /*
  * Reads the text both ways and imports it; the import's error must be that of the two passes.
  * Returns true if the text was accepted as a scan.
- * Returns whether it was taken for a scan.
  */
 static bool compare(ost_backend *backend, const text *t, ost_pm3 given, test_rng *rng)
 {

@@ -104,7 +104,7 @@ static void make(ost_viewer *v, const ost_volume *bone, ost_isa isa, int threads
     ost_tool_volume_free(&tool);
 }
 
-/* Makes one random change of those that are possible between two frames. */
+/* Makes one random change of the kinds that can occur between two frames. */
 static void change(ost_viewer *v, ost_volume *bone, test_rng *rng, ost_camera *camera)
 {
     ost_error err = {0};

@@ -28,8 +28,8 @@ static size_t index_of(int i, int j, int k)
 }
 
 /*
- * Makes a bone of many densities, with rounded corners and pores. *after is the same bone, from
- * which a cylinder along x is cut, from i = 46 to the end.
+ * Makes a bone of many densities, with rounded corners and pores. *after is the same bone after a
+ * cylinder along x, from i = 46 to the end, has been removed.
  */
 static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
 {

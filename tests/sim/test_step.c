@@ -236,7 +236,7 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
         /* A peg of 2 x 2 x 6 mm about x = 30.5, 31, 31.5 and 32: centres with 29.5 <= x < 33. */
         assert_int_equal(r.report->total_voxels, 3 * 2 * 6);
         assert_int_equal(step(&l, motor_at(4, 200, 32000)).removal, !period);
-        /* The sweep of a tool that is taken up with its motor off begins there, too. */
+        /* If a tool is selected while its motor is off, its sweep also begins at that pose. */
         ost_tick other = tick_at(5, 1, 20000, 10000, 5000);
         other.rpm = 0;
         assert_false(step(&l, other).removal);

@@ -202,7 +202,7 @@ static void of_tools(void **state)
                 p->a[at(x, y, z)] = x < 16 ? 1 : 2;
             }
     looks_like(&v, PATTERN_TOOL_CLASS, "solid and not cutting");
-    /* A part that does not cut lies in the ball; where the ball's row is missing, the part shows. */
+    /* The ball contains a non-cutting part, which becomes visible where a row of the ball is missing. */
     for (int i = 0; i < N * N * N; i++)
         p->a[i] = p->b[i] = p->a[i] != 0;
     for (int y = 12; y < 14; y++)
@@ -254,8 +254,8 @@ static const char *class_of(const deviation *how, const scene *s, const trace *r
 }
 
 /*
- * Tests each class with a backend that makes the mistake; `or` are the classes to which a few
- * voxels of it may be assigned instead.
+ * Tests each class with a backend that makes the mistake; `or` lists the classes that a difference
+ * of only a few voxels may have instead.
  */
 static void by_mistake(void **state)
 {
@@ -403,7 +403,7 @@ static void operands_decide(void **state)
     assert_true(solid > 10 && removed > 10 && kept > 10);
 }
 
-/* For every voxel that an event removes the operands must say that it is removed. */
+/* For every voxel that an event removes, the operands must lead to its removal. */
 static void removal_operands(void **state)
 {
     (void)state;

@@ -23,7 +23,8 @@ typedef struct derivation {
     bundle_problem *problem;
     void *user;
     int *found;
-    char other_build[160]; /* "; ..." if another build made the bundle: its files may differ; else "" */
+    /* a note that begins with "; " if another build made the bundle, whose files may then differ; otherwise "" */
+    char other_build[160];
 } derivation;
 
 static void report_problem(const derivation *d, bundle_problem_kind kind, const char *name, const char *text)
@@ -52,8 +53,8 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
     return OST_OK;
 }
 
-/* Stores a note in d if another build made the bundle. Files are derived again as this build does it, so those of
-   another build may differ without being forged. */
+/* Stores a note in d if another build made the bundle. This build derives the files by its own rules, so the files
+   of another build may differ without being forged. */
 static ost_status compare_builds(derivation *d, ost_error *err)
 {
     json_t *tools;

@@ -19,7 +19,7 @@
 #include <jansson.h>
 #include <osteon/status.h>
 
-/* The value of "what" for a difference in which only one bundle has a record. */
+/* value of "what" in a difference if only one of the bundles has the record */
 #define DIFFERENCE_NO_RECORD "one of them has no such record"
 
 /*

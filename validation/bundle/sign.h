@@ -8,8 +8,7 @@
  *   time-stamping authority (RFC 3161), optional -----> the same name followed by .tsr
  *
  * Except for the signer's claims (name, meaning, time), a statement is derived from the bundle, so
- * verification derives it again
- * and compares the two.  A key is identified by
+ * verification derives it again and compares the two.  A key is identified by
  * its fingerprint: SHA-256 of the DER form of the public key.
  */
 #ifndef OST_VALIDATION_SIGN_H

@@ -56,7 +56,7 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
 bool steps_reaches(const ost_map *map, const ost_geometry *bone, const ost_tool_geometry *tool,
                    const ost_voxel_box *bounds);
 
-/* Computes AR-MOTOR-7 for a path whose rows are a device's. The caller frees out with ost_path_free. */
+/* Computes AR-MOTOR-7 for a path whose rows are poses of the hand. The caller frees out with ost_path_free. */
 ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, ost_error *err);
 
 /* The state from which events are determined: the ticks that were not refused, and the beginning of each tool's next

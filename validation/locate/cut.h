@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parts of a generated scene that are kept, by which a case that shows a
- * difference is made small.  A case file (case_file.h) contains them.
+ * The parts of a generated scene that are retained when a case that shows a
+ * difference is reduced.  A case file (case_file.h) lists them.
  *
  *   scene of a case --scene_cut_apply--> the same with fewer samples, a part of the grid, fewer tools, triangles, ticks
  *

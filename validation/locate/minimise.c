@@ -299,8 +299,8 @@ static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
     return true;
 }
 
-/* Applies delta debugging to one list: halves, quarters, ... are omitted, or kept alone. `which` returns the list in
-   a cut. */
+/* Applies delta debugging to one list: tries to retain only one half, quarter, ... of it, or to omit one. `which`
+   returns the list in a cut. */
 static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut *cut, int tool), int tool,
                             ost_error *err)
 {
@@ -318,7 +318,7 @@ static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut
         bool found = false;
         if (hi - lo < 2 || step == 0)
             break;
-        for (uint32_t pass = 0; pass < 2; pass++) /* first one part alone, which is smaller than all parts but one */
+        for (uint32_t pass = 0; pass < 2; pass++) /* first retains one part, which is smaller than omitting one */
             for (uint32_t from = lo; from < hi; from += step) {
                 scene_cut cut = j->best->cut;
                 const uint32_t to = hi - from < step ? hi : from + step;

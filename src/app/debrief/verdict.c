@@ -12,7 +12,7 @@
 #define AIM_WALL_MM 2.0
 #define AIM_OVER_MM3 20.0
 #define AIM_CONTACT 90.0
-#define FAR_TIMES 8.0 /* a figure of so many aims is far off the plan; so is an open wall */
+#define FAR_TIMES 8.0 /* multiple of its aim from which on a figure is far off the plan; an open wall is so too */
 
 const char *const verdict_grades[VERDICT_GRADES] = {"As planned", "Near the plan", "Off the plan", "Far off the plan"};
 

@@ -83,8 +83,9 @@ ost_status diff_bundles(const app_state *app, const char *a, const char *b, int6
    densities of A. */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                         ost_error *err);
-/* Draws the surface of B around `busiest`, along the glenoid's axis if B's file has it, else toward the
-   bone's middle. Needs diff_has_view: both are bones or CTs on one grid of cubes, and B lacks voxels of A. */
+/* Draws the surface of B around `busiest`. The view is along the glenoid's axis if B's file contains it,
+   otherwise toward the bone's middle. diff_has_view must be true: both are bones or CTs on one grid of
+   cubes, and voxels of A are missing from B. */
 ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                      ost_error *err);
 bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);

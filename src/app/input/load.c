@@ -276,7 +276,7 @@ static int32_t threshold_of(const ost_meta *meta)
     return THRESHOLD;
 }
 
-/* Loads a CT given as text by an import, whose memory is bounded by the grid. */
+/* Loads a CT given as text by importing it, because the memory of an import is bounded by the grid. */
 static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
     ost_backend *backend = NULL;

@@ -96,7 +96,7 @@ static ost_status session_path(const app_state *app, const char *name, ost_path 
 static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count,
                             const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err)
 {
-    /* A file whose kind cannot be found, such as a pipe, is read as text. */
+    /* If the kind of a file cannot be determined, as for a pipe, the file is read as text. */
     ost_file_kind kind;
     const bool known = ost_file_kind_find(name, &kind, NULL) == OST_OK;
     ost_path_report report = {0};

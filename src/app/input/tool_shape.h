@@ -15,8 +15,8 @@
 
 typedef struct tool_shape {
     double tip_mm[3];     /* in the tool's frame */
-    /* a reamer from 16 mm width on; narrower, a drill if at least twice as long as wide, else
-       another tool */
+    /* a reamer if at least 16 mm wide; otherwise a drill if at least twice as long as wide;
+       otherwise another tool */
     ost_metrics_tool is;
 } tool_shape;
 

@@ -80,7 +80,7 @@ static ost_status open_other(const app_state *app, const replay *here, replay *o
     return status;
 }
 
-/* Replays the session on both backends from the beginning and compares the bones after so many ticks. */
+/* Replays this number of ticks of the session from its beginning on both backends, and compares the bones. */
 static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_difference *difference,
                                ost_error *err)
 {

@@ -313,7 +313,7 @@ static bool apart(const sim_hud_box *a, const sim_hud_box *b)
            b->y >= a->y + a->height;
 }
 
-/* Returns box if it is within the frame and overlaps none of those placed before, else an empty box. */
+/* Returns box if it is within the frame and overlaps none of the boxes in before, otherwise an empty box. */
 static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_box *const *before, int count)
 {
     bool available = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width &&

@@ -138,8 +138,8 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
     w->s = s;
     char title[MESSAGE];
     snprintf(title, sizeof title, "osteon sim: %.100s", args->bone);
-    /* Otherwise Mesa's software renderer would create a thread for every processor, on those that
-       the servo loop leaves free. */
+    /* Without this setting, Mesa's software renderer creates one thread for every processor, and they
+       run on the processors that the servo loop leaves free. */
     setenv("LP_NUM_THREADS", "0", 0);
     ost_status status = ost_window_open(title, args->width, args->height, &w->window, err);
     if (status != OST_OK)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon devices: lists what is available here, and the reason for each part that is not.
+ * osteon devices: lists backends, renderers and devices, and the reason for each that is not available.
  */
 #include "config.h"
 

@@ -117,7 +117,7 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
     return status;
 }
 
-/* Sets the uncut surface from the bone of --before, or without it from the bone as it is. */
+/* Sets the uncut surface from the bone of --before, or from the bone itself if --before is not given. */
 static ost_status add_uncut(const app_state *app, const render_args *args, drawing *d, const ost_glenoid *glenoid,
                             bool known, ost_error *err)
 {

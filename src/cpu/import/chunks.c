@@ -55,7 +55,8 @@ typedef struct task {
     int slices; /* slices of the layer that lie in the grid */
     size_t row[2 * N_MAX]; /* source rows of all y, in ascending order, without duplicates */
     int rows, first[N_MAX / 4]; /* count of row[]; per four y: index of the first row that no earlier y has */
-    /* Source slices of the layer, and those of the next layer that are new; ascending without repetition. */
+    /* Source slices of the layer, and those of the next layer that are new, both in ascending order, without
+       duplicates. */
     size_t source[SLICES], ahead[SLICES];
     int sources, aheads;
     /* With weights, per four y: all source rows of the layer, as offsets in the store. */

@@ -10,13 +10,13 @@
  *                 qform if its code is > 0, else sform if its code is > 2,
  *                 else only pixdim with origin 0: a file without orientation.
  *                 (Codes above 2 lead to a template brain, not to the patient's
- *                 size.)  A sform and a qform that both lead to the patient
+ *                 size.)  An sform and a qform that both lead to the patient
  *                 must agree to within a voxel, unless the caller chooses one
  *   lengths       xyzt_units m, mm or um; none means mm.  A float32 stands for
- *                 the shortest decimal that reads back as it (of its value in mm)
- *   spacing       for an axis that runs exactly along R, A or S by sform: that
- *                 component; for one within 1/1000 of it (a quaternion's noise):
- *                 pixdim, if the lengths agree to 1/10000
+ *                 the shortest decimal that rounds to the same float32 (AR-LEN-4)
+ *   spacing       for an axis that runs exactly along R, A or S: the component
+ *                 of the sform; for an axis within 1/1000 of R, A or S (the
+ *                 noise of a quaternion): pixdim, if the lengths agree to 1/10000
  *   values        times slope plus intercept; a slope of 0, NaN or infinity
  *                 means none
  *

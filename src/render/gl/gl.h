@@ -33,7 +33,7 @@ typedef struct ost_gl_variant {
     bool frustum;     /* only blocks in view */
     bool facing;      /* only points with a face toward the eye */
     bool order;       /* near blocks first */
-    bool occlusion;   /* only cells of 8^3 voxels that no others hide; needs frustum, no true_depth, OST_GL_COMPACT */
+    bool occlusion;   /* only cells of 8^3 voxels that are not hidden; needs frustum, no true_depth, OST_GL_COMPACT */
     /* OpenGL computes the depths of tiles for occlusion even if it is software, as on a graphics card */
     bool tiles;
     bool tight;       /* a point covers its cube's bounding rectangle, clipped to the frame; else its sphere's square */

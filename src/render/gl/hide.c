@@ -9,7 +9,7 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* the search pays off if at least one in so many cells is hidden */
+    WORTH = 8,  /* the search pays off if at least one cell in WORTH is hidden */
     PAUSE = 8, /* frames until the next search if the last one did not pay off */
 };
 

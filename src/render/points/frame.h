@@ -125,7 +125,7 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
 /* Frees the frame's memory; a zeroed frame is valid. */
 void ost_frame_free(ost_frame *frame);
 
-/* Stores the keys of the first layer in the planes of later frames, from which a pixel's voxel can be found. */
+/* Stores the keys of the first layer in the planes of later frames; they identify the voxel of each pixel. */
 ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
 /* Enables redrawing only the parts that differ, for frames in which only some blocks changed since the last one. */

@@ -204,8 +204,8 @@ static void add_parts(const ost_cells *cells, const ost_frame_layer *layer, int3
 
 /*
  * Sets frame->part to the cells that changed blocks may cover, before or after the change.  A
- * block that was hidden has no list, and none of it was visible; the voxels that hid it are
- * still there, or are themselves in the part.
+ * block that was hidden has no list and adds no cells: the voxels that hid it either still hide
+ * it, or have changed, and their cells are then in the part.
  */
 static void find_part(ost_frame *frame, const ost_frame_layer *layer)
 {

@@ -7,9 +7,8 @@
  *   bits shown --faces--> rows of points; another list? --.
  *   bits that changed --> rows within reach --------------+--> stale rows --shade--> shades
  *   previous shades ------------------------ other rows --'                        '--> contact
- *
- * The shades of a row are computed together.  The contact paint changes with time
- * and not only where bone is removed, so it is applied to all points each time.
+ * The shades of a row are computed together.  The contact paint also changes with
+ * time, not only where bone is removed, so it is applied to all points each time.
  */
 #include "render/points/renew.h"
 

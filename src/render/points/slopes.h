@@ -29,7 +29,7 @@ enum {
     OST_WIDE_LEAST = 120, /* smaller wide slopes are ignored */
     OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of the maximum */
 };
-/* least cosine at which the wide slope is used; from 1 / 10 more on it is used alone */
+/* least cosine at which the wide slope is used; if the cosine is 1 / 10 greater, only the wide slope is used */
 static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10;
 
 /* Returns the openness of a field value, 0 to slightly more than OST_FIELD_FULL. */

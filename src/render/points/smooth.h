@@ -33,8 +33,8 @@ enum {
     OST_FIELD_ROWS = OST_BLOCK + 2, /* after a sum: the block and one voxel on each side */
     OST_FIELD_ALL = 63,    /* value of a voxel that is all bone */
     OST_FIELD_LEAST = 15,  /* least value of a bone voxel */
-    OST_FIELD_DENSE = 768, /* HU from which on a voxel is all bone: LEAST + 768 / 16 = ALL */
-    OST_FIELD_FULL = 61525, /* approximate value of the field where all is bone */
+    OST_FIELD_DENSE = 768, /* least HU of a voxel that is entirely bone: LEAST + 768 / 16 = ALL */
+    OST_FIELD_FULL = 61525, /* approximate value of the field inside bone */
     OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field on a plane */
     OST_FIELD_BY_FACES = 160, /* amount that a face to the air adds to a slope */
     OST_CELLS = OST_BLOCK / 2, /* cells on a side of a block */

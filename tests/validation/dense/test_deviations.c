@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests every kind of deviation in random scenes, at random positions and rates:
- *   - nothing differs from the reference unless the record says so,
- *   - the first difference is where the record says,
- *   - the mistake has acted before, in the kind's own stage,
- *   - some scene shows it, and where the table says that it never survives,
- *     every scene in which it acts does.
+ *   - a result differs from the reference only if the record states it,
+ *   - the first difference is at the position in the record,
+ *   - the mistake took effect before that, in the stage of its kind,
+ *   - at least one scene shows the mistake; for a kind that never survives
+ *     according to the table, every scene in which it takes effect does.
  * OST_TEST_LONG=1 tests each kind more often; OST_TEST_DEVIATION=name tests only one.
  */
 #include "validation/dense/difference.h"

@@ -86,8 +86,8 @@ static void put_text_file(bundle *b, const char *name, const char *text)
 }
 
 /*
- * Writes one of two traces of a case: the chunks are equal; then follows a tick in which the
- * other trace removes one voxel less in one leaf and does not change another leaf.
+ * Writes one of two traces of a case. Their chunks are equal. In the tick that follows, the other
+ * trace removes one voxel less in one leaf and does not change another leaf.
  */
 static void write_trace(const char *path, bool other)
 {
