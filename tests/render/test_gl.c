@@ -316,9 +316,9 @@ static int same_without(const char *name, const ost_gl_variant *variant, const o
 }
 
 /*
- * Cells that others hide are skipped, and this changes no pixel of any frame: not when the eye
- * moves around in steps that bring other cells to the front, and not when a window is cut into
- * the wall that hid them.
+ * Skipping cells that are hidden by others changes no pixel of any frame, even if the eye moves
+ * around in steps that bring other cells to the front, or if a window is cut into the wall that
+ * hid them.
  */
 static void test_occlusion(void **state)
 {

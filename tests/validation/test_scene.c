@@ -223,8 +223,8 @@ static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], doub
 
 /*
  * poses/4: a corner of the cube [8, 16)^3 is the last voxel of the cube's diagonal in a tool of one
- * voxel; the cube's radius R is above the distance of its middle's cell of 2^3 tool voxels from the
- * tool, and below that distance rounded up to eighths.
+ * voxel. Let D be the distance from the tool to the cell of 2^3 tool voxels that contains the
+ * cube's middle. The cube's radius R is above D, and below D rounded up to eighths.
  */
 static void corners_of_cubes(void **state)
 {
