@@ -63,6 +63,11 @@ check "lines for what does not compile" "$(wc -l <err | tr -d ' ')" 1
 sed 's/report->duplicates++;/report->duplicates--;/' noticed.patch >stale.patch
 try 2 stale.patch
 says 'stale.patch: does not apply: ' err
+try 2 stale.patch --keep "$scratch/new/folder"
+says 'stale.patch: does not apply: ' err
+try 2 stale.patch --keep "$scratch/stale.patch/folder"
+says '/stale.patch/folder: cannot be made: ' err
+check "lines for a folder that cannot be made" "$(wc -l <err | tr -d ' ')" 1
 try 2 absent.patch
 says 'absent.patch: is no file' err
 "$source_folder/validation/try-patch" --build "$scratch" noticed.patch 2>err
