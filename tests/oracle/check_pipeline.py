@@ -212,6 +212,9 @@ def imports(runner):
     content += "1.3 -2 3 5\n1 -2 3 31000\n"
     check_import(runner, "part", content, ("--crop", "4:17,2:11,1:7", "--spacing", "0.7,0.9,1.1"), spacing=(700000000, 900000000, 1100000000),
                  crop=((4, 2, 1), (17, 11, 7)))
+    # The records of AR-DIG-6 are x, y, z also if z changes fastest from line to line.
+    lines = ct_text(rng, (9, 12, 14), ("0.5", "0.75", "1.25"), ("-3", "2", "7"), 2).splitlines(keepends=True)
+    check_import(runner, "z-fastest", "".join(sorted(lines, key=lambda line: [Fraction(word) for word in line.split()[:3]])))
     thresholds(runner)
 
 

@@ -161,8 +161,8 @@ class Changes:
         at = self.rng.randrange(len(lines))
         return self.log(f, lines[:at] + [lines[at]] + lines[at:])
 
-    def derived_file_forged(self, f):
-        name = self.rng.choice([n for n in DERIVED if n in f])
+    def derived_file_forged(self, f, name=None):
+        name = name or self.rng.choice([n for n in DERIVED if n in f])
         data = bytearray(f[name])
         data[self.rng.randrange(len(data))] ^= 1 << self.rng.randrange(8)
         f[name] = bytes(data)
@@ -198,6 +198,10 @@ def main():
         # Two files that are JSON objects: the one in place of the protocol has no number of a format.
         first = [lambda f: changes.exchange(f, "environment.json", "protocol.json")]
         first[0].__name__ = "files_exchanged"
+        # Each derived file is forged at least once.
+        for name in [n for n in DERIVED if n in files]:
+            first.append(lambda f, name=name: changes.derived_file_forged(f, name))
+            first[-1].__name__ = "derived_file_forged"
         while sum(done.values()) < count and len(missed) < 10:
             change = first.pop() if first else rng.choice(kinds)
             now = dict(files)

@@ -31,6 +31,14 @@ sed -n 's/^ *"file": "\(.*\)",$/\1/p' b/tools.json >files
 sed -n 's/^ *"sha256": "\(.*\)",$/\1/p' b/tools.json | head -n "$(wc -l <files)" >digests
 checks=$((checks + 1))
 paste -d' ' digests files | sed 's/ /  /' | sha256sum --quiet -c - >out 2>&1 || fail "libraries are not what tools.json says: $(head -n 3 out)"
+# Each library that the dynamic loader maps for the command is listed.
+if command -v ldd >/dev/null; then
+    checks=$((checks + 1))
+    ldd "$osteon" 2>/dev/null | sed -n 's/.* => \(\/[^ ]*\) .*/\1/p' | while read -r file; do
+        grep -qxF "$file" files || echo "$file"
+    done >absent
+    [ ! -s absent ] || fail "libraries that are not in tools.json: $(tr '\n' ' ' <absent)"
+fi
 check "libraries in soup.csv" "$(grep -c '"linked"\|"loaded by another library' b/soup.csv)" "$(wc -l <files | tr -d ' ')"
 
 if command -v python3 >/dev/null; then
