@@ -4,7 +4,7 @@
  * digest, geometry, grid and report are equal, and so is every error, for any change of the
  * text.
  *
- * Covers: AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6
+ * Covers: AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-DIG-6
  */
 #include "backends.h"
 

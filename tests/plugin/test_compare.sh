@@ -52,6 +52,15 @@ own="--only user --ct ct.txt --cubic 0.7 --tool builtin:peg"
 }
 refuse 2 "needs --ct, --tool or --path" compare own --cubic 0.7
 
+# A margin derived by hand: the sample at 2.3 mm on a lattice of 1 mm leaves its voxel, which ends at
+# 2.5, after 0.2 of a voxel: floor(0.2 * 2^20) = 209715. The dump has no sample in voxel (2, 1, 1).
+awk 'BEGIN { for (k = 0; k < 5; k++) for (j = 0; j < 6; j++) for (i = 0; i < 7; i++)
+    print (i == 2 && j == 1 && k == 1 ? 2.3 : i), j, k, 200 + i + 10 * j + 100 * k }' >off.txt
+run 0 validate --worker ref --dump moved --only user --ct off.txt --spacing 1,1,1 --tool builtin:peg
+printf '\000\000' | dd of=moved/user-1/rect.raw bs=1 seek=$((2 * (2 + 7 * (1 + 6)))) conv=notrunc 2>/dev/null
+run 1 compare moved --ct off.txt --spacing 1,1,1 --tool builtin:peg --json
+check "a margin in 2^-20 of a voxel" "$(value margins.0.stages.0.decided) $(value margins.0.stages.0.max_2_20)" "1 209715"
+
 # As evidence: the margins are in the bundle, and follow from its cases.
 run 1 validate --only import/1 --backends dump:theirs --out b
 grep -q '^import/1,"dump:theirs",rect,1,' b/margins.csv || fail "no margins in the bundle: $(cat b/margins.csv)"
