@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/int128.h"
 #include "sim/box.h"
 
 /* Found by random search; see scene.h. */
@@ -180,11 +181,11 @@ static int pick_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3
    corner at 0. */
 static void float_map(const ost_map *map, float out[3][4])
 {
-    const double scale = (double)map->divisor * (1 << OST_MAP_FRACTION);
+    const double scale = (double)ost_i128_of(map->divisor) * (1 << OST_MAP_FRACTION);
     for (int a = 0; a < 3; a++) {
         for (int b = 0; b < 3; b++)
-            out[a][b] = (float)((double)map->column[b][a] / scale);
-        out[a][3] = (float)((double)map->origin[a] / scale);
+            out[a][b] = (float)((double)ost_i128_of(map->column[b][a]) / scale);
+        out[a][3] = (float)((double)ost_i128_of(map->origin[a]) / scale);
     }
 }
 

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-#include "core/integer.h"
+#include "core/int128.h"
 #include "validation/resample.h"
 
 static bool is_cutting(const trace_block_view *tool, const int64_t c[3])
@@ -85,9 +85,10 @@ static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
                    (int64_t)(at[1] % OST_MAP_BLOCK) * map->step[1][a] +
                    (int64_t)(at[2] % OST_MAP_BLOCK) * map->step[2][a];
         else
-            u[a] = (int64_t)ost_rhe_div128(map->origin[a] + at[0] * map->column[0][a] + at[1] * map->column[1][a] +
-                                               at[2] * map->column[2][a],
-                                           map->divisor);
+            u[a] = (int64_t)ost_rhe_div128(ost_i128_of(map->origin[a]) + at[0] * ost_i128_of(map->column[0][a]) +
+                                               at[1] * ost_i128_of(map->column[1][a]) +
+                                               at[2] * ost_i128_of(map->column[2][a]),
+                                           ost_i128_of(map->divisor));
     }
 }
 

@@ -12,8 +12,8 @@ static void put_int(trace_writer *w, int64_t value)
 
 static void put_int128(trace_writer *w, ost_int128 value)
 {
-    trace_word(w, (uint64_t)value);
-    put_int(w, (int64_t)(value >> 64));
+    trace_word(w, value.low);
+    put_int(w, value.high);
 }
 
 static ost_status put_mesh(trace_writer *w, bool second, const ost_snapped_mesh *m, ost_error *err)

@@ -21,11 +21,11 @@
 extern "C" {
 #endif
 
-#if defined __SIZEOF_INT128__
-__extension__ typedef __int128 ost_int128;
-#else
-#error "osteon needs 128-bit integers"
-#endif
+/* A 128-bit integer in two's complement: high * 2^64 + low. */
+typedef struct ost_int128 {
+    uint64_t low;
+    int64_t high;
+} ost_int128;
 
 /* ------------------------------------------------------------------ sweep */
 

@@ -26,6 +26,7 @@
 
 #include "core/conditions.h"
 #include "core/divider.h"
+#include "core/int128.h"
 #include "core/rotation.h"
 
 static ost_status check(const ost_geometry *bone, const ost_tool_geometry *tool, ost_error *err)
@@ -67,14 +68,16 @@ ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const os
     const ost_pm from[3] = {bone->origin.x - pose->t.x, bone->origin.y - pose->t.y, bone->origin.z - pose->t.z};
     const ost_pm corner[3] = {tool->corner.x, tool->corner.y, tool->corner.z};
 
-    out->divisor = (ost_i128)r.n * tool->voxel;
-    const ost_divider by = ost_divider_of(out->divisor);
+    const ost_i128 divisor = (ost_i128)r.n * tool->voxel;
+    const ost_divider by = ost_divider_of(divisor);
+    out->divisor = ost_int128_of(divisor);
     for (int a = 0; a < 3; a++) {
         ost_i128 turned = (ost_i128)r.m[0][a] * from[0] + (ost_i128)r.m[1][a] * from[1] + (ost_i128)r.m[2][a] * from[2];
-        out->origin[a] = one * (turned - (ost_i128)r.n * corner[a]);
+        out->origin[a] = ost_int128_of(one * (turned - (ost_i128)r.n * corner[a]));
         for (int b = 0; b < 3; b++) {
-            out->column[b][a] = one * r.m[b][a] * bone->spacing.x;
-            out->step[b][a] = (int32_t)ost_rhe_by(&by, out->column[b][a]);
+            const ost_i128 column = one * r.m[b][a] * bone->spacing.x;
+            out->column[b][a] = ost_int128_of(column);
+            out->step[b][a] = (int32_t)ost_rhe_by(&by, column);
         }
     }
     return OST_OK;
@@ -95,10 +98,11 @@ bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3])
     const ost_i128 low = -((ost_i128)1 << 29);
     const ost_i128 high = ((ost_i128)1 << 30) + ((ost_i128)1 << 29);
     for (int a = 0; a < 3; a++) {
-        ost_i128 exact = map->origin[a] + OST_MAP_BLOCK * ((ost_i128)block.x * map->column[0][a] +
-                                                           (ost_i128)block.y * map->column[1][a] +
-                                                           (ost_i128)block.z * map->column[2][a]);
-        ost_i128 rounded = ost_rhe_div128(exact, map->divisor);
+        const ost_i128 exact = ost_i128_of(map->origin[a]) +
+                               OST_MAP_BLOCK * (block.x * ost_i128_of(map->column[0][a]) +
+                                                block.y * ost_i128_of(map->column[1][a]) +
+                                                block.z * ost_i128_of(map->column[2][a]));
+        const ost_i128 rounded = ost_rhe_div128(exact, ost_i128_of(map->divisor));
         if (rounded < low || rounded >= high)
             return false;
         base[a] = (int32_t)rounded;

@@ -12,6 +12,7 @@
 
 #include <osteon/operation.h>
 
+#include "core/integer.h"
 #include "haptics/clutch.h"
 
 enum { AFTER_NS = 1000000 };
@@ -126,10 +127,10 @@ static void note(ost_operation *o, int64_t t_ns, const char *text)
 static bool is_far(const ost_pose *a, const ost_pose *b)
 {
     const int64_t d[3] = {a->t.x - b->t.x, a->t.y - b->t.y, a->t.z - b->t.z};
-    ost_int128 square = 0;
+    ost_i128 square = 0;
     for (int i = 0; i < 3; i++)
-        square += (ost_int128)d[i] * d[i];
-    return square > (ost_int128)JUMP_PM * JUMP_PM;
+        square += (ost_i128)d[i] * d[i];
+    return square > (ost_i128)JUMP_PM * JUMP_PM;
 }
 
 static ost_fault judge(const ost_operation *o, const ost_tick *tick, bool lifted)

@@ -9,18 +9,13 @@
 
 /* ------------------------------------------------------------------- host */
 
-static ost_int128 joined(ost_plugin_int128 value)
-{
-    return (ost_int128)value.high * ((ost_int128)1 << 64) + value.low;
-}
-
 static int32_t block_base(const ost_plugin_map *map, const int32_t block[3], int32_t base[3])
 {
-    ost_map m = {.divisor = joined(map->divisor)};
+    ost_map m = {.divisor = ost_int128_of_plugin(map->divisor)};
     for (int a = 0; a < 3; a++) {
-        m.origin[a] = joined(map->origin[a]);
+        m.origin[a] = ost_int128_of_plugin(map->origin[a]);
         for (int b = 0; b < 3; b++)
-            m.column[b][a] = joined(map->column[b][a]);
+            m.column[b][a] = ost_int128_of_plugin(map->column[b][a]);
     }
     return ost_map_block_base(&m, (ost_dims){block[0], block[1], block[2]}, base);
 }

@@ -13,7 +13,14 @@
 #ifndef OST_PLUGIN_ADAPT_H
 #define OST_PLUGIN_ADAPT_H
 
+#include "core/int128.h"
 #include "plugin/plugin.h"
+
+/* Converts a number of a plugin's map. */
+static inline ost_int128 ost_int128_of_plugin(ost_plugin_int128 value)
+{
+    return (ost_int128){.low = value.low, .high = value.high};
+}
 
 typedef struct plugin_backend {
     ost_backend base;

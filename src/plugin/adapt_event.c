@@ -6,22 +6,22 @@
 
 static ost_plugin_int128 split(ost_int128 value)
 {
-    return (ost_plugin_int128){.low = (uint64_t)value, .high = (int64_t)(value >> 64)};
+    return (ost_plugin_int128){.low = value.low, .high = value.high};
 }
 
 static ost_plugin_map map_of(const ost_map *m, const ost_voxel_box *box)
 {
     ost_plugin_map to = {.size = sizeof to, .divisor = split(m->divisor)};
-    const long double unit = (long double)m->divisor * (1 << OST_MAP_FRACTION);
+    const long double unit = (long double)ost_i128_of(m->divisor) * (1 << OST_MAP_FRACTION);
     for (int a = 0; a < 3; a++) {
         to.origin[a] = split(m->origin[a]);
-        to.affine[a][3] = (double)((long double)m->origin[a] / unit);
+        to.affine[a][3] = (double)((long double)ost_i128_of(m->origin[a]) / unit);
         to.box_lo[a] = box->lo[a];
         to.box_hi[a] = box->hi[a];
         for (int b = 0; b < 3; b++) {
             to.column[b][a] = split(m->column[b][a]);
             to.step[b][a] = m->step[b][a];
-            to.affine[a][b] = (double)((long double)m->column[b][a] / unit);
+            to.affine[a][b] = (double)((long double)ost_i128_of(m->column[b][a]) / unit);
         }
     }
     return to;

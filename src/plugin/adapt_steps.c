@@ -59,22 +59,17 @@ typedef struct pose_sink {
     ost_map *maps;
 } pose_sink;
 
-static ost_int128 joined(ost_plugin_int128 value)
-{
-    return (ost_int128)value.high * ((ost_int128)1 << 64) + value.low;
-}
-
 static int32_t add_pose(void *user, const ost_plugin_pose *pose, const ost_plugin_map *map)
 {
     pose_sink *s = user;
     if (s->count == OST_SWEEP_MAX || !pose || !map)
         return OST_PLUGIN_RANGE;
     ost_map *m = &s->maps[s->count];
-    m->divisor = joined(map->divisor);
+    m->divisor = ost_int128_of_plugin(map->divisor);
     for (int a = 0; a < 3; a++) {
-        m->origin[a] = joined(map->origin[a]);
+        m->origin[a] = ost_int128_of_plugin(map->origin[a]);
         for (int b = 0; b < 3; b++) {
-            m->column[b][a] = joined(map->column[b][a]);
+            m->column[b][a] = ost_int128_of_plugin(map->column[b][a]);
             m->step[b][a] = map->step[b][a];
         }
     }

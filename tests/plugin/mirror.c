@@ -262,7 +262,7 @@ static void m_tool_free(ost_plugin_tool *tool)
 
 static ost_int128 joined(ost_plugin_int128 v)
 {
-    return (ost_int128)v.high * ((ost_int128)1 << 64) + v.low;
+    return (ost_int128){v.low, v.high};
 }
 
 /* Also calls the host's block_base, which must agree with the map. */
@@ -400,7 +400,7 @@ static ost_pose pose_of(const ost_plugin_pose *p)
 
 static ost_plugin_int128 halves(ost_int128 v)
 {
-    return (ost_plugin_int128){(uint64_t)v, (int64_t)(v >> 64)};
+    return (ost_plugin_int128){v.low, v.high};
 }
 
 static int32_t m_steps(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error)

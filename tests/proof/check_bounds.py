@@ -288,8 +288,9 @@ def map_sums(wide):
         # 2^20 (sum of M (p - t) - N corner)
         total = 2**20 * N_MAX * (sum(signs[:3]) * far + signs[3] * LENGTH)
         require(abs(total) < 2**126, f"a sum of {total}")
-    require("map->origin[a] + OST_MAP_BLOCK * ((ost_i128)block.x * map->column[0][a] + (ost_i128)block.y * map->column[1][a] + "
-            "(ost_i128)block.z * map->column[2][a])" in source("src/core/map.c"), "map.c does not hold this sum")
+    require("ost_i128_of(map->origin[a]) + OST_MAP_BLOCK * (block.x * ost_i128_of(map->column[0][a]) + "
+            "block.y * ost_i128_of(map->column[1][a]) + block.z * ost_i128_of(map->column[2][a]))" in source("src/core/map.c"),
+            "map.c does not hold this sum")
 
 
 def map_steps(wide):

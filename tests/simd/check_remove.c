@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/int128.h"
 #include "cpu/kernels.h"
 #include "simd/check.h"
 #include "simd/solids.h"
@@ -112,15 +113,16 @@ static void test_blocks(check *c)
     }
     /* The map is used where the parts are not exact enough. It has the same steps and a divisor of 2^80, and an
        origin that puts the first block in reach. */
-    *map = (ost_map){.divisor = (ost_int128)1 << 80};
+    const ost_i128 divisor = (ost_i128)1 << 80;
+    *map = (ost_map){.divisor = ost_int128_of(divisor)};
     for (int a = 0; a < 3; a++) {
         int64_t base = check_range(c, reach->from[a], reach->from[a] + (int64_t)reach->width[a] - 1);
         for (int b = 0; b < 3; b++) {
             map->step[b][a] = s.step[b][a];
-            map->column[b][a] = s.step[b][a] * map->divisor;
+            map->column[b][a] = ost_int128_of(s.step[b][a] * divisor);
             base -= (int64_t)OST_MAP_BLOCK * first[b] * s.step[b][a];
         }
-        map->origin[a] = base * map->divisor + check_range(c, -9, 9);
+        map->origin[a] = ost_int128_of(base * divisor + check_range(c, -9, 9));
     }
     /* On each axis the sum of one block is chosen; most others differ from it by small amounts. */
     for (int a = 0; a < 3; a++) {

@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-#include "core/integer.h"
+#include "core/int128.h"
 #include "io/scratch_group.h"
 #include "validation/compare.h"
 #include "validation/dense/dense.h"
@@ -21,11 +21,11 @@
 
 #define UM INT64_C(1000000)
 
-static ost_int128 value_of(wide a)
+static ost_i128 value_of(wide a)
 {
     uint64_t words[2];
     wide_to_words(a, words);
-    return (ost_int128)(int64_t)words[1] * ((ost_int128)1 << 64) + (ost_int128)words[0];
+    return (ost_i128)(int64_t)words[1] * ((ost_i128)1 << 64) + (ost_i128)words[0];
 }
 
 static void wide_integers(void **state)
@@ -40,7 +40,7 @@ static void wide_integers(void **state)
     for (int i = 0; i < 20000; i++) {
         const int64_t a = (int64_t)rng_next(&rng) >> rng_next(&rng) % 64,
                       b = (int64_t)rng_next(&rng) >> (1 + rng_next(&rng) % 63);
-        const ost_int128 p = (ost_int128)a * b, by = (ost_int128)(b < 0 ? -b : b) + 1;
+        const ost_i128 p = (ost_i128)a * b, by = (ost_i128)(b < 0 ? -b : b) + 1;
         const wide n = wide_times(wide_of(a), wide_of(b)), d = wide_of((int64_t)by);
         assert_true(value_of(n) == p);
         assert_true(value_of(wide_plus(n, wide_of(a))) == p + a && value_of(wide_minus(n, wide_of(a))) == p - a);
@@ -50,10 +50,10 @@ static void wide_integers(void **state)
     }
 }
 
-static ost_int128 decimal(const char *text)
+static ost_i128 decimal(const char *text)
 {
     const bool negative = *text == '-';
-    ost_int128 v = 0;
+    ost_i128 v = 0;
     for (text += negative; *text; text++)
         v = 10 * v + (*text - '0');
     return negative ? -v : v;
@@ -76,11 +76,11 @@ static void map_of_the_text(void **state)
     ost_map map;
     int32_t base[3];
     steps_map(&pose, &bone, &tool, &map);
-    assert_true(map.divisor == decimal("576460751873926758500000000"));
+    assert_true(ost_i128_of(map.divisor) == decimal("576460751873926758500000000"));
     for (int a = 0; a < 3; a++) {
-        assert_true(map.origin[a] == decimal(origin[a]));
+        assert_true(ost_i128_of(map.origin[a]) == decimal(origin[a]));
         for (int b = 0; b < 3; b++) {
-            assert_true(map.column[b][a] == decimal(column[b][a]));
+            assert_true(ost_i128_of(map.column[b][a]) == decimal(column[b][a]));
             assert_int_equal(map.step[b][a], step[b][a]);
         }
     }

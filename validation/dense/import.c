@@ -321,9 +321,9 @@ enum { ONE = 1 << 15 };
 static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
     if (rule == OST_RESAMPLE_THESIS)
-        return (source){(int64_t)dense_floor((ost_int128)i * cubic, rect), 0};
-    ost_int128 t = (2 * (ost_int128)i + 1) * cubic; /* numerator over 2 rect */
-    const ost_int128 unit = 2 * (ost_int128)rect;
+        return (source){(int64_t)dense_floor((int128)i * cubic, rect), 0};
+    int128 t = (2 * (int128)i + 1) * cubic; /* numerator over 2 rect */
+    const int128 unit = 2 * (int128)rect;
     if (rule == OST_RESAMPLE_NEAREST)
         return (source){(int64_t)(t / unit > n - 1 ? n - 1 : t / unit), 0};
     t -= rect;
@@ -338,9 +338,9 @@ static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
    the first. */
 static bool on_multiple(int32_t i, ost_pm cubic, ost_pm rect, source right, ost_resample rule)
 {
-    const ost_int128 t = rule == OST_RESAMPLE_LINEAR ? (2 * (ost_int128)i + 1) * cubic - rect
-                                                     : 2 * (ost_int128)i * cubic;
-    return right.index > 0 && rule != OST_RESAMPLE_NEAREST && (ost_int128)right.index * 2 * rect == t;
+    const int128 t = rule == OST_RESAMPLE_LINEAR ? (2 * (int128)i + 1) * cubic - rect
+                                                     : 2 * (int128)i * cubic;
+    return right.index > 0 && rule != OST_RESAMPLE_NEAREST && (int128)right.index * 2 * rect == t;
 }
 
 static source float_source(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
@@ -417,7 +417,7 @@ static int16_t mean_of(const dense_grid *rect, const source s[3], bool swapped, 
             planes[k] = (int64_t)dense_nearest(planes[k], ONE);
     }
     const int64_t sum = mixed(planes[0], planes[1], s[2].weight);
-    return (int16_t)dense_nearest(sum, each ? (ost_int128)ONE : (ost_int128)ONE * ONE * ONE);
+    return (int16_t)dense_nearest(sum, each ? (int128)ONE : (int128)ONE * ONE * ONE);
 }
 
 static void resample(deviant *m, const dense_grid *rect, const ost_geometry *c, ost_resample rule, int16_t *to)

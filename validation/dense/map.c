@@ -15,7 +15,7 @@ typedef struct pose {
     deviant *m;
     const ost_map *map;
     uint64_t number;
-    ost_int128 column[3][3];
+    int128 column[3][3];
     int64_t step[3][3]; /* by the right arithmetic */
     int64_t used[3][3]; /* as multiplied, possibly with a mistake */
     bool drifting, negative_cut, border_in, all_cuts;
@@ -31,14 +31,15 @@ static int64_t low24(int64_t v)
 static pose prepare(deviant *m, const ost_map *map, const ost_voxel_box *box, uint64_t number)
 {
     pose p = {.m = m, .map = map, .number = number};
+    const int128 divisor = dense_int128(map->divisor);
     const bool transposed = deviates(m, DEVIATION_TRANSPOSED_MATRIX, number),
                cut = deviates(m, DEVIATION_TRUNCATED_STEP, number), narrow = deviates(m, DEVIATION_MUL24, number);
     for (int b = 0; b < 3; b++)
         for (int a = 0; a < 3; a++) {
-            p.column[b][a] = transposed ? map->column[a][b] : map->column[b][a];
-            p.step[b][a] = (int64_t)dense_nearest(map->column[b][a], map->divisor);
-            p.used[b][a] = cut ? (int64_t)(map->column[b][a] / map->divisor)
-                               : (int64_t)dense_nearest(p.column[b][a], map->divisor);
+            p.column[b][a] = dense_int128(transposed ? map->column[a][b] : map->column[b][a]);
+            p.step[b][a] = (int64_t)dense_nearest(dense_int128(map->column[b][a]), divisor);
+            p.used[b][a] = cut ? (int64_t)(dense_int128(map->column[b][a]) / divisor)
+                               : (int64_t)dense_nearest(p.column[b][a], divisor);
             if (narrow)
                 p.used[b][a] = low24(p.used[b][a]);
             if (p.used[b][a] != p.step[b][a])
@@ -65,24 +66,26 @@ static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t ba
     const ost_map *map = p->map;
     const bool cut = deviates(m, DEVIATION_WRONG_MAP_ROUNDING, item), floats = deviates(m, DEVIATION_FLOAT_BASE, item),
                far = deviates(m, DEVIATION_WRAPPED_FAR_BLOCK, item);
+    const int128 divisor = dense_int128(map->divisor);
     *wraps = false;
     for (int a = 0; a < 3; a++) {
-        const ost_int128 exact = map->origin[a] + f[0] * map->column[0][a] + f[1] * map->column[1][a] +
-                                 f[2] * map->column[2][a];
-        const ost_int128 made = map->origin[a] + f[0] * p->column[0][a] + f[1] * p->column[1][a] +
-                                f[2] * p->column[2][a];
-        const int64_t right = (int64_t)dense_nearest(exact, map->divisor);
-        base[a] = (int64_t)dense_nearest(made, map->divisor);
+        const int128 origin = dense_int128(map->origin[a]);
+        int128 exact = origin;
+        for (int b = 0; b < 3; b++)
+            exact += f[b] * dense_int128(map->column[b][a]);
+        const int128 made = origin + f[0] * p->column[0][a] + f[1] * p->column[1][a] + f[2] * p->column[2][a];
+        const int64_t right = (int64_t)dense_nearest(exact, divisor);
+        base[a] = (int64_t)dense_nearest(made, divisor);
         if (cut)
-            base[a] = (int64_t)dense_floor(exact, map->divisor);
+            base[a] = (int64_t)dense_floor(exact, divisor);
         if (p->drifting)
-            base[a] = (int64_t)dense_nearest(map->origin[a], map->divisor) + f[0] * p->step[0][a] +
+            base[a] = (int64_t)dense_nearest(origin, divisor) + f[0] * p->step[0][a] +
                       f[1] * p->step[1][a] + f[2] * p->step[2][a];
         if (floats) {
-            const double by = (double)map->divisor;
-            float sum = (float)((double)map->origin[a] / by);
+            const double by = (double)divisor;
+            float sum = (float)((double)origin / by);
             for (int b = 0; b < 3; b++)
-                sum += (float)f[b] * (float)((double)map->column[b][a] / by);
+                sum += (float)f[b] * (float)((double)dense_int128(map->column[b][a]) / by);
             base[a] = (int64_t)sum;
         }
         if (far && right != wrapped(right))

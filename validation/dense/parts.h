@@ -71,8 +71,16 @@ static inline int64_t dense_at(ost_dims d, int64_t x, int64_t y, int64_t z)
 
 /* --------------------------------------------------------------- AR-INT */
 
+__extension__ typedef __int128 int128;
+
+/* Converts a number of a map to the compiler's own type. */
+static inline int128 dense_int128(ost_int128 v)
+{
+    return (int128)v.high * ((int128)1 << 64) + (int128)v.low;
+}
+
 /* Returns floor(n / d); d > 0. */
-static inline ost_int128 dense_floor(ost_int128 n, ost_int128 d)
+static inline int128 dense_floor(int128 n, int128 d)
 {
     if (n >= 0)
         return n / d;
@@ -81,9 +89,9 @@ static inline ost_int128 dense_floor(ost_int128 n, ost_int128 d)
 
 /* Returns the integer nearest to n / d, of two the even one. It compares twice the remainder with d, which is below
    2^98 in all uses. */
-static inline ost_int128 dense_nearest(ost_int128 n, ost_int128 d)
+static inline int128 dense_nearest(int128 n, int128 d)
 {
-    const ost_int128 below = dense_floor(n, d), twice = 2 * (n - below * d);
+    const int128 below = dense_floor(n, d), twice = 2 * (n - below * d);
     if (twice < d)
         return below;
     if (twice > d)

@@ -5,14 +5,14 @@ static ost_int128 int128_of(wide a)
 {
     uint64_t words[2];
     wide_to_words(a, words);
-    return (ost_int128)(int64_t)words[1] * ((ost_int128)1 << 64) + (ost_int128)words[0];
+    return (ost_int128){.low = words[0], .high = (int64_t)words[1]};
 }
 
 static wide wide_of_int128(ost_int128 v)
 {
-    return wide_plus(wide_times(wide_of((int64_t)(v >> 64)), wide_power_of_two(64)),
-                     wide_plus(wide_times(wide_of((int64_t)((uint64_t)v >> 32)), wide_power_of_two(32)),
-                               wide_of((int64_t)((uint64_t)v & 0xffffffff))));
+    return wide_plus(wide_times(wide_of(v.high), wide_power_of_two(64)),
+                     wide_plus(wide_times(wide_of((int64_t)(v.low >> 32)), wide_power_of_two(32)),
+                               wide_of((int64_t)(v.low & 0xffffffff))));
 }
 
 /* Computes U_a = 2^20 (((q* (p - t) q)_a / N) - corner_a) / s_t at p = o + (i s, j s, k s), with N s_t as the common

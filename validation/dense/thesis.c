@@ -208,12 +208,13 @@ static boxes boxes_of(const dense_bone *bone, const dense_tool *tool, const ost_
         x.bone[a] = (float)n[a] * x.bone_voxel / 2;
         x.tool[a] = (float)d[a] * x.tool_voxel / 2;
     }
-    const double voxel = (double)t->voxel / 1e9, unit = (double)map->divisor * (1 << 20);
+    const double voxel = (double)t->voxel / 1e9, unit = (double)dense_int128(map->divisor) * (1 << 20);
     for (int a = 0; a < 3; a++) {
-        double centre = (double)map->origin[a] / unit;
+        double centre = (double)dense_int128(map->origin[a]) / unit;
         for (int b = 0; b < 3; b++) {
-            x.matrix[a][b] = (float)((double)map->column[b][a] / unit * (double)t->voxel / (double)g->spacing.x);
-            centre += (n[b] - 1) * 0.5 * ((double)map->column[b][a] / unit);
+            const double column = (double)dense_int128(map->column[b][a]) / unit;
+            x.matrix[a][b] = (float)(column * (double)t->voxel / (double)g->spacing.x);
+            centre += (n[b] - 1) * 0.5 * column;
         }
         x.matrix[a][3] = (float)((centre - d[a] * 0.5) * voxel);
     }

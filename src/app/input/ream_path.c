@@ -6,6 +6,7 @@
 
 #include "app/common/result.h"
 #include "app/common/print.h"
+#include "core/integer.h"
 
 enum { GAP_NS = 1000000 };
 
@@ -125,9 +126,9 @@ static ost_status join(ost_path *all, const ost_path *part, ost_error *err)
 {
     if (part->count > OST_PATH_TICKS_MAX - all->count)
         return ost_fail(err, OST_ERR_RANGE, "the paths together have more than %d ticks", OST_PATH_TICKS_MAX);
-    const ost_int128 shift = all->count ? (ost_int128)all->ticks[all->count - 1].t_ns + GAP_NS - part->ticks[0].t_ns
+    const ost_i128 shift = all->count ? (ost_i128)all->ticks[all->count - 1].t_ns + GAP_NS - part->ticks[0].t_ns
                                         : 0;
-    const ost_int128 end = part->ticks[part->count - 1].t_ns + shift;
+    const ost_i128 end = part->ticks[part->count - 1].t_ns + shift;
     if (all->count && end > OST_PATH_TIME_MAX_NS)
         return ost_fail(err, OST_ERR_RANGE, "the paths together last until %.9g s; expected times up to 4 * 10^9 s",
                         (double)end * 1e-9);

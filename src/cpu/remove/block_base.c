@@ -6,6 +6,7 @@
 
 #include "core/conditions.h"
 #include "core/divider.h"
+#include "core/int128.h"
 
 /*
  * Returns 2^16 (q + r / divisor) for 0 <= r < divisor, rounded down with an error below 2.
@@ -29,7 +30,7 @@ static void fill(ost_block_bases *bases, const ost_divider *by, int b, int a, os
     const ost_i128 d = by->divisor;
     ost_i128 r;
     int64_t q = ost_floor_by(by, start, &r), step_q = (int64_t)OST_MAP_BLOCK * bases->map->step[b][a];
-    ost_i128 step_r = OST_MAP_BLOCK * (bases->map->column[b][a] - bases->map->step[b][a] * d);
+    ost_i128 step_r = OST_MAP_BLOCK * (ost_i128_of(bases->map->column[b][a]) - bases->map->step[b][a] * d);
     for (; step_r < 0; step_q--)
         step_r += d;
     for (; step_r >= d; step_q++)
@@ -68,11 +69,11 @@ void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int3
         bases->count[b] = hi[b] - lo[b];
         assert(3 * (size_t)bases->count[b] <= bases->capacity[b]);
     }
-    const ost_divider by = ost_divider_of(map->divisor);
+    const ost_divider by = ost_divider_of(ost_i128_of(map->divisor));
     for (int a = 0; a < 3; a++) {
-        ost_i128 first = map->origin[a];
+        ost_i128 first = ost_i128_of(map->origin[a]);
         for (int b = 0; b < 3; b++)
-            first += (ost_i128)OST_MAP_BLOCK * lo[b] * map->column[b][a];
+            first += (ost_i128)OST_MAP_BLOCK * lo[b] * ost_i128_of(map->column[b][a]);
         for (int b = 0; b < 3; b++)
             fill(bases, &by, b, a, b == 0 ? first : 0);
     }

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Converts between the numbers of a map (event.h), which every compiler can pass, and the compiler's own 128 bits. */
+#ifndef OST_CORE_INT128_H
+#define OST_CORE_INT128_H
+
+#include <osteon/event.h>
+
+#include "core/integer.h"
+
+static inline ost_i128 ost_i128_of(ost_int128 value)
+{
+    return value.high * ((ost_i128)1 << 64) + value.low;
+}
+
+static inline ost_int128 ost_int128_of(ost_i128 value)
+{
+    return (ost_int128){.low = (uint64_t)value, .high = (int64_t)(value >> 64)};
+}
+
+#endif
