@@ -276,7 +276,7 @@ def _(c, b, m):
     return []
 
 
-@rule("", "div", r"✓ EQUALEvery backend computed exactly what the reference computed: ([\d,]+) results?, (0) differing bytes\. From results\.json")
+@rule("", "div", r"✓ EQUALEvery backend's results are byte-identical to the reference's: ([\d,]+) results?, (0) differing bytes\. From results\.json")
 def _(c, b, m):
     r = c.file(b, "results.json")
     same(b, "EQUAL", r["verdict"])
@@ -284,7 +284,7 @@ def _(c, b, m):
     return expect(r["results"]["equal"], sum(r["results"][k] for k in BAD))
 
 
-@rule("", "div", r"⚠ REDUCED RUN: NO EVIDENCE ?Equal in (?:all|the) ([\d,]+) results? that (?:was|were) compared; but too little was compared to prove anything\. From results\.json")
+@rule("", "div", r"⚠ REDUCED RUN: NO EVIDENCE ?Equal in (?:all|the) ([\d,]+) results? that (?:was|were) compared; too little was compared for evidence\. From results\.json")
 def _(c, b, m):
     r = c.file(b, "results.json")
     same(b, "EQUAL", r["verdict"])
@@ -293,14 +293,14 @@ def _(c, b, m):
     return expect(r["results"]["equal"])
 
 
-@rule("", "div", r"⚠ NO VERDICT: NOTHING WAS COMPARED ?No backend but the reference ran a case that the reference did not refuse\. From results\.json")
+@rule("", "div", r"⚠ NO VERDICT: NOTHING WAS COMPARED ?No backend other than the reference ran a case that the reference accepted\. From results\.json")
 def _(c, b, m):
     same(b, (0, "NOT COMPARED"), tuple(c.file(b, "results.json")[k] for k in ("compared", "verdict")))
     return []
 
 
-@rule("", "div", r"✗ NOT EQUAL ?In ([\d,]+) of ([\d,]+) results?, a backend did not compute what the reference computed\.(?: ?The other (backend is equal in all its cases|[\d,]+ backends are equal in all their cases)\.)?"
-                 r"( \(And this was a reduced run\.\))? From results\.json(?: and cases\.jsonl)?")
+@rule("", "div", r"✗ NOT EQUAL ?In ([\d,]+) of ([\d,]+) results?, the result of a backend differs from the reference's\.(?: ?The other (backend is equal in all its cases|[\d,]+ backends are equal in all their cases)\.)?"
+                 r"( This was also a reduced run\.)? From results\.json(?: and cases\.jsonl)?")
 def _(c, b, m):
     r, cases, protocol = c.file(b, "results.json"), c.file(b, "cases.jsonl"), c.bundle.parsed("protocol.json")
     bad = sum(r["results"][k] for k in BAD)
@@ -310,7 +310,7 @@ def _(c, b, m):
         verdicts = [verdict_of(case, backend["name"]) for case in cases]
         others += "equal" in verdicts and not any(v in BAD for v in verdicts)
     said = None if not others else "backend is equal in all its cases" if others == 1 else "%s are equal in all their cases" % many(others, "backend")
-    return expect(bad, bad + r["results"]["equal"]) + [said, None if r["evidence"] else " (And this was a reduced run.)"]
+    return expect(bad, bad + r["results"]["equal"]) + [said, None if r["evidence"] else " This was also a reduced run."]
 
 
 @rule("", "li", r"(.*): ([\d,]+) of ([\d,]+) cases?")
@@ -325,7 +325,7 @@ def _(c, b, m):
     raise Unheld("%s: no backend of cases.jsonl" % b)
 
 
-@rule("", "li", r"Would the comparison have noticed a mistake\? ([\d,]+) of ([\d,]+) mistakes, made on purpose in a second implementation and in no backend, were noticed; "
+@rule("", "li", r"Sensitivity: ([\d,]+) of ([\d,]+) deliberate mistakes, made in a second implementation and in no backend, were detected; "
                 r"of (\d+) kinds (\d+) changed nothing in this tier; ([\d,]+) false alarms? \(sensitivity\.json\)\.")
 def _(c, b, m):
     s = c.file(b, "sensitivity.json")
@@ -334,19 +334,19 @@ def _(c, b, m):
     return expect(s["detected"], s["changed"]) + [str(len(s["kinds"])), str(len(silent))] + expect(s["false_alarms"])
 
 
-@rule("", "li", r"Mistakes that all backends have in common: ([\d,]+) of ([\d,]+) checks against results known by hand, by formula and by law passed \(common\.json\)\.")
+@rule("", "li", r"Mistakes that all backends could have in common: the reference passed ([\d,]+) of ([\d,]+) checks by hand, by volume and by law \(common\.json\)\.")
 def _(c, b, m):
     passed = [x["passed"] for x in c.file(b, "common.json")["checks"]]
     return expect(sum(passed), len(passed))
 
 
-@rule("", "li", r"Not shown by this report: ([\d,]+) points, listed below \(deviations\.csv\)\.")
+@rule("", "li", r"Limits: ([\d,]+) points are not shown; they are listed below \(deviations\.csv\)\.")
 def _(c, b, m):
     return expect(len(c.file(b, "deviations.csv")))
 
 
-@rule("", "p", r"osteon simulates the reaming of bone for surgery\. .* here ([\d,]+ backends?) on ([\d,]+ cases?), against the scalar reference\. osteon (\S+), arithmetic version (\d+); tier (\w+), seed (\d+) "
-               r"\(protocol\.json\)\. Times: times\.json\. What was done when: audit\.log\.")
+@rule("", "p", r"osteon simulates the reaming of bone for surgery\. .* for ([\d,]+ backends?) on ([\d,]+ cases?), against the scalar reference\. osteon (\S+), arithmetic version (\d+); tier (\w+), seed (\d+) "
+               r"\(protocol\.json\)\. The times are in times\.json; the log of all steps is audit\.log\.")
 def _(c, b, m):
     p = c.file(b, "protocol.json")
     for name in ("times.json", "audit.log"):
@@ -365,7 +365,7 @@ def table_of(backend, cases, first):
     return cell
 
 
-@rule("What was compared with what", "tr", r"")
+@rule("Comparison of the backends", "tr", r"")
 def _(c, b, m):
     protocol, cases = c.file(b, "protocol.json"), c.file(b, "cases.jsonl")
     families = c.bundle.once("families", lambda: sorted({x["id"].split("/")[0] for x in cases}))
@@ -387,7 +387,7 @@ def _(c, b, m):
     return None
 
 
-@rule("What was compared with what", "p", r"(import|mesh|poses|sweep|session|operation|static|small|user): .*\.")
+@rule("Comparison of the backends", "p", r"(import|mesh|poses|sweep|session|operation|static|small|user): .*\.")
 def _(c, b, m):
     for part in b.text[:-1].split("; "):
         name, about = part.split(": ", 1)
@@ -395,7 +395,7 @@ def _(c, b, m):
     return None
 
 
-@rule("What was compared with what", "p", r"What counts as passed, fixed before anything ran: (.*)")
+@rule("Comparison of the backends", "p", r"Criterion for passing, fixed before anything ran: (.*)")
 def _(c, b, m):
     frozen = c.bundle.once("frozen", lambda: __import__("hashlib").sha256(c.bundle.raw("protocol.json")).hexdigest())
     log = c.file(b, "audit.log").decode().splitlines()
@@ -430,7 +430,7 @@ def _(c, b, m):
     return None
 
 
-@rule("What was NOT shown", "li", r"(.*)")
+@rule("Not shown", "li", r"(.*)")
 def _(c, b, m):
     left = [words(x["what was not shown"]) for x in c.file(b, "deviations.csv")]
     same(b, True, m.group(1) in left)
@@ -438,18 +438,18 @@ def _(c, b, m):
     return None
 
 
-@rule("What was computed, in pictures", "p", r"Case (operation/0) as the reference computed it: .*")
+@rule("Pictures", "p", r"Case (operation/0) as the reference computed it: .*")
 def _(c, b, m):
     return [next(x["id"] for x in c.file(b, "cases.jsonl") if x["id"] == "operation/0" and x["reference"])]
 
 
-@rule("What the reference made", "p", r"([\d,]+ cases?) gave ([\d,]+ records?)\. Each is compared with every backend's, in this order, and its SHA-256 digests are kept\.")
+@rule("Results of the reference", "p", r"([\d,]+ cases?) gave ([\d,]+ records?)\. Each record is compared with that of every backend, in the order of the table; cases\.jsonl contains the SHA-256 digests\.")
 def _(c, b, m):
     cases = c.file(b, "cases.jsonl")
     return [many(len(cases), "case"), many(sum(len(x["reference"]) for x in cases), "record")]
 
 
-@rule("What the reference made", "tr", r"")
+@rule("Results of the reference", "tr", r"")
 def _(c, b, m):
     cases = c.file(b, "cases.jsonl")
     stages = c.bundle.once("stages", lambda: [r["stage"] for x in cases for r in x["reference"]])
@@ -460,13 +460,13 @@ def _(c, b, m):
     return None
 
 
-@rule("Differences", "p", r"None\. No byte of any result that was compared differs from the reference's\.")
+@rule("Differences", "p", r"None\. All compared results are byte-identical to the reference's\.")
 def _(c, b, m):
     same(b, [], c.file(b, "anomalies.csv"))
     return []
 
 
-@rule("Differences", "p", r"([\d,]+) results? came out otherwise than the reference's\. .*")
+@rule("Differences", "p", r"([\d,]+) results? differs? from the reference's\. .*")
 def _(c, b, m):
     return expect(len(c.file(b, "anomalies.csv")))
 
@@ -484,13 +484,13 @@ def what_of(r):
     text = r.get("text", "")
     if "voxel" in r:
         n, size = r["different_voxels"], r.get("chunk_size", 32)
-        text = "%s in this record; the first at (%d, %d, %d), chunk (%d, %d, %d) of %d3: %d where the reference has %d" % (
+        text = "%s in this record; the first at (%d, %d, %d), chunk (%d, %d, %d) of %d3: %d, the reference has %d" % (
             (many(n, "voxel"),) + tuple(r["voxel"]) + tuple(v // size for v in r["voxel"]) + (size, r["got"], r["reference"]))
     elif "word" in r:
-        text = "reported: %s is %d where the reference has %d" % (r["word"], r["got"], r["reference"])
+        text = "reported: %s is %d, the reference has %d" % (r["word"], r["got"], r["reference"])
         if "chunk" in r:
             text += "; of chunk (%d, %d, %d) first" % tuple(r["chunk"])
-    return text + (" Looks like %s: %s%s" % (r["class"], r["class_text"], "; " + r["class_hint"] if r["class_hint"] else "") if "class" in r else "")
+    return text + (" Class %s: %s%s" % (r["class"], r["class_text"], "; " + r["class_hint"] if r["class_hint"] else "") if "class" in r else "")
 
 
 @rule("Differences", "tr", r"")
@@ -504,7 +504,7 @@ def _(c, b, m):
     return None
 
 
-ONE_BY_ONE = "Differences one by one"
+ONE_BY_ONE = "Each difference"
 
 
 @rule(ONE_BY_ONE, "h3", r"A(\d+): (.*)")
@@ -515,7 +515,7 @@ def _(c, b, m):
     return [str(n), "%s, %s" % (case["id"], backends_of(protocol)[s]["what"])]
 
 
-@rule(ONE_BY_ONE, "p", r"Made small, the case still differs in the same stage and looks the same: (.*) \((cases/\S+\.json)\)\. In the folder of this page:")
+@rule(ONE_BY_ONE, "p", r"The reduced case still differs in the same stage and with the same class: (.*) \((cases/\S+\.json)\)\. In the folder of this page:")
 def _(c, b, m):
     n, case, s, r = c.finding
     same(b, c.file(b, r["reproduce"])["id"], case["id"])
@@ -539,7 +539,7 @@ def own_words(protocol):
     return said + protocol.get("user", {}).get("how", [])
 
 
-@rule(ONE_BY_ONE, "p", r"What decides voxel \((\d+), (\d+), (\d+)\), computed by the reference; .*")
+@rule(ONE_BY_ONE, "p", r"Operands that decide voxel \((\d+), (\d+), (\d+)\), computed by the reference\. .*")
 def _(c, b, m):
     c.file(b, "cases.jsonl")
     c.operands = iter(c.finding[3]["operands"])
@@ -553,15 +553,15 @@ def _(c, b, m):
     return None
 
 
-@rule(ONE_BY_ONE, "figcaption", r"(Reference: axial, coronal, sagittal|Got|Difference) (\S+)")
+@rule(ONE_BY_ONE, "figcaption", r"(Reference: axial, coronal, sagittal|Backend|Difference) (\S+)")
 def _(c, b, m):
     n, case, s, r = c.finding
-    role = {"R": "reference", "G": "got", "D": "difference"}[m.group(1)[0]]
+    role = {"R": "reference", "B": "got", "D": "difference"}[m.group(1)[0]]
     same(b, b.links, ["pictures/%s-backend-%d-%s.png" % (re.sub("[^a-z0-9]", "-", case["id"]), s, role)])
     return [m.group(1)] + b.links
 
 
-@rule(ONE_BY_ONE, "p", r"Pictures are kept of (\d+) of them, small cases of (\d+): .*")
+@rule(ONE_BY_ONE, "p", r"There are pictures of (\d+) of them and reduced cases of (\d+): .*")
 def _(c, b, m):
     results = [r for _, _, _, r in findings_of(c.bundle.parsed("protocol.json"), c.bundle.parsed("cases.jsonl"))]
     return [str(sum(n.endswith("-difference.png") for n in c.bundle.names())), str(sum("reproduce" in r for r in results))]
@@ -617,17 +617,17 @@ def _(c, b, m):
     return [commas(n) if n else None for n in (other, far, total["unmeasured"])] + [commas(total["decided"]) if only else None]
 
 
-SENSITIVITY = "Would the comparison have noticed a mistake?"
+SENSITIVITY = "Sensitivity proof"
 COUNTS = ["injected", "changed", "detected", "localized", "survived"]
 
 
-@rule(SENSITIVITY, "p", r"A second implementation \(validation/dense\), no backend, was run with deliberate mistakes at random places, and compared in the same way\. ([\d,]+) of the ([\d,]+) mistakes that changed a result were noticed and "
+@rule(SENSITIVITY, "p", r"The second implementation \(validation/dense\), which is no backend, was run with deliberate mistakes at random positions, and its results were compared in the same way\. ([\d,]+) of the ([\d,]+) mistakes that changed a result were detected and "
                         r"([\d,]+) located; ([\d,]+) false alarms in ([\d,]+) runs without a mistake\. (.*)")
 def _(c, b, m):
     s = c.file(b, "sensitivity.json")
     whole = s["proved"] and s["detected"] == s["changed"] == s["localized"] and not s["false_alarms"]
     return expect(s["detected"], s["changed"], s["localized"], s["false_alarms"], s["clean_runs"]) + [
-        "Every mistake that had an effect was noticed and located." if whole else "This does not show that mistakes are noticed."]
+        "Every mistake that had an effect was detected and located." if whole else "This does not show that mistakes are detected."]
 
 
 @rule(SENSITIVITY, "tr", r"")
@@ -654,7 +654,7 @@ def _(c, b, m):
     return [many(len(c.file(b, "sensitivity.json")["kinds"]), "kind")]
 
 
-@rule(SENSITIVITY, "p", r"Not all noticed, or not all located:")
+@rule(SENSITIVITY, "p", r"Not all detected, or not all located:")
 def _(c, b, m):
     same(b, True, any(not k["changed"] == k["detected"] == k["localized"] for k in c.file(b, "sensitivity.json")["kinds"]))
     return []
@@ -664,7 +664,7 @@ def machines_of(environment):
     return [("Machine", environment)] if isinstance(environment.get("machine"), str) else [("Machine of shard " + k, v) for k, v in sorted(environment.items())]
 
 
-@rule("When and where", "tr", r"")
+@rule("Date and machine", "tr", r"")
 def _(c, b, m):
     head, said, source = b.cells
     same(b, b.links, [source])
@@ -683,17 +683,17 @@ def _(c, b, m):
     machines = machines_of(c.file(b, source))
     if head == "Threads":
         shared = {int(n) for _, e in machines for x in e.get("paths", {}).values() for path, count in x["entered"].items() if count for n in re.findall(r" on (\d+) threads$", path)}
-        text = "work was shared among %s threads, as the backends counted" % ", ".join(str(n) for n in sorted(shared))
-        same(b, said, text if shared else "no backend counted work that threads shared")
+        text = "work was shared by %s threads, according to the backends' counters" % ", ".join(str(n) for n in sorted(shared))
+        same(b, said, text if shared else "no backend counted work shared by threads")
     elif head == "Processor":
-        same(b, True, said in [words("%s, %s" % (e["processor"] or "not named by the system", many(e["cores_online"], "core"))) for _, e in machines])
+        same(b, True, said in [words("%s, %s" % (e["processor"] or "not reported by the system", many(e["cores_online"], "core"))) for _, e in machines])
     else:
         e = dict(machines)[head]
         same(b, said, words("%s%s, kernel %s, %s" % (e["host"] + ": " if e.get("host") else "", e["system"], e["kernel"], e["machine"])))
     return None
 
 
-@rule("Which paths of each backend ran", "tr", r"")
+@rule("Code paths of each backend", "tr", r"")
 def _(c, b, m):
     paths = c.file(b, "environment.json")["paths"]
     if b.cells[0] == "Backend":
@@ -729,14 +729,14 @@ COMMON = "Mistakes that all backends could have in common"
 ABOUT = {"golden": "by hand", "volume": "by volume"}
 
 
-@rule(COMMON, "p", r"If every backend made the same mistake, .* (All came out as expected|Some came out otherwise)\. Right by hand: (\d+) of (\d+); by volume: (\d+) of (\d+); by law: (\d+) of (\d+)\.")
+@rule(COMMON, "p", r"If every backend made the same mistake, .* (All checks passed|Some checks failed)\. Passed by hand: (\d+) of (\d+); by volume: (\d+) of (\d+); by law: (\d+) of (\d+)\.")
 def _(c, b, m):
     checks = c.file(b, "common.json")["checks"]
     sums = []
     for about in ("by hand", "by volume", "by law"):
         mine = [x["passed"] for x in checks if ABOUT.get(x["kind"], "by law") == about]
         sums += [str(sum(mine)), str(len(mine))]
-    return ["All came out as expected" if all(x["passed"] for x in checks) else "Some came out otherwise"] + sums
+    return ["All checks passed" if all(x["passed"] for x in checks) else "Some checks failed"] + sums
 
 
 @rule(COMMON, "tr", r"")
@@ -749,7 +749,7 @@ def _(c, b, m):
     return None
 
 
-@rule(COMMON, "p", r"Not done in this bundle, since it takes the source tree and its tests \(make check\):")
+@rule(COMMON, "p", r"Not part of this bundle, because these checks need the source tree and its tests \(make check\):")
 def _(c, b, m):
     same(b, True, bool(c.file(b, "common.json")["by_the_tests"]))
     return []
@@ -761,8 +761,8 @@ def _(c, b, m):
     return None
 
 
-@rule("Requirements", "p", r"Of (\d+) requirements (\d+) have tests, and results of this very bundle bear on (\d+) of those\. Orphans, listed in both directions: "
-                           r"(\d+) requirements without a test, (\d+) tests that no requirement names, (\d+) results that no requirement is about\.")
+@rule("Requirements", "p", r"Of (\d+) requirements, (\d+) have tests, and (\d+) of these are also supported by results in this bundle\. Orphans in both directions: "
+                           r"(\d+) requirements without a test, (\d+) tests that no requirement names, (\d+) results that concern no requirement\.")
 def _(c, b, m):
     rows = c.file(b, "trace.csv")
     kinds = [r["kind"] for r in rows]
@@ -813,17 +813,17 @@ def _(c, b, m):
     raise Unheld("%s: no device of devices.json" % b)
 
 
-@rule("Made with", "p", r"(\d+) libraries ran with it, drivers included\. .*")
+@rule("Made with", "p", r"(\d+) libraries were loaded, drivers included\. .*")
 def _(c, b, m):
     return [str(len(c.file(b, "tools.json").get("libraries", [])))]
 
 
-@rule("Check it, and do it again", "pre", r"osteon verify \.")
+@rule("Verification and repetition", "pre", r"osteon verify \.")
 def _(c, b, m):
     return []
 
 
-@rule("Check it, and do it again", "pre", r"osteon validate (.*) --out BUNDLE")
+@rule("Verification and repetition", "pre", r"osteon validate (.*) --out BUNDLE")
 def _(c, b, m):
     p = c.file(next(x for x in c.section.blocks if "protocol.json" in x.links), "protocol.json")
     said = ["--tier", p["tier"], "--seed", p["seed"]]

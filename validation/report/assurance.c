@@ -28,7 +28,7 @@ static void common_sums(const page *p, const json_t *checks)
             all += its;
             passed += its && json_is_true(json_object_get(one, "passed"));
         }
-        fprintf(p->to, "%s%s: %zu of %zu", k ? "; " : "Right ", kinds[k], passed, all);
+        fprintf(p->to, "%s%s: %zu of %zu", k ? "; " : "Passed ", kinds[k], passed, all);
     }
     fputs(".", p->to);
 }
@@ -41,16 +41,16 @@ void section_common(const page *p)
         return;
     const json_int_t failed = json_integer_value(json_object_get(o, "failed"));
     fputs("<h2>Mistakes that all backends could have in common</h2>\n<p>If every backend made the same mistake, all "
-          "would be equal and all wrong. So the reference was also compared "
-          "with what is known without any program: small grids worked out by hand, bodies whose volume a formula "
-          "gives, and laws that hold whatever the voxels are. ",
+          "results would be equal and wrong. The reference was therefore also compared with results that are known "
+          "without a program: small grids computed by hand, bodies whose volume a formula gives, and laws that hold "
+          "for all voxels. ",
           p->to);
-    fprintf(p->to, "<b>%s</b> ", failed ? "Some came out otherwise." : "All came out as expected.");
+    fprintf(p->to, "<b>%s</b> ", failed ? "Some checks failed." : "All checks passed.");
     common_sums(p, checks);
     fputs("</p>\n", p->to);
     page_fold_begin(p, "checks", failed, "Check by check");
-    fputs("<div class=\"wide\"><table><thead><tr><th>Check</th><th>is</th><th>expected</th><th>came "
-          "out</th><th>&#8203;</th></tr></thead>\n",
+    fputs("<div class=\"wide\"><table><thead><tr><th>Check</th><th>rule</th><th>expected</th>"
+          "<th>result</th><th>&#8203;</th></tr></thead>\n",
           p->to);
     for (size_t i = 0; i < json_array_size(checks); i++) {
         const json_t *one = json_array_get(checks, i);
@@ -68,7 +68,7 @@ void section_common(const page *p)
     }
     fputs("</table></div>\n", p->to);
     page_fold_end(p);
-    fputs("<p><b>Not done in this bundle</b>, since it takes the source tree and its tests (<code>make "
+    fputs("<p><b>Not part of this bundle</b>, because these checks need the source tree and its tests (<code>make "
           "check</code>):</p>\n<ul>\n",
           p->to);
     for (size_t i = 0; i < json_array_size(tests); i++) {
@@ -131,13 +131,14 @@ void section_made_with(const page *p)
         row(p, "Flags", evidence_text(build, "cflags"));
         row(p, "Program, SHA-256", evidence_text(program, "sha256"));
     } else
-        row(p, "Machines", "several, one a shard; see the files");
+        row(p, "Machines", "several, one for each shard; see the files");
     device_rows(p);
-    fprintf(p->to,
-            "</table></div>\n<p>%zu libraries ran with it, drivers included. A device's fingerprint is what its "
-            "integers and floats did when asked; one whose integers are wrong is refused.</p>\n"
-            "<p class=\"from\">From ",
-            json_array_size(json_object_get(o, "libraries")));
+    fprintf(
+        p->to,
+        "</table></div>\n<p>%zu libraries were loaded, drivers included. A device's fingerprint records the results of "
+        "its integer and float operations; a device with wrong integer results is refused.</p>\n"
+        "<p class=\"from\">From ",
+        json_array_size(json_object_get(o, "libraries")));
     page_link(p, TOOLS_FILE);
     fputs(", ", p->to);
     page_link(p, DEVICES_FILE);
@@ -179,10 +180,11 @@ void section_requirements(const page *p)
                  tests = rows_that_begin(bytes, "orphan test,", NULL),
                  results = rows_that_begin(bytes, "orphan result,", NULL);
     fprintf(p->to,
-            "<h2>Requirements</h2>\n<p>Of %zu requirements %zu have tests, and results of this very bundle bear on %zu "
-            "of those. Orphans, listed in both directions: "
+            "<h2>Requirements</h2>\n<p>Of %zu requirements, %zu have tests, and %zu of these are also supported by "
+            "results in this "
+            "bundle. Orphans in both directions: "
             "<b>%zu requirements without a test</b>, <b>%zu tests that no requirement names</b>, <b>%zu results that "
-            "no requirement is about</b>.</p>\n<p class=\"from\">From ",
+            "concern no requirement</b>.</p>\n<p class=\"from\">From ",
             tested + untested, tested, shown, untested, tests, results);
     page_link(p, TRACE_FILE);
     fputs(" (requirement, tests, results, files) and ", p->to);

@@ -57,11 +57,12 @@ static void cell(const page *p, tally t)
 void section_compared(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
-    fputs("<h2>What was compared with what</h2>\n"
-          "<p>A <b>case</b> is a bone, tools and a movement, generated or of the user's own files. Each backend (a "
+    fputs("<h2>Comparison of the backends</h2>\n"
+          "<p>A <b>case</b> consists of a bone, tools and a motion, generated or from the user's own files. Each "
+          "backend (a "
           "program for one kind of processor) ran each case in its own process. "
-          "Everything that it made was compared byte by byte with what the <b>scalar reference</b> made: "
-          "a plain, serial program that states the arithmetic. The numbers say how many cases came out equal.</p>\n"
+          "All its results were compared byte by byte with those of the <b>scalar reference</b>, "
+          "a plain, serial program that states the arithmetic. The table contains the numbers of equal cases.</p>\n"
           "<div class=\"wide\"><table><thead><tr><th>Backend, device, driver</th>",
           p->to);
     int columns = 1;
@@ -106,15 +107,15 @@ void section_compared(const page *p)
         fprintf(p->to, "%s<b>%s</b>: ", printed++ ? "; " : "", plan_family_name((plan_family)f));
         page_text(p, plan_family_about((plan_family)f));
     }
-    fputs(".</p>\n<p><b>What counts as passed</b>, fixed before anything ran: ", p->to);
+    fputs(".</p>\n<p><b>Criterion for passing</b>, fixed before anything ran: ", p->to);
     page_text(p, evidence_text(p->protocol, "accept"));
     fputs("</p>\n<p class=\"from\">From ", p->to);
     page_link(p, EVIDENCE_PROTOCOL);
-    fputs(" (its hash stands in ", p->to);
+    fputs(" (its hash is in ", p->to);
     page_link(p, "audit.log");
     fputs(" before the first result) and ", p->to);
     page_link(p, EVIDENCE_CASES);
-    fputs("; for other programs ", p->to);
+    fputs("; for test harnesses, ", p->to);
     page_link(p, "junit.xml");
     fputs(" and ", p->to);
     page_link(p, "results.tap");
@@ -177,9 +178,10 @@ void section_own_files(const page *p)
                  *cases = json_object_get(user, "cases");
     if (!user)
         return;
-    fputs("<h2>The user's own files</h2>\n<p>They are not in this bundle, and neither are their names; whoever has "
-          "them sees by the SHA-256 that they are the same.</p>\n"
-          "<div class=\"wide\"><table><thead><tr><th class=\"n\">File</th><th>is</th><th "
+    fputs("<h2>The user's own files</h2>\n<p>Neither the files nor their names are in this bundle; the SHA-256 "
+          "identifies "
+          "them.</p>\n"
+          "<div class=\"wide\"><table><thead><tr><th class=\"n\">File</th><th>content</th><th "
           "class=\"n\">bytes</th><th>SHA-256</th></tr></thead>\n",
           p->to);
     for (size_t i = 0; i < json_array_size(list); i++)
@@ -191,25 +193,26 @@ void section_own_files(const page *p)
     page_link(p, "inputs.csv");
     fputs(" and ", p->to);
     page_link(p, EVIDENCE_PROTOCOL);
-    fputs(", which also says how they were read.</p>\n", p->to);
+    fputs(", which also contains the options by which they were read.</p>\n", p->to);
 }
 
 void section_reference(const page *p)
 {
     static const char *const what[TRACE_STAGES] = {
-        [TRACE_RECT] = "a CT's samples put into a grid",
-        [TRACE_CUBIC] = "resampled to cubes",
-        [TRACE_RESAMPLE] = "the cubes resampled once more, to larger ones",
-        [TRACE_CHUNKS] = "the bone, cut into chunks",
-        [TRACE_SNAP] = "a tool's grid and its mesh snapped to it, before a voxel is made",
-        [TRACE_STEPS] = "which poses a tick's event has, and the integers that map bone voxels to tool voxels at each",
-        [TRACE_TOOL] = "a tool's mesh made into voxels",
-        [TRACE_COLLIDE] = "what a tool touches, nothing removed",
-        [TRACE_TICK] = "a moment of an operation: every voxel that changed, and the report of what was removed",
-        [TRACE_SAMPLE] = "densities of single voxels, as forces are made of, and the occupancy of every chunk",
-        [TRACE_UPLOAD] = "a bone made of slices that were uploaded, some of them twice",
-        [TRACE_FINAL] = "the bone at the end, whole",
-        [TRACE_FAILED] = "a case that must be refused, and was",
+        [TRACE_RECT] = "the samples of a CT in the rect grid",
+        [TRACE_CUBIC] = "the rect grid resampled to cubic voxels",
+        [TRACE_RESAMPLE] = "the cubic grid resampled once more, to larger voxels",
+        [TRACE_CHUNKS] = "the bone in chunks",
+        [TRACE_SNAP] = "a tool's grid and the mesh snapped to it, before voxelization",
+        [TRACE_STEPS] =
+            "the poses of a tick's event, and the integers that map bone voxels to tool voxels at each pose",
+        [TRACE_TOOL] = "a tool's mesh as voxels",
+        [TRACE_COLLIDE] = "the collision of a tool with the bone, without removal",
+        [TRACE_TICK] = "a tick of an operation: every changed voxel, and the report of the removal",
+        [TRACE_SAMPLE] = "densities of single voxels, which forces are computed from, and the occupancy of every chunk",
+        [TRACE_UPLOAD] = "a bone made from uploaded slices, some of them uploaded twice",
+        [TRACE_FINAL] = "the complete bone at the end",
+        [TRACE_FAILED] = "the refusal of a case that must be refused",
     };
     json_int_t records[TRACE_STAGES] = {0}, all = 0;
     for (size_t i = 0; i < json_array_size(p->cases); i++) {
@@ -221,12 +224,14 @@ void section_reference(const page *p)
                     all++;
                 }
     }
-    fputs("<h2>What the reference made</h2>\n<p>", p->to);
+    fputs("<h2>Results of the reference</h2>\n<p>", p->to);
     page_many(p, json_array_size(p->cases), "case");
     fputs(" gave ", p->to);
     page_many(p, (size_t)all, "record");
-    fputs(". Each is compared with every backend's, in this order, and its SHA-256 digests are kept.</p>\n"
-          "<table><thead><tr><th>Stage</th><th class=\"n\">records</th><th>is</th></tr></thead>\n", p->to);
+    fputs(". Each record is compared with that of every backend, in the order of the table; cases.jsonl contains the "
+          "SHA-256 digests.</p>\n"
+          "<table><thead><tr><th>Stage</th><th class=\"n\">records</th><th>is</th></tr></thead>\n",
+          p->to);
     for (int s = 0; s < TRACE_STAGES; s++)
         if (records[s]) {
             fprintf(p->to, "<tr><td><b>%s</b></td><td class=\"n\">", trace_stage_name((trace_stage)s));
@@ -235,7 +240,7 @@ void section_reference(const page *p)
         }
     fputs("</table>\n<p class=\"from\">Digests of inputs: ", p->to);
     page_link(p, "inputs.csv");
-    fputs("; of everything made: ", p->to);
+    fputs("; digests of all results: ", p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(".</p>\n", p->to);
 }

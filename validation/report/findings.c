@@ -51,14 +51,14 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
         const json_int_t size = integer(r, "chunk_size") > 0 ? integer(r, "chunk_size") : 32;
         fprintf(p->to,
                 " voxel%s in this record; the first at (%lld, %lld, %lld), chunk (%lld, %lld, %lld) of "
-                "%lld<sup>3</sup>: <b>%lld</b> where the reference has <b>%lld</b>",
+                "%lld<sup>3</sup>: <b>%lld</b>, the reference has <b>%lld</b>",
                 integer(r, "different_voxels") == 1 ? "" : "s", (long long)at[0], (long long)at[1], (long long)at[2],
                 (long long)(at[0] / size), (long long)(at[1] / size), (long long)(at[2] / size), (long long)size,
                 (long long)integer(r, "got"), (long long)integer(r, "reference"));
     } else if (*evidence_text(r, "word")) {
         fputs("reported: ", p->to);
         page_text(p, evidence_text(r, "word"));
-        fprintf(p->to, " is <b>%lld</b> where the reference has <b>%lld</b>", (long long)integer(r, "got"),
+        fprintf(p->to, " is <b>%lld</b>; the reference has <b>%lld</b>", (long long)integer(r, "got"),
                 (long long)integer(r, "reference"));
         const json_t *chunk = json_object_get(r, "chunk");
         if (chunk)
@@ -69,7 +69,7 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
     } else
         page_text(p, evidence_text(r, "text"));
     if (*evidence_text(r, "class")) {
-        fputs("<br>Looks like <b>", p->to);
+        fputs("<br>Class <b>", p->to);
         page_text(p, evidence_text(r, "class"));
         fputs("</b>: ", p->to);
         page_text(p, evidence_text(r, "class_text"));
@@ -85,7 +85,7 @@ static void reproduction(const page *p, const json_t *backend, const json_t *r)
     const char *file = evidence_text(r, "reproduce");
     if (!reproduce_name_ok(file) || !page_has(p, file))
         return;
-    fputs("<p>Made small, the case still differs in the same stage and looks the same: ", p->to);
+    fputs("<p>The reduced case still differs in the same stage and with the same class: ", p->to);
     page_text(p, evidence_text(r, "small_case"));
     fputs(" (", p->to);
     page_link(p, file);
@@ -106,8 +106,8 @@ static void operand_table(const page *p, const json_t *r)
     if (!json_array_size(list))
         return;
     fprintf(p->to,
-            "<p>What decides voxel (%lld, %lld, %lld), computed by the reference; it says what the right answer is "
-            "made of, not what went wrong elsewhere:</p>\n"
+            "<p>Operands that decide voxel (%lld, %lld, %lld), computed by the reference. They show how the correct "
+            "result comes about, not the error of the other backend:</p>\n"
             "<div class=\"wide\"><table>\n",
             (long long)json_integer_value(json_array_get(voxel, 0)),
             (long long)json_integer_value(json_array_get(voxel, 1)),
@@ -131,7 +131,7 @@ typedef struct totals {
    in the table. */
 static void detail(const page *p, int number, const json_t *one, size_t s, const json_t *r, totals *n)
 {
-    static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Got", "Difference"};
+    static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Backend", "Difference"};
     char name[PICTURE_NAME];
     picture_name(name, evidence_text(one, "id"), s, PICTURE_DIFFERENCE);
     const bool drawn = page_has(p, name), small = *evidence_text(r, "reproduce") != '\0';
@@ -181,55 +181,55 @@ void section_differences(const page *p)
                              integer(counts, case_verdict_name(CASE_CRASHED)) +
                              integer(counts, case_verdict_name(CASE_LATE));
     if (!found) {
-        fputs("<p><b>None.</b> No byte of any result that was compared differs from the reference's.</p>\n<p "
+        fputs("<p><b>None.</b> All compared results are byte-identical to the reference's.</p>\n<p "
               "class=\"from\">From ",
               p->to);
         page_link(p, "anomalies.csv");
-        fputs(", which is empty but for its head.</p>\n", p->to);
+        fputs(", which has only its header line.</p>\n", p->to);
         return;
     }
     fputs("<p>", p->to);
     page_count(p, found);
     fprintf(p->to,
-            " result%s came out otherwise than the reference's. Of each case the first difference in the order of the "
-            "stages is shown; what comes "
-            "after it may be its consequence. What the whole of a difference looks like is a fact about its voxels (A "
-            "is the reference's grid, B the other's) and a hint about the cause.</p>\n<table><thead><tr><th "
+            " result%s from the reference's. For each case, the table shows the first difference in the order of the "
+            "stages; later ones may be its consequences. The class of a difference is a fact about its voxels (A "
+            "is the reference's grid, B the other's) and only a hint about the cause.</p>\n<table><thead><tr><th "
             "class=\"n\">No.</th><th>Case, backend</th><th>Verdict</th><th>Where</th>"
             "<th>What</th></tr></thead>\n",
-            found == 1 ? "" : "s");
+            found == 1 ? " differs" : "s differ");
     const int listed = each_finding(p, false).found;
     fputs("</table>\n", p->to);
     if (listed > LISTED)
         fprintf(p->to, "<p>The first %d of %d are listed here.</p>\n", LISTED, listed);
-    fputs("<p class=\"from\">All of them, with places for cause, impact and disposition: ", p->to);
+    fputs("<p class=\"from\">All differences, with fields for cause, impact and disposition, are in ", p->to);
     page_link(p, "anomalies.csv");
     fputs("; as values: ", p->to);
     page_link(p, EVIDENCE_CASES);
-    fputs(".</p>\n<h2>Differences one by one</h2>\n"
-          "<p>Axial, coronal and sagittal slices, through where most voxels differ in the first record in which voxels "
-          "do; a square is a voxel. "
-          "<span class=\"key\"><i class=\"a\"></i>striped: solid in the reference alone<i class=\"b\"></i>plain: solid "
-          "in the other alone"
-          "<i class=\"c\"></i>barred: another value</span></p>\n<p class=\"from\">Places and operands are from ",
-          p->to);
+    fputs(
+        ".</p>\n<h2>Each difference</h2>\n"
+        "<p>The pictures are axial, coronal and sagittal slices through the position where most voxels differ, in the "
+        "first record with differing voxels; a square is a voxel. "
+        "<span class=\"key\"><i class=\"a\"></i>striped: solid only in the reference<i class=\"b\"></i>plain: solid "
+        "only in the other"
+        "<i class=\"c\"></i>barred: different values</span></p>\n<p class=\"from\">Positions and operands are from ",
+        p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(".</p>\n", p->to);
     const totals n = each_finding(p, true);
     if (!n.drawn && !n.small)
-        fputs("<p>None were kept: no voxels differ, or the program was built without pictures.</p>\n", p->to);
+        fputs("<p>There are no pictures: no voxels differ, or the program was built without pictures.</p>\n", p->to);
     else
         fprintf(p->to,
-                "<p>Pictures are kept of %d of them, small cases of %d: of each backend the first that differ, and the "
-                "first of each stage and look. Where voxels are equal "
-                "and only the report differs there is nothing to draw.</p>\n",
+                "<p>There are pictures of %d of them and reduced cases of %d: of the first differences of each "
+                "backend, and "
+                "of the first of each stage and class. If only a report differs, there is no picture.</p>\n",
                 n.drawn, n.small);
 }
 
 /* ------------------------------------------------------------ sensitivity */
 
 static const char *const fault_counts[] = {"injected", "changed", "detected", "localized", "survived"};
-static const char *const fault_heads[] = {"injected", "changed a result", "noticed", "located", "without effect"};
+static const char *const fault_heads[] = {"made", "changed a result", "detected", "located", "without effect"};
 enum { FAULT_COUNTS = sizeof fault_counts / sizeof fault_counts[0] };
 
 static void fault_cells(const page *p, const json_t *o)
@@ -309,7 +309,7 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fputs("</tr></table></div>\n", p->to);
     if (!missed)
         return;
-    fputs("<p><b>Not all noticed, or not all located:</b></p>\n", p->to);
+    fputs("<p><b>Not all detected, or not all located:</b></p>\n", p->to);
     fault_head(p, "Mistake");
     for (size_t i = 0; i < count; i++)
         if (fault_missed(json_array_get(kinds, i)))
@@ -338,25 +338,27 @@ void section_sensitivity(const page *p)
     const json_t *kinds = json_object_get(o, "kinds");
     if (!o)
         return;
-    fputs("<h2>Would the comparison have noticed a mistake?</h2>\n<p>A second implementation (validation/dense), no "
-          "backend, was run with deliberate mistakes at random places, and compared in the same way. ",
+    fputs("<h2>Sensitivity proof</h2>\n<p>The second implementation (validation/dense), which is no "
+          "backend, was run with deliberate mistakes at random positions, and its results were compared in the same "
+          "way. ",
           p->to);
     page_count(p, integer(o, "detected"));
     fputs(" of the ", p->to);
     page_count(p, integer(o, "changed"));
-    fputs(" mistakes that changed a result were noticed and ", p->to);
+    fputs(" mistakes that changed a result were detected and ", p->to);
     page_count(p, integer(o, "localized"));
     fputs(" located; ", p->to);
     page_count(p, integer(o, "false_alarms"));
     fputs(" false alarms in ", p->to);
     page_count(p, integer(o, "clean_runs"));
     fprintf(p->to, " runs without a mistake. <b>%s</b></p>\n",
-            json_is_true(json_object_get(o, "proved")) ? "Every mistake that had an effect was noticed and located."
-                                                       : "This does not show that mistakes are noticed.");
+            json_is_true(json_object_get(o, "proved")) ? "Every mistake that had an effect was detected and located."
+                                                       : "This does not show that mistakes are detected.");
     fault_stages(p, o, kinds);
     fault_kinds(p, kinds);
     fputs("<p class=\"from\">From ", p->to);
     page_link(p, file);
-    fputs(", which has every kind of mistake with its cause, and says why some can be without effect.</p>\n", p->to);
+    fputs(", which lists every kind of mistake with its cause and the conditions under which it has no effect.</p>\n",
+          p->to);
     json_decref(o);
 }

@@ -65,7 +65,7 @@ static void one_machine(const page *p, const char *shard, const json_t *e)
     page_text(p, evidence_text(e, "machine"));
     end_row(p, "environment.json");
     begin_row(p, "Processor");
-    page_text(p, *evidence_text(e, "processor") ? evidence_text(e, "processor") : "not named by the system");
+    page_text(p, *evidence_text(e, "processor") ? evidence_text(e, "processor") : "not reported by the system");
     fputs(", ", p->to);
     page_many(p, cores > 0 ? (size_t)cores : 0, "core");
     end_row(p, "environment.json");
@@ -96,8 +96,9 @@ static void threads(const page *p, const bool used[THREADS_MAX])
     begin_row(p, "Threads");
     for (int n = 2; n < THREADS_MAX; n++)
         if (used[n])
-            fprintf(p->to, "%s%d", printed++ ? ", " : "work was shared among ", n);
-    fputs(printed ? " threads, as the backends counted" : "no backend counted work that threads shared", p->to);
+            fprintf(p->to, "%s%d", printed++ ? ", " : "work was shared by ", n);
+    fputs(printed ? " threads, according to the backends' counters" : "no backend counted work shared by threads",
+          p->to);
     end_row(p, "environment.json");
 }
 
@@ -115,7 +116,7 @@ static void opencl(const page *p)
         fputs(printed++ ? "<br>" : "", p->to);
         page_text(p, evidence_text(one, "what"));
         if (!set)
-            fputs("; kernels: the set that the device's type chooses", p->to);
+            fputs("; kernels: the default set for the type of the device", p->to);
         else if (!strstr(evidence_text(one, "what"), "kernels for"))
             fputs(strncmp(set, "kernels=gpu", 11) == 0 ? "; kernels for GPUs" : "; kernels for CPUs", p->to);
     }
@@ -133,7 +134,7 @@ void section_machine(const page *p)
         json_decref(all);
         return;
     }
-    fputs("<h2>When and where</h2>\n<table class=\"facts\">\n", p->to);
+    fputs("<h2>Date and machine</h2>\n<table class=\"facts\">\n", p->to);
     when(p);
     if (json_is_string(json_object_get(all, "machine"))) {
         one_machine(p, "", all);
@@ -175,16 +176,17 @@ void section_paths(const page *p)
         json_decref(all);
         return;
     }
-    fputs("<h2>Which paths of each backend ran</h2>\n<p>A backend takes another path through its code where a bone is "
-          "large, where threads share work, where memory is mapped. "
-          "A path that no case entered was not compared, whatever the verdict says.</p>\n"
+    fputs("<h2>Code paths of each backend</h2>\n<p>A backend takes other paths through its code if a bone is large, if "
+          "threads "
+          "share work, or if memory is mapped. A path that no case entered was not compared, even if the verdict is "
+          "EQUAL.</p>\n"
           "<div class=\"wide\"><table><thead><tr><th>Backend</th><th class=\"n\">entered</th><th class=\"n\">not "
-          "entered</th><th>not entered are</th></tr></thead>\n",
+          "entered</th><th>paths not entered</th></tr></thead>\n",
           p->to);
     json_object_foreach(of_all, backend, paths)
         paths_row(p, backend, paths);
     fputs("</table></div>\n<p class=\"from\">From ", p->to);
     page_link(p, "environment.json");
-    fputs(", with how often each was entered.</p>\n", p->to);
+    fputs(", which also contains the number of times that each path was entered.</p>\n", p->to);
     json_decref(all);
 }

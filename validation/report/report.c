@@ -82,28 +82,28 @@ static void verdict(const page *p)
         page_count(p, other);
         fputs(" of ", p->to);
         page_many(p, (size_t)(other + same), "result");
-        fputs(", a backend did not compute what the reference computed.", p->to);
+        fputs(", the result of a backend differs from the reference's.", p->to);
         who_differs(p);
         if (!evidence)
-            fputs(" (And this was a reduced run.)", p->to);
+            fputs(" This was also a reduced run.", p->to);
     } else if (!equal) {
         fputs(json_integer_value(json_object_get(p->summary, "compared"))
                   ? "<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOT EVERYTHING WAS COMPARED</b>No difference "
                     "was found, but cases are missing."
                   : "<div class=\"verdict none\"><b>&#9888; NO VERDICT: NOTHING WAS COMPARED</b>"
-                    "No backend but the reference ran a case that the reference did not refuse.",
+                    "No backend other than the reference ran a case that the reference accepted.",
               p->to);
     } else {
         fputs(evidence ? "<div class=\"verdict equal\"><b>&#10003; EQUAL</b>"
                        : "<div class=\"verdict none\"><b>&#9888; REDUCED RUN: NO EVIDENCE</b>",
               p->to);
-        fputs(evidence    ? "Every backend computed exactly what the reference computed: "
+        fputs(evidence    ? "Every backend's results are byte-identical to the reference's: "
               : same == 1 ? "<strong>Equal in the "
                           : "<strong>Equal in all ",
               p->to);
         page_many(p, (size_t)same, "result");
         fputs(evidence ? ", 0 differing bytes." : same == 1 ? " that was compared" : " that were compared", p->to);
-        fputs(evidence ? "" : "</strong>; but too little was compared to prove anything.", p->to);
+        fputs(evidence ? "" : "</strong>; too little was compared for evidence.", p->to);
     }
     fputs("<br><span class=\"from\">From ", p->to);
     page_link(p, "results.json");
@@ -148,14 +148,14 @@ static void in_short(const page *p)
                      passed = number_in(p, COMMON_FILE, "passed"), failed = number_in(p, COMMON_FILE, "failed");
     fputs("<ul>\n", p->to);
     if (changed > 0) {
-        fputs("<li>Would the comparison have noticed a mistake? ", p->to);
+        fputs("<li>Sensitivity: ", p->to);
         page_count(p, detected);
         fputs(" of ", p->to);
         page_count(p, changed);
-        fputs(" mistakes, made on purpose in a second implementation and in no backend, were noticed", p->to);
+        fputs(" deliberate mistakes, made in a second implementation and in no backend, were detected", p->to);
         if (kinds >= 0)
-            fprintf(p->to, "; of %lld kinds %lld changed nothing in this tier", (long long)kinds,
-                    (long long)(kinds - kinds_changed));
+            fprintf(p->to, "; %lld kinds of mistakes were tried, %lld of which changed nothing in this tier",
+                    (long long)kinds, (long long)(kinds - kinds_changed));
         fputs("; ", p->to);
         page_many(p, alarms > 0 ? (size_t)alarms : 0, "false alarm");
         fputs(" (", p->to);
@@ -163,14 +163,15 @@ static void in_short(const page *p)
         fputs(").</li>\n", p->to);
     }
     if (passed >= 0) {
-        fprintf(p->to,
-                "<li>Mistakes that all backends have in common: %lld of %lld checks against results known by hand, by "
-                "formula and by law passed (",
-                (long long)passed, (long long)(passed + failed));
+        fprintf(
+            p->to,
+            "<li>Mistakes that all backends could have in common: the reference passed %lld of %lld checks by hand, "
+            "by volume and by law (",
+            (long long)passed, (long long)(passed + failed));
         page_link(p, COMMON_FILE);
         fputs(").</li>\n", p->to);
     }
-    fprintf(p->to, "<li>Not shown by this report: %zu points, listed <a href=\"#not-shown\">below</a> (",
+    fprintf(p->to, "<li>Limits: %zu points are not shown; they are listed <a href=\"#not-shown\">below</a> (",
             json_array_size(json_object_get(p->summary, "not_shown")));
     page_link(p, "deviations.csv");
     fputs(").</li>\n</ul>\n", p->to);
@@ -186,11 +187,11 @@ static void head(const page *p)
     verdict(p);
     suite_failed(p);
     in_short(p);
-    fputs("<p class=\"scope\">What this is: verification that all backends of osteon compute the same voxels (code "
-          "verification). It is not clinical validation.</p>\n"
+    fputs("<p class=\"scope\">Scope: verification that all backends of osteon compute the same voxels (code "
+          "verification). This report is not a clinical validation.</p>\n"
           "<p>osteon simulates the reaming of bone for surgery. The same operation can be computed by different "
           "programs, on processors and graphics cards. "
-          "This report says whether their results are bit-identical: here ",
+          "This report states whether their results are bit-identical, for ",
           p->to);
     fputs("<b>", p->to);
     page_many(p, run, "backend");
@@ -205,9 +206,9 @@ static void head(const page *p)
     page_text(p, evidence_text(p->protocol, "seed"));
     fputs(" (", p->to);
     page_link(p, EVIDENCE_PROTOCOL);
-    fputs("). Times: ", p->to);
+    fputs("). The times are in ", p->to);
     page_link(p, "times.json");
-    fputs(". What was done when: ", p->to);
+    fputs("; the log of all steps is ", p->to);
     page_link(p, "audit.log");
     fputs(".</p>\n", p->to);
 }
@@ -215,7 +216,7 @@ static void head(const page *p)
 static void not_shown(const page *p)
 {
     const json_t *list = json_object_get(p->summary, "not_shown");
-    fputs("<h2 id=\"not-shown\">What was NOT shown</h2>\n<ul>\n", p->to);
+    fputs("<h2 id=\"not-shown\">Not shown</h2>\n<ul>\n", p->to);
     for (size_t i = 0; i < json_array_size(list); i++) {
         const char *text = json_string_value(json_array_get(list, i));
         fputs("<li>", p->to);
@@ -225,7 +226,7 @@ static void not_shown(const page *p)
     fputs("</ul>\n<p class=\"from\">From ", p->to);
     page_link(p, "deviations.csv");
     if (page_has(p, KNOWN_ANOMALIES_FILE)) {
-        fputs("; what was known to be wrong with this release: ", p->to);
+        fputs("; known anomalies of this release: ", p->to);
         page_link(p, KNOWN_ANOMALIES_FILE);
     }
     fputs(".</p>\n", p->to);
@@ -233,24 +234,25 @@ static void not_shown(const page *p)
 
 static void operation(const page *p)
 {
-    fputs("<h2>What was computed, in pictures</h2>\n", p->to);
+    fputs("<h2>Pictures</h2>\n", p->to);
     if (!page_has(p, PICTURE_AFTER)) {
-        fputs("<p>No pictures: the case of the built-in operation was not run here, or the program was built without "
+        fputs("<p>There are no pictures: the case of the built-in operation was not run, or the program was built "
+              "without "
               "pictures.</p>\n",
               p->to);
         return;
     }
-    fputs("<p>Case <code>operation/0</code> as the reference computed it: the socket of a generated shoulder blade "
-          "(glenoid), a hole for a peg drilled into it and "
-          "its surface reamed. Cut surfaces are coloured by their depth below the old surface; in slices, red was cut "
-          "away. Pictures illustrate; what was compared are the voxels behind them.</p>\n<div class=\"pair\">\n",
+    fputs("<p>Case <code>operation/0</code> as the reference computed it: the glenoid of a generated scapula, with a "
+          "peg hole drilled into it and its surface reamed. Cut surfaces are coloured by their depth below the uncut "
+          "surface; in slices, removed bone is red. The pictures are illustrations; the voxels were "
+          "compared.</p>\n<div class=\"pair\">\n",
           p->to);
     page_picture(p, PICTURE_BEFORE, "The bone before");
-    page_picture(p, PICTURE_AFTER, "The bone after; the coloured surface is cut");
+    page_picture(p, PICTURE_AFTER, "The bone after; cut surfaces are coloured");
     fputs("</div>\n", p->to);
     page_picture(p, PICTURE_SLICES_BEFORE, "Slices before: axial, coronal, sagittal");
-    page_picture(p, PICTURE_SLICES_AFTER, "The same slices after; red was removed");
-    fputs("<p class=\"from\">The case's input, and what was made of it at every tick, by digest: ", p->to);
+    page_picture(p, PICTURE_SLICES_AFTER, "The same slices after; removed bone is red");
+    fputs("<p class=\"from\">The digests of the case's input and of its results at every tick are in ", p->to);
     page_link(p, EVIDENCE_CASES);
     fputs(".</p>\n", p->to);
 }
@@ -260,18 +262,19 @@ static void operation(const page *p)
 static void checking(const page *p)
 {
     const json_t *shard = json_object_get(p->protocol, "shard");
-    fputs("<h2>Check it, and do it again</h2>\n<p>In the folder that this page lies in; needs neither a network nor a "
-          "device:</p>\n"
-          "<pre>osteon verify .</pre>\n<p>That checks every file against ",
+    fputs("<h2>Verification and repetition</h2>\n<p>To verify this bundle, run in the folder of this page (neither a "
+          "network "
+          "nor a device is needed):</p>\n"
+          "<pre>osteon verify .</pre>\n<p>The command checks every file against ",
           p->to);
     page_link(p, "manifest.json");
-    fputs(", the log's chain, that the protocol was frozen before the first result, and that this page and all other "
-          "derived files follow, byte for byte, from ",
+    fputs(", the chain of the log, that the protocol was written before the first result, and that this page and all "
+          "other derived files follow, byte for byte, from ",
           p->to);
     page_link(p, EVIDENCE_PROTOCOL);
     fputs(", ", p->to);
     page_link(p, EVIDENCE_CASES);
-    fputs(" and the pictures. The same campaign again, on any machine:</p>\n<pre>osteon validate --tier ", p->to);
+    fputs(" and the pictures. To repeat the campaign, on any machine:</p>\n<pre>osteon validate --tier ", p->to);
     page_shell_word(p, evidence_text(p->protocol, "tier"));
     fputs(" --seed ", p->to);
     page_shell_word(p, evidence_text(p->protocol, "seed"));
@@ -294,9 +297,11 @@ static void checking(const page *p)
     page_text(p, own ? own : "");
     free(own);
     fputs(json_object_get(p->protocol, "suite") ? " --with-suite FOLDER" : "", p->to);
-    fputs(" --out BUNDLE</pre>\n<p>With the same build on the same machine, <code>results_root</code> of ", p->to);
+    fputs(" --out BUNDLE</pre>\n<p>The same build with the same list of backends gives the same "
+          "<code>results_root</code> in ",
+          p->to);
     page_link(p, "manifest.json");
-    fputs(" comes out the same.</p>\n", p->to);
+    fputs(".</p>\n", p->to);
 }
 
 static void signing(const page *p)
@@ -307,12 +312,12 @@ static void signing(const page *p)
                 "<div><b>%s</b><span>Name</span><span>Role</span><span>Date and time "
                 "(UTC)</span><span>%s</span><span>Signature</span></div>\n",
                 i ? "Reviewer" : "Tester",
-                i ? "Meaning: reviewed, and agreed / not agreed" : "Meaning: performed as the protocol says");
-    fputs("</div>\n<p class=\"from\">A digital signature is over ", p->to);
+                i ? "Meaning: reviewed, and accepted / not accepted" : "Meaning: performed according to the protocol");
+    fputs("</div>\n<p class=\"from\">A digital signature signs ", p->to);
     page_link(p, "manifest.json");
     fputs(", which names every other file by its SHA-256: <code>osteon sign . --key KEY --by NAME --meaning "
-          "TEXT</code> makes it, "
-          "<code>osteon verify . --trust KEYS</code> checks it.</p>\n",
+          "TEXT</code> signs, "
+          "and <code>osteon verify . --trust KEYS</code> verifies the signature.</p>\n",
           p->to);
 }
 
@@ -322,31 +327,33 @@ static void files(const page *p)
         const char *name, *is;
         bool always;
     } list[] = {
-        {EVIDENCE_PROTOCOL, "what was to be done and what counts as passed, frozen before anything ran", true},
+        {EVIDENCE_PROTOCOL, "the plan and the criteria for passing, written before anything ran", true},
         {EVIDENCE_CASES,
-         "a line a case: digest of its input, digests of all that the reference made, each backend's verdict", true},
+         "one line per case: digests of its input and of the reference's results, each backend's digest and verdict",
+         true},
         {"results.json", "the verdict and its counts", true},
-        {"junit.xml", "the verdicts for test reports", true},
-        {"results.tap", "the verdicts for test harnesses", true},
+        {"junit.xml", "the verdicts as a JUnit report", true},
+        {"results.tap", "the verdicts as TAP", true},
         {"inputs.csv", "digests of the cases' inputs", true},
-        {"anomalies.csv", "what differs, with places for cause, impact and disposition", true},
-        {"margins.csv", "how near each differing voxel's decision was, by case and stage", true},
-        {"deviations.csv", "what was not shown", true},
+        {"anomalies.csv", "the differences, with fields for cause, impact and disposition", true},
+        {"margins.csv", "the margins of differing decisions, by case and stage", true},
+        {"deviations.csv", "the list of what is not shown", true},
         {"environment.json", "the machine, the system, the program's own digest", true},
-        {"times.json", "how long each backend took", true},
-        {"audit.log", "what was done when, each line hashed into the next", true},
-        {"manifest.json", "size and SHA-256 of every file, and two roots over them", true},
+        {"times.json", "the time of each backend", true},
+        {"audit.log", "every step with its time; each line contains the hash of the previous one", true},
+        {"manifest.json", "size and SHA-256 of every file, and two root digests", true},
         {"README.md", "the verdict in a few lines of text", true},
         {"case.json", "the cases that were run, as a file", false},
-        {"sensitivity.json", "deliberate mistakes, and whether they were noticed", false},
-        {"common.json", "checks by hand, by volume and by law: mistakes that all backends could have in common", false},
+        {"sensitivity.json", "deliberate mistakes, and how many were detected", false},
+        {"common.json", "checks by hand, by volume and by law, for mistakes that all backends could have in common",
+         false},
         {"requirements.csv", "requirements, and the tests that verify them", false},
         {"trace.csv", "requirements, tests, results and files, orphans in both directions", false},
         {SUITE_FILE, "the test suite's results, test by test", false},
-        {IMPACT_FILE, "what changed since an older bundle, and which known cause there is", false},
-        {KNOWN_ANOMALIES_FILE, "what was known to be wrong with this release when it was built", false},
-        {"devices.json", "the devices, what their drivers say, their numeric fingerprints", false},
-        {"tools.json", "commit, compiler, flags, and every library that ran with the program", false},
+        {IMPACT_FILE, "the changes since an older bundle, with known possible causes", false},
+        {KNOWN_ANOMALIES_FILE, "the known anomalies of this release", false},
+        {"devices.json", "the devices, the information of their drivers, and their numeric fingerprints", false},
+        {"tools.json", "commit, compiler, flags, and every library that was loaded", false},
         {"sbom.spdx.json", "the same as a bill of materials, SPDX 2.3", false},
         {"soup.csv", "software of unknown provenance: purpose, licence, known limits", false},
         {PICTURE_BEFORE, "the bone before the operation", false},

@@ -319,7 +319,7 @@ static void says_the_verdict_first(void **state)
         assert_true(hit < heading);
         assert_null(strstr(html, expected[i].says_not));
         const char *not_shown = strstr(html, "<h2 id=\"not-shown\">"),
-                   *compared = strstr(html, "<h2>What was compared with what");
+                   *compared = strstr(html, "<h2>Comparison of the backends");
         assert_non_null(not_shown);
         assert_non_null(compared);
         assert_true(not_shown < compared); /* it is on the first page */
@@ -376,7 +376,7 @@ static void links_lead_somewhere(void **state)
 static void shows_a_difference(void **state)
 {
     static const char *const expected[] = {"tick 12", "the first at (33, 2, 65), chunk (1, 0, 2)",
-                                           "<b>700</b> where the reference has <b>-5</b>"};
+                                           "<b>700</b>, the reference has <b>-5</b>"};
     struct stat info;
     (void)state;
     make_bundle(path_in("differing"), &differing);
@@ -386,10 +386,10 @@ static void shows_a_difference(void **state)
     if (stat(path_in("differing/pictures/session-1-backend-1-difference.png"), &info) == 0) {
         assert_non_null(
             strstr(html, "alt=\"Reference: axial, coronal, sagittal\" src=\"data:image/png;base64,iVBORw0KGgo"));
-        assert_non_null(strstr(html, "alt=\"Got\""));
+        assert_non_null(strstr(html, "alt=\"Backend\""));
         assert_non_null(strstr(html, "alt=\"Difference\""));
     } else
-        assert_non_null(strstr(html, "None were kept"));
+        assert_non_null(strstr(html, "There are no pictures"));
     free(html);
 }
 
@@ -404,7 +404,7 @@ static void sums_up_mistakes(void **state)
     assert_non_null(tool);
     assert_null(strstr(tool + 1, "<b>tool</b>"));
     assert_non_null(strstr(tool, "<b>cubic</b>, 1 kind</td>"));
-    const char *missed = strstr(tool, "Not all noticed"), *all = strstr(tool, "<div class=\"fold\">");
+    const char *missed = strstr(tool, "Not all detected"), *all = strstr(tool, "<div class=\"fold\">");
     assert_non_null(missed);
     assert_non_null(all);
     assert_true(missed < strstr(tool, "<b>missed</b>") && strstr(tool, "<b>missed</b>") < all);
