@@ -567,7 +567,7 @@ def _(c, b, m):
     return [str(sum(n.endswith("-difference.png") for n in c.bundle.names())), str(sum("reproduce" in r for r in results))]
 
 
-MARGINS = "How near the decisions were that differ"
+MARGINS = "Margins of differing decisions"
 MARGIN_KEYS = ["voxels", "inherited", "below_threshold", "unexplained", "decided"]
 
 
@@ -603,11 +603,11 @@ def _(c, b, m):
     return None
 
 
-@rule(MARGINS, "p", r"(?:For ([\d,]+) of these voxels no border explains the other's value: that only rounding differs is refuted\. ?)?"
-                    r"(?:([\d,]+) of these decisions lay farther than 1/1024 of a voxel from the nearest border that could explain them: that only rounding differs is refuted\. ?)?"
-                    r"(?:([\d,]+) voxels were too many to be measured\. ?)?"
-                    r"(?:Decisions within 1/1024 of a voxel of a border: ([\d,]+), all that were measured\. That agrees with rounding at borders alone and does not prove it: "
-                    r"another mistake can show at borders as well, and the greatest margin bounds these cases alone\.)?")
+@rule(MARGINS, "p", r"(?:For ([\d,]+) of these voxels, no border explains the other backend's value, so the difference is not only rounding\. ?)?"
+                    r"(?:([\d,]+) of these decisions lay farther than 1/1024 of a voxel from the nearest border that could explain them, so the difference is not only rounding\. ?)?"
+                    r"(?:([\d,]+) voxels were not measured, because there are too many\. ?)?"
+                    r"(?:Decisions within 1/1024 of a voxel of a border: ([\d,]+), which are all measured decisions\. This is consistent with rounding at borders only but does not prove it: "
+                    r"another mistake can also have its effect at borders, and the greatest margin is a bound for these cases only\.)?")
 def _(c, b, m):
     c.file(b, "margins.csv")
     total = {k: sum(int(r[k]) for r in c.rows) for k in MARGIN_KEYS + ["unmeasured"]}
@@ -703,10 +703,10 @@ def _(c, b, m):
     return None
 
 
-CHANGES = "What changed since an older bundle"
+CHANGES = "Changes since an older bundle"
 
 
-@rule(CHANGES, "p", r"([\d,]+ cases?) compared by the digests of what the reference made: ([\d,]+) different; ([\d,]+ cases?) not compared; ([\d,]+ verdicts?) of backends changed\. Conclusion: (.*)\.")
+@rule(CHANGES, "p", r"([\d,]+ cases?) compared by the digests of the reference's results: ([\d,]+) different; ([\d,]+ cases?) not compared; ([\d,]+ verdicts?) of backends changed\. Conclusion: (.*)\.")
 def _(c, b, m):
     i = c.file(b, "impact.json")
     r = i["results"]

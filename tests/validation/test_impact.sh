@@ -38,7 +38,7 @@ check "rows of a run that is the same" "$("$python" -c 'import json; o = json.lo
 check "the older bundle's root" "$(impact against.root)" "$("$json_get" root <old/manifest.json)"
 check "it is the one of --json" "$(echo "$run_out" | "$json_get" impact.conclusion)" "$(impact conclusion)"
 run 0 verify new
-grep -q "What changed since an older bundle" new/report.html || fail "the report has no section on changes"
+grep -q "Changes since an older bundle" new/report.html || fail "the report has no section on changes"
 check "results_root" "$("$json_get" results_root <new/manifest.json)" "$("$json_get" results_root <old/manifest.json)"
 
 edit tools.json 'o["build"]["compiler"] = "another"; o["libraries"][0]["version"] = "0.0-1"'

@@ -31,7 +31,7 @@ static void requirements(const page *p, const json_t *list)
         fprintf(p->to, "</td><td>%s</td><td>%s</td></tr>\n", new ? "absent" : "present",
                 new    ? "present"
                 : gone ? "absent"
-                       : "another text or other tests");
+                       : "changed text or tests");
     }
 }
 
@@ -42,7 +42,7 @@ static void counts(const page *p, const json_t *o)
                      different = json_integer_value(json_object_get(results, "different_cases"));
     fputs("<p>", p->to);
     page_many(p, compared > 0 ? (size_t)compared : 0, "case");
-    fputs(" compared by the digests of what the reference made: ", p->to);
+    fputs(" compared by the digests of the reference's results: ", p->to);
     page_count(p, different);
     fputs(" different; ", p->to);
     page_many(p, json_array_size(json_object_get(results, "not_compared")), "case");
@@ -58,9 +58,9 @@ void section_changes(const page *p)
     json_t *o = page_json(p, IMPACT_FILE);
     if (!o)
         return;
-    fputs("<h2>What changed since an older bundle</h2>\n", p->to);
+    fputs("<h2>Changes since an older bundle</h2>\n", p->to);
     counts(p, o);
-    fputs("<table class=\"changes\"><thead><tr><th>Changed</th><th>which</th><th>was</th><th>is</th></tr></thead>\n",
+    fputs("<table class=\"changes\"><thead><tr><th>Changed</th><th>item</th><th>before</th><th>now</th></tr></thead>\n",
           p->to);
     rows(p, json_object_get(o, "causes"), "run");
     rows(p, json_object_get(o, "libraries"), "library");
@@ -68,6 +68,6 @@ void section_changes(const page *p)
     requirements(p, json_object_get(o, "requirements"));
     fputs("</table>\n<p class=\"from\">From ", p->to);
     page_link(p, IMPACT_FILE);
-    fputs(", which names the older bundle by its root, and each case.</p>\n", p->to);
+    fputs(", which contains the root of the older bundle, and each case.</p>\n", p->to);
     json_decref(o);
 }

@@ -95,26 +95,28 @@ static void meaning(const page *p, const sums *all, json_int_t near)
     if (other) {
         fputs("For ", p->to);
         page_count(p, other);
-        fputs(" of these voxels no border explains the other's value: <b>that only rounding differs is refuted</b>. ",
+        fputs(" of these voxels, no border explains the other backend's value, <b>so the difference is not only "
+              "rounding</b>. ",
               p->to);
     }
     if (all->decided > near) {
         page_count(p, all->decided - near);
-        fputs(" of these decisions lay farther than 1/1024 of a voxel from the nearest border that could explain them: "
-              "<b>that only rounding differs is refuted</b>. ",
+        fputs(" of these decisions lay farther than 1/1024 of a voxel from the nearest border that could explain them, "
+              "<b>so the difference is not only rounding</b>. ",
               p->to);
     }
     if (all->unmeasured) {
         page_count(p, all->unmeasured);
-        fputs(" voxels were too many to be measured. ", p->to);
+        fputs(" voxels were not measured, because there are too many. ", p->to);
     }
     if (!other && !all->unmeasured && all->decided && all->decided == near) {
         fputs("Decisions within 1/1024 of a voxel of a border: ", p->to);
         page_count(p, all->decided);
-        fputs(", all that were measured. That agrees with <b>rounding at borders alone</b> and does not prove it: "
-              "another mistake can show at borders as well, "
-              "and the greatest margin bounds these cases alone.",
-              p->to);
+        fputs(
+            ", which are all measured decisions. This is consistent with <b>rounding at borders only</b> but does not "
+            "prove it: another mistake can also have its effect at borders, and the greatest margin is a bound for "
+            "these cases only.",
+            p->to);
     }
     fputs("</p>\n", p->to);
 }
@@ -131,7 +133,7 @@ static void backend_table(const page *p, const json_t *backend)
             fputs("<h3>", p->to);
             page_text(p, evidence_text(backend, "what"));
             fputs("</h3>\n<div class=\"wide\"><table><thead><tr><th>Stage</th><th class=\"n\">voxels "
-                  "that<br>differ</th><th class=\"n\">handed<br>down</th><th class=\"n\">below the<br>threshold</th>"
+                  "that<br>differ</th><th class=\"n\">inherited</th><th class=\"n\">below the<br>threshold</th>"
                   "<th class=\"n\">no border<br>explains</th><th class=\"n\">near a<br>border</th><th "
                   "class=\"n\">greatest<br>margin</th><th>on the border &rarr; a voxel away</th></tr></thead>\n",
                   p->to);
@@ -160,14 +162,15 @@ void section_margins(const page *p)
             any = sum_of(p, evidence_text(json_array_get(backends, s), "name"), (trace_stage)stage).voxels > 0;
     if (!any)
         return;
-    fputs("<h2>How near the decisions were that differ</h2>\n<p>A margin is how far the reference has the deciding "
-          "point from the nearest border behind which the other's answer would be right. "
-          "A voxel counts where it first differs; <i>handed down</i> are those whose input differed already. Bars go "
-          "by powers of two in both directions.</p>\n",
+    fputs("<h2>Margins of differing decisions</h2>\n<p>A margin is the distance, in the reference, of the deciding "
+          "point from the nearest border beyond which the other backend's result would be correct. "
+          "A voxel is counted in the first stage in which it differs; <i>inherited</i> are the voxels whose input "
+          "already "
+          "differed. Both axes of the bar charts are logarithmic, by powers of two.</p>\n",
           p->to);
     for (size_t s = 1; s < json_array_size(backends); s++)
         backend_table(p, json_array_get(backends, s));
-    fputs("<p class=\"from\">A line a case and stage: ", p->to);
+    fputs("<p class=\"from\">One line per case and stage: ", p->to);
     page_link(p, "margins.csv");
     fputs(".</p>\n", p->to);
 }

@@ -46,7 +46,7 @@ void section_suite(const page *p)
     page_count(p, failed);
     fputs(" failed, ", p->to);
     page_count(p, skipped);
-    fputs(" were skipped. A test that was skipped shows nothing.</p>\n", p->to);
+    fputs(" were skipped. A skipped test is no evidence.</p>\n", p->to);
     if (failed + skipped) {
         page_fold_begin(p, "suite-tests", failed > 0, "Tests that did not pass");
         fputs("<div class=\"wide\"><table><thead><tr><th>Test</th><th>Result</th><th>Reason</th></tr></thead>\n",
@@ -58,7 +58,7 @@ void section_suite(const page *p)
     }
     fputs("<p class=\"from\">From ", p->to);
     page_link(p, SUITE_FILE);
-    fputs("; each requirement with its tests: ", p->to);
+    fputs("; the tests of each requirement are in ", p->to);
     page_link(p, TRACE_FILE);
     fputs(".</p>\n", p->to);
     json_decref(o);
