@@ -88,6 +88,10 @@ if "$osteon" validate --only import/0 --backends cl --out optional >out 2>err; t
     run 0 verify optional
 fi
 
+# A case whose cubic grid is too far out to be resampled again has no grid at that stage.
+run 0 validate --only reach/0 --backends "$one" --out lone --quiet
+run 0 verify lone
+
 # The same cases again, and in shards.
 run 0 validate --only import/ --backends "$one" --out again --quiet
 mkdir shards
