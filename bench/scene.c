@@ -72,7 +72,8 @@ ost_status bench_scene_set_pose(bench_scene *scene, const ost_pose *pose, ost_er
     const ost_box box = ost_box_of_tool(&scene->tool.geometry);
     scene->pose = *pose;
     scene->box = ost_box_voxels(&scene->bone, &box, pose);
-    scene->event = (ost_event){.pose_count = 1, .maps = &scene->map, .boxes = &scene->box, .classes = &scene->classes};
+    scene->event = (ost_removal_event){
+        .pose_count = 1, .maps = &scene->map, .boxes = &scene->box, .classes = &scene->classes};
     return ost_map_make(pose, &scene->bone, &scene->tool.geometry, &scene->map, err);
 }
 

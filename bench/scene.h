@@ -36,7 +36,7 @@ typedef struct bench_scene {
     bool by_range;
     ost_map map;
     ost_voxel_box box;
-    ost_event event; /* refers to map and box, so the scene must not move in memory */
+    ost_removal_event event; /* refers to map and box, so the scene must not move in memory */
 } bench_scene;
 
 /* Makes a scene. side: voxels of the bone along each axis; the event's position relative to the

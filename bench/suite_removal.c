@@ -35,7 +35,7 @@ typedef struct removal {
     ost_backend *backend;
     ost_tool *tool;
     ost_bone *bone;
-    ost_report report;
+    ost_removal_report report;
     int16_t *slices; /* of the event's box */
     int32_t z0, z_count;
     bench_thesis thesis;
@@ -86,7 +86,7 @@ static ost_status open_case(removal *r)
 
 static void close_case(removal *r)
 {
-    ost_report_free(&r->report);
+    ost_removal_report_free(&r->report);
     ost_bone_free(r->bone);
     ost_tool_free(r->tool);
     ost_backend_close(r->backend);
@@ -100,7 +100,7 @@ static ost_status restore(removal *r)
     return ost_bone_upload(r->bone, r->z0, r->z_count, r->slices, r->err);
 }
 
-static bool same_report(const ost_report *a, const ost_report *b)
+static bool same_report(const ost_removal_report *a, const ost_removal_report *b)
 {
     return a->count == b->count && a->total_voxels == b->total_voxels && a->touched_voxels == b->touched_voxels &&
            memcmp(a->voxels, b->voxels, sizeof a->voxels) == 0 &&
@@ -134,7 +134,7 @@ static ost_status verify(removal *r)
     ost_backend *ref = NULL;
     ost_tool *tool = NULL;
     ost_bone *bone = NULL;
-    ost_report report = {0};
+    ost_removal_report report = {0};
     ost_status status = ost_backend_open("ref", &ref, r->err);
     if (status == OST_OK)
         status = ost_tool_upload(ref, &r->scene->tool, &tool, r->err);
@@ -150,7 +150,7 @@ static ost_status verify(removal *r)
         r->in_chunks = (double)report.count;
         status = compare_bones(r, bone);
     }
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_bone_free(bone);
     ost_tool_free(tool);
     ost_backend_close(ref);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- *   world --16 ticks of the reamer, some 60 a second--> ost_live --> viewer --> the incremental frame
+ *   world --16 ticks of the reamer, some 60 a second--> ost_live_channel --> viewer --> the incremental frame
  *                                                                         '--> the complete frame
  *
  * Both are drawn alternately from the same state and must be bit-identical every time. The stages
@@ -100,7 +100,7 @@ typedef struct cut {
     ost_bone *bone;
     ost_tool *tool;
     ost_world *world;
-    ost_live *live;
+    ost_live_channel *live;
     ost_viewer viewer; /* its frame is drawn incrementally */
     ost_frame redrawn;
     ost_path path;

@@ -95,11 +95,11 @@ static void close_machine(machine *m)
     ost_backend_close(m->backend);
 }
 
-static ost_status run_events(sequence_run *s, machine *m, ost_report *report)
+static ost_status run_events(sequence_run *s, machine *m, ost_removal_report *report)
 {
     ost_status status = OST_OK;
     for (int i = 0; i < s->count && status == OST_OK; i++) {
-        const ost_event event = {
+        const ost_removal_event event = {
             .pose_count = 1, .maps = &s->maps[i], .boxes = &s->boxes[i], .classes = &s->scene.classes};
         int64_t begin = bench_now();
         status = ost_bone_remove(m->bone, m->tool, &event, report, s->err);
@@ -141,11 +141,11 @@ static ost_status run_ticks(sequence_run *s, machine *m, bool felt)
 
 static ost_status run(sequence_run *s, machine *m, sequence_kind kind)
 {
-    ost_report report = {0};
+    ost_removal_report report = {0};
     ost_status status = ost_bone_upload(m->bone, 0, s->scene.bone.dims.z, s->full, s->err);
     if (status == OST_OK)
         status = kind == EVENTS ? run_events(s, m, &report) : run_ticks(s, m, kind == TICKS_WITH_FORCE);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     return status;
 }
 

@@ -99,7 +99,7 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
     bench_thesis thesis = {0};
     ticker ours = {0};
     ost_backend *backend = NULL;
-    ost_report seen = {0};
+    ost_removal_report seen = {0};
     bench_series fresh = {0}, steady = {0}, thesis_fresh = {0}, thesis_steady = {0};
     int16_t *slices = NULL;
     bool equal = true;
@@ -150,7 +150,7 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
     bench_series_free(&thesis_fresh);
     bench_series_free(&thesis_steady);
     close_ticker(&ours);
-    ost_report_free(&seen);
+    ost_removal_report_free(&seen);
     bench_thesis_free(&thesis);
     free(slices);
     bench_scene_free(&scene);

@@ -65,8 +65,8 @@ static ost_status perform_case(performer p, ost_error *why, ost_error *err)
             memcpy(text, why->text, (size_t)line.x);
         written = trace_end(w, err);
     }
-    ost_report_free(&p.collided);
-    ost_report_free(&p.removed);
+    ost_removal_report_free(&p.collided);
+    ost_removal_report_free(&p.removed);
     steps_history_free(&p.history);
     if (p.own_path)
         ost_path_free(&p.path);

@@ -53,7 +53,7 @@ static ost_status meet(performer *p, int i, ost_bone *bone, const ost_geometry *
     steps_pose made;
     if (steps_pose_of(p->second, &pose, geometry, &p->grids[i], &made, NULL) != OST_OK)
         return OST_OK; /* the tool is not supported for this bone (AR-MAP-2) */
-    const ost_event event = {.pose_count = 1, .maps = &made.map, .boxes = &box, .classes = &classes};
+    const ost_removal_event event = {.pose_count = 1, .maps = &made.map, .boxes = &box, .classes = &classes};
     return ost_bone_collide(bone, p->tools[i], &event, &p->collided, err);
 }
 

@@ -33,7 +33,7 @@ typedef struct performer {
     ost_geometry geometry; /* the bone's, from which the maps are computed */
     ost_dims dims;         /* the bone's, as the backend returns them */
     int16_t *was, *is;    /* the bone as last recorded, and as downloaded */
-    ost_report collided, removed;
+    ost_removal_report collided, removed;
     bool second;          /* true: the second implementation makes the steps, and there is no world */
     bool light;           /* only if second: true if the steps of the ticks alone are made */
     ost_path path;        /* the ticks; freed by the performer if own_path is true */

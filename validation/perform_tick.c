@@ -58,7 +58,7 @@ ost_status perform_begin_ticks(performer *p, ost_error *err)
 }
 
 /* Writes the totals, then for each chunk its number and the voxels and sums of densities of every class. */
-static void record_report(performer *p, const ost_report *r)
+static void record_report(performer *p, const ost_removal_report *r)
 {
     const int classes = classes_of(p).count;
     trace_word(p->w, r ? r->total_voxels : 0);
@@ -203,7 +203,7 @@ static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, boo
     r->pose_count = e.count;
     if (status != OST_OK || !e.removal || p->light)
         return status;
-    const ost_event event = {.pose_count = e.count, .maps = p->maps, .boxes = p->boxes, .classes = &classes};
+    const ost_removal_event event = {.pose_count = e.count, .maps = p->maps, .boxes = p->boxes, .classes = &classes};
     r->report = &p->removed;
     return ost_bone_remove(p->bone, p->tools[tick->tool], &event, &p->removed, err);
 }
@@ -272,7 +272,7 @@ ost_status perform_collide(performer *p, size_t i, ost_error *err)
         return status;
     const ost_voxel_box box = {{0, 0, 0}, {p->dims.x, p->dims.y, p->dims.z}};
     const ost_density_classes classes = classes_of(p);
-    const ost_event event = {.pose_count = 1, .maps = &made.map, .boxes = &box, .classes = &classes};
+    const ost_removal_event event = {.pose_count = 1, .maps = &made.map, .boxes = &box, .classes = &classes};
     status = ost_bone_collide(p->bone, p->tools[tick->tool], &event, &p->collided, err);
     if (status != OST_OK)
         return status;

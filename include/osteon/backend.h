@@ -227,6 +227,7 @@ OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost
 
 /* ----------------------------------------------------------------- tools */
 
+/* The rule for the inside of a mesh: the winding number is not zero, or the number of crossings is odd (AR-VOX-4). */
 typedef enum ost_fill_rule { OST_FILL_WINDING, OST_FILL_PARITY } ost_fill_rule;
 
 typedef struct ost_voxelize_report {
@@ -264,11 +265,11 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
  * cleared first and undefined after an error.  The tool's dims must be <= OST_TOOL_DIM_REMOVE_MAX, and the event's
  * maps must have been made for this bone and tool.
  */
-OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                                   ost_error *err);
+OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                                   ost_removal_report *report, ost_error *err);
 /* Reports the hits and touched voxels of an event as ost_bone_remove does, without changing the bone. */
-OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event,
-                                    ost_report *report, ost_error *err);
+OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                                    ost_removal_report *report, ost_error *err);
 
 /* Blocks until all previous calls are complete and returns the status of one that failed late. */
 OST_API ost_status ost_backend_finish(ost_backend *backend, ost_error *err);

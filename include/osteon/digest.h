@@ -13,6 +13,8 @@
  *
  * The tree's order represents the positions; kind, dims, spacing, origin and
  * threshold are in the header, so grids of different geometry have different digests.
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_DIGEST_H
 #define OSTEON_DIGEST_H

@@ -10,6 +10,8 @@
  *
  * All of this is integer host code shared by every backend; tests/oracle
  * holds it against an independent implementation in fractions.
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_EVENT_H
 #define OSTEON_EVENT_H
@@ -114,12 +116,12 @@ OST_API ost_status ost_density_classes_parse(const char *text, ost_density_class
  * An event.  All pointers are borrowed for the call.  boxes[k] must contain every voxel that pose k maps into the
  * tool's grid; the box of the complete grid is always valid.
  */
-typedef struct ost_event {
+typedef struct ost_removal_event {
     int pose_count; /* 1..OST_SWEEP_MAX */
     const ost_map *maps;
     const ost_voxel_box *boxes;
     const ost_density_classes *classes;
-} ost_event;
+} ost_removal_event;
 
 typedef struct ost_chunk_report {
     int32_t chunk; /* cx + chunk_dims.x * (cy + chunk_dims.y * cz) */
@@ -129,23 +131,23 @@ typedef struct ost_chunk_report {
 
 /*
  * The report of an event: the chunks with at least one hit voxel, ascending, and totals.  Zero-initialise it once, use
- * it for every event, and free it at the end by ost_report_free.
+ * it for every event, and free it at the end by ost_removal_report_free.
  */
-typedef struct ost_report {
+typedef struct ost_removal_report {
     size_t count, capacity;
     ost_chunk_report *chunks; /* owned */
     uint64_t voxels[OST_CLASS_MAX];
     int64_t density[OST_CLASS_MAX];
     uint64_t total_voxels;
     uint64_t touched_voxels; /* active voxels covered by non-cutting voxels only; they remain */
-} ost_report;
+} ost_removal_report;
 
 /* Removes the content and retains the memory. */
-OST_API void ost_report_clear(ost_report *report);
+OST_API void ost_removal_report_clear(ost_removal_report *report);
 /* Appends a chunk, which is copied, and adds it to the totals. OST_ERR_MEMORY on failure. */
-OST_API ost_status ost_report_add(ost_report *report, const ost_chunk_report *chunk, ost_error *err);
+OST_API ost_status ost_removal_report_add(ost_removal_report *report, const ost_chunk_report *chunk, ost_error *err);
 /* Frees the memory of a report. The report is then empty and may be used again. */
-OST_API void ost_report_free(ost_report *report);
+OST_API void ost_removal_report_free(ost_removal_report *report);
 
 #ifdef __cplusplus
 }

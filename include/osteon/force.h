@@ -141,7 +141,7 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
 
 /* Limits between the computed force and the device. SI units; docs/reference/force.md lists the sources. */
 typedef struct ost_safety_params {
-    double max_n, max_nm;       /* greatest force and torque; saturation is smooth */
+    double max_force_n, max_torque_nm;       /* greatest force and torque; saturation is smooth */
     double slew_n;              /* greatest change of the force in one tick, N */
     double ramp_s;              /* time in which the force rises from 0 after a start and after a fault */
     int max_ticks_without_sample; /* number of ticks without a new pose after which the force is 0 */

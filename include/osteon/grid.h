@@ -8,6 +8,8 @@
  *
  * Ranges (AR-GRID): 1 <= dims <= 16384 an axis and at most 2^36 voxels;
  * 1 um <= spacing <= 100 mm; every voxel centre within +-8 m.
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_GRID_H
 #define OSTEON_GRID_H

@@ -92,6 +92,7 @@ OST_API ost_status ost_tool_volume_write(const char *path, const ost_tool_volume
 
 /* ---------------------------------------------------------------- meshes */
 
+/* The unit of a mesh file's coordinates; AUTO is millimetres if the size is plausible. */
 typedef enum ost_unit { OST_UNIT_AUTO, OST_UNIT_MM, OST_UNIT_CM, OST_UNIT_M, OST_UNIT_INCH, OST_UNIT_UM } ost_unit;
 
 typedef struct ost_mesh_report {

@@ -8,6 +8,8 @@
  * Decimals are read from text exactly; a float from a file represents the
  * shortest decimal that reads back as that float.  No function here uses
  * floating point to decide a value; none depends on the locale.
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_LENGTH_H
 #define OSTEON_LENGTH_H

@@ -33,7 +33,7 @@
 extern "C" {
 #endif
 
-typedef struct ost_live ost_live;
+typedef struct ost_live_channel ost_live_channel;
 
 enum { OST_LIVE_TOOLS = 16 };
 
@@ -58,23 +58,23 @@ typedef struct ost_live_state {
  * Creates the live state of a bone, with one bit for every voxel of its active chunks.  The bone must outlive it and
  * must not gain chunks.
  */
-OST_API ost_status ost_live_create(const ost_bone *bone, ost_live **out, ost_error *err);
+OST_API ost_status ost_live_create(const ost_bone *bone, ost_live_channel **out, ost_error *err);
 /* Frees a live state. NULL is allowed. */
-OST_API void ost_live_free(ost_live *live);
+OST_API void ost_live_free(ost_live_channel *live);
 
 /* ----------------------------------------------------------- servo thread */
 
 /* Queues the chunks of an event's report. NULL is allowed, for a tick without an event. */
-OST_API void ost_live_changed(ost_live *live, const ost_report *report);
+OST_API void ost_live_changed(ost_live_channel *live, const ost_removal_report *report);
 /* Publishes the state and about 8 kB of queued chunks, two of 32^3. On an error of the backend they stay queued. */
-OST_API ost_status ost_live_publish(ost_live *live, const ost_live_state *state, ost_error *err);
+OST_API ost_status ost_live_publish(ost_live_channel *live, const ost_live_state *state, ost_error *err);
 /* Publishes all queued chunks, for the end of an operation or a pause. */
-OST_API ost_status ost_live_flush(ost_live *live, ost_error *err);
+OST_API ost_status ost_live_flush(ost_live_channel *live, ost_error *err);
 
 /* ---------------------------------------------------------- viewer thread */
 
 /* Copies the newest state, which may be the one copied before. Returns false if there is none yet. */
-OST_API bool ost_live_state_get(ost_live *live, ost_live_state *out);
+OST_API bool ost_live_state_get(ost_live_channel *live, ost_live_state *out);
 
 /*
  * Receives the occupancy of one chunk: its index along x, y and z, and its words in the form of ost_bone_occupancy,
@@ -86,11 +86,11 @@ typedef ost_status ost_live_visit(void *user, const int32_t at[3], const uint32_
  * Calls visit for every chunk that changed since the last take, or for all chunks the first time.  If visit ends the
  * take, the remaining chunks are part of the next one.  Returns the status of visit.
  */
-OST_API ost_status ost_live_take(ost_live *live, ost_live_visit *visit, void *user, ost_error *err);
+OST_API ost_status ost_live_take(ost_live_channel *live, ost_live_visit *visit, void *user, ost_error *err);
 /* Returns the bone's geometry; valid until the live state is freed. */
-OST_API const ost_geometry *ost_live_geometry(const ost_live *live);
+OST_API const ost_geometry *ost_live_geometry(const ost_live_channel *live);
 /* Returns the edge length of the bone's chunks in voxels. */
-OST_API int ost_live_chunk_size(const ost_live *live);
+OST_API int ost_live_chunk_size(const ost_live_channel *live);
 
 #ifdef __cplusplus
 }

@@ -6,6 +6,8 @@
  *
  * Backends must be equal from the snapped mesh on (docs/spec/arithmetic.md, AR-MESH): it is
  * made once, on the host, and its digest is recorded.
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_MESH_H
 #define OSTEON_MESH_H

@@ -11,6 +11,8 @@
  *                    '-'
  *
  * docs/reference/metrics.md documents how each value is computed and how accurate it is.
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_METRICS_H
 #define OSTEON_METRICS_H

@@ -6,6 +6,8 @@
  *
  * An angle is an integer in units of one turn per minute times one nanosecond, so
  * that nothing is rounded as time passes; a turn is OST_MOTOR_TURN units.
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_MOTOR_H
 #define OSTEON_MOTOR_H

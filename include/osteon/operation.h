@@ -49,7 +49,7 @@ typedef struct ost_operation_options {
     ost_pose home;           /* pose of the hand after OST_ACTION_HOME; a zero quaternion disables the action */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
     ost_force *force;        /* borrowed, with the world's tools; NULL: no force, the tool has the device's pose */
-    ost_live *live;          /* borrowed, for the world's bone; NULL: no live state */
+    ost_live_channel *live;          /* borrowed, for the world's bone; NULL: no live state */
     const ost_safety_params *safety; /* read by ost_operation_create; NULL: the defaults */
     /* For an operation that continues: ticks before, the last tick, the motor after it. Otherwise 0 and NULL. */
     uint64_t steps_before;

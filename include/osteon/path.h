@@ -3,6 +3,8 @@
  * A path: the motion of a tool over time.  A row is a tick; t strictly increases.
  * Rows contain the index of the tool in use, so that a path may switch tools, and
  * the speed of its motor (docs/spec/arithmetic.md, AR-MOTOR).
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_PATH_H
 #define OSTEON_PATH_H

@@ -8,6 +8,8 @@
  * beyond sqrt.  meta holds the glenoid's position and axis and the side
  * (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_SIDE), and the scapula's landmarks
  * (OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE).
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_PHANTOM_H
 #define OSTEON_PHANTOM_H

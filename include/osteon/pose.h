@@ -13,6 +13,8 @@
  *
  * In the thesis a pose is that of the centre of the tool's box, which depends on the
  * tool's resolution; here it does not (docs/design/thesis-notes.md).
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_POSE_H
 #define OSTEON_POSE_H

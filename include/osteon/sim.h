@@ -58,7 +58,7 @@ typedef struct ost_step_result {
     int pose_count;             /* number of poses of the sweep; 0 without an event */
     int32_t chunk_lo[3];        /* half-open range of chunks that the event can change; empty if no boxes intersect */
     int32_t chunk_hi[3];
-    const ost_report *report;   /* report of the event, valid until the next step; NULL without an event */
+    const ost_removal_report *report;   /* report of the event, valid until the next step; NULL without an event */
 } ost_step_result;
 
 /*

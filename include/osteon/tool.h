@@ -6,6 +6,8 @@
  *
  * Voxel (i, j, k) has its centre at corner + (i + 1/2, j + 1/2, k + 1/2) * voxel
  * in the tool's frame, which is the mesh file's own.
+ *
+ * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_TOOL_H
 #define OSTEON_TOOL_H

@@ -120,10 +120,10 @@ ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err);
 void ost_cl_tool_finish(cl_tool *tool, bool done);
 
 /* remove.c */
-ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                         ost_error *err);
-ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                          ost_error *err);
+ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                         ost_removal_report *report, ost_error *err);
+ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                          ost_removal_report *report, ost_error *err);
 void ost_cl_event_free(cl_backend *backend);
 
 #endif

@@ -104,11 +104,11 @@ typedef struct plan {
     cl_backend *b;
     cl_bone *bone;
     cl_tool *tool;
-    const ost_event *event;
+    const ost_removal_event *event;
     struct ost_cl_event_scratch *s;
     bool apply;
     bool changed; /* true if a launch that removes was enqueued */
-    ost_report *report;
+    ost_removal_report *report;
     ost_chunk_report part; /* sums of the current chunk; part.chunk is -1 if there is none */
 } plan;
 
@@ -262,7 +262,7 @@ static ost_status close_part(plan *p, ost_error *err)
                           "OpenCL device '%.120s' is defective: it reports %llu voxels hit in a chunk that has %u",
                           p->b->device.name, (unsigned long long)hit, (unsigned)p->bone->active[chunk]);
     if (status == OST_OK && hit > 0)
-        status = ost_report_add(p->report, &p->part, err);
+        status = ost_removal_report_add(p->report, &p->part, err);
     if (status == OST_OK && p->apply && hit > 0) {
         p->bone->active[chunk] -= (uint32_t)hit;
         if (p->bone->active[chunk] == 0)
@@ -433,8 +433,8 @@ static ost_status reserve_report(const plan *p, const int32_t lo[3], const int32
     return OST_OK;
 }
 
-static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event, bool apply, ost_report *report,
-                            ost_error *err)
+static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_removal_event *event, bool apply,
+                            ost_removal_report *report, ost_error *err)
 {
     cl_backend *b = (cl_backend *)bone->base.backend;
     ost_status status = ost_cl_alive(bone->base.backend, bone->lost, "bone", err);
@@ -486,15 +486,15 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_event *event
     return status;
 }
 
-ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                         ost_error *err)
+ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                         ost_removal_report *report, ost_error *err)
 {
     return run_event((cl_bone *)bone, (cl_tool *)(uintptr_t)tool, event, true, report, err);
 }
 
 /* Neither bone nor tool changes, except for buffers on the device that are made on demand. */
-ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                          ost_error *err)
+ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                          ost_removal_report *report, ost_error *err)
 {
     return run_event((cl_bone *)(uintptr_t)bone, (cl_tool *)(uintptr_t)tool, event, false, report, err);
 }

@@ -396,8 +396,8 @@ ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_error *er
 
 /* ---------------------------------------------------------------- events */
 
-static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                              ost_error *err)
+static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                              ost_removal_report *report, ost_error *err)
 {
     if (!tool || !event || !report)
         return ost_fail(err, OST_ERR_USAGE, "a tool, an event and a report are needed");
@@ -414,22 +414,22 @@ static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const 
     return ost_density_classes_check(event->classes, err);
 }
 
-ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                           ost_error *err)
+ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                           ost_removal_report *report, ost_error *err)
 {
     ost_status status = check_event(bone, tool, event, report, err);
     if (status != OST_OK)
         return status;
-    ost_report_clear(report);
+    ost_removal_report_clear(report);
     return bone->backend->ops->remove(bone, tool, event, report, err);
 }
 
-ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                            ost_error *err)
+ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                            ost_removal_report *report, ost_error *err)
 {
     ost_status status = check_event(bone, tool, event, report, err);
     if (status != OST_OK)
         return status;
-    ost_report_clear(report);
+    ost_removal_report_clear(report);
     return bone->backend->ops->collide(bone, tool, event, report, err);
 }

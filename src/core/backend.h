@@ -114,10 +114,10 @@ struct ost_backend_ops {
     void (*tool_free)(ost_tool *tool);
 
     /* AR-REM, bit-exact including the report (cleared by the caller). */
-    ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                         ost_error *err);
-    ost_status (*collide)(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                          ost_error *err);
+    ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                         ost_removal_report *report, ost_error *err);
+    ost_status (*collide)(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                          ost_removal_report *report, ost_error *err);
 
     /*
      * The steps before the voxels, for a backend that computes them itself; only validation calls these

@@ -8,14 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-void ost_report_clear(ost_report *report)
+void ost_removal_report_clear(ost_removal_report *report)
 {
     ost_chunk_report *chunks = report->chunks;
     size_t capacity = report->capacity;
-    *report = (ost_report){.chunks = chunks, .capacity = capacity};
+    *report = (ost_removal_report){.chunks = chunks, .capacity = capacity};
 }
 
-ost_status ost_report_add(ost_report *report, const ost_chunk_report *chunk, ost_error *err)
+ost_status ost_removal_report_add(ost_removal_report *report, const ost_chunk_report *chunk, ost_error *err)
 {
     if (report->count == report->capacity) {
         size_t capacity = report->capacity ? 2 * report->capacity : 64;
@@ -34,12 +34,12 @@ ost_status ost_report_add(ost_report *report, const ost_chunk_report *chunk, ost
     return OST_OK;
 }
 
-void ost_report_free(ost_report *report)
+void ost_removal_report_free(ost_removal_report *report)
 {
     if (!report)
         return;
     free(report->chunks);
-    *report = (ost_report){0};
+    *report = (ost_removal_report){0};
 }
 
 ost_density_classes ost_density_classes_default(void)

@@ -56,8 +56,8 @@ double ost_force_energy(const ost_force_params *params, int hu)
 ost_safety_params ost_safety_defaults(void)
 {
     return (ost_safety_params){
-        .max_n = 3.0,
-        .max_nm = 0.1,
+        .max_force_n = 3.0,
+        .max_torque_nm = 0.1,
         .slew_n = 0.3,
         .ramp_s = 0.5,
         .max_ticks_without_sample = 2,
@@ -111,10 +111,10 @@ static const parameter parameters[] = {
           "of teeth that pass: amplitude over the felt force of what cuts reference bone; 0: none. To calibrate"),
     FORCE(runout, "1", 0, 1, "the same once a turn, across the axis"),
     FORCE(teeth, "1", 1, 1000, "that pass in a turn; teeth times turns a second must be below 500"),
-    SAFETY("max_force", REAL, max_n, "N", 1e-3, 1e3,
+    SAFETY("max_force", REAL, max_force_n, "N", 1e-3, 1e3,
            "saturation, smooth: nine tenths of what the device reports; of one that reports nothing, below an Omni's "
            "3.3 N"),
-    SAFETY("max_torque", REAL, max_nm, "N m", 1e-6, 1e2,
+    SAFETY("max_torque", REAL, max_torque_nm, "N m", 1e-6, 1e2,
            "the same for torques; of a device that reports none, half of what a sigma.7 gives"),
     SAFETY("slew", REAL, slew_n, "N a tick", 1e-6, 1e3, "the most that a force changes in a tick"),
     SAFETY("ramp", REAL, ramp_s, "s", 0, 60, "from nothing to all of it, after a start and after every fault"),

@@ -99,17 +99,17 @@ ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bo
         force_n[a] *= s->ramp;
         torque_nm[a] *= s->ramp;
     }
-    saturate(force_n, s->params.max_n);
-    saturate(torque_nm, s->params.max_nm);
+    saturate(force_n, s->params.max_force_n);
+    saturate(torque_nm, s->params.max_torque_nm);
     /* The torque's slew limit is the force's, in proportion to their maxima. */
     slew(force_n, s->last, s->params.slew_n);
-    slew(torque_nm, s->last_torque, s->params.slew_n * s->params.max_nm / s->params.max_n);
+    slew(torque_nm, s->last_torque, s->params.slew_n * s->params.max_torque_nm / s->params.max_force_n);
     memcpy(s->last, force_n, sizeof s->last);
     memcpy(s->last_torque, torque_nm, sizeof s->last_torque);
     passivity(s, moved, period_s, force_n);
     const double size = size_of(force_n);
-    for (int a = 0; a < 3 && size > s->params.max_n; a++)
-        force_n[a] *= s->params.max_n / size;
+    for (int a = 0; a < 3 && size > s->params.max_force_n; a++)
+        force_n[a] *= s->params.max_force_n / size;
     memcpy(s->applied, force_n, sizeof s->applied);
     return withheld ? OST_SAFETY_WITHHELD : OST_SAFETY_GIVEN;
 }

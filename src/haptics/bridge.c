@@ -366,9 +366,9 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
     ost_safety_params safety = ost_safety_defaults();
     ost_haptic_limits own;
     if (ost_haptic_limits_get(device, &own) && ost_haptic_limits_usable(&own))
-        safety.max_n = fmin(safety.max_n, OST_HAPTIC_LIMIT_SHARE * own.force_n);
+        safety.max_force_n = fmin(safety.max_force_n, OST_HAPTIC_LIMIT_SHARE * own.force_n);
     else if (device->driver->max_force_n > 0)
-        safety.max_n = fmin(safety.max_n, device->driver->max_force_n);
+        safety.max_force_n = fmin(safety.max_force_n, device->driver->max_force_n);
     ost_safety_begin(&b->safety, &safety);
     newest_begin(&b->in);
     newest_begin(&b->out);

@@ -168,7 +168,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     return OST_HAPTIC_FRESH;
 }
 
-/* Viewers read the force from ost_live. */
+/* Viewers read the force from ost_live_channel. */
 static void mouse_write(haptic_instance *instance, const ost_wrench *wrench)
 {
     (void)instance;

@@ -26,7 +26,7 @@
 
 enum { LINE = 64, BUDGET_WORDS = 2048, FRESH = 4, NONE = -1, STATES = 3 };
 
-struct ost_live {
+struct ost_live_channel {
     const ost_bone *bone;
     ost_geometry geometry;
     int n;
@@ -52,7 +52,7 @@ struct ost_live {
     int32_t at_once;
 };
 
-static size_t dirty_words(const ost_live *live)
+static size_t dirty_words(const ost_live_channel *live)
 {
     return ((size_t)live->slots + 63) / 64;
 }
@@ -63,8 +63,9 @@ static ost_status no_memory(ost_error *err)
 }
 
 /* Passes every chunk's words to `visit`, in ascending order of chunk numbers. */
-static ost_status for_chunks(ost_live *live, int64_t chunks,
-                             void (*visit)(ost_live *live, int32_t chunk, const uint32_t *words), ost_error *err)
+static ost_status for_chunks(ost_live_channel *live, int64_t chunks,
+                             void (*visit)(ost_live_channel *live, int32_t chunk, const uint32_t *words),
+                             ost_error *err)
 {
     uint32_t *words = malloc(live->chunk_words * sizeof *words);
     ost_status status = words ? OST_OK : no_memory(err);
@@ -77,7 +78,7 @@ static ost_status for_chunks(ost_live *live, int64_t chunks,
     return status;
 }
 
-static void number(ost_live *live, int32_t chunk, const uint32_t *words)
+static void number(ost_live_channel *live, int32_t chunk, const uint32_t *words)
 {
     bool any = false;
     for (size_t i = 0; i < live->chunk_words && !any; i++)
@@ -85,7 +86,7 @@ static void number(ost_live *live, int32_t chunk, const uint32_t *words)
     live->slot_of[chunk] = any ? live->slots++ : NONE;
 }
 
-static void store(ost_live *live, int32_t slot, const uint32_t *words)
+static void store(ost_live_channel *live, int32_t slot, const uint32_t *words)
 {
     _Atomic uint32_t *to = live->words + (size_t)slot * live->chunk_words;
     for (size_t i = 0; i < live->chunk_words; i++)
@@ -93,7 +94,7 @@ static void store(ost_live *live, int32_t slot, const uint32_t *words)
     atomic_fetch_or_explicit(&live->dirty[slot / 64], UINT64_C(1) << (slot % 64), memory_order_release);
 }
 
-static void fill(ost_live *live, int32_t chunk, const uint32_t *words)
+static void fill(ost_live_channel *live, int32_t chunk, const uint32_t *words)
 {
     const int32_t slot = live->slot_of[chunk];
     if (slot != NONE) {
@@ -102,7 +103,7 @@ static void fill(ost_live *live, int32_t chunk, const uint32_t *words)
     }
 }
 
-static ost_status make(ost_live *live, ost_error *err)
+static ost_status make(ost_live_channel *live, ost_error *err)
 {
     ost_bone_info info;
     ost_status status = ost_bone_info_get(live->bone, &info, err);
@@ -137,12 +138,12 @@ static ost_status make(ost_live *live, ost_error *err)
     return for_chunks(live, info.chunks, fill, err);
 }
 
-ost_status ost_live_create(const ost_bone *bone, ost_live **out, ost_error *err)
+ost_status ost_live_create(const ost_bone *bone, ost_live_channel **out, ost_error *err)
 {
     *out = NULL;
     if (!bone)
         return ost_fail(err, OST_ERR_USAGE, "no bone given");
-    ost_live *live = aligned_alloc(LINE, (sizeof *live + LINE - 1) / LINE * LINE);
+    ost_live_channel *live = aligned_alloc(LINE, (sizeof *live + LINE - 1) / LINE * LINE);
     if (!live)
         return no_memory(err);
     memset(live, 0, sizeof *live);
@@ -156,7 +157,7 @@ ost_status ost_live_create(const ost_bone *bone, ost_live **out, ost_error *err)
     return OST_OK;
 }
 
-void ost_live_free(ost_live *live)
+void ost_live_free(ost_live_channel *live)
 {
     if (!live)
         return;
@@ -171,19 +172,19 @@ void ost_live_free(ost_live *live)
     free(live);
 }
 
-const ost_geometry *ost_live_geometry(const ost_live *live)
+const ost_geometry *ost_live_geometry(const ost_live_channel *live)
 {
     return &live->geometry;
 }
 
-int ost_live_chunk_size(const ost_live *live)
+int ost_live_chunk_size(const ost_live_channel *live)
 {
     return live->n;
 }
 
 /* ------------------------------------------------------------------- tick */
 
-void ost_live_changed(ost_live *live, const ost_report *report)
+void ost_live_changed(ost_live_channel *live, const ost_removal_report *report)
 {
     for (size_t i = 0; report && i < report->count; i++) {
         const int32_t slot = live->slot_of[report->chunks[i].chunk];
@@ -198,7 +199,7 @@ void ost_live_changed(ost_live *live, const ost_report *report)
 }
 
 /* Publishes up to at_once of the waiting slots. */
-static ost_status publish_some(ost_live *live, ost_error *err)
+static ost_status publish_some(ost_live_channel *live, ost_error *err)
 {
     int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* 128: words of a chunk of 16^3 */
     const int32_t some = live->count < live->at_once ? live->count : live->at_once;
@@ -220,14 +221,14 @@ static ost_status publish_some(ost_live *live, ost_error *err)
     return OST_OK;
 }
 
-ost_status ost_live_publish(ost_live *live, const ost_live_state *state, ost_error *err)
+ost_status ost_live_publish(ost_live_channel *live, const ost_live_state *state, ost_error *err)
 {
     live->state[live->back] = *state;
     live->back = atomic_exchange_explicit(&live->middle, live->back | FRESH, memory_order_acq_rel) & ~(unsigned)FRESH;
     return live->count ? publish_some(live, err) : OST_OK;
 }
 
-ost_status ost_live_flush(ost_live *live, ost_error *err)
+ost_status ost_live_flush(ost_live_channel *live, ost_error *err)
 {
     ost_status status = OST_OK;
     while (live->count && status == OST_OK)
@@ -237,7 +238,7 @@ ost_status ost_live_flush(ost_live *live, ost_error *err)
 
 /* ----------------------------------------------------------------- viewer */
 
-bool ost_live_state_get(ost_live *live, ost_live_state *out)
+bool ost_live_state_get(ost_live_channel *live, ost_live_state *out)
 {
     if (atomic_load_explicit(&live->middle, memory_order_relaxed) & FRESH) {
         live->front = atomic_exchange_explicit(&live->middle, live->front, memory_order_acq_rel) & ~(unsigned)FRESH;
@@ -248,7 +249,7 @@ bool ost_live_state_get(ost_live *live, ost_live_state *out)
     return live->any;
 }
 
-static ost_status show(ost_live *live, int32_t slot, ost_live_visit *visit, void *user, ost_error *err)
+static ost_status show(ost_live_channel *live, int32_t slot, ost_live_visit *visit, void *user, ost_error *err)
 {
     const _Atomic uint32_t *from = live->words + (size_t)slot * live->chunk_words;
     const int32_t chunk = live->chunk_of[slot];
@@ -259,7 +260,7 @@ static ost_status show(ost_live *live, int32_t slot, ost_live_visit *visit, void
     return visit(user, at, live->seen, err);
 }
 
-ost_status ost_live_take(ost_live *live, ost_live_visit *visit, void *user, ost_error *err)
+ost_status ost_live_take(ost_live_channel *live, ost_live_visit *visit, void *user, ost_error *err)
 {
     ost_status status = OST_OK;
     for (size_t w = 0; w < dirty_words(live) && status == OST_OK; w++) {

@@ -114,9 +114,9 @@ ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_
 ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,
                            const ost_pose *from, const ost_pose *to, int *count, ost_pose *poses, ost_map *maps,
                            ost_error *err);
-ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                            ost_error *err);
-ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                             ost_error *err);
+ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                            ost_removal_report *report, ost_error *err);
+ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                             ost_removal_report *report, ost_error *err);
 
 #endif

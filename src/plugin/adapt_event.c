@@ -30,7 +30,7 @@ static ost_plugin_map map_of(const ost_map *m, const ost_voxel_box *box)
 /* Receives a plugin's report; status is that of the first wrong entry. */
 typedef struct sink {
     const plugin_backend *b;
-    ost_report *report;
+    ost_removal_report *report;
     int64_t chunks, last;
     int64_t chunk_voxels;
     int classes;
@@ -64,12 +64,12 @@ static int32_t add_chunk(void *user, int32_t chunk, const uint32_t *voxels, cons
         return OST_PLUGIN_FAILED;
     }
     s->last = chunk;
-    s->status = ost_report_add(s->report, &line, s->err);
+    s->status = ost_removal_report_add(s->report, &line, s->err);
     return s->status == OST_OK ? OST_PLUGIN_OK : OST_PLUGIN_MEMORY;
 }
 
-static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_event *event, bool apply,
-                            ost_report *report, ost_error *err)
+static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_removal_event *event, bool apply,
+                            ost_removal_report *report, ost_error *err)
 {
     plugin_bone *bone = (plugin_bone *)base;
     plugin_backend *b = adapt_backend(base->backend);
@@ -108,14 +108,14 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_even
     return ost_adapt_heard(b, apply ? "remove" : "collide", answer, &t, &bone->lost, err);
 }
 
-ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                            ost_error *err)
+ost_status ost_adapt_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                            ost_removal_report *report, ost_error *err)
 {
     return run_event(bone, tool, event, true, report, err);
 }
 
-ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                             ost_error *err)
+ost_status ost_adapt_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                             ost_removal_report *report, ost_error *err)
 {
     return run_event((ost_bone *)(uintptr_t)bone, tool, event, false, report, err);
 }

@@ -114,7 +114,7 @@ void ost_viewer_set_contact(ost_viewer *viewer, bool shown)
     }
 }
 
-void ost_viewer_follow(ost_viewer *viewer, ost_live *live)
+void ost_viewer_follow(ost_viewer *viewer, ost_live_channel *live)
 {
     viewer->live = live;
 }

@@ -3,9 +3,9 @@
  * Draws a running operation as frames: the bone as it is removed, and the tool
  * at its pose.
  *
- *   ost_live --take--> surface of the bone --.
+ *   ost_live_channel --take--> surface of the bone --.
  *   tool volumes ----> surfaces of tools ----+--camera--> frame
- *   ost_live --state--> the tool's pose -----'
+ *   ost_live_channel --state--> the tool's pose -----'
  *
  *   reference (uncut bone) ------> colours of the cut surface
  *   clip plane, ghost, overlays -> drawn with it
@@ -30,7 +30,7 @@ enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
     INT64_C(150000000) /* in operation time; removed bone is highlighted for one to two such intervals */
 
 typedef struct ost_viewer {
-    ost_live *live;      /* borrowed; NULL if the viewer follows no operation */
+    ost_live_channel *live;      /* borrowed; NULL if the viewer follows no operation */
     ost_surface bone;
     ost_surface tool[OST_VIEWER_TOOLS];
     ost_tool_geometry tool_grid[OST_VIEWER_TOOLS];
@@ -88,7 +88,7 @@ ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volum
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown);
 
 /* Makes the viewer show the bone of live, which is borrowed. */
-void ost_viewer_follow(ost_viewer *viewer, ost_live *live);
+void ost_viewer_follow(ost_viewer *viewer, ost_live_channel *live);
 /* Takes the changes since the last call from live. */
 ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
 /* Draws into viewer->frame, which gets the camera's size; ost_camera_check must have accepted the camera. */

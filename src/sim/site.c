@@ -143,17 +143,17 @@ ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const os
 {
     ost_map map;
     ost_bone_info info;
-    ost_report report = {0};
+    ost_removal_report report = {0};
     const ost_density_classes classes = ost_density_classes_default();
     ost_status status = ost_bone_info_get(bone, &info, err);
     if (status == OST_OK)
         status = ost_map_make(pose, &info.geometry, ost_tool_geometry_get(tool), &map, err);
     if (status == OST_OK) {
         const ost_voxel_box all = {.hi = {info.geometry.dims.x, info.geometry.dims.y, info.geometry.dims.z}};
-        const ost_event event = {.pose_count = 1, .maps = &map, .boxes = &all, .classes = &classes};
+        const ost_removal_event event = {.pose_count = 1, .maps = &map, .boxes = &all, .classes = &classes};
         status = ost_bone_collide(bone, tool, &event, &report, err);
         *voxels = (int64_t)(report.total_voxels + report.touched_voxels);
     }
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     return status;
 }

@@ -90,8 +90,8 @@ static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const
 }
 
 /* Makes the maps and boxes of the poses that can hit a voxel, in the sweep's order. */
-static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count, ost_event *event,
-                          ost_error *err)
+static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count,
+                          ost_removal_event *event, ost_error *err)
 {
     ost_status status = ost_world_reserve_poses(world, count, err);
     int used = 0;
@@ -104,12 +104,12 @@ static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_ti
         world->boxes[used] = reach(world, tool, &pose);
         used += ost_voxel_box_holds(&world->boxes[used]);
     }
-    *event = (ost_event){
+    *event = (ost_removal_event){
         .pose_count = used, .maps = world->maps, .boxes = world->boxes, .classes = &world->options.classes};
     return status;
 }
 
-static void bound_chunks(const ost_world *world, const ost_event *event, ost_step_result *result)
+static void bound_chunks(const ost_world *world, const ost_removal_event *event, ost_step_result *result)
 {
     for (int p = 0; p < event->pose_count; p++)
         for (int a = 0; a < 3; a++) {
@@ -120,7 +120,7 @@ static void bound_chunks(const ost_world *world, const ost_event *event, ost_ste
         }
 }
 
-static void add_totals(ost_world_totals *totals, const ost_report *report, int poses)
+static void add_totals(ost_world_totals *totals, const ost_removal_report *report, int poses)
 {
     totals->removals++;
     totals->poses += (uint64_t)poses;
@@ -135,7 +135,7 @@ static ost_status run_event(ost_world *world, ost_entity *tool, const ost_tick *
                             ost_step_result *result, ost_error *err)
 {
     int count;
-    ost_event event;
+    ost_removal_event event;
     ost_status status = count_poses(world, tool, tick, taken_up, &count, err);
     if (status == OST_OK)
         status = prepare(world, tool, tick, count, &event, err);
@@ -144,7 +144,7 @@ static ost_status run_event(ost_world *world, ost_entity *tool, const ost_tick *
     if (status != OST_OK)
         return status;
     if (event.pose_count == 0)
-        ost_report_clear(&world->report);
+        ost_removal_report_clear(&world->report);
     result->removal = true;
     result->boxes_meet = event.pose_count > 0;
     result->pose_count = count;
@@ -186,7 +186,7 @@ ost_status ost_world_advance(ost_world *world, const ost_tick *tick, ost_step_re
 ost_status ost_world_rehearse(ost_world *world, int index, const ost_pose *pose, ost_error *err)
 {
     const ost_tick tick = {.tool = index, .rpm = OST_RPM_ON, .pose = *pose, .t_ns = world->clock.t_ns + 1};
-    ost_event event;
+    ost_removal_event event;
     ost_status status = check_tick(world, &tick, err);
     if (status != OST_OK)
         return status;

@@ -23,7 +23,7 @@ uint64_t ost_step_digest(const ost_step_result *result, int classes)
 {
     uint64_t h = mix((uint64_t)result->removal | (uint64_t)result->boxes_meet << 1 |
                      (uint64_t)(uint32_t)result->pose_count << 32);
-    const ost_report *report = result->report;
+    const ost_removal_report *report = result->report;
     if (!report)
         return h;
     h = mix(h ^ report->total_voxels);

@@ -54,7 +54,7 @@ void ost_world_free(ost_world *world)
     if (!world)
         return;
     ost_world_saved_free(world);
-    ost_report_free(&world->report);
+    ost_removal_report_free(&world->report);
     free(world->maps);
     free(world->boxes);
     free(world);
@@ -80,7 +80,8 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
      * now and not in the first tick.
      */
     const ost_voxel_box nowhere = {{0, 0, 0}, {0, 0, 0}};
-    const ost_event nothing = {.pose_count = 1, .maps = &map, .boxes = &nowhere, .classes = &world->options.classes};
+    const ost_removal_event nothing = {
+        .pose_count = 1, .maps = &map, .boxes = &nowhere, .classes = &world->options.classes};
     if (status == OST_OK)
         status = ost_bone_collide(world->bone.voxels.bone, tool, &nothing, &world->report, err);
     if (status == OST_OK)
@@ -126,7 +127,7 @@ ost_status ost_world_reserve(ost_world *world, ost_error *err)
     /* An event that may meet every chunk: the backend allocates now what any event can need. */
     const ost_voxel_box all = {{0, 0, 0}, {d.x, d.y, d.z}};
     for (int t = 0; t < world->tool_count && status == OST_OK; t++) {
-        const ost_event event = {
+        const ost_removal_event event = {
             .pose_count = 1, .maps = world->maps, .boxes = &all, .classes = &world->options.classes};
         const ost_pose identity = ost_pose_identity();
         status = ost_map_make(&identity, &world->geometry, ost_tool_geometry_get(world->tools[t].voxels.tool),

@@ -45,7 +45,7 @@ struct ost_world {
     int capacity;
     ost_map *maps;        /* owned */
     ost_voxel_box *boxes; /* owned */
-    ost_report report;    /* owned; report of the last event */
+    ost_removal_report report;    /* owned; report of the last event */
 };
 
 /* ----------------------------------------------------------------- saved.c */

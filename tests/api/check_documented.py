@@ -29,6 +29,8 @@ def comment_before(lines, at):
 
 def members_documented(lines, at):
     """Returns True if each member of the type whose first line this is has a comment."""
+    if "}" in lines[at]:
+        return False  # a type of one line has no room for its members' comments
     body = []
     for line in lines[at + 1:]:
         if line.startswith("}"):

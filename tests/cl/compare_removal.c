@@ -76,7 +76,7 @@ typedef struct plan {
     size_t entry_count, pose_count;
 } plan;
 
-static plan plan_event(const bone_pool *p, const ost_event *event, const ost_tool_geometry *tool, test_rng *rng)
+static plan plan_event(const bone_pool *p, const ost_removal_event *event, const ost_tool_geometry *tool, test_rng *rng)
 {
     const ost_dims d = p->grid->dims;
     const int32_t bx = (d.x + BLOCK - 1) / BLOCK, by = (d.y + BLOCK - 1) / BLOCK, bz = (d.z + BLOCK - 1) / BLOCK,
@@ -192,7 +192,7 @@ static uint8_t *input_of(plan *e, size_t *bytes)
 
 /* Runs one launch, sums its blocks' reports by chunk and compares them with the reference's. */
 static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tables, const ost_tool_geometry *tool,
-                bool apply, const ost_report *expected)
+                bool apply, const ost_removal_report *expected)
 {
     const size_t blocks = e->event.blocks;
     ost_cl_block_report *reports = zeros(blocks, sizeof *reports);
@@ -343,11 +343,12 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
         for (int c = 0; c < scene.classes.count; c++)
             scene.classes.border[c] = (int16_t)(rng_range(rng, 1, 900) + 1000 * c); /* strictly increasing */
     }
-    scene.event = (ost_event){.pose_count = poses, .maps = scene.maps, .boxes = scene.boxes, .classes = &scene.classes};
+    scene.event = (ost_removal_event){
+        .pose_count = poses, .maps = scene.maps, .boxes = scene.boxes, .classes = &scene.classes};
 
     ost_bone *bone = bone_of(ref, &g, 16 << rng_range(rng, 0, m->small ? 1 : 2), voxels);
     ost_tool *tool;
-    ost_report report = {0};
+    ost_removal_report report = {0};
     assert_ok(ost_tool_upload(ref, &volume, &tool, &err));
     const ost_chunk_grid *grid = &((const ref_bone *)bone)->chunks;
     bone_pool p = pool_of(grid, rng);
@@ -373,7 +374,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     assert_ok(ost_bone_remove(bone, tool, &scene.event, &report, &err));
     run(m, &p, &e, &tables, &volume.geometry, true, &report);
 
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     plan_free(&e);
     pool_free(&p);
     tables_free(&tables);

@@ -51,14 +51,14 @@ static void make_session(session *s)
     assert_ok(ost_backend_open("ref", &s->ref, &err));
     assert_ok(ost_voxelize(s->ref, &s->mesh, NULL, OST_FILL_WINDING, NULL, &s->ref_tool, &err));
     ost_bone *bone = bone_of(s->ref, &s->g, 16, s->voxels);
-    ost_report report = {0};
+    ost_removal_report report = {0};
     s->after[0] = content(bone, &s->g);
     for (int e = 0; e < EVENTS; e++) {
         remove_at(bone, &s->g, s->ref_tool, s->poses[e], 4, &report);
         assert_true(report.total_voxels > 0);
         s->after[e + 1] = content(bone, &s->g);
     }
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_bone_free(bone);
 }
 
@@ -89,14 +89,14 @@ static void check_failover(const session *s, const ost_bone *bone, int done)
         assert_non_null(strstr(err.text, "is lost"));
     }
     free(now);
-    ost_report report = {0};
+    ost_removal_report report = {0};
     ost_bone *other = bone_of(s->ref, &s->g, 32, s->after[done]);
     for (int e = done; e < EVENTS; e++)
         remove_at(other, &s->g, s->ref_tool, s->poses[e], 4, &report);
     int16_t *end = content(other, &s->g);
     assert_memory_equal(end, s->after[EVENTS], bytes);
     free(end);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_bone_free(other);
 }
 
@@ -129,19 +129,19 @@ static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
 static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *tool, ost_error *err)
 {
     scene_event *e = malloc(sizeof *e);
-    ost_report report = {0};
+    ost_removal_report report = {0};
     assert_non_null(e);
     ost_status status = OST_OK;
     int done = 0;
     for (; done < EVENTS && status == OST_OK; done += status == OST_OK) {
-        const ost_event *event = event_of(e, &s->g, tool, s->poses[done], 4);
+        const ost_removal_event *event = event_of(e, &s->g, tool, s->poses[done], 4);
         status = ost_bone_collide(bone, tool, event, &report, err);
         if (status == OST_OK)
             status = ost_bone_remove(bone, tool, event, &report, err);
     }
     if (status != OST_OK)
         check_failover(s, bone, done);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     free(e);
     return status;
 }
@@ -302,7 +302,7 @@ static void late(void **state)
     ost_backend *backend;
     ost_tool_volume volume = {0};
     ost_tool *tool;
-    ost_report report = {0};
+    ost_removal_report report = {0};
     scene_event *event = malloc(sizeof *event);
     assert_non_null(event);
     make_session(&s);
@@ -313,7 +313,7 @@ static void late(void **state)
     assert_ok(ost_tool_upload(backend, &volume, &tool, &err));
     for (int n = 1; n <= 6; n++) {
         ost_bone *first = bone_of(backend, &s.g, 16, s.voxels), *second = bone_of(backend, &s.g, 32, s.voxels);
-        const ost_event *made = event_of(event, &s.g, tool, s.poses[0], 4);
+        const ost_removal_event *made = event_of(event, &s.g, tool, s.poses[0], 4);
         shim_fail_late(SHIM_clEnqueueNDRangeKernel, n);
         if (ost_bone_remove(first, tool, made, &report, &err) == OST_OK)
             assert_false(shim_failed());
@@ -329,7 +329,7 @@ static void late(void **state)
         ost_tool_free(tool);
         assert_ok(ost_tool_upload(backend, &volume, &tool, &err));
     }
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_tool_free(tool);
     ost_tool_volume_free(&volume);
     ost_backend_close(backend);

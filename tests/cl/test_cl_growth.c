@@ -84,7 +84,7 @@ typedef struct scene {
     ost_backend *backend[2]; /* [0] the reference, [1] the device */
     ost_bone *bone[2];
     ost_tool *tool[2];
-    ost_report report[2];
+    ost_removal_report report[2];
     scene_event *event;
 } scene;
 
@@ -107,7 +107,7 @@ static void make_scene(scene *s, test_rng *rng)
 static void free_scene(scene *s)
 {
     for (int b = 0; b < 2; b++) {
-        ost_report_free(&s->report[b]);
+        ost_removal_report_free(&s->report[b]);
         ost_tool_free(s->tool[b]);
         ost_bone_free(s->bone[b]);
         ost_backend_close(s->backend[b]);
@@ -138,7 +138,7 @@ static void many_events(void **state)
         const int count = (int)rng_range(&rng, 1, 3);
         for (int k = 0; k < count; k++)
             poses[k] = random_pose(&rng, lo, hi);
-        const ost_event *event = event_of(s.event, &s.g, s.tool[1], poses, count);
+        const ost_removal_event *event = event_of(s.event, &s.g, s.tool[1], poses, count);
         for (int k = 0; k < count; k++) /* from the middle to a corner are 4.5 * sqrt(3) < 8 voxels */
             for (int a = 0; a < 3; a++) {
                 const int32_t at = (int32_t)((a == 0   ? poses[k].t.x

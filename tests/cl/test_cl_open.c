@@ -354,13 +354,13 @@ static void too_many_poses(void **state)
     const ost_density_classes classes = ost_density_classes_default();
     ost_map *maps = calloc(MOST + 1, sizeof *maps);
     ost_voxel_box *boxes = calloc(MOST + 1, sizeof *boxes);
-    ost_report report = {0};
+    ost_removal_report report = {0};
     assert_true(maps && boxes);
     for (int k = 0; k <= MOST; k++) {
         assert_ok(ost_map_make(&pose, &g, ost_tool_geometry_get(tool), &maps[k], &err));
         boxes[k] = (ost_voxel_box){.hi = {SIDE, SIDE, SIDE}};
     }
-    ost_event event = {.pose_count = MOST + 1, .maps = maps, .boxes = boxes, .classes = &classes};
+    ost_removal_event event = {.pose_count = MOST + 1, .maps = maps, .boxes = boxes, .classes = &classes};
     assert_int_equal(ost_bone_remove(bone, tool, &event, &report, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ends a loop after 65535 iterations"));
     assert_non_null(strstr(err.text, "3619 poses"));
@@ -377,7 +377,7 @@ static void too_many_poses(void **state)
     now = content(bone, &g);
     assert_same_voxels(now, voxels, &g);
     free(now);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     free(boxes);
     free(maps);
     ost_tool_free(tool);

@@ -405,7 +405,7 @@ static void removal(void **state)
             assert_same_tools(tool[0], tool[1]);
             const ost_pm3 lo = {0, 0, 0}, hi = {g.dims.x * g.spacing.x, g.dims.y * g.spacing.x, g.dims.z * g.spacing.x};
             scene_event *e = malloc(sizeof *e);
-            ost_report report[2] = {{0}, {0}};
+            ost_removal_report report[2] = {{0}, {0}};
             for (int event = 0; event < 8; event++) {
                 ost_pose poses[12];
                 const int count = (int)rng_range(&rng, 1, 12);
@@ -426,7 +426,7 @@ static void removal(void **state)
                 assert_same_bones(bone[0], bone[1], &g);
             }
             for (int b = 0; b < 2; b++) {
-                ost_report_free(&report[b]);
+                ost_removal_report_free(&report[b]);
                 ost_tool_free(tool[b]);
                 ost_bone_free(bone[b]);
             }
@@ -452,7 +452,7 @@ static void emptied(void **state)
     int16_t *voxels = random_densities(&rng, &g, 8);
     for (int n = 16; n <= 64; n *= 2) {
         ost_bone *bone[2];
-        ost_report report[2] = {{0}, {0}};
+        ost_removal_report report[2] = {{0}, {0}};
         for (int b = 0; b < 2; b++) {
             ost_backend *backend = b ? p.cl : p.ref;
             ost_tool *tool = solid_tool(backend, tg, OST_TOOL_CUTTING);
@@ -467,7 +467,7 @@ static void emptied(void **state)
         assert_same_report(&report[0], &report[1]);
         assert_same_bones(bone[0], bone[1], &g);
         for (int b = 0; b < 2; b++) {
-            ost_report_free(&report[b]);
+            ost_removal_report_free(&report[b]);
             ost_bone_free(bone[b]);
         }
     }

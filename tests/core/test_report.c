@@ -11,10 +11,10 @@ static void totals_are_sums(void **state)
 {
     (void)state;
     ost_error err = {0};
-    ost_report report = {0};
+    ost_removal_report report = {0};
     for (int i = 0; i < 200; i++) {
         ost_chunk_report chunk = {.chunk = i, .voxels = {1, (uint32_t)i}, .density = {120, -i}};
-        assert_ok(ost_report_add(&report, &chunk, &err));
+        assert_ok(ost_removal_report_add(&report, &chunk, &err));
     }
     assert_int_equal(report.count, 200);
     assert_int_equal(report.voxels[0], 200);
@@ -26,18 +26,18 @@ static void totals_are_sums(void **state)
     size_t capacity = report.capacity;
     const ost_chunk_report *chunks = report.chunks;
     report.touched_voxels = 5;
-    ost_report_clear(&report);
+    ost_removal_report_clear(&report);
     assert_ptr_equal(report.chunks, chunks);
     assert_int_equal(report.capacity, capacity);
-    const ost_report empty = {.chunks = report.chunks, .capacity = capacity};
+    const ost_removal_report empty = {.chunks = report.chunks, .capacity = capacity};
     assert_int_equal(report.count, 0);
     assert_int_equal(report.total_voxels, 0);
     assert_int_equal(report.touched_voxels, 0);
     assert_memory_equal(report.voxels, empty.voxels, sizeof empty.voxels);
     assert_memory_equal(report.density, empty.density, sizeof empty.density);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     assert_null(report.chunks);
-    ost_report_free(NULL);
+    ost_removal_report_free(NULL);
 }
 
 /*
@@ -48,14 +48,14 @@ static void every_class_has_its_own_sum(void **state)
 {
     (void)state;
     ost_error err = {0};
-    ost_report report = {0};
+    ost_removal_report report = {0};
     for (int i = 0; i < 3; i++) {
         ost_chunk_report chunk = {.chunk = i};
         for (int c = 0; c < OST_CLASS_MAX; c++) {
             chunk.voxels[c] = (uint32_t)((i + 1) * (c + 1));
             chunk.density[c] = -3 * (i + 1) * (c + 1) * c;
         }
-        assert_ok(ost_report_add(&report, &chunk, &err));
+        assert_ok(ost_removal_report_add(&report, &chunk, &err));
     }
     for (int c = 0; c < OST_CLASS_MAX; c++) {
         assert_int_equal(report.voxels[c], 6 * (c + 1));
@@ -63,7 +63,7 @@ static void every_class_has_its_own_sum(void **state)
     }
     assert_int_equal(report.total_voxels, 6 * 36);
     assert_int_equal(report.count, 3);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
 }
 
 static void classes_are_parsed(void **state)

@@ -85,16 +85,17 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     ost_pose pose = ost_pose_identity();
     pose.t = (ost_pm3){side / 2 * s, side / 2 * s, side / 2 * s};
     ost_map map;
-    ost_report report = {0};
+    ost_removal_report report = {0};
     const ost_voxel_box box = {{0, 0, 0}, {side, side, side}};
     assert_ok(ost_map_make(&pose, &g, &grid, &map, &err));
-    assert_ok(ost_bone_remove(
-        bone, tool, &(ost_event){.pose_count = 1, .maps = &map, .boxes = &box, .classes = &classes}, &report, &err));
+    assert_ok(ost_bone_remove(bone, tool,
+                              &(ost_removal_event){.pose_count = 1, .maps = &map, .boxes = &box, .classes = &classes},
+                              &report, &err));
     assert_true(report.total_voxels > 0);
     assert_ok(ost_bone_digest(bone, NULL, &root, &err));
     *out = (seen){.count = 0};
     ost_backend_paths(backend, take, out);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_tool_free(tool);
     ost_snapped_mesh_free(&snapped);
     ost_mesh_free(&mesh);

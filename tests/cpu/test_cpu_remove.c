@@ -103,11 +103,11 @@ static void same_event(const team *t, test_rng *rng, int64_t poses_max)
             if (e.classes.border[c] <= e.classes.border[c - 1])
                 e.classes.border[c] = (int16_t)(e.classes.border[c - 1] + 1);
     }
-    e.event = (ost_event){.pose_count = poses, .maps = e.maps, .boxes = e.boxes, .classes = &e.classes};
+    e.event = (ost_removal_event){.pose_count = poses, .maps = e.maps, .boxes = e.boxes, .classes = &e.classes};
 
     ost_bone *expected = bone_of(t->ref, &g, n, voxels);
     ost_tool *tool;
-    ost_report expected_touch = {0}, expected_report = {0}, expected_again = {0};
+    ost_removal_report expected_touch = {0}, expected_report = {0}, expected_again = {0};
     assert_ok(ost_tool_upload(t->ref, &volume, &tool, &err));
     assert_ok(ost_bone_collide(expected, tool, &e.event, &expected_touch, &err));
     assert_ok(ost_bone_remove(expected, tool, &e.event, &expected_report, &err));
@@ -123,7 +123,7 @@ static void same_event(const team *t, test_rng *rng, int64_t poses_max)
         if (!has_turn(i, turn))
             continue;
         ost_bone *bone = bone_of(t->cpu[i], &g, n, voxels);
-        ost_report report = {0};
+        ost_removal_report report = {0};
         ost_bone_info info;
         assert_ok(ost_tool_upload(t->cpu[i], &volume, &tool, &err));
         assert_ok(ost_bone_collide(bone, tool, &e.event, &report, &err));
@@ -139,13 +139,13 @@ static void same_event(const team *t, test_rng *rng, int64_t poses_max)
         assert_int_equal(info.active_chunks, expected_info.active_chunks);
         assert_int_equal(info.chunk_bytes, expected_info.chunk_bytes);
         free(found);
-        ost_report_free(&report);
+        ost_removal_report_free(&report);
         ost_tool_free(tool);
         ost_bone_free(bone);
     }
-    ost_report_free(&expected_touch);
-    ost_report_free(&expected_report);
-    ost_report_free(&expected_again);
+    ost_removal_report_free(&expected_touch);
+    ost_removal_report_free(&expected_report);
+    ost_removal_report_free(&expected_again);
     ost_bone_free(expected);
     ost_tool_volume_free(&volume);
     free(voxels);
@@ -194,7 +194,7 @@ static void a_sequence(void **state)
         }
         ost_pose pose = from;
         for (int tick = 0; tick < 12; tick++) {
-            ost_report report = {0}, found = {0};
+            ost_removal_report report = {0}, found = {0};
             pose.t.z += 470 * UM;
             pose.qx += 40000;
             remove_at(expected, &g, tool, &pose, 1, &report);
@@ -202,8 +202,8 @@ static void a_sequence(void **state)
                 remove_at(bone[i], &g, tools[i], &pose, 1, &found);
                 assert_same_report(&found, &report);
             }
-            ost_report_free(&report);
-            ost_report_free(&found);
+            ost_removal_report_free(&report);
+            ost_removal_report_free(&found);
         }
         const ost_digest digest = digest_of(expected);
         for (int i = 0; i < t->count; i++) {
@@ -247,7 +247,7 @@ static void many_chunks(void **state)
     int turn = (int)rng_range(&rng, 0, THREADS - 1);
     for (int n = 16; n <= 64; n *= 2, turn++) {
         ost_bone *expected = bone_of(t->ref, &g, n, voxels);
-        ost_report report[4] = {{0}};
+        ost_removal_report report[4] = {{0}};
         for (int tick = 0; tick < 4; tick++) {
             ost_tool *tool;
             ost_pose pose = from;
@@ -265,12 +265,12 @@ static void many_chunks(void **state)
             for (int v = 0; v < 2; v++)
                 assert_ok(ost_tool_upload(t->cpu[i], &volume[v], &tools[v], &err));
             for (int tick = 0; tick < 4; tick++) {
-                ost_report found = {0};
+                ost_removal_report found = {0};
                 ost_pose pose = from;
                 pose.t.z += tick * 90 * UM;
                 remove_at(bone, &g, tools[tick % 2], &pose, 1, &found);
                 assert_same_report(&found, &report[tick]);
-                ost_report_free(&found);
+                ost_removal_report_free(&found);
             }
             const ost_digest own = digest_of(bone);
             assert_memory_equal(&own, &digest, sizeof digest);
@@ -279,7 +279,7 @@ static void many_chunks(void **state)
             ost_bone_free(bone);
         }
         for (int tick = 0; tick < 4; tick++)
-            ost_report_free(&report[tick]);
+            ost_removal_report_free(&report[tick]);
         ost_bone_free(expected);
     }
     for (int v = 0; v < 2; v++)

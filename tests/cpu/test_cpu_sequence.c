@@ -114,7 +114,7 @@ typedef struct tick {
     int32_t z0, slices;
 } tick;
 
-static void do_tick(const plot *p, const bench *b, const tick *k, ost_report *report)
+static void do_tick(const plot *p, const bench *b, const tick *k, ost_removal_report *report)
 {
     ost_error err = {0};
     const ost_geometry *g = &p->geometry[k->bone];
@@ -143,7 +143,7 @@ static void one_sequence(const team *t, test_rng *rng, int ticks, int turn)
     tick k = {0};
     ost_pose at = somewhere(rng, &p.geometry[0]);
     motion m = some_motion(rng);
-    ost_report report = {0}, found = {0};
+    ost_removal_report report = {0}, found = {0};
     for (int n = 0; n < ticks; n++) {
         k.upload = false;
         switch (rng_range(rng, 0, 39)) {
@@ -193,8 +193,8 @@ static void one_sequence(const team *t, test_rng *rng, int ticks, int turn)
         }
         free(left);
     }
-    ost_report_free(&report);
-    ost_report_free(&found);
+    ost_removal_report_free(&report);
+    ost_removal_report_free(&found);
     for (int i = 0; i < t->count; i++)
         if (has_turn(i, turn))
             close_bench(&own[i]);
@@ -242,7 +242,7 @@ static void borders_of_blocks(void **state)
                 ost_tool_geometry of = {{3, 3, 3}, s, {-s, -s, -s}};
                 ost_bone *expected = bone_of(t->ref, &g, 32, voxels);
                 ost_tool *tool = solid_tool(t->ref, of, OST_TOOL_CUTTING);
-                ost_report report = {0}, found = {0};
+                ost_removal_report report = {0}, found = {0};
                 remove_at(expected, &g, tool, &pose, 1, &report);
                 ost_tool_free(tool);
                 const ost_digest digest = digest_of(expected);
@@ -256,8 +256,8 @@ static void borders_of_blocks(void **state)
                     ost_tool_free(tool);
                     ost_bone_free(bone);
                 }
-                ost_report_free(&report);
-                ost_report_free(&found);
+                ost_removal_report_free(&report);
+                ost_removal_report_free(&found);
                 ost_bone_free(expected);
             }
     free(voxels);

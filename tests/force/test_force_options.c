@@ -213,7 +213,7 @@ static void vibration_is_within_the_rules(void **state)
         double force[3] = {0, 0, 2 + 8 * sin(2 * PI * 120 * i * 1e-3)}, torque[3] = {0};
         const ost_pose hand = turned_mm(0, 0, 0, 0);
         assert_int_equal(ost_safety_step(&safety, &hand, true, 0, 1e-3, force, torque), OST_SAFETY_GIVEN);
-        assert_true(fabs(force[2]) <= params.max_n && fabs(force[2] - before) <= params.slew_n + 1e-12);
+        assert_true(fabs(force[2]) <= params.max_force_n && fabs(force[2] - before) <= params.slew_n + 1e-12);
         before = force[2];
     }
 }
@@ -239,7 +239,7 @@ static void a_file_says_what_is_other(void **state)
     write_text(path, "# a light reamer\n\n  stiffness: 250   # N/m\nenergy: 4.5e7\r\nmax_force: 2\nstale_ticks: "
                      "3\ndead_man: 3\ndensity_per_hu: 0.001067");
     assert_ok(ost_force_params_read(path, &f, &s, &err));
-    assert_true(f.stiffness == 250 && f.energy == 4.5e7 && s.max_n == 2 && s.max_ticks_without_sample == 3 &&
+    assert_true(f.stiffness == 250 && f.energy == 4.5e7 && s.max_force_n == 2 && s.max_ticks_without_sample == 3 &&
                 s.dead_man == 3 && f.density_per_hu == 0.001067);
     assert_true(f.damping == 0.5 && s.slew_n == 0.3);
     /* All parameters can be set, printed and read again. */

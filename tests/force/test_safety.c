@@ -20,8 +20,12 @@ static ost_pose at_mm(double z)
 /* All rules off. */
 static ost_safety_params open_params(void)
 {
-    return (ost_safety_params){
-        .max_n = 1e6, .max_nm = 1e6, .slew_n = 1e6, .ramp_s = 0, .max_ticks_without_sample = 1 << 30, .stored_j = 1};
+    return (ost_safety_params){.max_force_n = 1e6,
+                               .max_torque_nm = 1e6,
+                               .slew_n = 1e6,
+                               .ramp_s = 0,
+                               .max_ticks_without_sample = 1 << 30,
+                               .stored_j = 1};
 }
 
 static ost_safety_answer give(ost_safety *s, double z_mm, bool fresh, uint32_t buttons, double n, double *out)
@@ -67,8 +71,8 @@ static void force_and_torque_saturate(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
-    p.max_n = 3;
-    p.max_nm = 0.1;
+    p.max_force_n = 3;
+    p.max_torque_nm = 0.1;
     ost_safety s;
     ost_safety_begin(&s, &p);
     double last = 0;
@@ -105,8 +109,8 @@ static void torque_changes_slowly(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
-    p.max_n = 3;
-    p.max_nm = 0.1;
+    p.max_force_n = 3;
+    p.max_torque_nm = 0.1;
     p.slew_n = 0.3;
     ost_safety s;
     double before = 0;
@@ -255,7 +259,7 @@ static void the_controller_saturates_too(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
-    p.max_n = 3;
+    p.max_force_n = 3;
     p.max_damping = 100;
     p.stored_j = 0;
     ost_safety s;

@@ -438,7 +438,7 @@ static void it_does_not_wait_for_its_recorder(void **state)
  * Executes a tick of an operation: a device that selects no tool, with buttons, and the live
  * state afterwards.
  */
-static void tick_of(ost_operation *o, int64_t t_ms, ost_pose pose, uint32_t buttons, ost_live *live,
+static void tick_of(ost_operation *o, int64_t t_ms, ost_pose pose, uint32_t buttons, ost_live_channel *live,
                     ost_live_state *state)
 {
     ost_wrench wrench = {{0}, {0}};
@@ -462,7 +462,7 @@ static void a_motor_belongs_to_the_operation(void **state)
 {
     ost_error err = {0};
     fixture live_fixture = make_fixture(*state), by_hand = make_fixture(*state);
-    ost_live *live;
+    ost_live_channel *live;
     ost_live_state s;
     ost_operation *operation;
     ost_world_totals totals;
@@ -509,7 +509,7 @@ static void buttons_do_what_their_table_says(void **state)
     ost_error err = {0};
     for (int by_key = 0; by_key <= 1; by_key++) {
         fixture r = make_fixture(*state);
-        ost_live *live;
+        ost_live_channel *live;
         ost_live_state s;
         ost_operation *o;
         assert_ok(ost_world_add_tool(r.world, "another", r.tool, NULL, &err));

@@ -361,7 +361,7 @@ enum {
 
 typedef struct course {
     ost_operation *operation;
-    ost_live *live;
+    ost_live_channel *live;
     ost_world *world;
     fake_note *note;
     double *along, step; /* the device's coordinate along the bone's x, and 0.1 mm in its unit */

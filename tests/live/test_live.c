@@ -114,7 +114,7 @@ static void occupancy_is_what_is_active(void **state)
 /* ------------------------------------------------------- tick and viewer */
 
 typedef struct viewer_thread {
-    ost_live *live;
+    ost_live_channel *live;
     ost_surface *surface;
     test_rng rng;
     _Atomic bool stop;
@@ -179,7 +179,7 @@ static void a_viewer_ends_with_the_bone(void **state)
         ost_tool *tool = random_tool(*state, &rng, (ost_tool_geometry){{9, 12, 20}, MM, {-4 * MM, -6 * MM, 0}});
         ost_surface seen, expected;
         viewer_thread l = {.surface = &seen, .rng = {rng_next(&rng)}};
-        ost_report report = {0};
+        ost_removal_report report = {0};
         assert_ok(ost_surface_init(&seen, &g, &err));
         assert_ok(ost_live_create(bone, &l.live, &err));
         assert_int_equal(ost_live_chunk_size(l.live), n);
@@ -213,7 +213,7 @@ static void a_viewer_ends_with_the_bone(void **state)
         ost_surface_free(&expected);
         ost_surface_free(&seen);
         ost_live_free(l.live);
-        ost_report_free(&report);
+        ost_removal_report_free(&report);
         ost_tool_free(tool);
         ost_bone_free(bone);
         free(voxels);
@@ -242,7 +242,7 @@ static void an_ended_take_loses_nothing(void **state)
     const ost_geometry g = cubic_geometry(100, 90, 80, MM, (ost_pm3){0, 0, 0});
     int16_t *voxels = random_densities(&rng, &g, 5);
     ost_bone *bone = bone_of(*state, &g, 32, voxels);
-    ost_live *live;
+    ost_live_channel *live;
     ost_surface seen, expected;
     assert_ok(ost_surface_init(&seen, &g, &err));
     assert_ok(ost_live_create(bone, &live, &err));
@@ -270,7 +270,7 @@ static void an_empty_bone_can_be_looked_at(void **state)
     ost_error err = {0};
     const ost_geometry g = cubic_geometry(40, 40, 40, MM, (ost_pm3){0, 0, 0});
     ost_bone *bone;
-    ost_live *live;
+    ost_live_channel *live;
     ost_surface seen;
     assert_ok(ost_bone_create(*state, &g, 32, 120, &bone, &err));
     assert_ok(ost_live_create(bone, &live, &err));
@@ -294,7 +294,7 @@ static void an_operation_shows_itself(void **state)
     ost_bone *bone = bone_of(*state, &g, 32, voxels);
     ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{6, 6, 12}, MM, {-3 * MM, -3 * MM, 0}}, OST_TOOL_CUTTING);
     ost_world *world;
-    ost_live *live;
+    ost_live_channel *live;
     ost_operation *operation;
     ost_haptic *device;
     ost_path path;

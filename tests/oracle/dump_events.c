@@ -344,7 +344,7 @@ static void dump_event(ost_backend *backend, int style)
     ost_map maps[POSES_MAX];
     ost_voxel_box boxes[POSES_MAX];
     ost_density_classes classes = ost_density_classes_default();
-    ost_report report = {0};
+    ost_removal_report report = {0};
     if (!before || !after || ost_tool_volume_init(&volume, &tool, &err) != OST_OK)
         fail(&err);
     for (size_t v = 0; v < count; v++) {
@@ -361,7 +361,7 @@ static void dump_event(ost_backend *backend, int style)
             fail(&err);
         boxes[k - 1] = (ost_voxel_box){.hi = {g.dims.x, g.dims.y, g.dims.z}};
     }
-    ost_event event = {.pose_count = n, .maps = maps, .boxes = boxes, .classes = &classes};
+    ost_removal_event event = {.pose_count = n, .maps = maps, .boxes = boxes, .classes = &classes};
     if (ost_bone_create(backend, &g, 16 << pick(0, 2), 120, &bone, &err) != OST_OK ||
         ost_bone_upload(bone, 0, g.dims.z, before, &err) != OST_OK ||
         ost_tool_upload(backend, &volume, &on_backend, &err) != OST_OK ||
@@ -384,7 +384,7 @@ static void dump_event(ost_backend *backend, int style)
             comma = ",";
         }
     printf("\n");
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_tool_free(on_backend);
     ost_bone_free(bone);
     ost_tool_volume_free(&volume);

@@ -279,7 +279,7 @@ static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_
                          ost_plugin_report *report, ost_plugin_error *error)
 {
     ost_error err = {0};
-    ost_report own = {0};
+    ost_removal_report own = {0};
     const size_t n = (size_t)e->map_count;
     ost_map *maps = malloc(n * sizeof *maps);
     ost_voxel_box *boxes = malloc(n * sizeof *boxes);
@@ -301,7 +301,7 @@ static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_
         if (!same_base(&maps[p], m))
             status = ost_fail(&err, OST_ERR_INTERNAL, "the host's block_base is not the map's");
     }
-    const ost_event event = {(int)n, maps, boxes, &classes};
+    const ost_removal_event event = {(int)n, maps, boxes, &classes};
     if (status == OST_OK)
         status = apply ? ost_bone_remove(bone, tool, &event, &own, &err)
                        : ost_bone_collide(bone, tool, &event, &own, &err);
@@ -310,7 +310,7 @@ static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_
         answer = report->add(report->sink, broken("report") ? -3 : own.chunks[c].chunk, own.chunks[c].voxels,
                              own.chunks[c].density);
     report->touched_voxels = own.touched_voxels;
-    ost_report_free(&own);
+    ost_removal_report_free(&own);
     free(maps);
     free(boxes);
     return answer;

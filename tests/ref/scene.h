@@ -132,10 +132,10 @@ typedef struct scene_event {
     ost_map maps[SCENE_POSES];
     ost_voxel_box boxes[SCENE_POSES];
     ost_density_classes classes;
-    ost_event event;
+    ost_removal_event event;
 } scene_event;
 
-static inline const ost_event *event_of(scene_event *e, const ost_geometry *g, const ost_tool *tool,
+static inline const ost_removal_event *event_of(scene_event *e, const ost_geometry *g, const ost_tool *tool,
                                         const ost_pose *poses, int count)
 {
     ost_error err = {0};
@@ -145,12 +145,12 @@ static inline const ost_event *event_of(scene_event *e, const ost_geometry *g, c
         e->boxes[k] = (ost_voxel_box){.hi = {g->dims.x, g->dims.y, g->dims.z}};
     }
     e->classes = ost_density_classes_default();
-    e->event = (ost_event){.pose_count = count, .maps = e->maps, .boxes = e->boxes, .classes = &e->classes};
+    e->event = (ost_removal_event){.pose_count = count, .maps = e->maps, .boxes = e->boxes, .classes = &e->classes};
     return &e->event;
 }
 
 static inline void remove_at(ost_bone *bone, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses,
-                             int count, ost_report *report)
+                             int count, ost_removal_report *report)
 {
     ost_error err = {0};
     scene_event *e = malloc(sizeof *e);
@@ -159,7 +159,7 @@ static inline void remove_at(ost_bone *bone, const ost_geometry *g, const ost_to
     free(e);
 }
 
-static inline void assert_same_report(const ost_report *a, const ost_report *b)
+static inline void assert_same_report(const ost_removal_report *a, const ost_removal_report *b)
 {
     assert_int_equal(a->count, b->count);
     assert_int_equal(a->total_voxels, b->total_voxels);

@@ -50,7 +50,7 @@ static void a_small_cube(void **state)
             OST_TOOL_CUTTING);
         for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
             ost_bone *bone = bone_of(*state, &g, 16, full);
-            ost_report report = {0};
+            ost_removal_report report = {0};
             remove_at(bone, &g, tool, &cases[i].pose, 1, &report);
             int16_t *after = content(bone, &g);
             assert_gone(after, &g, cases[i].lo, cases[i].hi);
@@ -58,7 +58,7 @@ static void a_small_cube(void **state)
             assert_ok(ost_bone_info_get(bone, &info, &err));
             assert_int_equal(512 - info.active_voxels, report.total_voxels);
             free(after);
-            ost_report_free(&report);
+            ost_removal_report_free(&report);
             ost_bone_free(bone);
         }
         ost_tool_free(tool);
@@ -85,7 +85,7 @@ static void classes_and_touch(void **state)
     ost_pose poses[2] = {ost_pose_identity(), ost_pose_identity()};
 
     ost_bone *bone = bone_of(*state, &g, 32, voxels);
-    ost_report report = {0};
+    ost_removal_report report = {0};
     remove_at(bone, &g, tool, poses, 1, &report);
     assert_int_equal(report.count, 1);
     assert_int_equal(report.chunks[0].chunk, 0);
@@ -112,7 +112,7 @@ static void classes_and_touch(void **state)
     assert_int_equal(report.total_voxels, 4);
     assert_int_equal(report.touched_voxels, 1);
     ost_bone_free(bone);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_tool_free(tool);
 }
 
@@ -127,7 +127,7 @@ static void an_emptied_chunk_is_freed(void **state)
     ost_tool *tool = solid_tool(*state, (ost_tool_geometry){{16, 16, 16}, OST_PM_PER_MM, {0, 0, 0}}, OST_TOOL_CUTTING);
     ost_pose pose = ost_pose_identity();
     pose.t = (ost_pm3){16 * OST_PM_PER_MM, -OST_PM_PER_MM, -OST_PM_PER_MM};
-    ost_report report = {0};
+    ost_removal_report report = {0};
     remove_at(bone, &g, tool, &pose, 1, &report);
     ost_bone_info info;
     assert_ok(ost_bone_info_get(bone, &info, &err));
@@ -138,7 +138,7 @@ static void an_emptied_chunk_is_freed(void **state)
     assert_int_equal(report.chunks[0].voxels[1], 256);
     remove_at(bone, &g, tool, &pose, 1, &report);
     assert_int_equal(report.count, 0);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_tool_free(tool);
     ost_bone_free(bone);
 }
@@ -184,7 +184,7 @@ static void chunk_size_does_not_show(void **state)
             poses[k] = random_pose(&rng, s.lo, s.hi);
         ost_digest digests[3];
         int16_t *contents[3];
-        ost_report reports[3] = {0};
+        ost_removal_report reports[3] = {0};
         for (int i = 0; i < 3; i++) {
             ost_bone *bone = bone_of(*state, &s.g, sizes[i], s.voxels);
             remove_at(bone, &s.g, s.tool, poses, 3, &reports[i]);
@@ -201,7 +201,7 @@ static void chunk_size_does_not_show(void **state)
         }
         for (int i = 0; i < 3; i++) {
             free(contents[i]);
-            ost_report_free(&reports[i]);
+            ost_removal_report_free(&reports[i]);
         }
         free_scene(&s);
     }
@@ -219,7 +219,7 @@ static void the_report_is_the_difference(void **state)
         ost_pose pose = random_pose(&rng, s.lo, s.hi);
         ost_bone *bone = bone_of(*state, &s.g, n, s.voxels);
         int16_t *before = content(bone, &s.g);
-        ost_report report = {0}, expected = {0};
+        ost_removal_report report = {0}, expected = {0};
         remove_at(bone, &s.g, s.tool, &pose, 1, &report);
         int16_t *after = content(bone, &s.g);
         ost_chunk_report *all = calloc((size_t)ost_dims_count(chunks), sizeof *all);
@@ -237,7 +237,7 @@ static void the_report_is_the_difference(void **state)
         for (int32_t i = 0; i < (int32_t)ost_dims_count(chunks); i++) {
             all[i].chunk = i;
             if (all[i].voxels[0] || all[i].voxels[1] || all[i].voxels[2])
-                assert_int_equal(ost_report_add(&expected, &all[i], NULL), OST_OK);
+                assert_int_equal(ost_removal_report_add(&expected, &all[i], NULL), OST_OK);
         }
         expected.touched_voxels = report.touched_voxels;
         assert_same_report(&report, &expected);
@@ -245,8 +245,8 @@ static void the_report_is_the_difference(void **state)
         free(all);
         free(before);
         free(after);
-        ost_report_free(&report);
-        ost_report_free(&expected);
+        ost_removal_report_free(&report);
+        ost_removal_report_free(&expected);
         ost_bone_free(bone);
         free_scene(&s);
     }
@@ -262,7 +262,7 @@ static void collision_reports_what_removal_takes(void **state)
         ost_pose poses[2] = {random_pose(&rng, s.lo, s.hi), random_pose(&rng, s.lo, s.hi)};
         ost_bone *bone = bone_of(*state, &s.g, sizes[round % 3], s.voxels);
         ost_digest before = digest_of(bone);
-        ost_report collided = {0}, removed = {0};
+        ost_removal_report collided = {0}, removed = {0};
         scene_event e;
         assert_ok(ost_bone_collide(bone, s.tool, event_of(&e, &s.g, s.tool, poses, 2), &collided, &err));
         ost_digest still = digest_of(bone);
@@ -278,8 +278,8 @@ static void collision_reports_what_removal_takes(void **state)
         assert_int_equal(collided.touched_voxels, removed.touched_voxels);
         ost_digest again = digest_of(bone);
         assert_true(ost_digest_equal(&after, &again));
-        ost_report_free(&collided);
-        ost_report_free(&removed);
+        ost_removal_report_free(&collided);
+        ost_removal_report_free(&removed);
         ost_bone_free(bone);
         free_scene(&s);
     }
@@ -302,7 +302,7 @@ static void an_event_equals_its_poses_one_by_one(void **state)
         for (int k = 1; k <= n; k++)
             poses[k - 1] = ost_sweep_pose(&a, &b, k, n);
         ost_bone *together = bone_of(*state, &s.g, 32, s.voxels), *single = bone_of(*state, &s.g, 32, s.voxels);
-        ost_report complete = {0}, part = {0};
+        ost_removal_report complete = {0}, part = {0};
         uint64_t voxels = 0;
         int64_t density = 0;
         remove_at(together, &s.g, s.tool, poses, n, &complete);
@@ -315,8 +315,8 @@ static void an_event_equals_its_poses_one_by_one(void **state)
         assert_true(ost_digest_equal(&d1, &d2));
         assert_int_equal(complete.total_voxels, voxels);
         assert_int_equal(complete.density[0] + complete.density[1] + complete.density[2], density);
-        ost_report_free(&complete);
-        ost_report_free(&part);
+        ost_removal_report_free(&complete);
+        ost_removal_report_free(&part);
         ost_bone_free(together);
         ost_bone_free(single);
         free_scene(&s);
@@ -335,7 +335,7 @@ static void events_commute_and_only_take(void **state)
             fewer[i] = rng_range(&rng, 0, 1) ? s.voxels[i] : 0;
         ost_bone *pq = bone_of(*state, &s.g, 16, s.voxels), *qp = bone_of(*state, &s.g, 64, s.voxels),
                  *sub = bone_of(*state, &s.g, 32, fewer);
-        ost_report report = {0};
+        ost_removal_report report = {0};
         int16_t *start = content(pq, &s.g);
         remove_at(pq, &s.g, s.tool, &p, 1, &report);
         remove_at(sub, &s.g, s.tool, &p, 1, &report);
@@ -353,7 +353,7 @@ static void events_commute_and_only_take(void **state)
         free(middle);
         free(below);
         free(fewer);
-        ost_report_free(&report);
+        ost_removal_report_free(&report);
         ost_bone_free(pq);
         ost_bone_free(qp);
         ost_bone_free(sub);
@@ -371,7 +371,7 @@ static void moved_together_nothing_changes(void **state)
     for (int round = 0; round < test_rounds(20); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose pose = random_pose(&rng, s.lo, s.hi);
-        ost_report here = {0}, there = {0};
+        ost_removal_report here = {0}, there = {0};
         ost_bone *bone = bone_of(*state, &s.g, 32, s.voxels);
         remove_at(bone, &s.g, s.tool, &pose, 1, &here);
         int16_t *expected = content(bone, &s.g);
@@ -412,8 +412,8 @@ static void moved_together_nothing_changes(void **state)
         free(expected);
         ost_bone_free(other);
         ost_bone_free(bone);
-        ost_report_free(&here);
-        ost_report_free(&there);
+        ost_removal_report_free(&here);
+        ost_removal_report_free(&there);
         free_scene(&s);
     }
 }
@@ -466,7 +466,7 @@ static void quarter_turns_turn_the_set(void **state)
     for (int step = 0; step < 9; step++) {
         int axis = step % 3, a = (axis + 1) % 3, b = (axis + 2) % 3;
         ost_bone *bone = bone_of(*state, &g, 16, voxels);
-        ost_report before = {0}, after = {0};
+        ost_removal_report before = {0}, after = {0};
         remove_at(bone, &g, tool, &pose, 1, &before);
         int16_t *left = content(bone, &g);
 
@@ -501,8 +501,8 @@ static void quarter_turns_turn_the_set(void **state)
         free(found);
         free(left);
         free(left_turned);
-        ost_report_free(&before);
-        ost_report_free(&after);
+        ost_removal_report_free(&before);
+        ost_removal_report_free(&after);
         ost_bone_free(bone);
         ost_bone_free(other);
     }
@@ -522,8 +522,8 @@ static void classes_that_do_not_rise_are_refused(void **state)
     ost_pose pose = ost_pose_identity();
     scene_event *e = malloc(sizeof *e);
     assert_non_null(e);
-    const ost_event *event = event_of(e, &g, tool, &pose, 1);
-    ost_report report = {0};
+    const ost_removal_event *event = event_of(e, &g, tool, &pose, 1);
+    ost_removal_report report = {0};
     assert_ok(ost_bone_collide(bone, tool, event, &report, &err));
     e->classes.border[2] = e->classes.border[1];
     assert_int_equal(ost_bone_collide(bone, tool, event, &report, NULL), OST_ERR_USAGE);
@@ -533,7 +533,7 @@ static void classes_that_do_not_rise_are_refused(void **state)
     e->classes.border[0] = 0;
     assert_int_equal(ost_bone_collide(bone, tool, event, &report, NULL), OST_ERR_USAGE);
     free(e);
-    ost_report_free(&report);
+    ost_removal_report_free(&report);
     ost_tool_free(tool);
     ost_bone_free(bone);
 }

@@ -10,14 +10,14 @@
 #include <osteon/sim.h>
 
 static ost_chunk_report chunks[2];
-static ost_report report;
+static ost_removal_report report;
 static ost_step_result result;
 
 static void make(void)
 {
     chunks[0] = (ost_chunk_report){.chunk = 7, .voxels = {5, 0}, .density = {600, 0}};
     chunks[1] = (ost_chunk_report){.chunk = 19, .voxels = {3, 4}, .density = {-400, 9000}};
-    report = (ost_report){.count = 2, .chunks = chunks, .total_voxels = 12, .touched_voxels = 5};
+    report = (ost_removal_report){.count = 2, .chunks = chunks, .total_voxels = 12, .touched_voxels = 5};
     result = (ost_step_result){.removal = true, .boxes_meet = true, .pose_count = 2, .report = &report};
 }
 
@@ -26,7 +26,7 @@ static void numbers_are_as_documented(void **state)
     (void)state;
     const ost_step_result nothing = {0};
     assert_true(ost_step_digest(&nothing, 3) == UINT64_C(0xe220a8397b1dcdaf));
-    static ost_report empty;
+    static ost_removal_report empty;
     const ost_step_result touched_nothing = {.removal = true, .boxes_meet = true, .pose_count = 20, .report = &empty};
     assert_true(ost_step_digest(&touched_nothing, 3) == UINT64_C(0x88c5fe802c1e7b5));
     make();

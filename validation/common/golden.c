@@ -168,7 +168,7 @@ static void classes(lab *l)
     const ost_pose here = ost_pose_identity();
     ost_tool_volume volume = {.voxels = NULL};
     ost_tool *tool = NULL;
-    ost_report r = {0};
+    ost_removal_report r = {0};
     if (l->status == OST_OK)
         l->status = ost_tool_volume_init(
             &volume, &(ost_tool_geometry){{5, 1, 1}, LAB_MM, {-LAB_MM / 2, -LAB_MM / 2, -LAB_MM / 2}}, l->err);
@@ -185,7 +185,7 @@ static void classes(lab *l)
                r.voxels[0] == 1 && r.voxels[1] == 1 && r.voxels[2] == 1 && r.touched_voxels == 1, "1, 1, 1; 1 touched",
                "%llu, %llu, %llu; %llu touched", (unsigned long long)r.voxels[0], (unsigned long long)r.voxels[1],
                (unsigned long long)r.voxels[2], (unsigned long long)r.touched_voxels);
-    ost_report_free(&r);
+    ost_removal_report_free(&r);
     ost_tool_free(tool);
 }
 

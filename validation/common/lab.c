@@ -89,10 +89,10 @@ void lab_fill(draw *d, int16_t *voxels, int64_t count)
 }
 
 void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses,
-                int count, ost_report *report)
+                int count, ost_removal_report *report)
 {
     ost_bone *bone = NULL;
-    ost_report own = {0};
+    ost_removal_report own = {0};
     const ost_density_classes classes = ost_density_classes_default();
     ost_map *maps = calloc((size_t)count, sizeof *maps);
     ost_voxel_box *boxes = calloc((size_t)count, sizeof *boxes);
@@ -102,7 +102,7 @@ void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const
         l->status = ost_map_make(&poses[k], g, ost_tool_geometry_get(tool), &maps[k], l->err);
         boxes[k] = (ost_voxel_box){.hi = {g->dims.x, g->dims.y, g->dims.z}};
     }
-    const ost_event event = {.pose_count = count, .maps = maps, .boxes = boxes, .classes = &classes};
+    const ost_removal_event event = {.pose_count = count, .maps = maps, .boxes = boxes, .classes = &classes};
     if (l->status == OST_OK)
         l->status = ost_bone_create(l->backend, g, chunk, 120, &bone, l->err);
     if (l->status == OST_OK)
@@ -112,7 +112,7 @@ void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const
     if (l->status == OST_OK)
         l->status = ost_bone_download(bone, 0, g->dims.z, voxels, l->err);
     ost_bone_free(bone);
-    ost_report_free(&own);
+    ost_removal_report_free(&own);
     free(boxes);
     free(maps);
 }

@@ -40,7 +40,7 @@ void lab_fill(draw *d, int16_t *voxels, int64_t count);
 
 /* Removes from a bone made of `voxels`, which receive the result. report may be NULL. */
 void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses,
-                int count, ost_report *report);
+                int count, ost_removal_report *report);
 uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count,
                      int16_t density);
 

@@ -129,10 +129,10 @@ ost_status dense_tool_upload(ost_backend *backend, const ost_tool_volume *volume
 ost_status dense_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
 void dense_tool_free(ost_tool *tool);
 
-ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                        ost_error *err);
-ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                         ost_error *err);
+ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                        ost_removal_report *report, ost_error *err);
+ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                         ost_removal_report *report, ost_error *err);
 
 /* ------------------------------------------------- the marks of an event's voxels */
 

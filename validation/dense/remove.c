@@ -56,7 +56,7 @@ static void free_marks(dense_marks *marks)
     free(marks->met);
 }
 
-static void mark(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_event *event,
+static void mark(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_removal_event *event,
                  const ost_map *stale, dense_marks marks)
 {
     bool fused;
@@ -111,7 +111,7 @@ static int class_of(const ost_density_classes *classes, int16_t density, bool ab
 }
 
 static ost_status report_chunk(deviant *m, const dense_bone *bone, const cube *k, dense_marks marks,
-                               const ost_density_classes *classes, ost_report *report, ost_error *err)
+                               const ost_density_classes *classes, ost_removal_report *report, ost_error *err)
 {
     const uint64_t item = (uint64_t)k->number;
     const bool above = deviates(m, DEVIATION_CLASS_BORDER, item), often = deviates(m, DEVIATION_COUNTED_PER_POSE, item),
@@ -147,11 +147,11 @@ static ost_status report_chunk(deviant *m, const dense_bone *bone, const cube *k
         deviant_acted(m, item, k->lo);
         return OST_OK;
     }
-    return hit ? ost_report_add(report, &part, err) : OST_OK;
+    return hit ? ost_removal_report_add(report, &part, err) : OST_OK;
 }
 
 static ost_status make_report(deviant *m, const dense_bone *bone, dense_marks marks, const ost_density_classes *classes,
-                              ost_report *report, ost_error *err)
+                              ost_removal_report *report, ost_error *err)
 {
     ost_status status = OST_OK;
     for (int32_t number = 0; number < ost_dims_count(chunk_dims(bone)) && status == OST_OK; number++) {
@@ -168,7 +168,7 @@ static bool same_part(const ost_chunk_report *a, const ost_chunk_report *b)
            memcmp(a->density, b->density, sizeof a->density) == 0;
 }
 
-static void note_report(deviant *m, const ost_report *made, const ost_report *right)
+static void note_report(deviant *m, const ost_removal_report *made, const ost_removal_report *right)
 {
     for (size_t i = 0; i < made->count || i < right->count; i++) {
         if (i < made->count && i < right->count && same_part(&made->chunks[i], &right->chunks[i]))
@@ -230,7 +230,7 @@ static void flip_bit(deviant *m, dense_bone *bone)
 
 /* Returns true if the event states that it reaches no voxel; then it is none. Otherwise its boxes are ignored, since
    they may only skip voxels outside the tool (event.h). */
-static bool reaches_nothing(const ost_event *event)
+static bool reaches_nothing(const ost_removal_event *event)
 {
     for (int k = 0; k < event->pose_count; k++) {
         const ost_voxel_box *b = &event->boxes[k];
@@ -240,8 +240,8 @@ static bool reaches_nothing(const ost_event *event)
     return true;
 }
 
-static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_event *event, bool apply,
-                            ost_report *report, ost_error *err)
+static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_removal_event *event, bool apply,
+                            ost_removal_report *report, ost_error *err)
 {
     dense *d = dense_of(bone->base.backend);
     deviant *m = d->deviant;
@@ -249,7 +249,7 @@ static ost_status run_event(dense_bone *bone, const dense_tool *tool, const ost_
     const int32_t chunks = (int32_t)ost_dims_count(chunk_dims(bone));
     const size_t count = (size_t)ost_dims_count(bone->base.geometry.dims);
     dense_marks marks = {0}, right = {0};
-    ost_report without = {0};
+    ost_removal_report without = {0};
     int16_t *before = NULL;
     if (reaches_nothing(event))
         return OST_OK;
@@ -294,18 +294,18 @@ done:
     free(before);
     free_marks(&marks);
     free_marks(&right);
-    ost_report_free(&without);
+    ost_removal_report_free(&without);
     return status;
 }
 
-ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                        ost_error *err)
+ost_status dense_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                        ost_removal_report *report, ost_error *err)
 {
     return run_event((dense_bone *)bone, (const dense_tool *)tool, event, true, report, err);
 }
 
-ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                         ost_error *err)
+ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                         ost_removal_report *report, ost_error *err)
 {
     return run_event((dense_bone *)(uintptr_t)bone, (const dense_tool *)tool, event, false, report, err);
 }

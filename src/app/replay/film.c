@@ -16,7 +16,7 @@ enum { PLANNED_MM = 3 }; /* used if neither the session nor an option has a plan
 struct replay_film {
     const replay_film_options *options;
     film *film;
-    ost_live *live;
+    ost_live_channel *live;
     ost_viewer viewer;
     appearance look;
     ost_tool_volume ghost_tool; /* the first tool; the ghost shows it */

@@ -12,7 +12,7 @@ ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *
     const double mm = 1e-9 * (double)bone->spacing.x;
     *scene = (sim_scene){.tools = *names, .voxel_mm3 = mm * mm * mm, .planned = plan != NULL};
     const ost_force_params force = ost_force_defaults();
-    sim_scene_forces(scene, ost_safety_defaults().max_n, force.scale);
+    sim_scene_forces(scene, ost_safety_defaults().max_force_n, force.scale);
     for (int i = 0; i < names->count; i++) {
         ost_status status = tool_shape_of(tools[i], &scene->shapes[i], err);
         if (status != OST_OK)

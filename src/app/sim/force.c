@@ -35,16 +35,16 @@ ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err
         return OST_OK;
     /* NAN marks values that the file does not set. */
     ost_safety_params read = args->safety;
-    read.max_n = read.max_nm = NAN;
+    read.max_force_n = read.max_torque_nm = NAN;
     ost_status status = ost_force_params_read(args->force_file, &args->force_params, &read, err);
-    args->max_force_given = !isnan(read.max_n);
-    args->max_torque_given = !isnan(read.max_nm);
+    args->max_force_given = !isnan(read.max_force_n);
+    args->max_torque_given = !isnan(read.max_torque_nm);
     if (args->max_force_given)
         args->max_force_from = "force-params";
     else
-        read.max_n = args->safety.max_n;
+        read.max_force_n = args->safety.max_force_n;
     if (!args->max_torque_given)
-        read.max_nm = args->safety.max_nm;
+        read.max_torque_nm = args->safety.max_torque_nm;
     args->safety = read;
     if (status == OST_OK && args->force_params.turn_stiffness > 0 && !(caps & OST_HAPTIC_TORQUE)) {
         warn(app, "%s: turn_stiffness ignored: device %s renders no torques", args->force_file, args->device);
@@ -79,15 +79,15 @@ static void take_limits(const app_state *app, sim_args *args, const simulation *
     if (!ost_haptic_limits_usable(&own)) {
         warn(app, "device %s reports that it gives %g N and %g N m (%s), which is not a usable limit; forces are "
              "limited to %g N; set another limit with --force-params FILE", ost_haptic_name(s->device), own.force_n,
-             own.torque_nm, own.from, args->safety.max_n);
+             own.torque_nm, own.from, args->safety.max_force_n);
         return;
     }
     args->limits = own;
     if (!args->max_torque_given && own.torque_nm > 0)
-        args->safety.max_nm = OST_HAPTIC_LIMIT_SHARE * own.torque_nm;
+        args->safety.max_torque_nm = OST_HAPTIC_LIMIT_SHARE * own.torque_nm;
     if (args->max_force_given)
         return;
-    args->safety.max_n = OST_HAPTIC_LIMIT_SHARE * own.force_n;
+    args->safety.max_force_n = OST_HAPTIC_LIMIT_SHARE * own.force_n;
     args->max_force_from = "device";
 }
 

@@ -87,8 +87,8 @@ static void report_force(const app_state *app, const sim_args *args, const simul
     put_real(o, "peak_force_n", s->done.peak_n);
     put_real(o, "peak_axial_n", s->done.peak_axial_n);
     put_real(o, "cutting_j", s->done.energy_j);
-    put_real(o, "max_force_n", args->safety.max_n);
-    put_real(o, "max_torque_nm", args->safety.max_nm);
+    put_real(o, "max_force_n", args->safety.max_force_n);
+    put_real(o, "max_torque_nm", args->safety.max_torque_nm);
     put_text(o, "max_force_from", args->max_force_from);
     if (args->limits.force_n > 0)
         put_real(o, "device_force_n", args->limits.force_n);
@@ -101,7 +101,7 @@ static void report_force(const app_state *app, const sim_args *args, const simul
     print_line(app,
                "  hand force: %.2f N at most; contact force: %.0f N at most; %.1f J of cutting in %.1f s of contact",
                s->done.peak_n, s->done.peak_axial_n, s->done.energy_j, (double)s->done.touching_ticks * 1e-3);
-    print_line(app, "  limit of the hand force: %g N (%s)", args->safety.max_n, from);
+    print_line(app, "  limit of the hand force: %g N (%s)", args->safety.max_force_n, from);
 }
 
 static void report_tracking(const app_state *app, const simulation *s)

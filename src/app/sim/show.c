@@ -75,7 +75,7 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     status = sim_scene_make(&show->scene, &args->tools, s->tools, g, s->planned ? &s->plan : NULL, err);
     if (status != OST_OK)
         return status;
-    sim_scene_forces(&show->scene, args->safety.max_n, args->force_params.scale);
+    sim_scene_forces(&show->scene, args->safety.max_force_n, args->force_params.scale);
     show->scene.device = args->device;
     show->scene.force_given = s->force != NULL;
     show->scene.recording = s->recorder != NULL;

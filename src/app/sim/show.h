@@ -2,7 +2,7 @@
 /*
  * The rendering of an operation while the servo loop runs.
  *
- *   operation --ost_live--> viewer --camera--> frames      in a window, or on a separate thread without one
+ *   operation --ost_live_channel--> viewer --camera--> frames      in a window, or on a separate thread without one
  *
  * It starts from the bone at the time of its creation and follows all later changes.
  */
@@ -28,7 +28,7 @@ extern const char *const sim_renderer_names[]; /* "none", "null", "points", "gl"
 typedef struct sim_show {
     const app_state *app;
     const sim_args *args;
-    ost_live *live;
+    ost_live_channel *live;
     ost_viewer viewer;
     ost_view_subject subject;
     ost_orbit orbit;

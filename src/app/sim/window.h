@@ -4,7 +4,7 @@
  *
  *   main thread: window, events, hand, frames          another: the loop
  *                     |--ost_mouse_input_put------------------> mouse
- *                     '<------------------- ost_live --- operation
+ *                     '<------------------- ost_live_channel --- operation
  */
 #ifndef OST_APP_SIM_WINDOW_H
 #define OST_APP_SIM_WINDOW_H

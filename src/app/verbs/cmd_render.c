@@ -2,7 +2,7 @@
 /*
  * osteon render: draws a picture of a bone and a tool, without a display.
  *
- *   bone --ost_live--> surface voxels --.
+ *   bone --ost_live_channel--> surface voxels --.
  *   bone before (--before) -> colours --+
  *   tool, --pose ---------------------- +--camera--> frame --> legend --> .png
  *   clip plane, ghost, lines -----------'
@@ -47,7 +47,7 @@ typedef struct drawing {
     ost_bone *bone;
     ost_tool *tool;
     ost_import_result imported;
-    ost_live *live;
+    ost_live_channel *live;
     ost_viewer viewer;
     ost_view_subject subject;
     ost_volume before;

@@ -349,7 +349,7 @@ typedef struct ost_cl_entry {
 
 typedef struct ost_cl_pose {
     ost_cl_i32 step[3][3]; /* [bone axis][tool axis], as in ost_map */
-    ost_cl_i32 lo[3], hi[3]; /* its box, as in ost_event */
+    ost_cl_i32 lo[3], hi[3]; /* its box, as in ost_removal_event */
     ost_cl_u8 complete[3]; /* reach at its middle that decides a cube of 4, 8, 16 voxels; > OST_CL_REACH_MAX: none */
     ost_cl_u8 planes;   /* planes of a window that a brick may meet: 6 or 8; 0: a brick may be larger than a window */
     ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* whole, planes and skip are set by ost_cl_pose_reach */

@@ -71,9 +71,9 @@ ost_status ost_ref_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *c
                                  const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                  ost_tool **out, ost_error *err);
 
-ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                          ost_error *err);
-ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                           ost_error *err);
+ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                          ost_removal_report *report, ost_error *err);
+ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                           ost_removal_report *report, ost_error *err);
 
 #endif

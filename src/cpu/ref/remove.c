@@ -152,7 +152,7 @@ static void take_marks(const ost_chunk_grid *grid, ost_chunk *chunk, const int32
 
 /* Applies the event to one chunk; report has the chunk's index and is otherwise zero. */
 static void run_chunk(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_t corner[3], const ref_tool *tool,
-                      const ost_event *event, bool apply, ost_chunk_report *report, uint64_t *touched)
+                      const ost_removal_event *event, bool apply, ost_chunk_report *report, uint64_t *touched)
 {
     for (int32_t z = 0; z < grid->size; z += BLOCK)
         for (int32_t y = 0; y < grid->size; y += BLOCK)
@@ -168,7 +168,7 @@ static void run_chunk(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_
 }
 
 /* Computes the half-open range of chunks around all poses' boxes; lo > hi if all boxes are empty. */
-static void chunk_range(const ost_chunk_grid *grid, const ost_event *event, int32_t lo[3], int32_t hi[3])
+static void chunk_range(const ost_chunk_grid *grid, const ost_removal_event *event, int32_t lo[3], int32_t hi[3])
 {
     for (int a = 0; a < 3; a++) {
         lo[a] = INT32_MAX;
@@ -189,8 +189,8 @@ static void chunk_range(const ost_chunk_grid *grid, const ost_event *event, int3
  * Reserves memory in the report for every chunk of the range, so that nothing can fail after the first
  * voxel is removed.
  */
-static ost_status reserve(ost_report *report, const ost_chunk_grid *grid, const int32_t lo[3], const int32_t hi[3],
-                          ost_error *err)
+static ost_status reserve(ost_removal_report *report, const ost_chunk_grid *grid, const int32_t lo[3],
+                          const int32_t hi[3], ost_error *err)
 {
     size_t needed = report->count;
     for (int32_t z = lo[2]; z < hi[2]; z++)
@@ -207,8 +207,8 @@ static ost_status reserve(ost_report *report, const ost_chunk_grid *grid, const 
     return OST_OK;
 }
 
-static ost_status run_event(const ost_chunk_grid *grid, const ref_tool *tool, const ost_event *event, bool apply,
-                            ost_report *report, ost_error *err)
+static ost_status run_event(const ost_chunk_grid *grid, const ref_tool *tool, const ost_removal_event *event,
+                            bool apply, ost_removal_report *report, ost_error *err)
 {
     int32_t lo[3], hi[3];
     chunk_range(grid, event, lo, hi);
@@ -227,21 +227,21 @@ static ost_status run_event(const ost_chunk_grid *grid, const ref_tool *tool, co
                 for (int c = 0; c < OST_CLASS_MAX; c++)
                     hit = hit || part.voxels[c] > 0;
                 if (hit)
-                    status = ost_report_add(report, &part, err);
+                    status = ost_removal_report_add(report, &part, err);
                 if (chunk->active == 0)
                     ost_chunk_release(chunk);
             }
     return status;
 }
 
-ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                          ost_error *err)
+ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                          ost_removal_report *report, ost_error *err)
 {
     return run_event(&((ref_bone *)bone)->chunks, (const ref_tool *)tool, event, true, report, err);
 }
 
-ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                           ost_error *err)
+ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                           ost_removal_report *report, ost_error *err)
 {
     return run_event(&((const ref_bone *)bone)->chunks, (const ref_tool *)tool, event, false, report, err);
 }

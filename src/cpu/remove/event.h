@@ -33,9 +33,9 @@ typedef struct ost_event_scratch {
 
 void ost_event_scratch_free(ost_event_scratch *scratch);
 
-ost_status ost_cpu_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                          ost_error *err);
-ost_status ost_cpu_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                           ost_error *err);
+ost_status ost_cpu_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                          ost_removal_report *report, ost_error *err);
+ost_status ost_cpu_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                           ost_removal_report *report, ost_error *err);
 
 #endif

@@ -284,8 +284,8 @@ static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, i
  * Applies all poses to all listed chunks. classes is NULL in the pass for touched voxels, which are
  * only counted.
  */
-static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_event *event, ost_event_scratch *scratch,
-                      const ost_density_classes *classes, bool apply)
+static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_removal_event *event,
+                      ost_event_scratch *scratch, const ost_density_classes *classes, bool apply)
 {
     const cpu_backend *backend = (const cpu_backend *)bone->base.backend;
     const int32_t n = bone->base.chunk_size;
@@ -308,7 +308,8 @@ static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_ev
  * Lists the chunks with memory in the box around all poses' boxes, in ascending order, and reserves
  * memory for the bases of the longest box.
  */
-static ost_status list_chunks(const cpu_bone *bone, const ost_event *event, ost_event_scratch *scratch, ost_error *err)
+static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *event, ost_event_scratch *scratch,
+                              ost_error *err)
 {
     const int32_t n = bone->base.chunk_size;
     int32_t lo[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, hi[3] = {0, 0, 0}, blocks[3] = {0, 0, 0}, first[3], last[3];
@@ -349,7 +350,7 @@ static ost_status list_chunks(const cpu_bone *bone, const ost_event *event, ost_
  * Reserves memory for every chunk in the report, so that nothing can fail after the first voxel has
  * been removed.
  */
-static ost_status reserve(ost_report *report, size_t needed, ost_error *err)
+static ost_status reserve(ost_removal_report *report, size_t needed, ost_error *err)
 {
     if (needed <= report->capacity)
         return OST_OK;
@@ -395,8 +396,8 @@ static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
  * Adds a chunk to the report. The tally counts all densities from a border upwards, the report counts
  * each class separately.
  */
-static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes, ost_report *report,
-                               ost_error *err)
+static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes,
+                               ost_removal_report *report, ost_error *err)
 {
     if (chunk->tally.voxels[0] == 0)
         return OST_OK;
@@ -406,11 +407,11 @@ static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_c
         part.voxels[c] = (uint32_t)(chunk->tally.voxels[c] - (last ? 0 : chunk->tally.voxels[c + 1]));
         part.density[c] = (int64_t)(chunk->tally.density[c] - (last ? 0 : chunk->tally.density[c + 1]));
     }
-    return ost_report_add(report, &part, err);
+    return ost_removal_report_add(report, &part, err);
 }
 
-static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const ost_event *event, bool apply,
-                            ost_report *report, ost_error *err)
+static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const ost_removal_event *event, bool apply,
+                            ost_removal_report *report, ost_error *err)
 {
     ost_event_scratch *scratch = &((cpu_backend *)bone->base.backend)->event;
     const cpu_shapes *shapes = tool->shapes;
@@ -444,14 +445,14 @@ static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const os
     return status;
 }
 
-ost_status ost_cpu_remove(ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                          ost_error *err)
+ost_status ost_cpu_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                          ost_removal_report *report, ost_error *err)
 {
     return run_event((const cpu_bone *)bone, (const cpu_tool *)tool, event, true, report, err);
 }
 
-ost_status ost_cpu_collide(const ost_bone *bone, const ost_tool *tool, const ost_event *event, ost_report *report,
-                           ost_error *err)
+ost_status ost_cpu_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
+                           ost_removal_report *report, ost_error *err)
 {
     return run_event((const cpu_bone *)bone, (const cpu_tool *)tool, event, false, report, err);
 }

@@ -53,7 +53,7 @@ static inline bool same_scatter(const ost_scatter_report *a, const ost_scatter_r
            a->conflict_had == b->conflict_had && a->conflict_has == b->conflict_has;
 }
 
-static inline void differ_reports(difference *f, const ost_report *a, const ost_report *b)
+static inline void differ_reports(difference *f, const ost_removal_report *a, const ost_removal_report *b)
 {
     for (size_t i = 0; i < a->count || i < b->count; i++) {
         const ost_chunk_report *p = i < a->count ? &a->chunks[i] : NULL, *q = i < b->count ? &b->chunks[i] : NULL;

@@ -308,7 +308,7 @@ typedef struct outcome {
     ost_digest root;
     ost_tool_volume tool;
     ost_voxelize_report voxelize;
-    ost_report reports[EVENTS];
+    ost_removal_report reports[EVENTS];
 } outcome;
 
 static inline int16_t *all_of(const ost_grid *grid)
@@ -377,7 +377,7 @@ static inline void free_outcome(outcome *o)
     ost_tool_volume_free(&o->tool);
     for (int e = 0; e < EVENTS; e++) {
         free(o->after[e]);
-        ost_report_free(&o->reports[e]);
+        ost_removal_report_free(&o->reports[e]);
     }
     free(o);
 }
