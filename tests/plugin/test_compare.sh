@@ -64,8 +64,8 @@ check "a margin in 2^-20 of a voxel" "$(value margins.0.stages.0.decided) $(valu
 # As evidence: the margins are in the bundle, and follow from its cases.
 run 1 validate --only import/1 --backends dump:theirs --out b
 grep -q '^import/1,"dump:theirs",rect,1,' b/margins.csv || fail "no margins in the bundle: $(cat b/margins.csv)"
-grep -q "How near the decisions were that differ" b/report.html || fail "no margins in the report"
-grep -q "only rounding differs is refuted" b/report.html || fail "what the margins mean is not in the report"
+grep -q "Margins of differing decisions" b/report.html || fail "no margins in the report"
+grep -q "so the difference is not only rounding" b/report.html || fail "what the margins mean is not in the report"
 run 0 verify b
 
 # ticks and tools: nothing but rounding at borders, and a dump of some stages alone
