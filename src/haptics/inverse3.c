@@ -391,8 +391,8 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: cannot create a thread for its connection: %s",
                         strerror(error));
-    const bool met = wait_for(&h->met, OPEN_MS) && !atomic_load(&h->lost);
-    if (met)
+    /* A service that fails after its first state opens as well: the next read then reports the loss. */
+    if (wait_for(&h->met, OPEN_MS) && atomic_load(&h->states) > 0)
         return OST_OK;
     stop_thread(h);
     return ost_fail(err, OST_ERR_UNAVAILABLE,

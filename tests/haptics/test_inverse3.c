@@ -9,10 +9,12 @@
 #include "harness.h"
 
 #include <arpa/inet.h>
+#include <dlfcn.h>
 #include <math.h>
 #include <openssl/evp.h>
 #include <poll.h>
 #include <pthread.h>
+#include <semaphore.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <sys/socket.h>
@@ -371,6 +373,19 @@ static void the_grip_turns_the_tool(void **state)
     end_service(s);
 }
 
+/* Replaces the C library's function: with wake_late set, a thread that was woken continues 100 ms later. */
+static bool wake_late;
+
+int sem_timedwait(sem_t *sem, const struct timespec *until)
+{
+    int (*next)(sem_t *, const struct timespec *);
+    *(void **)&next = dlsym(RTLD_NEXT, "sem_timedwait");
+    const int waited = next(sem, until);
+    if (wake_late && waited == 0)
+        nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+    return waited;
+}
+
 static void a_service_that_fails(void **state)
 {
     (void)state;
@@ -400,7 +415,16 @@ static void a_service_that_fails(void **state)
         ost_haptic_close(device);
         end_service(s);
     }
-    service *s = begin_service(NO_UPGRADE, 1, false);
+    /* Failing after the first state but before ost_haptic_open continues: opened, then lost. */
+    service *s = begin_service(CLOSE, 2, false);
+    wake_late = true;
+    const ost_status opened = open_at(s, "", &device, &err);
+    wake_late = false;
+    assert_int_equal(opened, OST_OK);
+    await(device, OST_HAPTIC_LOST, 0, &hand);
+    ost_haptic_close(device);
+    end_service(s);
+    s = begin_service(NO_UPGRADE, 1, false);
     assert_int_equal(open_at(s, "", &device, &err), OST_ERR_UNAVAILABLE);
     end_service(s);
 }
