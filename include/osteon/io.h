@@ -185,6 +185,7 @@ OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta,
 
 /* ---------------------------------------------------------------- import */
 
+enum { OST_MASK_LABELS_MAX = 128 };
 /* Options of an import; zero for the defaults. */
 typedef struct ost_import_options {
     ost_pm3 spacing;          /* 0 = inferred; for text, and to override a file's own */
@@ -201,7 +202,18 @@ typedef struct ost_import_options {
     bool digests;             /* compute the SHA-256 of every stage (costs a pass over each) */
     ost_progress *progress;   /* may be NULL */
     void *progress_user;
+    const char *mask;         /* a label map on the CT's grid, NRRD or NIfTI; NULL: the complete CT (AR-SEG-6) */
+    int16_t mask_labels[OST_MASK_LABELS_MAX]; /* the labels that are selected */
+    int mask_label_count;     /* 0: all labels but 0 */
+    bool mask_fill;           /* selected voxels below the threshold get its density */
 } ost_import_options;
+
+/* The effect of a mask, in voxels of the CT. */
+typedef struct ost_mask_report {
+    uint64_t selected;        /* number of voxels whose label is selected */
+    uint64_t removed;         /* number of other voxels of the threshold or more, which became 0 */
+    uint64_t filled;          /* number of selected voxels that got the threshold's density */
+} ost_mask_report;
 
 enum { OST_STAGES_MAX = 8 };
 /* The time and, on request, the digest of a stage of an import. */
@@ -225,6 +237,7 @@ typedef struct ost_import_result {
     uint64_t rounded_positions;    /* coordinates with more than nine decimals */
     int stage_count;
     ost_stage stages[OST_STAGES_MAX];
+    ost_mask_report mask;          /* 0 without a mask */
 } ost_import_result;
 
 /*

@@ -3,7 +3,7 @@
  * Imports a file as a bone, stage by stage:
  *
  *   text          --scan--> samples --scatter--> rect
- *   NRRD, NIfTI   --read----------------------> rect (cropped)
+ *   NRRD, NIfTI   --read--> --mask.c----------> rect (cropped)
  *                                               rect --> cubic --> chunks
  *
  * Each stage is timed and, if the options request it, digested. A grid is
@@ -22,6 +22,7 @@
 
 #include "core/clock.h"
 #include "io/import_digest.h"
+#include "io/mask.h"
 #include "io/text/raster.h"
 
 enum { THRESHOLD = 120, CHUNK = 32 };
@@ -293,36 +294,6 @@ static ost_status upload_crop(const job *j, const ost_volume *volume, ost_error 
     return status;
 }
 
-static ost_status rect_from_volume(job *j, ost_error *err)
-{
-    ost_import_result *result = j->result;
-    const ost_import_options *options = j->options;
-    ost_volume volume = {0};
-    ost_status status = stage_begin(j, "rect", err);
-    if (status == OST_OK)
-        status = ost_volume_read(j->path, &options->volume, &volume, &result->volume, err);
-    if (status != OST_OK)
-        return status;
-    ost_geometry *rect = &result->rect;
-    *rect = volume.geometry;
-    result->meta = volume.meta;
-    rect->spacing.x = options->spacing.x ? options->spacing.x : rect->spacing.x;
-    rect->spacing.y = options->spacing.y ? options->spacing.y : rect->spacing.y;
-    rect->spacing.z = options->spacing.z ? options->spacing.z : rect->spacing.z;
-    status = ost_geometry_check(rect, j->path, err);
-    if (status == OST_OK && options->crop)
-        status = crop_geometry(j->path, &options->crop_box, rect, err);
-    if (status == OST_OK)
-        status = ost_grid_create(j->backend, rect, &j->rect, err);
-    if (status == OST_OK)
-        status = options->crop ? upload_crop(j, &volume, err)
-                               : ost_grid_upload(j->rect, 0, rect->dims.z, volume.voxels, err);
-    ost_volume_free(&volume);
-    return status == OST_OK ? stage_end_grid(j, "rect", OST_GRID_RECT, j->rect, err) : status;
-}
-
-/* ------------------------------------------------------------------ rect to bone */
-
 /*
  * Finds the threshold: the option, else the threshold stored in the file if the
  * file is a bone, else the default. A bone cannot be imported with a threshold
@@ -353,6 +324,39 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
     *out = requested ? requested : (int32_t)threshold;
     return OST_OK;
 }
+
+static ost_status rect_from_volume(job *j, ost_error *err)
+{
+    ost_import_result *result = j->result;
+    const ost_import_options *options = j->options;
+    ost_volume volume = {0};
+    ost_status status = stage_begin(j, "rect", err);
+    if (status == OST_OK)
+        status = ost_volume_read(j->path, &options->volume, &volume, &result->volume, err);
+    if (status != OST_OK)
+        return status;
+    ost_geometry *rect = &result->rect;
+    *rect = volume.geometry;
+    result->meta = volume.meta;
+    rect->spacing.x = options->spacing.x ? options->spacing.x : rect->spacing.x;
+    rect->spacing.y = options->spacing.y ? options->spacing.y : rect->spacing.y;
+    rect->spacing.z = options->spacing.z ? options->spacing.z : rect->spacing.z;
+    status = ost_geometry_check(rect, j->path, err);
+    int32_t threshold;
+    if (status == OST_OK && options->mask && (status = find_threshold(j, &threshold, err)) == OST_OK)
+        status = ost_mask_apply(j->path, options, threshold, &volume, &result->meta, &result->mask, err);
+    if (status == OST_OK && options->crop)
+        status = crop_geometry(j->path, &options->crop_box, rect, err);
+    if (status == OST_OK)
+        status = ost_grid_create(j->backend, rect, &j->rect, err);
+    if (status == OST_OK)
+        status = options->crop ? upload_crop(j, &volume, err)
+                               : ost_grid_upload(j->rect, 0, rect->dims.z, volume.voxels, err);
+    ost_volume_free(&volume);
+    return status == OST_OK ? stage_end_grid(j, "rect", OST_GRID_RECT, j->rect, err) : status;
+}
+
+/* ------------------------------------------------------------------ rect to bone */
 
 /* Returns true for a bone whose voxels are not resampled: the facts about its CT then remain valid. */
 static bool is_same_lattice(const job *j, ost_pm cubic)
@@ -445,7 +449,7 @@ static ost_status rect_from_file(job *j, ost_error *err)
         return status;
     switch (j->result->kind) {
     case OST_FILE_CT_TEXT:
-        return rect_from_text(j, err);
+        return j->options->mask ? ost_mask_refuse_text(j->path, err) : rect_from_text(j, err);
     case OST_FILE_NRRD:
     case OST_FILE_NIFTI:
         return rect_from_volume(j, err);

@@ -24,6 +24,8 @@ typedef struct ct_options {
     bool clamp, resample_oblique;
     const char *orientation; /* NULL if not given */
     int form;                /* index in "auto|qform|sform" = ost_nifti_form */
+    const char *mask;        /* FILE[:LABEL,...]; NULL if not given */
+    bool mask_fill;
 } ct_options;
 
 #define CT_OPTIONS_DEFAULT {.chunk = 1, .resample = -1}

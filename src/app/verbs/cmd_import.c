@@ -78,6 +78,11 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
         put_integer(o, "rounded_values", (int64_t)r->volume.rounded_values);
         put_integer(o, "clamped_values", (int64_t)r->volume.clamped_values);
     }
+    if (r->mask.selected) {
+        put_integer(o, "mask_voxels", (int64_t)r->mask.selected);
+        put_integer(o, "mask_removed", (int64_t)r->mask.removed);
+        put_integer(o, "mask_filled", (int64_t)r->mask.filled);
+    }
     json_t *stages = json_array();
     for (int i = 0; i < r->stage_count; i++) {
         json_t *stage = json_object();
@@ -99,6 +104,10 @@ static void print_result(const app_state *app, const char *ct, const char *out, 
     print_line(app, "%s: %s, %s voxels at %s%s%s", ct, kind_text(r->kind), format_dims(a, r->rect.dims),
                format_spacing(b, r->rect.spacing), found ? " (spacing found from the positions)" : "",
                r->volume.reoriented ? " (axes turned to LPS)" : "");
+    if (r->mask.selected)
+        print_line(app, "  mask: %s voxels selected, %s dense voxels elsewhere removed, %s filled",
+                   format_count(a, (int64_t)r->mask.selected), format_count(b, (int64_t)r->mask.removed),
+                   format_count(c, (int64_t)r->mask.filled));
     print_line(app, "%s: %s cubic voxels of %s, %s of them bone (%d HU or more)", out, format_dims(a, r->cubic.dims),
                format_spacing(b, r->cubic.spacing), format_count(c, info->active_voxels), info->threshold);
     print_line(app, "  %s chunks of %d^3, %s of %s in use, %s", format_dims(a, info->chunk_dims), info->chunk_size,
@@ -119,6 +128,12 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
          .help = "the bone: .nrrd, .nii, .nii.gz or .txt"},
         HEADING("reading the CT"),
         CT_OPTIONS(ct),
+        HEADING("selecting a bone"),
+        {.name = "mask", .kind = OPTION_TEXT, .out = &ct.mask, .value = "FILE[:LABEL,...]",
+         .help = "label map on the grid of the CT: only voxels with one of these labels (default: any but 0) can be "
+                 "bone"},
+        {.name = "mask-fill", .kind = OPTION_FLAG, .out = &ct.mask_fill,
+         .help = "raise voxels of the mask below the threshold to the threshold"},
         HEADING("landmarks, stored in the bone's header"),
         PATIENT_OPTIONS(patient),
         HEADING("writing"),
@@ -135,6 +150,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
                  "text are voxel centres in any order.",
         .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
+                   "  osteon import shoulder.nii.gz --mask labels.nrrd:1 --out scapula.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
     };
     ost_status status;
