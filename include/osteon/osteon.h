@@ -14,7 +14,7 @@
  *   haptics.h   devices and the servo loop           operation.h  a world that a device moves
  *   force.h     force feedback and safety layer      metrics.h    the outcome of an operation
  *   render.h    voxels drawn as points               live.h       the state of a running operation for viewers
- *   motor.h     the motor that turns a tool
+ *   motor.h     the motor that turns a tool          segment.h    a CT divided into bones
  */
 #ifndef OSTEON_H
 #define OSTEON_H
@@ -38,6 +38,7 @@
 #include <osteon/plugin.h>
 #include <osteon/pose.h>
 #include <osteon/render.h>
+#include <osteon/segment.h>
 #include <osteon/session.h>
 #include <osteon/sim.h>
 #include <osteon/status.h>

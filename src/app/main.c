@@ -29,6 +29,7 @@ static const app_verb verbs[] = {
     {"phantom", "generate a CT: a scapula, a glenoid, trabecular bone or foam", cmd_phantom},
     {"tool", "generate a cutting tool: a reamer, a peg drill or a burr", cmd_tool},
     {"import", "convert a CT into a bone of cubic voxels", cmd_import},
+    {"segment", "divide a CT into bones, as a label map", cmd_segment},
     {"voxelize", "convert a mesh into a tool grid", cmd_voxelize},
     {"ream", "move tools along paths and remove bone", cmd_ream},
     {"replay", "repeat a recorded session on any backend and compare", cmd_replay},

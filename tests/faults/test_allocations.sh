@@ -24,6 +24,8 @@ walk_over -- tool burr --out o.ply
 walk_over -- import "$in/ct.nrrd" --out o.nrrd --json
 walk_over -- import "$in/ct.nii.gz" --out o.nii.gz
 walk_over -- import "$in/ct.txt" --out o.txt
+walk_over -- segment "$in/ct.nrrd" --fill --out o.nrrd --json
+walk_over -- import "$in/ct.nrrd" --mask "$in/ct.nrrd" --mask-fill --out o.nrrd
 walk_over -- voxelize builtin:peg --voxel 1 --out o.nrrd
 walk_over -- voxelize "$in/peg.ply" --voxel 1 --out o.nrrd
 walk_over -- ream $ream --out o.nrrd --json

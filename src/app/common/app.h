@@ -45,6 +45,7 @@ ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err);

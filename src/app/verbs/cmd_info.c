@@ -51,7 +51,8 @@ static ost_status info_volume(const app_state *app, const char *name, const char
     put_text(app->result, "element_type", report.type);
     put_text(app->result, "encoding", report.encoding);
     put_text(app->result, "orientation", report.orientation);
-    print_line(app, "%s: a %s in %s, %s, %s%s%s", name, strcmp(kind, "ct") == 0 ? "CT" : kind, format, report.type,
+    const char *shown = strcmp(kind, "ct") == 0 ? "CT" : strcmp(kind, "labels") == 0 ? "label map" : kind;
+    print_line(app, "%s: a %s in %s, %s, %s%s%s", name, shown, format, report.type,
                report.encoding, report.orientation[0] ? ", axes to " : "", report.orientation);
     put_bool(app->result, "orientation_assumed", report.assumed);
     put_geometry(app, &geometry);

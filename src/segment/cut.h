@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Cuts that separate two bones: balls and half spaces (AR-SEG-3). */
+#ifndef OST_SEGMENT_CUT_H
+#define OST_SEGMENT_CUT_H
+
+#include <osteon/segment.h>
+
+/* Returns OST_ERR_RANGE if a cut is out of the ranges of segment.h. */
+ost_status segment_cut_check(const ost_segment_cut *cut, ost_error *err);
+/* Sets in[x] to false for the voxels of row (y, z) whose centres belong to the cut. */
+void segment_cut_row(const ost_segment_cut *cut, const ost_geometry *g, int32_t y, int32_t z, bool *in);
+
+#endif

@@ -1,0 +1,96 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# osteon segment divides a CT into bones; osteon import --mask makes a bone of one of them.
+# Covers: REQ-SEGMENT, REQ-MASK, AR-SEG-6
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# A CT as NRRD in text form: a block of 4 x 4 x 4 voxels of 500 HU, a block of 3 x 4 x 4, both with
+# soft tissue (50 HU) around them, and a bridge of one voxel between them at x = 6, y = 3, z = 3.
+# nrrd TYPE FORMULA: an NRRD of 12 x 7 x 7 voxels of 2 mm from (10, 20, 30) mm whose voxels an awk
+# formula of i, j and k gives
+nrrd() {
+    printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: 12 7 7\nspace: left-posterior-superior\nspace directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (10,20,30)\nencoding: text\n\n' "$1"
+    awk "BEGIN { for (k = 0; k < 7; k++) for (j = 0; j < 7; j++) for (i = 0; i < 12; i++) { v = $2; print v } }"
+}
+inside='(j >= 1 && j <= 4 && k >= 1 && k <= 4)'
+dense="($inside && (i >= 2 && i <= 5 || i >= 7 && i <= 9) || i == 6 && j == 3 && k == 3)"
+nrrd int16 "$dense ? 500 : 50" >ct.nrrd
+
+run 0 segment ct.nrrd --out joined.nrrd --min-volume 0 --at 16,22,32 --json
+check "with the bridge" "$(value components) $(value segments.0.voxels) $(value label_at)" "1 113 1"
+run 0 segment ct.nrrd --out labels.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --at 26,24,34 --json
+check "the bridge cut by a ball" "$(value components) $(value segments.0.voxels) $(value segments.1.voxels) $(value label_at)" "2 64 48 2"
+check "bounds" "$(value segments.1.box_lo.0) $(value segments.1.box_hi.0) $(value segments.1.volume_mm3)" "7 10 384"
+plane=plane.nrrd
+"$osteon" devices | grep -q "^  nifti *yes" && plane=plane.nii.gz
+run 0 segment ct.nrrd --out "$plane" --cut-plane 24,0,0,1,0,0 --at 300,0,0 --json
+check "the plane takes its side" "$(value components) $(value segments.0.voxels) $(value label_at)" "1 65 -1"
+run 0 segment ct.nrrd --out large.nrrd --min-volume 400 --cut-ball 22,26,36,0.5 --json
+check "the smaller one has no label" "$(value components)" 1
+run 0 segment ct.nrrd --out none.nrrd --threshold 501
+grep -q "no component is so large" err || fail "a CT without bone: $(cat err)"
+run 0 info labels.nrrd --json
+check "facts" "$(value meta.segment_threshold) $(value meta.segment_min_voxels) $(value meta.segment_ball_1)" "120 1 22,26,36,0.5"
+# growth: soft tissue belongs to a component that reaches the threshold
+run 0 segment ct.nrrd --out grown.nrrd --growth 50 --json
+check "growth" "$(value segments.0.voxels)" 588
+# fill: a hole of soft tissue, and one with air
+nrrd int16 "$inside && i >= 2 && i <= 9 && !(j >= 2 && j <= 3 && k >= 2 && k <= 3 && (i == 4 || i == 7)) ? 500 : i == 7 && j == 2 && k == 2 ? -900 : 50" >holes.nrrd
+run 0 segment holes.nrrd --out filled.nrrd --fill --json
+check "one hole is filled" "$(value segments.0.voxels) $(value segments.0.filled)" "120 4"
+run 0 segment holes.nrrd --out filled.nrrd --fill --air -1000 --json
+check "both are" "$(value segments.0.filled)" 8
+
+# The bone of a label: its voxels keep their densities, and dense voxels elsewhere are gone.
+bone() { # bone FORMULA: compares bone.txt with the voxels of 120 HU or more of a formula of i, j and k
+    run 0 export bone.nrrd --out bone.txt
+    awk 'BEGIN { for (k = 0; k < 7; k++) for (j = 0; j < 7; j++) for (i = 0; i < 12; i++) { v = '"$1"'; print 10 + 2 * i, 20 + 2 * j, 30 + 2 * k, (v >= 120 ? v : 0) } }' >expected
+    checks=$((checks + 1))
+    grep -v '^#' bone.txt | cmp -s - expected || fail "the bone of $1: $(grep -v '^#' bone.txt | diff - expected | head -4 | tr '\n' ' ')"
+}
+run 0 import ct.nrrd --mask labels.nrrd:2 --out bone.nrrd --json
+check "voxels of the mask" "$(value mask_voxels) $(value mask_removed) $(value mask_filled) $(value meta.mask_labels)" "48 65 0 2"
+bone "$inside && i >= 7 && i <= 9 ? 500 : 0"
+run 0 import ct.nrrd --mask labels.nrrd --out bone.nrrd --json
+check "all labels" "$(value mask_voxels) $(value mask_removed) $(value meta.mask_labels)" "112 1 all"
+run 0 import ct.nrrd --mask labels.nrrd:1,2 --out bone.nrrd --json
+check "both labels" "$(value mask_removed) $(value meta.mask_labels)" "1 1,2"
+run 0 import holes.nrrd --mask filled.nrrd:1 --mask-fill --out bone.nrrd --json
+check "filled" "$(value mask_filled)" 8
+bone "$inside && i >= 2 && i <= 9 ? (j >= 2 && j <= 3 && k >= 2 && k <= 3 && (i == 4 || i == 7) ? 120 : 500) : 0"
+# A mask of another program: bytes, and a position a hundredth of a voxel away.
+nrrd uint8 'i > 5 ? 71 : 3' | sed 's/(10,20,30)/(10.02,20,30)/' >other.nrrd
+run 0 import ct.nrrd --mask other.nrrd:71 --out bone.nrrd --json
+check "another program's mask" "$(value mask_voxels) $(value mask_removed)" "294 64"
+# The mask applies to the complete CT, of which --crop then takes a part.
+run 0 import ct.nrrd --mask other.nrrd:71 --crop 0:12,0:7,0:4 --out cropped.nrrd --json
+check "a crop" "$(value active_voxels) $(value mask_removed)" "37 64" # 3 layers of 12 voxels and the bridge
+
+# what is wrong is one line
+refuse 2 "no voxel has such a label; its labels are 3, 71" import ct.nrrd --mask other.nrrd:9 --out b.nrrd
+nrrd uint8 0 >void.nrrd
+refuse 2 "every voxel has label 0" import ct.nrrd --mask void.nrrd --out b.nrrd
+nrrd uint8 1 | sed 's/sizes: 12 7 7/sizes: 7 12 7/' >turned.nrrd
+refuse 2 "turned.nrrd: 7 x 12 x 7 voxels; ct.nrrd has 12 x 7 x 7" import ct.nrrd --mask turned.nrrd --out b.nrrd
+nrrd uint8 1 | sed 's/(10,20,30)/(10,21,30)/' >moved.nrrd
+refuse 2 "moved.nrrd: its voxels from 21 mm on, 2 mm apart along y" import ct.nrrd --mask moved.nrrd --out b.nrrd
+nrrd uint8 1 | sed 's/(2,0,0)/(2.1,0,0)/' >wide.nrrd
+refuse 2 "2.1 mm apart along x" import ct.nrrd --mask wide.nrrd --out b.nrrd
+nrrd float 'i == 3 ? 0.5 : 1' >parts.nrrd
+refuse 2 "parts.nrrd: is no label map" import ct.nrrd --mask parts.nrrd --out b.nrrd
+refuse 2 "expected at most 128 labels from 0 to 32767" import ct.nrrd --mask labels.nrrd:1,,2 --out b.nrrd
+refuse 2 "expected at most 128 labels from 0 to 32767" import ct.nrrd --mask labels.nrrd:40000 --out b.nrrd
+refuse 2 "expected FILE or FILE:LABEL" import ct.nrrd --mask :1 --out b.nrrd
+refuse 2 "nowhere.nrrd" import ct.nrrd --mask nowhere.nrrd:1 --out b.nrrd
+refuse 2 "mask-fill needs --mask" import ct.nrrd --mask-fill --out b.nrrd
+printf '0 0 0 500\n1 0 0 500\n0 1 0 500\n0 0 1 500\n' >ct.txt
+refuse 2 "ct.txt: is a text; a mask needs a CT as NRRD or NIfTI" import ct.txt --mask labels.nrrd --out b.nrrd
+refuse 2 "cut-ball '1,2,3': expected X,Y,Z,RADIUS" segment ct.nrrd --out b.nrrd --cut-ball 1,2,3
+refuse 2 "cut-ball '1,2,3,0': expected X,Y,Z,RADIUS" segment ct.nrrd --out b.nrrd --cut-ball 1,2,3,0
+refuse 2 "cut-plane '1,2,3,0,0,0': expected X,Y,Z,NX,NY,NZ" segment ct.nrrd --out b.nrrd --cut-plane 1,2,3,0,0,0
+refuse 2 "a ball of 2000 mm" segment ct.nrrd --out b.nrrd --cut-ball 1,2,3,2000
+refuse 2 "growth 130: expected at most the threshold, 120" segment ct.nrrd --out b.nrrd --growth 130
+refuse 2 "min-volume '-1': expected a volume" segment ct.nrrd --out b.nrrd --min-volume -1
+refuse 2 "ct.txt" segment ct.txt --out b.nrrd
+[ ! -e b.nrrd ] || fail "a refused command left b.nrrd"
+finish
