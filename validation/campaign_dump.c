@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "validation/dump.h"
+#include "validation/dump/dump.h"
 #include "validation/scratch.h"
 
 const char *dump_of(const campaign *c, int subject_index)

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "validation/dump.h"
+#include "validation/dump/dump.h"
 #include "validation/signal_cleanup.h"
 #include "validation/scene.h"
 
@@ -104,6 +104,23 @@ static ost_status put_stl(const char *folder, const char *name, const ost_snappe
     return status;
 }
 
+/* Writes a mesh before snapping as OBJ, whose vertices are integers in picometres. */
+static ost_status put_raw(const char *folder, const char *name, const ost_mesh *m, ost_error *err)
+{
+    char path[PATH];
+    FILE *f;
+    ost_status status = open_file(folder, name, path, &f, err);
+    if (status != OST_OK)
+        return status;
+    fputs("# vertices in picometres, before snapping\n", f);
+    for (size_t v = 0; v < m->vertex_count; v++)
+        fprintf(f, "v %lld %lld %lld\n", (long long)m->vertices[v].x, (long long)m->vertices[v].y,
+                (long long)m->vertices[v].z);
+    for (size_t t = 0; t < m->triangle_count; t++)
+        fprintf(f, "f %u %u %u\n", m->triangles[t][0] + 1, m->triangles[t][1] + 1, m->triangles[t][2] + 1);
+    return close_file(f, path, err);
+}
+
 static json_t *three(int64_t x, int64_t y, int64_t z)
 {
     return json_pack("[I,I,I]", (json_int_t)x, (json_int_t)y, (json_int_t)z);
@@ -113,10 +130,11 @@ static ost_status put_tool(const char *folder, const scene_tool *t, int number, 
 {
     const ost_tool_geometry *g = &t->cutting.grid;
     ost_status status = OST_OK;
-    json_t *o = json_pack("{s:i,s:s,s:o,s:I,s:o,s:i}", "number", number, "rule",
+    json_t *o = json_pack("{s:i,s:s,s:o,s:I,s:o,s:i,s:b}", "number", number, "rule",
                           t->rule == OST_FILL_PARITY ? "parity" : "winding", "dims",
                           three(g->dims.x, g->dims.y, g->dims.z), "voxel_pm", (json_int_t)g->voxel, "corner_pm",
-                          three(g->corner.x, g->corner.y, g->corner.z), "fraction_bits", t->cutting.fraction_bits);
+                          three(g->corner.x, g->corner.y, g->corner.z), "fraction_bits", t->cutting.fraction_bits,
+                          "grid_given", t->grid_given);
     for (int part = 0; part < 2 && status == OST_OK; part++) {
         const ost_snapped_mesh *m = part ? &t->noncutting : &t->cutting;
         char name[64];
@@ -128,14 +146,36 @@ static ost_status put_tool(const char *folder, const scene_tool *t, int number, 
         snprintf(name, sizeof name, "tool-%d%s.stl", number, part ? "-noncutting" : "");
         if (status == OST_OK && m->triangle_count)
             status = put_stl(folder, name, m, err);
+        snprintf(name, sizeof name, "tool-%d%s-raw.obj", number, part ? "-noncutting" : "");
+        if (status == OST_OK && t->raw[part].triangle_count)
+            status = put_raw(folder, name, &t->raw[part], err);
     }
     json_array_append_new(tools, o);
     return status;
 }
 
-static ost_status put_case(const char *folder, const plan_case *c, json_t *list, ost_error *err)
+static json_t *grid_json(const ost_geometry *g)
+{
+    return json_pack("{s:o,s:o,s:o}", "dims", three(g->dims.x, g->dims.y, g->dims.z), "spacing_pm",
+                     three(g->spacing.x, g->spacing.y, g->spacing.z), "origin_pm",
+                     three(g->origin.x, g->origin.y, g->origin.z));
+}
+
+static json_t *ct_json(const scene *s)
 {
     static const char *const duplicates[] = {"error", "first", "last", "max"};
+    json_t *o = grid_json(&s->rect);
+    json_object_set_new(o, "duplicates", json_string(duplicates[s->duplicates]));
+    json_object_set_new(o, "cubic_pm", json_integer((json_int_t)s->cubic));
+    json_object_set_new(o, "resample", json_string(ost_resample_name(s->resample)));
+    json_object_set_new(o, "chunk_size", json_integer(s->chunk_size));
+    json_object_set_new(o, "threshold", json_integer(s->threshold));
+    json_object_set_new(o, "samples", json_integer((json_int_t)s->sample_count));
+    return o;
+}
+
+static ost_status put_case(const char *folder, const plan_case *c, json_t *list, ost_error *err)
+{
     scene s;
     ost_digest digest;
     char hex[OST_DIGEST_HEX], name[PLAN_ID], path[PATH], csv[PATH];
@@ -158,23 +198,23 @@ static ost_status put_case(const char *folder, const plan_case *c, json_t *list,
         if (status == OST_OK)
             status = ost_path_write_csv(csv, &s.path, err);
     }
+    if (status == OST_OK && s.handle_path.count) {
+        status = join(csv, path, "handle.csv", err);
+        if (status == OST_OK)
+            status = ost_path_write_csv(csv, &s.handle_path, err);
+    }
     if (status == OST_OK) {
         ost_digest_hex(&digest, hex);
         json_t *o = json_pack("{s:s,s:s,s:o,s:I}", "id", c->id, "input_sha256", hex, "tools", json_incref(tools),
                               "ticks", (json_int_t)s.path.count);
         if (s.sample_count)
-            json_object_set_new(o, "ct",
-                                json_pack("{s:o,s:o,s:o,s:s,s:I,s:s,s:i,s:i,s:I}", "dims",
-                                          three(s.rect.dims.x, s.rect.dims.y, s.rect.dims.z), "spacing_pm",
-                                          three(s.rect.spacing.x, s.rect.spacing.y, s.rect.spacing.z), "origin_pm",
-                                          three(s.rect.origin.x, s.rect.origin.y, s.rect.origin.z), "duplicates",
-                                          duplicates[s.duplicates], "cubic_pm", (json_int_t)s.cubic, "resample",
-                                          ost_resample_name(s.resample), "chunk_size", s.chunk_size, "threshold",
-                                          (int)s.threshold, "samples", (json_int_t)s.sample_count));
+            json_object_set_new(o, "ct", ct_json(&s));
+        else if (s.path.count) /* only the steps before the voxels are computed */
+            json_object_set_new(o, "bone", grid_json(&s.rect));
         if (s.path.count)
             json_object_set_new(o, "world",
-                                json_pack("{s:b,s:I}", "sweep", !s.world.sweep_off, "removal_period_ns",
-                                          (json_int_t)s.world.removal_period_ns));
+                                json_pack("{s:b,s:I,s:i}", "sweep", !s.world.sweep_off, "removal_period_ns",
+                                          (json_int_t)s.world.removal_period_ns, "handle_rpm", (int)s.handle_rpm));
         status = put_json(path, "case.json", o, err);
         json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "id", c->id, "folder", name, "input_sha256", hex));
     }

@@ -9,7 +9,7 @@
 #include "config.h"
 
 #include "core/isa.h"
-#include "validation/dump.h"
+#include "validation/dump/dump.h"
 #include "validation/worker.h"
 
 static subject *add(subject_list *list, const char *spec, const char *what, ost_error *err)

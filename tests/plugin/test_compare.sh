@@ -172,4 +172,75 @@ for file in cases.json poses-1/case.json poses-1/samples.txt poses-1/path.csv po
     [ -s "inputs/$file" ] || fail "no $file among the inputs"
 done
 refuse 2 "inputs: File exists" validate --export-cases inputs --only poses/1
+
+# the steps before the voxels, computed by a program in Python from docs/spec/arithmetic.md alone
+if command -v python3 >/dev/null; then
+    steps=$source_folder/examples/dump/steps.py
+    for family in steps sweep mesh; do
+        run 0 validate --export-cases "$family-cases" --only "$family/"
+        python3 "$steps" "$family-cases" "$family-steps" || fail "steps.py refuses the cases of $family"
+        run 0 compare "$family-steps" --json
+        check "$family: equal" "$(value equal)" true
+    done
+    # The same files by the reference: each record of steps is in both dumps, with the same content.
+    run 0 validate --worker ref --dump steps-ref --only steps/
+    checks=$((checks + 1))
+    python3 - steps-ref steps-steps <<'END' || fail "the files of steps.py and of the reference differ"
+import glob, json, os, sys
+names = [{os.path.relpath(n, top) for n in glob.glob(top + "/*/*.json")} for top in sys.argv[1:]]
+assert names[0] == names[1] and len(names[0]) > 100, names
+assert all(json.load(open(sys.argv[1] + "/" + n)) == json.load(open(sys.argv[2] + "/" + n)) for n in names[0])
+END
+    # One wrong integer is found, by its name and its pose; a bundle states who computed the steps.
+    wrong() {
+        rm -rf wrong
+        cp -r steps-steps wrong
+        python3 - "wrong/steps-0/$1.json" "$2" <<'END'
+import json, sys
+o = json.load(open(sys.argv[1]))
+exec(sys.argv[2])
+json.dump(o, open(sys.argv[1], "w"))
+END
+    }
+    wrong steps-1 'o["poses"][0]["step"][1][2] += 1'
+    run 1 compare wrong
+    grep -q "steps/0 on dump:wrong: steps 1: step yz (pose 1) is" out || fail "a wrong step: $(cat out)"
+    wrong steps-1 'o["poses"][0]["origin"][2] = str(int(o["poses"][0]["origin"][2]) + (1 << 70))'
+    run 1 compare wrong
+    grep -q "steps 1: origin z, high (pose 1) is" out || fail "a wrong origin: $(cat out)"
+    wrong steps-1 'o["poses"].append(o["poses"][0])'
+    run 1 compare wrong
+    grep -q "steps 1: poses is" out || fail "a pose too many: $(cat out)"
+    wrong snap-0 'o["vertices"][3][1] += 1'
+    run 1 compare wrong
+    grep -q "snap 0: snapped vertex 3 is" out || fail "a wrong vertex: $(cat out)"
+    run 0 validate --backends dump:steps-steps --only steps/ --out b-steps
+    grep -q "computed by the backend itself and compared: [0-9]* records" out || fail "who made the steps: $(cat out)"
+    checks=$((checks + 1))
+    ! grep -q "received sweep" b-steps/report.html || fail "the report says that the steps were supplied"
+    run 0 verify b-steps
+    # what is not such a file is one line with its name and the member
+    bad() {
+        wrong "$1" "$2"
+        refuse 2 "wrong/steps-0/$1.json: \"$3\" must be" compare wrong
+    }
+    bad steps-1 'o["refused"] = 0' refused
+    bad steps-1 'del o["poses"]' poses
+    bad steps-1 'o["poses"] *= 5000' poses
+    bad steps-1 'o["t_ns"] = 0.5' t_ns
+    bad steps-1 'o["pose"].pop()' pose
+    bad steps-1 'o["poses"][0]["divisor"] = 7' divisor
+    bad steps-1 'o["poses"][0]["divisor"] = "-"' divisor
+    bad steps-1 'o["poses"][0]["divisor"] = "1" * 39' divisor
+    bad steps-1 'o["poses"][0]["column"][1][1] = "1x"' column
+    bad steps-1 'o["poses"][0]["base"].pop()' base
+    bad snap-0 'o["meshes"] = []' meshes
+    bad snap-0 'o["meshes"][0]["sha256"] = "00"' sha256
+    bad snap-0 'o["vertices"][0] = [1, 2, -3]' vertices
+    bad snap-0 'o["vertices"] = 3' vertices
+    rm -rf wrong
+    cp -r steps-steps wrong
+    echo '{"refused":' >wrong/steps-0/steps-1.json
+    refuse 2 "wrong/steps-0/steps-1.json:" compare wrong
+fi
 finish

@@ -22,7 +22,7 @@
 #include "app/validate/validate.h"
 #include "validation/bundle/evidence.h"
 #include "validation/campaign.h"
-#include "validation/dump.h"
+#include "validation/dump/dump.h"
 
 typedef struct compare_args {
     const char *subject_spec, *only;

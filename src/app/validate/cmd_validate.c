@@ -16,7 +16,7 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 #include "validation/bundle/impact.h"
-#include "validation/dump.h"
+#include "validation/dump/dump.h"
 #include "validation/export.h"
 #include "validation/locate/case_file.h"
 #include "validation/scratch.h"
