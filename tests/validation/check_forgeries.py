@@ -377,6 +377,12 @@ def ten_million_values(f):
     remake(f)
 
 
+@forgery("the lines up to here have more than 8388608 values")
+def nine_lines_of_a_million_values(f):
+    f["cases.jsonl"] = (b'{"a":[' + b"null," * 1000000 + b"null]}\n") * 9
+    remake(f)
+
+
 @forgery("tools.json arrays and objects are nested deeper than 16")
 def tools_nested_deep(f):
     f["tools.json"] = b'{"libraries":' + b"[" * 100000 + b"\n"
