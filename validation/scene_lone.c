@@ -7,7 +7,8 @@
  *             last one of the last chunk; all of them are means of two slices of
  *             the CT; a tool of more than 2^16 triangles
  *   emptied   a bone that has no voxel from the beginning, or loses its last one to
- *             an event, and then meets a tool again
+ *             an event, and then meets a tool again; except in the smoke tier, a tool of
+ *             more than 2^16 rows with triangles of the least area
  */
 #include "validation/scene_parts.h"
 
@@ -75,7 +76,7 @@ ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err)
     return status == OST_OK ? add_ticks(s, at, (const int32_t[]){0, 0}, 2, err) : status;
 }
 
-ost_status scene_emptied(int kind, scene *s, draw *d, ost_error *err)
+ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_error *err)
 {
     enum { SIDE = 21 };
     const ost_pm cube = 500 * UM;
@@ -91,6 +92,10 @@ ost_status scene_emptied(int kind, scene *s, draw *d, ost_error *err)
                 add_sample(s, x, y, z, draw_between(d, 0, never ? THRESHOLD - 1 : 3000));
     if (status == OST_OK)
         status = scene_add_bar(s, (ost_dims){29, 30, 31}, 0, cube, err);
+    const bool thin = c->tier != PLAN_SMOKE; /* preparing this tool takes longer than the remainder of the case */
+    if (status == OST_OK && thin)
+        status = scene_add_thin_tool(s, cube / 2, err);
     const ost_pm3 middle = centre_of(&s->rect, SIDE / 2, SIDE / 2, SIDE / 2);
-    return status == OST_OK ? add_ticks(s, (const ost_pm3[]){middle, middle}, (const int32_t[]){0, 0}, 2, err) : status;
+    const ost_pm3 at[] = {middle, middle, middle};
+    return status == OST_OK ? add_ticks(s, at, (const int32_t[]){0, 0, 1}, thin ? 3 : 2, err) : status;
 }

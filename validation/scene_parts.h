@@ -33,7 +33,7 @@ ost_status scene_corners(scene *s, draw *d, ost_error *err);
 
 /* Make two kinds of cases of PLAN_REACH (scene_lone.c): chunks with one column of active voxels; a bone without any. */
 ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err);
-ost_status scene_emptied(int kind, scene *s, draw *d, ost_error *err);
+ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_error *err);
 
 /*
  * Adds a box of `size` voxels whose grid has no margin around it: rods, plates
@@ -48,6 +48,13 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
  * The corners of some triangles are collinear.
  */
 ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
+
+/*
+ * Adds a tool of 2 x 257 x 256 voxels, which has more than 2^16 rows: column 0
+ * is solid, and six rows are solid in column 1, by needles whose ends are the
+ * smallest triangles of the lattice.
+ */
+ost_status scene_add_thin_tool(scene *s, ost_pm voxel, ost_error *err);
 
 typedef enum scene_shape {
     SHAPE_REAMER,   /* this and the next two: the parametric tools, of random size */

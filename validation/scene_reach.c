@@ -350,7 +350,7 @@ ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err)
     case 1: return make_rods(c, s, d, err);
     case 3: return make_hollow(s, d, err);
     case 4: return scene_lone(c->number / KINDS, s, d, err);
-    case 5: return scene_emptied(c->number / KINDS, s, d, err);
+    case 5: return scene_emptied(c, c->number / KINDS, s, d, err);
     default: return make_refused(c, s, d, err);
     }
 }

@@ -335,6 +335,63 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     return status == OST_OK ? ost_mesh_snap(leaking, &grid, &tool->noncutting, err) : status;
 }
 
+/* -------------------------------------------------------------------- thin */
+
+enum { THIN_X = 2, THIN_Y = 257, THIN_Z = 256, NEEDLES = 6, RING = 4 };
+
+/*
+ * Adds a needle through column 1 of a row, and nothing of the rows next to it:
+ * along x from border to border, and one unit from the row's centre across.
+ *
+ *         1           Each end is four triangles around the row's centre.
+ *       / | \         The projection of each of them has twice the area 1,
+ *      2--*--0        and one of the four owns the row: two of its edge
+ *       \ | /         functions are 0, the third is 1, and the rule of
+ *         3           ownership subtracts 1 from it.
+ */
+static void put_needle(const ost_tool_geometry *grid, const int32_t row[2], bool inside_out, ost_mesh *mesh,
+                       size_t *corners)
+{
+    static const int across[RING + 1][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {0, 0}};
+    const uint32_t first = (uint32_t)*corners, far = RING + 1; /* the number of a corner at x + 1, less that at x */
+    for (uint32_t end = 0; end < 2; end++)
+        for (int c = 0; c <= RING; c++, ++*corners) /* the nearest picometre; snapping returns the unit exactly */
+            mesh->vertices[*corners] =
+                (ost_pm3){grid->corner.x + (1 + end) * grid->voxel,
+                          grid->corner.y + ((row[0] * 1024 + 512 + across[c][0]) * grid->voxel + 512) / 1024,
+                          grid->corner.z + ((row[1] * 1024 + 512 + across[c][1]) * grid->voxel + 512) / 1024};
+    for (uint32_t c = 0; c < RING; c++) {
+        const uint32_t next = (c + 1) % RING;
+        const uint32_t faces[4][3] = {
+            {RING, next, c}, {far + RING, far + c, far + next}, {c, next, far + next}, {c, far + next, far + c}};
+        for (int t = 0; t < 4; t++, mesh->triangle_count++)
+            for (int i = 0; i < 3; i++)
+                mesh->triangles[mesh->triangle_count][i] = first + faces[t][inside_out ? 2 - i : i];
+    }
+}
+
+ost_status scene_add_thin_tool(scene *s, ost_pm voxel, ost_error *err)
+{
+    static const int32_t all[2][3] = {{0, 0, 0}, {1, THIN_Y, THIN_Z}};
+    static const int32_t rows[NEEDLES][2] = {{0, 0},    {THIN_Y - 1, THIN_Z - 1}, {7, 8},
+                                             {128, 64}, {100, 201},               {255, 255}};
+    const ost_tool_geometry grid = {
+        {THIN_X, THIN_Y, THIN_Z}, voxel, {-THIN_X / 2 * voxel, -THIN_Y / 2 * voxel, -THIN_Z / 2 * voxel}};
+    scene_tool *tool = &s->tools[s->tool_count];
+    ost_mesh *mesh = &tool->raw[0];
+    *tool = (scene_tool){.rule = OST_FILL_WINDING, .name = "thin", .grid_given = true};
+    s->tool_count++;
+    const ost_status status = ost_mesh_init(mesh, 8 + NEEDLES * 2 * (RING + 1), 12 + NEEDLES * 4 * RING, err);
+    if (status != OST_OK)
+        return status;
+    size_t corners = 0;
+    mesh->triangle_count = 0;
+    put_box(&grid, all[0], all[1], 0, mesh, &corners);
+    for (int n = 0; n < NEEDLES; n++)
+        put_needle(&grid, rows[n], n % 2, mesh, &corners);
+    return ost_mesh_snap(mesh, &grid, &tool->cutting, err);
+}
+
 void scene_tool_free(scene_tool *tool)
 {
     ost_snapped_mesh_free(&tool->cutting);

@@ -55,7 +55,7 @@ static void campaigns(void **state)
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
         {PLAN_SMOKE, "static/3", 99, "8db0463087c7a16543e82b2fe420c800a42af2c92c03e79611191d9c4b555b65"},
         {PLAN_SMOKE, "reach", 99, "c9ce963b25b7414c4f0b8370e261312556d29288fd7a2ebdda04416b4569c09d"},
-        {PLAN_STANDARD, "reach", 99, "8a52018cf92b7099cf8631e72ca7c41f0dc86e9aa601442d5c5879716c307ff4"},
+        {PLAN_STANDARD, "reach", 99, "4d3e2b2f4421dce9e3d784b083fe56fec3f0080eb8ad5a16bd999ebd7ccd72cc"},
         {PLAN_STANDARD, "mesh", 24, "14d92552144aeb693c438efbb0e733dc9458b96dd9b8e5d4ef83b5ac63d8c252"},
         {PLAN_STANDARD, "poses/1", 2, "397fdd9b0d0a08be0f660c6ce9add1be9e68851001a958047e30ae911d955afd"},
     };
@@ -394,6 +394,18 @@ static void reach_has_what_it_is_for(void **state)
             for (size_t n = 0; n < s.sample_count; n++)
                 any = any || s.samples[n].density >= s.threshold;
             assert_int_equal(any, i != 5);
+            const ost_snapped_mesh *thin = &s.tools[1].cutting;
+            int least = 0;
+            for (size_t t = 0; t < thin->triangle_count; t++) {
+                const int32_t *v[3];
+                for (int c = 0; c < 3; c++)
+                    v[c] = thin->vertices[thin->triangles[t][c]];
+                const int64_t area = (v[1][1] - v[0][1]) * (int64_t)(v[2][2] - v[0][2]) -
+                                     (v[2][1] - v[0][1]) * (int64_t)(v[1][2] - v[0][2]);
+                least += area == 1 || area == -1;
+            }
+            assert_int_equal(least, 6 * 8);
+            assert_true(thin->grid.dims.y * thin->grid.dims.z > 1 << 16);
         } else {
             int64_t beyond = 0;
             for (size_t n = 0; n < s.sample_count; n++) {
