@@ -41,6 +41,36 @@ static uint8_t tool_at(const ref_tool *tool, int32_t ux, int32_t uy, int32_t uz)
     return tool->voxels[x + (int64_t)dims.x * (y + (int64_t)dims.y * z)];
 }
 
+static int32_t min32(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static int32_t max32(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/*
+ * Returns true if all corners of a block lie on the same side of the tool's grid on one axis; u is
+ * linear, so all of its voxels do. The least and the greatest u are those of corners, so they fit
+ * int32 (AR-MAP-5).
+ */
+static bool block_misses(const ost_dims dims, const int32_t base[3], const int32_t step[3][3])
+{
+    const int32_t end[3] = {dims.x << OST_MAP_FRACTION, dims.y << OST_MAP_FRACTION, dims.z << OST_MAP_FRACTION};
+    for (int a = 0; a < 3; a++) {
+        int32_t least = base[a], greatest = base[a];
+        for (int b = 0; b < 3; b++) {
+            least += min32((BLOCK - 1) * step[b][a], 0);
+            greatest += max32((BLOCK - 1) * step[b][a], 0);
+        }
+        if (greatest < 0 || least >= end[a])
+            return true;
+    }
+    return false;
+}
+
 /* Returns true if both ends of a row lie on the same side of the tool's grid; u is linear, so all of the row does. */
 static bool row_misses(const ost_dims dims, const int32_t u[3], const int32_t step[3])
 {
@@ -51,16 +81,6 @@ static bool row_misses(const ost_dims dims, const int32_t u[3], const int32_t st
         misses |= (u[a] < 0 && last < 0) || (u[a] >= end[a] && last >= end[a]);
     }
     return misses;
-}
-
-static int32_t min32(int32_t a, int32_t b)
-{
-    return a < b ? a : b;
-}
-
-static int32_t max32(int32_t a, int32_t b)
-{
-    return a > b ? a : b;
 }
 
 /* Clips the box to the grid, so that no block whose first voxel lies outside is evaluated. */
@@ -87,18 +107,22 @@ static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const 
         if (lo[a] >= hi[a])
             return;
     }
-    if (!ost_map_block_base(map, (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK}, base))
+    if (!ost_map_block_base(map, (ost_dims){first[0] / BLOCK, first[1] / BLOCK, first[2] / BLOCK}, base) ||
+        block_misses(tool->base.geometry.dims, base, map->step))
         return;
     const int32_t n = grid->size, *step = map->step[0];
+    const int32_t x = first[0] % n, y = first[1] % n, z = first[2] % n;
     for (int32_t k = lo[2]; k < hi[2]; k++)
         for (int32_t j = lo[1]; j < hi[1]; j++) {
             /* A row of a block lies in one word of the occupancy, since 16 divides both. */
-            const int32_t v = first[0] % n + n * ((first[1] % n + j) + n * (first[2] % n + k));
+            const uint32_t v = (uint32_t)(x + n * ((y + j) + n * (z + k)));
             const uint32_t active = chunk->occupancy[v / 32] >> (v % 32) & 0xffff;
             int32_t u[3];
+            if (!active)
+                continue;
             for (int a = 0; a < 3; a++)
                 u[a] = base[a] + j * map->step[1][a] + k * map->step[2][a];
-            if (!active || row_misses(tool->base.geometry.dims, u, step))
+            if (row_misses(tool->base.geometry.dims, u, step))
                 continue;
             for (int32_t i = lo[0]; i < hi[0]; i++) {
                 if (!(active >> i & 1) || marks->mark[k][j][i] == OST_TOOL_CUTTING)
