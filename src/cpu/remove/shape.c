@@ -107,22 +107,37 @@ static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int 
     }
 }
 
-/* Computes out[c][i] = min over granules g of in[g][i] + gap(c, g)^2, at most FAR, for lines of `width` bytes. */
+/*
+ * Computes out[c][i] = min over granules g of in[g][i] + gap(c, g)^2, at most FAR, for lines of
+ * `width` bytes. A strip of STRIP bytes stays in registers for all granules of a cell.
+ */
 static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int per, size_t width, uint8_t *out)
 {
+    enum { STRIP = 64 };
     for (int32_t c = 0; c < cells; c++) {
-        uint8_t *to = out + (size_t)c * width;
-        memset(to, FAR, width);
-        for (int32_t g = c * per - REACH; g < (c + 1) * per + REACH; g++) {
-            if (g < 0 || g >= granules)
-                continue;
-            const int32_t gap = g < c * per ? c * per - 1 - g : g >= (c + 1) * per ? g - (c + 1) * per : 0;
-            const uint8_t *from = in + (size_t)g * width;
-            const uint8_t add = (uint8_t)(gap * gap);
-            for (size_t i = 0; i < width; i++) {
-                uint8_t sum = (uint8_t)(from[i] + add); /* <= 64 + 49 */
-                to[i] = sum < to[i] ? sum : to[i];
+        const int32_t first = c * per, next = first + per;
+        const int32_t lo = first > REACH ? first - REACH : 0, hi = next + REACH < granules ? next + REACH : granules;
+        for (size_t i = 0; i < width; i += STRIP) {
+            const size_t n = width - i < STRIP ? width - i : STRIP;
+            uint8_t best[STRIP];
+            memset(best, FAR, sizeof best);
+            for (int32_t g = lo; g < hi; g++) {
+                const int32_t gap = g < first ? first - 1 - g : g >= next ? g - next : 0;
+                const uint8_t *from = in + (size_t)g * width + i;
+                const uint8_t add = (uint8_t)(gap * gap);
+                if (n == STRIP) {
+                    for (size_t k = 0; k < STRIP; k++) {
+                        const uint8_t sum = (uint8_t)(from[k] + add); /* <= 64 + 49 */
+                        best[k] = sum < best[k] ? sum : best[k];
+                    }
+                } else {
+                    for (size_t k = 0; k < n; k++) {
+                        const uint8_t sum = (uint8_t)(from[k] + add);
+                        best[k] = sum < best[k] ? sum : best[k];
+                    }
+                }
             }
+            memcpy(out + (size_t)c * width + i, best, n);
         }
     }
 }
