@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/scene.h"
 
+#include <endian.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -330,9 +331,10 @@ static ost_status add_ints(ost_hasher *h, const int64_t *values, size_t count, o
     ost_status status = OST_OK;
     for (size_t i = 0; i < count && status == OST_OK;) {
         size_t used = 0;
-        for (; i < count && used < sizeof bytes; i++)
-            for (int k = 0; k < 8; k++)
-                bytes[used++] = (unsigned char)((uint64_t)values[i] >> 8 * k);
+        for (; i < count && used < sizeof bytes; i++, used += 8) {
+            const uint64_t value = htole64((uint64_t)values[i]);
+            memcpy(bytes + used, &value, 8);
+        }
         status = ost_hasher_add(h, bytes, used, err);
     }
     return status;
