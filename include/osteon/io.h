@@ -35,7 +35,11 @@ typedef enum ost_file_kind {
     OST_FILE_SESSION /* session.h */
 } ost_file_kind;
 
-/* Determines the kind of a file by its content or, without a signature, by its name. */
+/*
+ * Determines the kind of a file by its content or, without a signature, by its name. Returns
+ * OST_ERR_INPUT, with the program that converts it, for a format that osteon does not read: DICOM,
+ * MetaImage, TIFF, compressed files and others.
+ */
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);
 
 /* --------------------------------------------------------------- volumes */

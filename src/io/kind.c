@@ -8,6 +8,7 @@
  *   84 + 50 n bytes                          meshes
  *   89 "OSTSES" 0A at a multiple of 64       a session, whose first block may be damaged
  *   a first line of numbers                  4 columns: CT text; 8 or 9: a path; also a path inside gzip
+ *   a signature of foreign.c                 refused, with the program that converts it
  */
 #include <osteon/io.h>
 
@@ -15,10 +16,12 @@
 #include <fcntl.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
 #include "core/file.h"
+#include "io/foreign.h"
 #include "io/session/layout.h"
 #include "io/text/fields.h"
 
@@ -183,7 +186,7 @@ static ost_status kind_by_content(const char *path, int fd, const unsigned char 
 {
     if (!is_gzip(head, size)) {
         *out = plain_kind(head, size, file_size, by_name);
-        return OST_OK;
+        return *out == OST_FILE_UNKNOWN ? ost_refuse_foreign(path, head, size, err) : OST_OK;
     }
     unsigned char inner[GZIP_HEAD];
     size_t inner_size = 0;
@@ -193,12 +196,23 @@ static ost_status kind_by_content(const char *path, int fd, const unsigned char 
     if (status == OST_OK && !nifti)
         (void)text_columns(inner, inner_size, &path_header);
     *out = nifti ? OST_FILE_NIFTI : path_header ? OST_FILE_PATH_CSV : OST_FILE_UNKNOWN;
+    if (status == OST_OK && *out == OST_FILE_UNKNOWN && by_name == OST_FILE_UNKNOWN)
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s: is compressed by gzip, and its content is no NIfTI file and no path; "
+                          "gunzip decompresses it",
+                          path);
     return status;
 }
 
 ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err)
 {
     *out = OST_FILE_UNKNOWN;
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+        return ost_fail(err, OST_ERR_IO,
+                        "%s: is a folder; expected a file. If it contains a DICOM series, dcm2niix and "
+                        "3D Slicer convert it to NIfTI",
+                        path);
     ost_file file;
     ost_status status = ost_file_open(path, &file, err);
     if (status != OST_OK)

@@ -109,12 +109,55 @@ static void what_has_no_content(void **state)
     scratch_remove(folder);
 }
 
+/* A format that osteon does not read is refused with its name and the program that converts it. */
+static void foreign_formats(void **state)
+{
+    static const struct {
+        const char *name, *bytes;
+        size_t size, offset;
+        const char *what, *remedy;
+    } cases[] = {
+        {"IM0001", "DICM", 4, 128, "a DICOM file", "dcm2niix"},
+        {"a.nii", "DICM", 4, 128, "a DICOM file", "dcm2niix"}, /* whatever its name */
+        {"a.mhd", "ObjectType = Image\nNDims = 3\n", 28, 0, "a MetaImage header", "3D Slicer"},
+        {"a.txt", "NDims = 3\nDimSize = 2 2 2\n", 27, 0, "a MetaImage header", "3D Slicer"},
+        {"a.mnc", "CDF\001", 4, 0, "a NetCDF file", "mnc2nii"},
+        {"a.mnc", "\x89HDF\r\n\x1a\n", 8, 0, "an HDF5 file", "mnc2nii"},
+        {"a.tif", "II*\0", 4, 0, "a TIFF file", "3D Slicer"},
+        {"a.txt.bz2", "BZh91AY", 7, 0, "compressed by bzip2", "bunzip2"},
+        {"a.nrrd.xz", "\xfd\x37zXZ\0", 6, 0, "compressed by xz", "unxz"},
+        {"a.zip", "PK\003\004", 4, 0, "a ZIP archive", "unzip"},
+        {"a.txt.gz", "\x1f\x8b\x08\0\0\0\0\0\0\x03\x33\x54\x30\x04\0\x3d\xa7\x2b\x33\x03\0\0\0", 23, 0,
+         "compressed by gzip", "gunzip"},
+    };
+    unsigned char file[200];
+    char *folder = scratch_folder();
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ost_error err = {0};
+        ost_file_kind kind;
+        memset(file, 0, sizeof file);
+        memcpy(file + cases[i].offset, cases[i].bytes, cases[i].size);
+        const char *path = scratch_write(folder, cases[i].name, file, cases[i].offset + cases[i].size);
+        assert_int_equal(ost_file_kind_find(path, &kind, &err), OST_ERR_INPUT);
+        if (!strstr(err.text, cases[i].what) || !strstr(err.text, cases[i].remedy))
+            fail_msg("case %zu (%s): %s", i, cases[i].name, err.text);
+    }
+    ost_error err = {0};
+    ost_file_kind kind;
+    assert_int_equal(ost_file_kind_find(folder, &kind, &err), OST_ERR_IO);
+    assert_non_null(strstr(err.text, "is a folder"));
+    assert_non_null(strstr(err.text, "dcm2niix"));
+    scratch_remove(folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_content),
         cmocka_unit_test(binary_signatures),
         cmocka_unit_test(what_has_no_content),
+        cmocka_unit_test(foreign_formats),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Formats that osteon does not read, and the program that converts each of them. */
+#ifndef OST_IO_FOREIGN_H
+#define OST_IO_FOREIGN_H
+
+#include <stddef.h>
+
+#include <osteon/status.h>
+
+/*
+ * Returns OST_ERR_INPUT, with the name of the format and what converts it, if the first bytes of
+ * the file `path` are the signature of such a format; otherwise OST_OK.
+ */
+ost_status ost_refuse_foreign(const char *path, const unsigned char *head, size_t size, ost_error *err);
+
+#endif
