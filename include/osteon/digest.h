@@ -2,17 +2,18 @@
 /*
  * Digests of grids (docs/spec/arithmetic.md, AR-DIG).
  *
- * Tests of equality compare the voxels by memcmp; digests are for records.  A grid's
- * digest is SHA-256 over a canonical form that does not depend on the chunk size or
- * the backend:
+ * Tests for equality compare the voxels by memcmp; digests are for records.  The
+ * digest of a grid is the SHA-256 of a canonical form that does not depend on the
+ * chunk size or the backend:
  *
  *   leaf    SHA-256(0x00 || 32^3 voxels, x fastest, little-endian, zero outside the grid)
  *   node    SHA-256(0x01 || left || right)      a tree over the leaves in x-fastest
  *                                               order, split as in RFC 6962 section 2.1
  *   digest  SHA-256(0x02 || header of 128 bytes || tree)
  *
- * The tree's order represents the positions; kind, dims, spacing, origin and
- * threshold are in the header, so grids of different geometry have different digests.
+ * The order of the leaves in the tree represents their positions.  The header contains
+ * kind, dims, spacing, origin and threshold, so grids of different geometry have
+ * different digests.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -32,7 +33,7 @@ typedef struct ost_digest {
     uint8_t bytes[OST_DIGEST_BYTES];
 } ost_digest;
 
-/* Stage kinds, written into the header as a uint32. */
+/* Kinds of grids; the header contains the kind as a uint32. */
 typedef enum ost_grid_kind {
     OST_GRID_RECT = 1,
     OST_GRID_CUBIC = 2,
@@ -43,7 +44,7 @@ typedef enum ost_grid_kind {
 /* Returns the number of 32^3 leaves along each axis. */
 OST_API ost_dims ost_leaf_dims(ost_dims dims);
 
-/* Computes the digest of a leaf of 32^3 int16 (or uint8) voxels, x fastest. */
+/* Computes the digest of a leaf of 32^3 int16 voxels, x fastest. */
 OST_API ost_status ost_digest_leaf16(const int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out,
                                      ost_error *err);
 /* Computes the digest of a leaf of 32^3 uint8 voxels, x fastest. */
@@ -51,23 +52,23 @@ OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * O
                                     ost_error *err);
 
 /*
- * Computes the digest of a grid from its count leaves in x-fastest order; threshold is 0 unless the
- * kind is a bone.
+ * Computes the digest of a grid from the digests of its leaves, in x-fastest order. count is the number of leaves.
+ * threshold must be 0 unless kind is OST_GRID_BONE.
  */
 OST_API ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold,
                                    const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err);
 
-/* Computes the digest of a dense grid; the kind is rect or cubic. */
+/* Computes the digest of a dense grid. kind is OST_GRID_RECT or OST_GRID_CUBIC. */
 OST_API ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_digest *out, ost_error *err);
 
 /*
- * Computes the digest of dense voxels of 1 or 2 bytes. For a tool, the kind is tool, the spacing is its
- * voxel on all axes and the origin its corner.
+ * Computes the digest of dense voxels of voxel_size 1 or 2 bytes. For a tool, kind is OST_GRID_TOOL, the spacing on all
+ * axes is the tool's voxel size, and the origin is the tool's corner.
  */
 OST_API ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels,
                                     size_t voxel_size, ost_digest *out, ost_error *err);
 
-/* Computes SHA-256 of bytes, the same as sha256sum prints. */
+/* Computes the SHA-256 of bytes, as printed by sha256sum. */
 OST_API ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *out, ost_error *err);
 
 /* Writes the digest as 64 lower-case hexadecimal digits and a NUL. Returns hex. */
@@ -75,9 +76,9 @@ OST_API char *ost_digest_hex(const ost_digest *digest, char hex[OST_DIGEST_HEX])
 /* Returns true if two digests have the same bytes. */
 OST_API bool ost_digest_equal(const ost_digest *a, const ost_digest *b);
 
-/* An incremental SHA-256 for streams, such as the samples of a text or a file. It is opaque and has one owner. */
+/* An incremental SHA-256 for streams, such as the samples of a text or a file. Opaque; it has one owner. */
 typedef struct ost_hasher ost_hasher;
-/* Creates a hasher. The caller ends it by ost_hasher_close. */
+/* Creates a hasher. The caller frees it by ost_hasher_close. */
 OST_API ost_status ost_hasher_open(ost_hasher **out, ost_error *err);
 /* Adds bytes to the hash. After a failure only ost_hasher_close may be called. */
 OST_API ost_status ost_hasher_add(ost_hasher *hasher, const void *bytes, size_t size, ost_error *err);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A removal event: the poses a tool swept through since the last event, each
- * as an integer map from bone voxels to tool voxels (docs/spec/arithmetic.md,
- * AR-SWEEP, AR-MAP, AR-REM).
+ * A removal event: the poses through which a tool has moved since the last event.
+ * Each pose is represented by an integer map from bone voxels to tool voxels
+ * (docs/spec/arithmetic.md, AR-SWEEP, AR-MAP, AR-REM).
  *
  *   previous pose, pose --ost_sweep_count, ost_sweep_pose--> n poses --ost_map_make--> n maps
  *                                                                                       |
  *   report per chunk and density class <------------- ost_bone_remove <------------------'
  *
- * All of this is integer host code shared by every backend; tests/oracle
- * holds it against an independent implementation in fractions.
+ * All of this is integer host code shared by every backend; tests/oracle compares
+ * it with an independent implementation that computes with fractions.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -36,22 +36,23 @@ enum { OST_SWEEP_MAX = 4096 };
 /*
  * Computes the number of poses n of AR-SWEEP-2: the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2, where d is the
  * displacement of a corner of the tool's box (each rounded RHE to picometres) from pose a to pose b, and s is the
- * bone's voxel.  OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the turn exceeds 90 degrees, or if a pose is
- * invalid.
+ * edge length of a bone voxel.  Returns OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the rotation exceeds 90
+ * degrees, or if a pose is invalid.
  */
 OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool,
                                    ost_pm bone_voxel, int *count, ost_error *err);
 
 /*
- * Returns pose k of n between a and b, 1 <= k <= n (AR-SWEEP-4): ((n-k) a + k b) / n, each component rounded RHE, with
- * the quaternion of b negated if q_a . q_b < 0.
+ * Returns pose k of n between a and b, 1 <= k <= n (AR-SWEEP-4).  The pose is ((n-k) a + k b) / n, with each component
+ * rounded RHE and with the quaternion of b negated if q_a . q_b < 0.
  */
 OST_API ost_pose ost_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n);
 
 /* ------------------------------------------------------------------- map */
 
 /*
- * Tool coordinates are fixed point: one tool voxel is 2^20. Blocks of 16^3 bone voxels are aligned to voxel (0, 0, 0).
+ * Tool coordinates are fixed-point numbers: one tool voxel is 2^20. Blocks of 16^3 bone voxels are aligned to voxel
+ * (0, 0, 0).
  */
 enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
 
@@ -62,9 +63,9 @@ enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
  *   used     base[a] + di step[0][a] + dj step[1][a] + dk step[2][a]
  *
  * with base = RHE(exact) at the first voxel of its block, 0 <= di, dj, dk < 16,
- * step = RHE(column / divisor).  The used one is off by at most 23 / 2^20.
- * Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24 (bone voxel at
- * most OST_MAP_RATIO_MAX tool voxels).
+ * step = RHE(column / divisor).  The used coordinate differs from the exact one
+ * by at most 23 / 2^20 of a tool voxel.  Ranges: |origin| < 2^126, divisor < 2^98,
+ * |step| <= 2^24 (a bone voxel has at most the size of OST_MAP_RATIO_MAX tool voxels).
  */
 typedef struct ost_map {
     ost_int128 origin[3];
@@ -73,14 +74,17 @@ typedef struct ost_map {
     int32_t step[3][3]; /* [bone axis][tool axis] */
 } ost_map;
 
-/* Makes the map of a pose. bone must have equal spacing on its axes. OST_ERR_RANGE beyond the limits of AR-MAP-2. */
+/*
+ * Computes the map of a pose. bone must have equal spacing on all axes. Returns OST_ERR_RANGE beyond the limits of
+ * AR-MAP-2.
+ */
 OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
                                 ost_map *out, ost_error *err);
 
 /*
  * Computes the base of the block whose first voxel is (16 block.x, 16 block.y, 16 block.z).  Returns false if the base
- * is outside [-2^29, 2^30 + 2^29) on some axis: no voxel of the block is then inside the tool's grid (proof at
- * AR-MAP-5).  If it returns true, every coordinate of the block fits int32.
+ * is outside [-2^29, 2^30 + 2^29) on an axis; no voxel of the block is then inside the tool's grid (AR-MAP-5 contains
+ * the proof).  If the function returns true, every coordinate of the block fits int32.
  */
 OST_API bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3]);
 
@@ -91,7 +95,7 @@ typedef struct ost_voxel_box {
     int32_t lo[3], hi[3];
 } ost_voxel_box;
 
-/* Half-open density classes: class c is [border[c], border[c + 1]), the last one open above. */
+/* Half-open density classes: class c is [border[c], border[c + 1]); the last class has no upper border. */
 enum { OST_CLASS_MAX = 8, OST_CLASS_NAME = 24 };
 typedef struct ost_density_classes {
     int count;                    /* 1..OST_CLASS_MAX */
@@ -100,8 +104,8 @@ typedef struct ost_density_classes {
 } ost_density_classes;
 
 /*
- * Returns the default classes: cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...) (AR-CLS, with
- * the sources).
+ * Returns the default classes: cartilage [threshold, 150), cancellous [150, 650), cortical [650, ...).  AR-CLS lists
+ * the sources.
  */
 OST_API ost_density_classes ost_density_classes_default(void);
 /*
@@ -109,12 +113,12 @@ OST_API ost_density_classes ost_density_classes_default(void);
  * (AR-CLS-1).
  */
 OST_API ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err);
-/* Parses "name:border,name:border,...", the form of the command line. */
+/* Parses "name:border,name:border,...", the form used on the command line. */
 OST_API ost_status ost_density_classes_parse(const char *text, ost_density_classes *out, ost_error *err);
 
 /*
- * An event.  All pointers are borrowed for the call.  boxes[k] must contain every voxel that pose k maps into the
- * tool's grid; the box of the complete grid is always valid.
+ * An event.  All pointers are borrowed until the call returns.  boxes[k] must contain every voxel that pose k maps into
+ * the tool's grid; the box of the complete bone is always valid.
  */
 typedef struct ost_removal_event {
     int pose_count; /* 1..OST_SWEEP_MAX */
@@ -130,8 +134,8 @@ typedef struct ost_chunk_report {
 } ost_chunk_report;
 
 /*
- * The report of an event: the chunks with at least one hit voxel, ascending, and totals.  Zero-initialise it once, use
- * it for every event, and free it at the end by ost_removal_report_free.
+ * The report of an event: the chunks with at least one hit, in ascending order, and totals.  Zero-initialise a report
+ * once, reuse it for every event, and free it by ost_removal_report_free.
  */
 typedef struct ost_removal_report {
     size_t count, capacity;
@@ -139,12 +143,12 @@ typedef struct ost_removal_report {
     uint64_t voxels[OST_CLASS_MAX];
     int64_t density[OST_CLASS_MAX];
     uint64_t total_voxels;
-    uint64_t touched_voxels; /* active voxels covered by non-cutting voxels only; they remain */
+    uint64_t touched_voxels; /* active voxels covered only by non-cutting voxels; they are not removed */
 } ost_removal_report;
 
-/* Removes the content and retains the memory. */
+/* Clears the content of a report and keeps its memory for reuse. */
 OST_API void ost_removal_report_clear(ost_removal_report *report);
-/* Appends a chunk, which is copied, and adds it to the totals. OST_ERR_MEMORY on failure. */
+/* Appends a copy of chunk and adds its counts to the totals. Returns OST_ERR_MEMORY on failure. */
 OST_API ost_status ost_removal_report_add(ost_removal_report *report, const ost_chunk_report *chunk, ost_error *err);
 /* Frees the memory of a report. The report is then empty and may be used again. */
 OST_API void ost_removal_report_free(ost_removal_report *report);
