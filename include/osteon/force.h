@@ -17,11 +17,12 @@
  *   instant   The tool is at the device's pose, as in the thesis.  The force is
  *             that of a compressed layer of bone around the tool.
  *
- * The computation uses floating point but decides no voxel: the tool's pose is
- * quantised before ost_world_step uses it, and a session records the quantised
- * pose.  docs/reference/force.md contains the equations, the parameters and their sources.
+ * The force is computed in floating point.  The removal of bone uses integers only:
+ * the tool's pose is quantised before ost_world_step uses it, and a session records
+ * the quantised pose.  docs/reference/force.md contains the equations, the parameters
+ * and their sources.
  *
- * Threads: an ost_force is used on the thread of its world only.
+ * Threads: an ost_force may be used only on the thread of its world.
  */
 #ifndef OSTEON_FORCE_H
 #define OSTEON_FORCE_H
@@ -32,42 +33,42 @@
 extern "C" {
 #endif
 
-/* The law of the force; the head of this file describes both. */
+/* The force law; the comment at the top of this file describes both laws. */
 typedef enum ost_force_mode { OST_FORCE_ENERGY, OST_FORCE_INSTANT } ost_force_mode;
 
-/* SI units; docs/reference/force.md has the source of each default. */
+/* Parameters of the force, in SI units. docs/reference/force.md lists the source of each default. */
 typedef struct ost_force_params {
     ost_force_mode mode;
-    double scale;              /* hand force over contact force; a device of 3.3 N cannot render the 40 N of a reamer */
-    double stiffness;          /* of the coupling, N/m of hand force */
-    double damping;            /* of the coupling, N s/m of hand force */
+    double scale;              /* hand force / contact force; a device of 3.3 N cannot render the 40 N of a reamer */
+    double stiffness;          /* stiffness of the coupling, N/m of hand force */
+    double damping;            /* damping of the coupling, N s/m of hand force */
     double speed;              /* angular speed of the tool about its z axis, rad/s; 0: the tool does not cut */
-    double cutting_ratio;      /* tangential over normal force of a cutting point */
+    double cutting_ratio;      /* tangential force / normal force of a cutting point */
     double energy;             /* energy to cut bone of the reference density, J/m^3 */
     double reference_density;  /* g/cm^3 */
     double density_at_0;       /* density at 0 HU, g/cm^3 */
     double density_per_hu;     /* increase of density per HU, g/cm^3 */
     double layer;              /* thickness of the compressed layer, m (instant) */
-    double layer_stiffness;    /* of the layer at the reference density, N/m^3: per area and depth (instant) */
-    double turn_stiffness;     /* of the coupling, N m/rad of hand torque; 0: the device's orientation (energy) */
+    double layer_stiffness;    /* force per area and depth of the layer at the reference density, N/m^3 (instant) */
+    double turn_stiffness;     /* angular stiffness, N m/rad of hand torque; 0: tool has the device's orientation */
     double turn_damping;       /* angular damping of the coupling, N m s/rad */
-    double vibration;          /* amplitude at the tooth-passing frequency over shaking_n; 0: none */
-    double runout;             /* the same at the frequency of rotation, across the axis */
-    double teeth;              /* teeth that pass in one turn */
+    double vibration;          /* amplitude at the tooth-passing frequency / shaking_n; 0: no vibration */
+    double runout;             /* amplitude at the frequency of rotation, across the axis / shaking_n; 0: no runout */
+    double teeth;              /* number of teeth that pass in one turn */
 } ost_force_params;
 
-/* Returns the defaults that docs/reference/force.md lists. */
+/* Returns the default parameters listed in docs/reference/force.md. */
 OST_API ost_force_params ost_force_defaults(void);
-/* Returns the density of bone of hu Hounsfield units, g/cm^3. */
+/* Returns the density in g/cm^3 of bone with hu Hounsfield units. */
 OST_API double ost_force_density(const ost_force_params *params, int hu);
-/* Returns the energy to cut bone of hu Hounsfield units, J/m^3: energy * (density / reference_density)^2. */
+/* Returns energy * (density / reference_density)^2: the energy in J/m^3 to cut bone with hu Hounsfield units. */
 OST_API double ost_force_energy(const ost_force_params *params, int hu);
 
 /* ------------------------------------------------------------------ shells */
 
 typedef struct ost_shell_point {
     double at[3], inward[3]; /* position in m and unit normal, in the tool's frame */
-    double area;             /* m^2 of the surface that the point represents */
+    double area;             /* area of the surface represented by the point, m^2 */
     bool cutting;
 } ost_shell_point;
 
@@ -79,8 +80,8 @@ typedef struct ost_shell {
 } ost_shell;
 
 /*
- * Computes a shell of at most OST_SHELL_MAX points from a tool's voxels; their areas add up to the tool's surface.
- * ost_shell_free frees it.  OST_ERR_MEMORY on failure.
+ * Computes a shell of at most OST_SHELL_MAX points from a tool's voxels.  The areas of the points add up to the tool's
+ * surface.  The caller frees *out by ost_shell_free.  Returns OST_ERR_MEMORY on failure.
  */
 OST_API ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error *err);
 /* Frees the points of a shell, which is then empty. */
@@ -91,16 +92,16 @@ OST_API void ost_shell_free(ost_shell *shell);
 typedef struct ost_force ost_force;
 
 /*
- * Creates a force for a bone, which must outlive it.  params is copied; NULL selects the defaults.
+ * Creates a force for a bone.  The bone must outlive the force.  params is copied; NULL selects the defaults.
  * Returns OST_ERR_UNAVAILABLE if the bone's backend cannot sample single voxels within a tick (cl, plugins).
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
                                     ost_error *err);
 /* Frees a force. NULL is allowed. */
 OST_API void ost_force_free(ost_force *force);
-/* Adds a tool; tools are added in the order of the world's tools. The tool's voxels are read during the call. */
+/* Adds a tool. Tools must be added in the order of the world's tools. The tool's voxels are read during the call. */
 OST_API ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error *err);
-/* Adds a tool by a shell of the caller's, which is copied. */
+/* Adds a tool that is represented by the given shell, which is copied. */
 OST_API ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_error *err);
 
 /* The result of a step, in the bone's frame; torques are about the tool's origin. */
@@ -110,52 +111,55 @@ typedef struct ost_force_result {
     double axial_n;       /* contact force along the tool's axis, against its advance */
     double off_axis_n;    /* contact force across the axis */
     double cutting_nm;    /* contact torque about the axis */
-    double power_w;       /* power that cuts bone */
-    double shaking_n;     /* hand force of the cutting points, weighted by density over the reference density */
+    double power_w;       /* power used to cut bone */
+    double shaking_n;     /* hand force of the cutting points, weighted by density / reference_density */
     int touching;         /* number of points that touch bone */
 } ost_force_result;
 
 /*
- * Advances the tool of index `tool` by one tick of period_s seconds towards the device's pose.  Removes no bone: the
- * caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  The first step of a tool that
- * ost_force_set_pose did not place starts at the device's pose.
+ * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose.  Does not remove bone;
+ * for this, the caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  Unless
+ * ost_force_set_pose has set a pose, the first step of a tool starts at the device's pose.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s,
                                   ost_force_result *out, ost_error *err);
 /*
- * Computes the same step without changing the state, so that the next ost_force_step finds its memory in the caches
- * (see ost_world_rehearse).
+ * Computes the same step as ost_force_step without changing the state, so that the data of the next ost_force_step is
+ * in the caches (see ost_world_rehearse).
  */
 OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s,
                                       ost_force_result *out, ost_error *err);
 /*
- * Sets the motor of the current tool (AR-MOTOR).  speed is its angular speed in rad/s from now on; with 0, off, the
- * tool presses and does not cut.  turned is the angle in radians about the tool's z axis by which the motor has turned
- * the tool, and with it the device's pose, since the last step.
+ * Sets the motor of the current tool (AR-MOTOR).  speed is the angular speed in rad/s from now on; 0 means that the
+ * motor is off, so that the tool presses on bone but does not cut.  turned is the angle in radians, about the tool's z
+ * axis, by which the motor has turned the tool and the device's pose since the last step.
  */
 OST_API void ost_force_motor(ost_force *force, double speed, double turned);
-/* Makes `tool` the current tool at a pose, which may differ from the device's. */
+/* Makes `tool` the current tool and sets its pose, which may differ from the device's pose. */
 OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose);
 
 /* ------------------------------------------------------------------ safety */
 
-/* Limits between the computed force and the device. SI units; docs/reference/force.md lists the sources. */
+/* Limits applied to the computed force before it is sent to the device. docs/reference/force.md lists the sources. */
 typedef struct ost_safety_params {
     double max_force_n, max_torque_nm;       /* greatest force and torque; saturation is smooth */
     double slew_n;              /* greatest change of the force in one tick, N */
     double ramp_s;              /* time in which the force rises from 0 after a start and after a fault */
     int max_ticks_without_sample; /* number of ticks without a new pose after which the force is 0 */
     uint32_t dead_man;          /* bit mask of buttons, one of which must be held; 0: none */
-    double stored_j;            /* energy that the coupling may store; the passivity observer counts from there */
-    double max_damping;         /* greatest damping that the passivity controller adds, N s/m; 0: none */
+    double stored_j;            /* energy that the coupling can store, J; the passivity observer counts no more */
+    double max_damping;         /* greatest damping that the passivity controller adds, N s/m; 0: no controller */
 } ost_safety_params;
 
-/* Returns the default limits that docs/reference/force.md lists. */
+/* Returns the default limits listed in docs/reference/force.md. */
 OST_API ost_safety_params ost_safety_defaults(void);
 
 /* ------------------------------------------------------------ parameter files */
 
-/* A parameter of either struct: "stiffness", "N/m", a sentence that names its source, and the accepted range. */
+/*
+ * A parameter of ost_force_params or ost_safety_params: name ("stiffness"), unit ("N/m"), a sentence that gives its
+ * source, and the accepted range.
+ */
 typedef struct ost_force_key {
     const char *name, *unit, *about;
     double lo, hi;
@@ -163,18 +167,19 @@ typedef struct ost_force_key {
 
 /* Returns the number of parameters of both structs; indices 0 to count - 1 are in a fixed order. */
 OST_API int ost_force_key_count(void);
-/* Describes the parameter of an index; static. Returns NULL beyond the last. */
+/* Returns the description of parameter number `index`, which is static, or NULL if index is out of range. */
 OST_API const ost_force_key *ost_force_key_at(int index);
-/* Returns the value of the parameter of an index; exactly one of the two structs contains it. */
+/* Returns the value of parameter number `index`, read from the struct that contains the parameter. */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
 /* Writes a value into text in the form of a parameter file. Returns text. */
 OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]);
 
 /*
- * Reads lines of the form "key: number"; # starts a comment.  Parameters that the file does not name keep their values.
- * On an error nothing is changed: OST_ERR_INPUT if a line cannot be parsed, OST_ERR_RANGE if a value is out of range;
- * err names the file, the line, the key, the value and what was expected.
+ * Reads a file with lines of the form "key: number"; # starts a comment.  Parameters that are not in the file keep
+ * their values.  Returns OST_ERR_INPUT if a line cannot be parsed and OST_ERR_RANGE if a value is out of range; err
+ * then contains the file, the line, the key, the value and the expected range.  After an error, *force and *safety are
+ * unchanged.
  */
 OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety,
                                          ost_error *err);
@@ -189,20 +194,20 @@ typedef struct ost_safety {
     uint64_t damped_ticks; /* ticks in which the passivity controller reduced the force */
 } ost_safety;
 
-/* The decision of the safety layer on the force of a tick. */
+/* The decision of the safety layer on the force of a tick. After WITHHELD and FAULT, the force ramps in from 0. */
 typedef enum ost_safety_answer {
-    OST_SAFETY_GIVEN,
-    OST_SAFETY_WITHHELD, /* no dead-man button is held, or poses are missing: the force is 0 and ramps in afterwards */
-    OST_SAFETY_FAULT     /* the force is not finite: the force is 0 and ramps in afterwards */
+    OST_SAFETY_GIVEN,    /* the force is written, within the limits */
+    OST_SAFETY_WITHHELD, /* the force is reduced to 0 because no dead-man button is held or poses are missing */
+    OST_SAFETY_FAULT     /* the force is 0 because the computed force or torque is not finite */
 } ost_safety_answer;
 
-/* Initialises the safety layer; params is copied, NULL selects the defaults. */
+/* Initialises the safety layer. params is copied; NULL selects the defaults. */
 OST_API void ost_safety_begin(ost_safety *safety, const ost_safety_params *params);
-/* Sets the force to 0 after a fault; the next steps ramp it in again. */
+/* Sets the force to 0 after a fault; the following steps ramp the force in again. */
 OST_API void ost_safety_stop(ost_safety *safety);
 /*
- * Applies the limits to force_n and torque_nm in place.  device is the device's newest pose; fresh is true if it is new
- * in this tick.  Does not allocate or block.
+ * Applies the limits to force_n and torque_nm in place.  device is the newest pose of the device; fresh is true if this
+ * pose is new in this tick.  Allocates no memory and does not block.
  */
 OST_API ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons,
                                           double period_s, double force_n[3], double torque_nm[3]);

@@ -6,8 +6,8 @@
  * (thesis, Alg. 1.1).  Its centre is origin + (i*sx, j*sy, k*sz), in the
  * bone's frame: the CT's physical frame, LPS+, picometres.
  *
- * Ranges (AR-GRID): 1 <= dims <= 16384 an axis and at most 2^36 voxels;
- * 1 um <= spacing <= 100 mm; every voxel centre within +-8 m.
+ * Ranges (AR-GRID): 1 <= dims <= 16384 per axis and at most 2^36 voxels;
+ * 1 um <= spacing <= 100 mm; every voxel centre is within +-8 m.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -36,22 +36,23 @@ enum { OST_DIM_MAX = 16384 };
 #define OST_SPACING_MIN (OST_PM_PER_MM / 1000)
 #define OST_SPACING_MAX (100 * OST_PM_PER_MM)
 
-/* Returns the number of voxels x * y * z; the product of dims within AR-GRID does not overflow. */
+/* Returns the number of voxels, x * y * z. The product does not overflow for dims within AR-GRID. */
 OST_API int64_t ost_dims_count(ost_dims dims);
-/* Returns OST_ERR_RANGE if a range above does not hold; `what` names the grid in the message. */
+/* Returns OST_ERR_RANGE if a value is outside the ranges above. The message calls the grid `what`. */
 OST_API ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, ost_error *err);
 /* Returns true if dims, spacing and origin are equal. */
 OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
 
 /*
- * Facts that are copied with a grid from file to file and decide no voxel: the
- * position of the glenoid, the threshold of the bone, the version of the
- * arithmetic.  Keys are [a-z0-9_]{1,40}; values are one printable line of up to 200
- * bytes without surrounding blanks.  There are at most OST_META_MAX entries; setting
- * a key again replaces its value in the same position (AR-FILE-8).
+ * Facts about a grid, such as the position of the glenoid, the threshold of the
+ * bone and the version of the arithmetic.  Facts are copied with the grid from file
+ * to file and have no effect on its voxels.  A key is [a-z0-9_]{1,40}; a value is one
+ * printable line of up to 200 bytes without surrounding blanks.  There are at most
+ * OST_META_MAX entries.  Setting an existing key replaces its value; the entry keeps
+ * its position (AR-FILE-8).
  */
 enum { OST_META_MAX = 32, OST_META_KEY = 41, OST_META_VALUE = 201 };
-/* Facts in the order in which they were set; zero-initialise it before use. */
+/* Facts in the order in which they were set. Zero-initialise the struct before use. */
 typedef struct ost_meta {
     int count;
     struct {
@@ -60,25 +61,25 @@ typedef struct ost_meta {
     } entry[OST_META_MAX];
 } ost_meta;
 
-/* Returns the value, or NULL if there is none. The pointer is valid until meta is changed. */
+/* Returns the value of key, or NULL if key is not set. The pointer is valid until meta is changed. */
 OST_API const char *ost_meta_get(const ost_meta *meta, const char *key);
 /* Returns true for dims, spacing_mm and origin_mm, which describe a grid's geometry and are never written as facts. */
 OST_API bool ost_meta_key_is_geometry(const char *key);
-/* Sets a fact. Returns OST_ERR_RANGE if key or value is not allowed by the rules above, or if meta is full. */
+/* Sets a fact. Returns OST_ERR_RANGE if key or value violates the rules above, or if meta is full. */
 OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_error *err);
 
-/* Keys with a defined meaning. Lengths are decimal mm, vectors "x y z". */
+/* Keys with a defined meaning. Lengths are decimal numbers in mm; vectors have the form "x y z". */
 #define OST_META_KIND "kind"                   /* "ct", "bone" or "tool" */
 #define OST_META_ARITHMETIC "arithmetic"       /* version of docs/spec/arithmetic.md */
-#define OST_META_THRESHOLD "threshold"         /* of a bone */
+#define OST_META_THRESHOLD "threshold"         /* threshold of a bone */
 #define OST_META_RESAMPLE "resample"           /* rule of resampling from the CT: "linear", "nearest" or "thesis" */
 #define OST_META_GLENOID_AT "glenoid_at_mm"    /* centre of the glenoid's face */
 #define OST_META_GLENOID_AXIS "glenoid_axis"   /* inward direction, not necessarily of unit length */
 #define OST_META_SIDE "side"                   /* "left" or "right" */
-#define OST_META_TRIGONUM "trigonum_mm"       /* where the scapular spine meets the medial border */
-#define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* the scapula's lowest point */
+#define OST_META_TRIGONUM "trigonum_mm"       /* point at which the scapular spine meets the medial border */
+#define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* lowest point of the scapula */
 #define OST_META_ORIENTATION                                                                                           \
-    "orientation" /* "stated XYZ" or "assumed LPS"; set if the CT's file has none (AR-FILE-6) */
+    "orientation" /* "stated XYZ" or "assumed LPS"; set if the file of the CT has no orientation (AR-FILE-6) */
 #define OST_META_TOOL_CORNER "tool_corner_mm"  /* MinVoxelCoords of Alg. 2.1, exact */
 
 /* A dense grid of densities in host memory. */

@@ -31,24 +31,24 @@ enum {
     OST_HAPTIC_ORIENTATION = 4, /* senses orientation, not only position */
     OST_HAPTIC_TOOL = 8,        /* reports which tool is in use */
     OST_HAPTIC_OWN_CLOCK = 16,  /* calls the tick on its own thread */
-    OST_HAPTIC_LOGICAL = 32,    /* its poses depend on the number of the tick only, not on time */
-    OST_HAPTIC_SHOWN = 64       /* accepts forces and displays them; it renders none */
+    OST_HAPTIC_LOGICAL = 32,    /* the poses depend only on the number of the tick, not on time */
+    OST_HAPTIC_SHOWN = 64       /* accepts forces and displays them, but does not render them */
 };
 
 /*
- * Action of a button.  Each device has default actions for its buttons, which `osteon devices` lists and
- * `osteon sim --buttons` changes.
+ * Action of a button.  The buttons of each device have default actions; `osteon devices` lists them, and the option
+ * `osteon sim --buttons` changes them.
  */
 typedef enum ost_action {
     OST_ACTION_NONE,
     OST_ACTION_MOTOR,        /* the motor is on while the button is held */
     OST_ACTION_SWITCH,       /* each press switches the motor on or off */
-    OST_ACTION_TOOL,         /* selects the next tool, at the device's pose */
+    OST_ACTION_TOOL,         /* selects the next tool, which starts at the device's pose */
     OST_ACTION_CLUTCH,       /* while the button is held, the tool does not move and the device moves freely */
     OST_ACTION_HOME,         /* moves the tool to its first pose, clear of the bone, without cutting on the way */
     OST_ACTION_COUNT
 } ost_action;
-/* Returns the name of an action, "none", "motor", "home" and so on; static. */
+/* Returns the name of an action, for example "none", "motor" or "home"; static. */
 OST_API const char *ost_action_name(ost_action action);
 
 enum { OST_BUTTONS_MAX = 8 };
@@ -70,8 +70,8 @@ typedef struct ost_haptic_info {
 } ost_haptic_info;
 
 /*
- * Fills out with the actions of a device's buttons: the defaults, changed by text, for instance
- * "stylus1=next-tool,2=none".  A button is given by its name or by its number from 1.  text may be NULL.
+ * Writes the actions of a device's buttons to out: the default actions, changed as text specifies, for instance
+ * "stylus1=next-tool,2=none".  text identifies a button by its name or by its number, starting at 1.  text may be NULL.
  * Returns OST_ERR_USAGE, with the name in err, for an unknown button or action.
  */
 OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX],
@@ -79,31 +79,31 @@ OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *te
 
 /* Returns the number of devices that this library supports; indices 0 to count - 1 are in a fixed order. */
 OST_API int ost_haptic_count(void);
-/* Describes a device. Returns OST_ERR_USAGE if the index is out of range. */
+/* Describes device number `index`. Returns OST_ERR_USAGE if index is out of range. */
 OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err);
 
 typedef struct ost_haptic ost_haptic;
 typedef struct ost_mouse_input ost_mouse_input;
 
-/* Inputs of a device. Pointers are borrowed until ost_haptic_open returns. */
+/* Inputs of a device. The pointers are borrowed until ost_haptic_open returns. */
 typedef struct ost_haptic_setup {
     const ost_path *path; /* script: path of the tool; sim: path of the simulated hand */
     const char *session;  /* replay: file name of a session */
-    ost_mouse_input *mouse; /* mouse: hand that a window moves; borrowed until ost_haptic_close */
+    ost_mouse_input *mouse; /* mouse: state set by a window; borrowed until ost_haptic_close */
     ost_pose start;       /* null: pose of the tool; motion: first pose; real devices: pose at the handle's centre */
-    ost_path_options gaps; /* motion: gaps of its file */
+    ost_path_options gaps; /* motion: rules for gaps in the file */
 } ost_haptic_setup;
 
 /*
- * Opens a device by a specification, "name" or "name:key=value,key=value":
+ * Opens a device by a specification, "name" or "name:key=value,key=value".  Defaults are in parentheses:
  *
  *   null              does not move
- *   script            follows a path, one row a tick
+ *   script            follows a path, one row per tick
  *   replay            repeats the ticks of a session
  *   sim               simulates a device of 60 g with friction and encoders in a hand that follows a path:
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
  *   motion:FILE       recorded motion of a tracked hand (docs/reference/devices.md), plain or gzip: scale=PERCENT (5),
- *                     gap=MS, jump=MM (both are derived from its rows by default)
+ *                     gap=MS, jump=MM (both are derived from the rows of the file by default)
  *   mouse             the mouse of a window, through setup.mouse
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
@@ -116,21 +116,21 @@ typedef struct ost_haptic_setup {
  * The caller owns *out and closes it by ost_haptic_close.
  */
 OST_API ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err);
-/* Closes a device; its force is 0 afterwards. NULL is allowed. */
+/* Sets the device's force to 0 and closes the device. NULL is allowed. */
 OST_API void ost_haptic_close(ost_haptic *device);
-/* Returns the name of an open device without options; valid until it is closed. */
+/* Returns the name of an open device without options; valid until the device is closed. */
 OST_API const char *ost_haptic_name(const ost_haptic *device);
 
 enum { OST_HAPTIC_TEXT = 160 };
-/* Writes a few words about an open device into text, for instance the address it listens on, or "". Returns text. */
+/* Writes a short description of an open device, such as the address on which it listens, or "", to text; returns it. */
 OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAPTIC_TEXT]);
 /*
- * Force limits that an open device reports, and their source: "HD_NOMINAL_MAX_FORCE", "an omega".
- * The safety layer's limit is OST_HAPTIC_LIMIT_SHARE of the reported one.
+ * Force limits reported by an open device, and their source, for example "HD_NOMINAL_MAX_FORCE" or "an omega".
+ * The limit of the safety layer is OST_HAPTIC_LIMIT_SHARE times the reported limit.
  */
 #define OST_HAPTIC_LIMIT_SHARE 0.9
 typedef struct ost_haptic_limits {
-    double force_n;                 /* peak force as reported by the device; may be NAN */
+    double force_n;                 /* peak force reported by the device; may be NAN */
     double continuous_n, torque_nm; /* continuous force and torque; 0: not reported */
     char from[48];
 } ost_haptic_limits;
@@ -138,31 +138,34 @@ typedef struct ost_haptic_limits {
 OST_API bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out);
 /* Returns true if the force is 0.1 to 100 N and the torque is 0 or 0.001 to 10 N m. */
 OST_API bool ost_haptic_limits_usable(const ost_haptic_limits *limits);
-/* A counter of a device: its name and its value. */
+/* A counter of a device. */
 enum { OST_HAPTIC_COUNTS = 12 };
 typedef struct ost_haptic_tally {
     const char *name; /* "wrong_key" */
     uint64_t value;
 } ost_haptic_tally;
-/* Reads the counters of a device since it was opened. Returns their number. May be called on any thread. */
+/*
+ * Writes the counters of a device to out and returns their number. The counters are 0 when the device is opened.
+ * May be called on any thread.
+ */
 OST_API int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST_HAPTIC_COUNTS]);
 
 typedef enum ost_haptic_answer {
     OST_HAPTIC_FRESH, /* a new pose */
     OST_HAPTIC_NO_SAMPLE, /* no new sample; the state is unchanged */
-    OST_HAPTIC_NOT_TRACKED, /* tracking is lost; when it returns, the device continues from the tool's last pose */
-    OST_HAPTIC_ENDED, /* no more poses will follow, as planned: the end of a path */
-    OST_HAPTIC_LOST   /* no more poses will follow: the device failed or was unplugged */
+    OST_HAPTIC_NOT_TRACKED, /* tracking is lost; once it resumes, the device continues from the tool's last pose */
+    OST_HAPTIC_ENDED, /* no more poses will follow because the input has ended, for example a path */
+    OST_HAPTIC_LOST   /* no more poses will follow because the device failed or was unplugged */
 } ost_haptic_answer;
 
 /* A sample of a device. */
 typedef struct ost_haptic_state {
     ost_pose pose;
-    int32_t tool; /* index of the tool; -1: the device does not report it */
-    uint32_t buttons; /* bit i: button i is held */
+    int32_t tool; /* index of the tool; -1 if the device does not report the tool */
+    uint32_t buttons; /* bit i is set while button i is held */
     bool lifted;  /* the tool was lifted before this pose (path.h) */
-    bool turned;  /* replay: the pose already contains the turn of a motor of speed rpm (motor.h) */
-    int32_t rpm;  /* turns a minute; valid if turned */
+    bool turned;  /* replay: the pose already includes the rotation by the motor at rpm (motor.h) */
+    int32_t rpm;  /* motor speed in turns per minute; valid if turned */
 } ost_haptic_state;
 
 /* Force and torque on the hand, in the bone's frame; the torque is about the tool's origin. */
@@ -171,33 +174,33 @@ typedef struct ost_wrench {
 } ost_wrench;
 
 /*
- * Reads a device; called once a tick.  Does not block.  A device with a clock of its own may be read only on the
+ * Reads a device.  Called once per tick.  Does not block.  A device with a clock of its own may be read only on the
  * device's thread within a tick, as ost_servo_run does.
  */
 OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state);
 /*
- * Writes a wrench; called once a tick.  Does not block.  A device with a clock of its own may be written only on the
- * device's thread within a tick, or when no ticks run.  Has no effect on a device that renders no force.
+ * Writes a wrench to a device.  Called once per tick.  Does not block.  A device with a clock of its own may be written
+ * only on the device's thread within a tick, or when no ticks run.  Has no effect on a device that renders no force.
  */
 OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
 
 /*
- * The hand of the device `mouse`.  A window's thread sets its pose, and the device follows it smoothly and no faster
- * than an operation accepts.  Both sides are wait-free; only one thread may call ost_mouse_input_put.
+ * The input of the device `mouse`.  The thread of a window sets a pose; the device follows this pose smoothly and no
+ * faster than an operation accepts.  Both sides are wait-free; only one thread may call ost_mouse_input_put.
  */
 enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the device `mouse` */
-/* Creates the hand with its first state. The caller frees it after the device has been closed. */
+/* Creates the input with its first state. The caller frees it after closing the device. */
 OST_API ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err);
-/* Frees the hand of the device `mouse`. NULL is allowed. */
+/* Frees the input of the device `mouse`. NULL is allowed. */
 OST_API void ost_mouse_input_free(ost_mouse_input *mouse);
-/* Sets the pose. With state->lifted the device moves there in one tick and reports that the tool was lifted. */
+/* Sets the pose. If state->lifted, the device moves there in one tick and reports that the tool was lifted. */
 OST_API void ost_mouse_input_put(ost_mouse_input *mouse, const ost_haptic_state *state);
 
 /* ------------------------------------------------------------- histograms */
 
-/* A histogram of times: bins of 1 us below 4096 us, and bins of 1 ms up to 4096 ms for longer times. */
+/* Number of bins of each part of a histogram: 1 us wide below 4096 us, 1 ms wide for longer times up to 4096 ms. */
 enum { OST_TIMES_BINS = 4096 };
-/* A histogram; zero-initialise it before use. */
+/* A histogram of times. Zero-initialise it before use. */
 typedef struct ost_times {
     uint64_t count, max_ns;
     uint64_t us[OST_TIMES_BINS], ms[OST_TIMES_BINS];
@@ -206,62 +209,65 @@ typedef struct ost_times {
 /* Adds a time in nanoseconds to a histogram. Allocates no memory. */
 OST_API void ost_times_add(ost_times *times, uint64_t ns);
 /*
- * Returns the quantile of share (0 to 1) in us: the upper end of its bin, but at most the greatest time.
- * Returns 0 for an empty histogram.
+ * Returns the quantile `share` (0 to 1) in us: the upper end of the bin that contains it, but at most the greatest time
+ * added.  Returns 0 for an empty histogram.
  */
 OST_API double ost_times_share_us(const ost_times *times, double share);
 
 /* ------------------------------------------------------------------ servo */
 
 /*
- * Returns the core to reserve for the servo loop: the last one that the calling thread may use, or -1 if there is only
- * one or the system does not report it.  Call it before ost_servo_core_leave.  With a core of its own the loop misses
- * no deadlines to a renderer that uses all other cores.
+ * Returns the core to reserve for the servo loop: the last core in the affinity of the calling thread, or -1 if there
+ * is only one core or the affinity is unknown.  Must be called before ost_servo_core_leave.  On a core of its own, the
+ * loop misses no deadlines because of a renderer that uses all other cores.
  */
 OST_API int ost_servo_core(void);
-/* Removes a core from the affinity of the calling thread and of threads it creates later. Returns false on failure. */
+/*
+ * Removes a core from the affinity of the calling thread and of the threads that it creates later. Returns false on
+ * failure.
+ */
 OST_API bool ost_servo_core_leave(int core);
 
-/* The real-time properties that the system granted, as text for reports. */
+/* The real-time properties granted by the system, as text for reports. */
 typedef struct ost_realtime {
     char scheduling[120]; /* "SCHED_FIFO 80", or the class in use and the reason */
     char memory[120];     /* "locked", or the reason why it is not */
-    char core[120];       /* "core 1 alone", or the reason why there is none */
+    char core[120];       /* "core 1 alone", or the reason why no core is reserved */
 } ost_realtime;
 
 typedef struct ost_servo_sample {
     uint64_t number;      /* number of the tick, from 0 */
-    int64_t t_ns;         /* time of the world: number times the period */
+    int64_t t_ns;         /* time of the world: number * period */
     ost_haptic_state state;
-    bool declared;        /* there is no new pose; state is the last one */
-    bool tracking_lost;   /* tracking is lost; state is the last one, or has a zero quaternion if there was none */
-    uint32_t wake_ns;     /* delay of the tick after its due time */
+    bool declared;        /* there is no new pose; state is the last state */
+    bool tracking_lost;   /* state is the last state, or has a zero quaternion if tracking was lost from the start */
+    uint32_t wake_ns;     /* delay between the due time and the start of the tick */
     uint32_t missed;      /* number of ticks skipped before this one */
 } ost_servo_sample;
 
 /*
- * Called on the servo thread for each tick.  wrench is zero on entry and is written to the device on return.  Returns
- * false to stop the loop.  Must not block.
+ * Called on the servo thread for each tick.  *wrench is zero on entry and is written to the device after the return.
+ * Returns false to stop the loop.  Must not block.
  */
 typedef bool ost_servo_tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench);
-/* Called on the servo thread after the wrench was written, with the duration of the tick. */
+/* Called on the servo thread after the wrench has been written. exec_ns is the duration of the tick. */
 typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 
-/* Called on the servo thread before a tick is due, without its pose. Must not block; see lead_ns. */
+/* Called on the servo thread before a tick is due, when its pose is not known yet. Must not block; see lead_ns. */
 typedef void ost_servo_rehearse(void *user);
 
-/* Options of the servo loop; zero for the defaults. */
+/* Options of the servo loop. A zero-initialised struct selects the defaults. */
 typedef struct ost_servo_options {
-    int64_t period_ns;    /* 0: 1,000,000 */
+    int64_t period_ns;    /* 0 selects 1,000,000 */
     uint64_t ticks;       /* number of ticks; 0: until the device ends or tick returns false */
     bool no_clock;        /* run ticks without waiting, for devices whose poses do not depend on time */
     bool no_realtime;     /* request neither real-time priority nor locked memory */
     bool pinned;          /* run on `core` only; the affinity is restored afterwards */
     int core;
     /*
-     * Time before a tick is due at which the loop wakes, calls rehearse, and then spins until the tick is due, so that
-     * the core is awake and the data is in its caches.  0 to half a period.  Not used if it is 0, if rehearse is NULL,
-     * or with a device that has a clock of its own.
+     * The loop wakes this time before a tick is due, calls rehearse, and then spins until the tick is due, so that
+     * the core is awake and the data is in its caches.  0 to half a period.  There is no rehearsal if lead_ns is 0,
+     * rehearse is NULL, no_clock is set, or the device has a clock of its own.
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
@@ -277,44 +283,45 @@ typedef enum ost_servo_end {
 } ost_servo_end;
 
 /*
- * The results of the servo loop. It has about 460 kB, because of its histograms: allocate it, do not
- * put it on the stack.
+ * The results of the servo loop. Because of its histograms, the struct has about 260 kB and does not belong on the
+ * stack.
  */
 typedef struct ost_servo_report {
     ost_servo_end end;
     uint64_t ticks;
-    uint64_t missed;           /* deadlines: ticks that ended after the next one was due, and ticks skipped for them */
+    uint64_t missed;           /* deadlines: ticks that ended after the next was due, and ticks skipped for this */
     /*
-     * Causes, whose sum is `missed`.  missed_by_work: the tick used more than half a period of thread CPU time.
-     * Otherwise missed_woken_late: the loop woke a period late or more.  Otherwise missed_preempted: it was preempted.
+     * The missed deadlines by cause; the sum is `missed`.  missed_by_work: the tick used more than half a period of
+     * thread CPU time.  Otherwise missed_woken_late: the loop woke at least one period late.  Otherwise
+     * missed_preempted: the thread was preempted.
      */
     uint64_t missed_by_work, missed_woken_late, missed_preempted;
-    int64_t lead_ns;           /* lead of the rehearsals; 0: there were none */
+    int64_t lead_ns;           /* lead of the rehearsals; 0: there were no rehearsals */
     uint64_t longest_miss;     /* greatest number of consecutive ticks skipped */
     uint64_t without_sample;   /* ticks without a new pose */
     uint64_t tracking_lost;    /* ticks without tracking */
-    int64_t stolen_ms;         /* time that the hypervisor took from all cores during the run; -1: unknown */
+    int64_t stolen_ms;         /* sum over all cores of the time stolen by the hypervisor in the run; -1: unknown */
     ost_times wake, exec, completion;
-    ost_times own;             /* thread CPU time of the ticks: exec without preemption */
+    ost_times own;             /* thread CPU time of the ticks, that is, exec without preemption */
     ost_realtime realtime;
 } ost_servo_report;
 
 /*
- * The watchdog: this number of consecutive ticks without a new sample ends the loop, 5 ms at 1 kHz.
- * A device that reports lost tracking does deliver samples.
+ * The watchdog ends the loop after this number of consecutive ticks without a new sample, which is 5 ms at 1 kHz.
+ * A report of lost tracking counts as a sample.
  */
 enum { OST_SERVO_WATCHDOG_TICKS = 5 };
 
 /*
- * Runs the servo loop on the calling thread until one of ost_servo_end.  Ticks are due at absolute times.  A late tick
- * runs at once; ticks that are already past are skipped and counted.  No tick runs before the device's first pose,
- * unless it reports that tracking is lost.  When the loop has ended, a wrench of 0 is written to the device.  A device
- * with a clock of its own calls tick on its own thread.
+ * Runs the servo loop on the calling thread until one of the events of ost_servo_end.  Ticks are due at absolute times.
+ * A late tick runs at once; ticks whose time has passed are skipped and counted.  No tick runs before the device's
+ * first pose, unless the device reports that tracking is lost.  At the end of the loop, a wrench of 0 is written to the
+ * device.  A device with a clock of its own calls tick on its own thread.
  *
- * options may be NULL (the defaults), done may be NULL.  report, about 260 kB, is filled in every case; allocate it on
- * the heap or statically.  Returns OST_ERR_USAGE, with a report of zeros and without a tick, if the period is not from
- * 10,000 ns to 1 s, if lead_ns is not from 0 to half a period, or if no_clock is set for a device without
- * OST_HAPTIC_LOGICAL.  Returns the error of a device with a clock of its own that cannot run.
+ * options may be NULL, which selects the defaults; done may be NULL.  *report (about 260 kB; not on the stack) is
+ * always written.  Returns OST_ERR_USAGE, with a report of zeros and without running a tick, if the period is not
+ * within 10,000 ns to 1 s, if lead_ns is not within 0 to half a period, or if no_clock is set for a device without
+ * OST_HAPTIC_LOGICAL.  Returns an error if a device with a clock of its own cannot run.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
                                  ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);

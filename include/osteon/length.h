@@ -2,12 +2,12 @@
 /*
  * Exact lengths as int64 picometres (docs/spec/arithmetic.md, AR-LEN).
  *
- *   1 mm = 1,000,000,000 pm, so 0.48828125 mm and every decimal with up to
- *   nine places is exact.  |length| <= OST_LENGTH_MAX (8 m).
+ *   1 mm = 1,000,000,000 pm, so 0.48828125 mm and every decimal in mm with up
+ *   to nine places is exact.  |length| <= OST_LENGTH_MAX (8 m).
  *
  * Decimals are read from text exactly; a float from a file represents the
- * shortest decimal that reads back as that float.  No function here uses
- * floating point to decide a value; none depends on the locale.
+ * shortest decimal that reads back as that float.  No result in this header
+ * depends on floating-point rounding or on the locale, except ost_pm_to_mm.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -38,18 +38,17 @@ typedef struct ost_pm3 {
 OST_API void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p);
 
 /*
- * A decimal as it was written:
+ * A decimal as written in a text:
  *
  *   value = +-(|mantissa| + tail / 10^18) * 10^exponent
  *
- * mantissa has the sign and the first 18 significant digits, tail the next 18.
- * inexact is true if tail or a later digit is not 0, more if a digit after the tail
- * is not 0.  36 digits decide every rounding here: a tie of RHE(value * 10^9) or
- * RHE(value * 2^30) has at most 31 digits after the point, so further digits can
+ * mantissa contains the sign and the first 18 significant digits, tail the next 18.
+ * inexact is true if tail or a later digit is not 0; more is true if a digit after the
+ * tail is not 0.  36 digits suffice for every rounding here: a tie of RHE(value * 10^9)
+ * or RHE(value * 2^30) has at most 31 digits after the point, so further digits can
  * only make the value greater than the tie (AR-LEN-2).
- * places is the number of digits written after the point less the written
- * exponent: 1.250e1 has places 2, a unit of 10^-places.  It may be negative
- * (12e3 has -3).
+ * places is the number of digits written after the point minus the written exponent,
+ * so the last digit has the unit 10^-places.  1.250e1 has places 2, and 12e3 has -3.
  */
 typedef struct ost_decimal {
     int64_t mantissa; /* |mantissa| < 10^18 */
@@ -63,23 +62,23 @@ typedef struct ost_decimal {
 
 /*
  * Reads the longest decimal ([+-]digits[.digits][(e|E)[+-]digits]) at the start
- * of [text, end). Returns a pointer to the first byte after it, or NULL if there is
- * no decimal ("nan", "inf" and empty text are not decimals) or if the magnitude of
- * the written exponent exceeds 9,999.
+ * of [text, end). Returns a pointer to the first byte after the decimal, or NULL if
+ * there is no decimal ("nan", "inf" and empty text are not decimals) or if the
+ * magnitude of the written exponent exceeds 9,999.
  */
 OST_API const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out);
 
 /*
  * Computes RHE(value * factor), factor >= 1. The result is exact for decimals of up
  * to 36 significant digits, and for any number of digits if the factor is a product
- * of powers of 2 and 10 whose ties have at most 36. Returns false if the result does
- * not fit int64. If exact is not NULL, *exact is set to true if nothing was rounded.
+ * of powers of 2 and 10 whose ties have at most 36 digits. Returns false if the result
+ * does not fit int64. If exact is not NULL, *exact is true if nothing was rounded.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 
 /*
- * Returns true if the value is an integer of a magnitude below 2^64, which is written to *magnitude; the sign is
- * value->negative.
+ * Returns true if the value is an integer with a magnitude below 2^64, and writes the magnitude to *magnitude; the sign
+ * is value->negative.
  */
 OST_API bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude);
 
@@ -87,32 +86,32 @@ OST_API bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude);
 OST_API bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact);
 
 /*
- * Converts a text like "0.47", in millimetres, to picometres. Fails unless the complete text is one
- * decimal in range.
+ * Converts a text such as "0.47", in millimetres, to picometres. Fails unless the complete text is one
+ * decimal within +-OST_LENGTH_MAX.
  */
 OST_API ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err);
 
 /*
- * Converts the shortest decimal that reads back as this float32 (or float64), in millimetres, to
- * picometres, RHE. Returns false if the number is NaN, infinite or out of range.
+ * Converts a float32 in millimetres to picometres: the shortest decimal that reads back as this float32 is
+ * rounded RHE. Returns false if the number is NaN, infinite or out of range.
  */
 OST_API bool ost_pm_from_float(float mm, ost_pm *out);
-/* Converts a float64 in the same way. */
+/* Converts a float64 in millimetres to picometres by the rule of ost_pm_from_float. */
 OST_API bool ost_pm_from_double(double mm, ost_pm *out);
 
 /*
- * Converts the binary value itself, in millimetres, to picometres, RHE; for mesh vertices (AR-MESH-2).
- * Returns false if the number is NaN, infinite or out of range.
+ * Converts a number in millimetres to picometres: its exact binary value is rounded RHE. Used for mesh vertices
+ * (AR-MESH-2). Returns false if the number is NaN, infinite or out of range.
  */
 OST_API bool ost_pm_from_binary(double mm, ost_pm *out);
 
 enum { OST_PM_TEXT = 32 };
 /*
- * Formats the length in millimetres in the shortest exact decimal form, "0.47", "-57.34", "1": at most
- * nine places. Returns text.
+ * Formats a length in millimetres as the shortest exact decimal, for example "0.47", "-57.34" or "1", with
+ * at most nine places. Returns text.
  */
 OST_API char *ost_pm_format(ost_pm value, char text[OST_PM_TEXT]);
-/* Returns the nearest double in millimetres, only for display and pictures. */
+/* Returns a length in millimetres, rounded to the nearest double. For display and pictures only. */
 OST_API double ost_pm_to_mm(ost_pm value);
 
 #ifdef __cplusplus

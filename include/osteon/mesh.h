@@ -4,8 +4,8 @@
  *
  *   file -> ost_mesh (picometres) -> ost_snapped_mesh (lattice) -> backend
  *
- * Backends must be equal from the snapped mesh on (docs/spec/arithmetic.md, AR-MESH): it is
- * made once, on the host, and its digest is recorded.
+ * The snapped mesh is computed once, on the host, and its digest is recorded.  From the snapped
+ * mesh on, all backends must give equal results (docs/spec/arithmetic.md, AR-MESH).
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -19,7 +19,7 @@
 extern "C" {
 #endif
 
-/* Vertices in picometres in the mesh file's own frame; faces counter-clockwise as seen from outside. */
+/* Vertices in picometres, in the frame of the mesh file; triangles are counter-clockwise as seen from outside. */
 typedef struct ost_mesh {
     size_t vertex_count;
     ost_pm3 *vertices; /* owned */
@@ -29,20 +29,20 @@ typedef struct ost_mesh {
 
 enum { OST_MESH_TRIANGLES_MAX = 1 << 26 };
 
-/* Allocates arrays of these sizes, without initialising their elements. */
+/* Allocates the arrays of a mesh without initialising their elements. */
 OST_API ost_status ost_mesh_init(ost_mesh *mesh, size_t vertex_count, size_t triangle_count, ost_error *err);
 /* Frees the arrays of a mesh, which is then empty. */
 OST_API void ost_mesh_free(ost_mesh *mesh);
 /*
- * Computes the bounds of the vertices that a triangle uses. Returns OST_ERR_INPUT if there is no triangle, and
- * OST_ERR_USAGE if a triangle uses a vertex beyond the last.
+ * Computes the bounds of all vertices that are used by triangles. Returns OST_ERR_INPUT if there is no triangle, and
+ * OST_ERR_USAGE if a vertex index is out of range.
  */
 OST_API ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost_error *err);
-/* Returns the signed volume in mm^3, positive for outward faces; for reports, not for decisions. */
+/* Returns the signed volume in mm^3, which is positive for outward faces. For reports only. */
 OST_API double ost_mesh_volume_mm3(const ost_mesh *mesh);
 /*
- * Counts the edges that are not shared by exactly two triangles of opposite direction. Vertices with equal positions
- * count as one.
+ * Counts the edges that are not shared by exactly two triangles with opposite directions of the edge. Vertices with
+ * equal positions count as one vertex.
  */
 OST_API ost_status ost_mesh_open_edges(const ost_mesh *mesh, size_t *open_edges, ost_error *err);
 
@@ -51,14 +51,14 @@ enum { OST_TOOL_DIM_MAX = 4096, OST_TOOL_DIM_REMOVE_MAX = 1024 };
 #define OST_TOOL_VOXEL_MIN (OST_PM_PER_MM / 1000)
 #define OST_TOOL_VOXELS_MAX (INT64_C(1) << 33)
 
-/* The grid of a tool: MinVoxelCoords (a corner, not a centre), voxel size, dims (thesis, Alg. 2.1). */
+/* The grid of a tool: dims, voxel size and MinVoxelCoords, which is a corner, not a centre (thesis, Alg. 2.1). */
 typedef struct ost_tool_geometry {
     ost_dims dims;
     ost_pm voxel;
     ost_pm3 corner;
 } ost_tool_geometry;
 
-/* Returns OST_ERR_RANGE, with a message that names the limit, if one of the limits above is exceeded. */
+/* Returns OST_ERR_RANGE, with the limit in the message, if one of the limits above is exceeded. */
 OST_API ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, ost_error *err);
 
 /*
@@ -69,9 +69,9 @@ OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_p
                                                  ost_error *err);
 
 /*
- * Vertices on the lattice of voxel/2^fraction_bits from the grid's corner.
- * 0 <= coordinate <= dims << fraction_bits <= 2^20; triangles whose snapped
- * cross product is zero are dropped and counted.
+ * A mesh whose vertices are integers, in units of voxel/2^fraction_bits from the
+ * corner of the grid: 0 <= coordinate <= dims << fraction_bits <= 2^20.  Triangles
+ * whose snapped cross product is zero are dropped and counted.
  */
 typedef struct ost_snapped_mesh {
     ost_tool_geometry grid;
@@ -85,14 +85,14 @@ typedef struct ost_snapped_mesh {
 
 /*
  * Snaps a mesh to the lattice of a tool grid (AR-MESH-3, AR-MESH-4). Returns OST_ERR_RANGE if a vertex
- * is outside the lattice, OST_ERR_MEMORY if memory runs out. The caller frees *out by
+ * is outside the lattice, and OST_ERR_MEMORY if memory is exhausted. The caller frees *out by
  * ost_snapped_mesh_free.
  */
 OST_API ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,
                                  ost_error *err);
 /* Frees the arrays of a snapped mesh, which is then empty. */
 OST_API void ost_snapped_mesh_free(ost_snapped_mesh *mesh);
-/* Computes the stage digest of the data that every backend receives (AR-DIG-7). */
+/* Computes the digest of a snapped mesh, the data that every backend receives (AR-DIG-7). */
 OST_API ost_status ost_snapped_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
 #ifdef __cplusplus
