@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon: a surgical simulation platform for glenoid reaming, and any joint.
- * This header includes the complete library; each concept has a header of its own.
+ * osteon: a surgical simulation platform for glenoid reaming and other joints.
+ * This header includes the complete library; each concept has its own header.
  *
  *   status.h    statuses, error messages, versions   backend.h    grids, bones and tools, and operations on them
  *   length.h    exact lengths in picometres          io.h         reading and writing files
@@ -11,7 +11,7 @@
  *   tool.h      tool grids                           path.h       the motion of a tool over time
  *   digest.h    SHA-256 of grids                     event.h      sweeps, maps, events and their reports
  *   plugin.h    external backends, loaded from files session.h    recorded operations
- *   haptics.h   devices and the servo loop           operation.h  a world that a device moves
+ *   haptics.h   devices and the servo loop           operation.h  a world whose tools a device moves
  *   force.h     force feedback and safety layer      metrics.h    the outcome of an operation
  *   render.h    voxels drawn as points               live.h       the state of a running operation for viewers
  *   motor.h     the motor that turns a tool          segment.h    a CT divided into bones

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A path: the motion of a tool over time.  A row is a tick; t strictly increases.
- * Rows contain the index of the tool in use, so that a path may switch tools, and
- * the speed of its motor (docs/spec/arithmetic.md, AR-MOTOR).
+ * A path: the motion of a tool over time.  Each row is a tick, and t strictly
+ * increases.  A row contains the index of the tool in use, so that a path can switch
+ * tools, and the speed of the tool's motor (docs/spec/arithmetic.md, AR-MOTOR).
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -27,11 +27,11 @@ enum { OST_RPM_ON = -1, OST_RPM_OF_DEVICE = -2, OST_RPM_MAX = 3000 };
 /* One revolution of the motor in the unit of its angles, revolutions per minute times nanoseconds. */
 #define OST_MOTOR_TURN INT64_C(60000000000)
 
-/* A row of a path: the pose of a tool at a time. */
+/* A row of a path: the pose of a tool at a point in time. */
 typedef struct ost_tick {
-    int64_t t_ns; /* nanoseconds */
+    int64_t t_ns; /* time in nanoseconds */
     int32_t tool; /* index into the world's tools */
-    /* speed of the motor: 1 to OST_RPM_MAX; 0: off, the tool removes nothing; OST_RPM_ON; OST_RPM_OF_DEVICE */
+    /* speed of the motor: 1 to OST_RPM_MAX, OST_RPM_ON, OST_RPM_OF_DEVICE, or 0: off, the tool removes no bone */
     int32_t rpm;
     ost_pose pose;
     bool lifted;  /* the tool was lifted before this tick: there is no sweep from the previous tick (AR-SWEEP-5) */
@@ -48,8 +48,8 @@ enum { OST_PATH_TICKS_MAX = 100000000 };
 
 enum { OST_PATH_NO_GAPS = -1 };
 /*
- * Two rows that are farther apart than these limits are a gap, and the second begins lifted. 0: the limit is computed
- * from the rows (AR-PATH-5); OST_PATH_NO_GAPS: there is no limit.
+ * If two rows are farther apart than one of these limits, there is a gap between them and the second row begins lifted.
+ * 0: the limit is computed from the rows (AR-PATH-5).  OST_PATH_NO_GAPS: there is no limit.
  */
 typedef struct ost_path_options {
     int64_t max_gap_ns;

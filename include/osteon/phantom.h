@@ -2,12 +2,13 @@
 /*
  * Generated bones and parametric tools, so that all programs run without data.
  *
- * A phantom is a CT: densities in HU on a rect grid at the sizes and spacings
- * of the thesis' Table 3.1, with noise and partial volume, from a seed.  The
- * same seed gives the same grid on every machine: integer noise, no libm
- * beyond sqrt.  meta holds the glenoid's position and axis and the side
- * (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_SIDE), and the scapula's landmarks
- * (OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE).
+ * A phantom is a CT: densities in HU on a rect grid with the sizes and spacings of
+ * Table 3.1 of the thesis, with partial volume and with noise generated from a seed.
+ * The same seed gives the same grid on every machine, because the noise is computed
+ * with integers and no libm function except sqrt is used.  meta contains the position
+ * and axis of the glenoid, the side (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS,
+ * OST_META_SIDE), and the landmarks of the scapula (OST_META_TRIGONUM,
+ * OST_META_INFERIOR_ANGLE).
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -22,7 +23,7 @@ extern "C" {
 
 typedef enum ost_phantom_kind {
     OST_PHANTOM_SCAPULA,     /* 256 x 234 x 201 at 0.47 x 0.47 x 1 mm */
-    OST_PHANTOM_GLENOID,     /* 49 x 81 x 41 at 0.47 x 0.47 x 1 mm: the scapula's glenoid */
+    OST_PHANTOM_GLENOID,     /* 49 x 81 x 41 at 0.47 x 0.47 x 1 mm: the glenoid of the scapula */
     OST_PHANTOM_TRABECULAR,  /* core 1: 156 x 156 x 313 at 32 um */
     OST_PHANTOM_TRABECULAR2, /* core 2: 314 x 316 x 360 at 32 um */
     OST_PHANTOM_FOAM,        /* 314 x 320 x 604 at 32 um */
@@ -30,32 +31,34 @@ typedef enum ost_phantom_kind {
 } ost_phantom_kind;
 
 typedef struct ost_phantom_options {
-    uint64_t seed;     /* 0 = 1 */
-    ost_pm3 spacing;   /* 0 = that of the thesis; the physical size is unchanged, dims = ceil(size / spacing) */
-    double scale;      /* scale of the anatomy and its box; 0 = 1 */
+    uint64_t seed;     /* 0: 1 */
+    ost_pm3 spacing;   /* 0: the spacing of the thesis; dims = ceil(size / spacing), with the same physical size */
+    double scale;      /* scale of the anatomy and its box; 0: 1 */
     bool left;         /* default: right */
 } ost_phantom_options;
 
-/* Returns the name of a kind of phantom, as `osteon phantom` takes it; static. */
+/* Returns the name of a kind of phantom, as used by `osteon phantom`; static. */
 OST_API const char *ost_phantom_name(ost_phantom_kind kind);
-/* Makes a phantom; options may be NULL. The caller owns *out. */
+/* Generates a phantom. options may be NULL. The caller owns *out. */
 OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *options, ost_volume *out,
                                     ost_error *err);
 
 /*
- * Closed triangle meshes, working face toward -z (the tool cuts along -z of
- * its own frame), shaft along +z, lengths in picometres; 0 = default.
- *   reamer  hemispherical head with teeth, and a hub that does not cut: bounds
- *           (-18, -18, 0)..(17.4, 18, 20.3) mm by default
+ * Parametric tools as closed triangle meshes.  In the frame of the tool, the working
+ * face points to -z, the cutting direction, and the shaft to +z.  Lengths are in
+ * picometres; 0 selects the default.
+ *   reamer  hemispherical head with teeth, and a non-cutting hub; the default bounds
+ *           are (-18, -18, 0)..(17.4, 18, 20.3) mm
  *   peg     cylinder
  *   burr    sphere on a shaft
  */
 typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_TOOL_KIND_COUNT } ost_tool_kind;
 
 /*
- * The complete tool, its cutting part (head) or the part that does not cut
- * (shaft): a reamer's hub behind its back, a burr's shaft from the middle of its
- * sphere on.  The union of head and shaft is the complete tool.  A peg has no shaft.
+ * The complete tool, its cutting part (head) or its non-cutting part (shaft).  The
+ * shaft of a reamer is the hub behind its back; the shaft of a burr starts at the
+ * centre of the sphere.  The union of head and shaft is the complete tool.  A peg has
+ * no shaft.
  */
 typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } ost_tool_part;
 
@@ -66,14 +69,13 @@ typedef struct ost_tool_options {
     ost_tool_part part;
 } ost_tool_options;
 
-/* Returns the name of a kind of tool, as `osteon tool` takes it; static. */
+/* Returns the name of a kind of tool, as used by `osteon tool`; static. */
 OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
 /* Returns true for kinds that have a shaft. */
 OST_API bool ost_tool_has_shaft(ost_tool_kind kind);
 /*
- * Makes the closed mesh of a tool in its own frame: z along the axis, away from the hand. options may
- * be NULL. Returns OST_ERR_RANGE if a dimension is out of range. The caller frees *out by
- * ost_mesh_free.
+ * Creates the closed mesh of a tool in the frame of the tool. options may be NULL. Returns OST_ERR_RANGE
+ * if a dimension is out of range. The caller frees *out by ost_mesh_free.
  */
 OST_API ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err);
 
