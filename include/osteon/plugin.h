@@ -7,37 +7,38 @@
  *   host                                             mine.so
  *   load the file, find ost_plugin_entry  ------->   its table, checked slot by slot
  *   open(options, host)                   ------->   an instance
- *   grids, bones, tools, events           ------->   one slot a stage, as in backend.h
+ *   grids, bones, tools, events           ------->   one slot per stage, as in backend.h
  *   reports, error texts                  <-------
  *
- * A plugin needs only this file of osteon: it is not linked to the library, and
- * all types here are plain C.  docs/spec/arithmetic.md defines the results of the
- * stages; its rules are named AR-....  examples/plugin contains a complete
- * plugin, in C and in OpenCL.
+ * This header is the only file of osteon that a plugin needs: a plugin is not
+ * linked to the library, and all types here are plain C.  docs/spec/arithmetic.md
+ * defines the results of the stages; the names of its rules begin with AR-.
+ * examples/plugin contains a complete plugin, in C and in OpenCL.
  *
- * Binary interface.  OST_PLUGIN_ABI is the interface's number: a table with
- * another number is refused.  Every struct begins with its size in bytes as its
- * writer's version defines it; later versions only add members at the end, so a
- * reader accesses a member only if size includes it.  All integers are
- * little-endian and naturally aligned (LP64).  Structs in arrays are `stride`
- * bytes apart.
+ * Binary interface.  OST_PLUGIN_ABI is the number of the interface; the host
+ * rejects a table with another number.  Every struct begins with its size in
+ * bytes, as defined by the version of the program that writes the struct.  Later
+ * versions only add members at the end, so a reader accesses a member only if
+ * size includes the member.  All integers are little-endian and naturally aligned
+ * (LP64).  Structs in arrays are `stride` bytes apart.
  *
- * Threads.  An instance and its objects get one call at a time, not always from
- * the same thread.  A plugin may have threads of its own; they must not call
- * back after a slot has returned.  The file stays loaded until the process ends.
+ * Threads.  The host makes one call at a time to an instance and its objects, but
+ * not always on the same thread.  A plugin may create threads; they must not call
+ * the host after a slot has returned.  The file remains loaded until the process
+ * ends.
  *
- * Lifetimes.  Arguments of a slot are valid until it returns: copy what is
- * needed later.  Objects that a slot creates belong to the host, which frees
- * each by its free slot before close.
+ * Lifetimes.  The arguments of a slot are valid until the slot returns; the plugin
+ * must copy any data that it uses later.  Objects created by a slot belong to the
+ * host, which frees each of them by its free slot before close.
  *
- * Errors.  A slot returns an ost_plugin_status and, unless that is
- * OST_PLUGIN_OK, one line of text for the user in error->text.  A slot that
- * fails has changed nothing; if it may have, it returns OST_PLUGIN_LOST, and the
- * host does not use that object again.  No exception and no longjmp may leave a
- * slot.  The host checks what can be checked (statuses, NULL objects, chunk
- * numbers, reports) and reports violations.  A plugin that writes beyond its
- * arguments' bounds crashes the process, so `osteon validate` runs each backend
- * in a process of its own.
+ * Errors.  A slot returns an ost_plugin_status and, unless this is OST_PLUGIN_OK,
+ * writes one line of text for the user to error->text.  A slot that fails must
+ * not have changed an object; if it may have changed one, it returns
+ * OST_PLUGIN_LOST, and the host does not use that object again.  No exception and
+ * no longjmp may leave a slot.  The host checks statuses, NULL objects, chunk
+ * numbers and reports, and reports violations.  A plugin that writes beyond the
+ * bounds of its arguments can crash the process, so `osteon validate` runs each
+ * backend in a process of its own.
  */
 #ifndef OSTEON_PLUGIN_H
 #define OSTEON_PLUGIN_H
@@ -61,21 +62,21 @@ extern "C" {
 typedef enum ost_plugin_status {
     OST_PLUGIN_OK = 0,
     OST_PLUGIN_USAGE = 1,       /* options or arguments are wrong */
-    OST_PLUGIN_RANGE = 2,       /* beyond this plugin's limits */
+    OST_PLUGIN_RANGE = 2,       /* a value is beyond the limits of this plugin */
     OST_PLUGIN_MEMORY = 3,
-    OST_PLUGIN_UNAVAILABLE = 4, /* no such device, or not built in: the text says what to install */
-    OST_PLUGIN_FAILED = 5,      /* anything else; nothing has changed */
-    OST_PLUGIN_LOST = 6         /* the object's content is unknown from now on */
+    OST_PLUGIN_UNAVAILABLE = 4, /* the device does not exist or was not built in; the text names what to install */
+    OST_PLUGIN_FAILED = 5,      /* any other failure; no object has changed */
+    OST_PLUGIN_LOST = 6         /* the content of the object is unknown from now on */
 } ost_plugin_status;
 
-/* The memory for the text of an error, which the host provides. */
+/* Memory for the text of an error, provided by the host. */
 typedef struct ost_plugin_error {
     uint32_t size;
-    uint32_t text_size; /* bytes of text, its NUL included */
+    uint32_t text_size; /* size of text in bytes, including the NUL */
     char *text;         /* one line; empty before the call */
 } ost_plugin_error;
 
-/* Lengths are in picometres (10^-9 mm), exact. Voxel (i, j, k) is element i + x (j + y k). */
+/* A dense grid. Lengths are exact, in picometres (10^-9 mm). Voxel (i, j, k) is element i + dims[0] (j + dims[1] k). */
 typedef struct ost_plugin_geometry {
     uint32_t size;
     int32_t dims[3];
@@ -83,7 +84,7 @@ typedef struct ost_plugin_geometry {
     int64_t origin_pm[3]; /* centre of voxel (0, 0, 0) */
 } ost_plugin_geometry;
 
-/* A tool's grid: voxel (i, j, k) has its centre at corner + (i + 1/2, j + 1/2, k + 1/2) voxel (AR-TOOL). */
+/* The grid of a tool: the centre of voxel (i, j, k) is corner + (i + 1/2, j + 1/2, k + 1/2) voxel (AR-TOOL). */
 typedef struct ost_plugin_tool_geometry {
     uint32_t size;
     int32_t dims[3];
@@ -97,19 +98,19 @@ typedef struct ost_plugin_tool_geometry {
 typedef struct ost_plugin_sample { /* its layout of 32 bytes never changes */
     int64_t x_pm, y_pm, z_pm;
     int32_t density;
-    uint32_t line; /* counted from the batch's first_line */
+    uint32_t line; /* line number minus first_line of the batch */
 } ost_plugin_sample;
 
 /* A batch of samples. */
 typedef struct ost_plugin_samples {
     uint32_t size;
-    int32_t duplicates; /* 0 error, 1 first, 2 last, 3 max: AR-CT-6 */
+    int32_t duplicates; /* 0 error, 1 first, 2 last, 3 max (AR-CT-6) */
     uint64_t count;
     int64_t first_line;
     const ost_plugin_sample *sample;
 } ost_plugin_samples;
 
-/* In and out: results of the batches before this one; see ost_scatter_report in backend.h. */
+/* In: results of the previous batches; out: results including this batch. See ost_scatter_report in backend.h. */
 typedef struct ost_plugin_scatter_report {
     uint32_t size;
     int16_t conflict_had, conflict_has;
@@ -119,13 +120,13 @@ typedef struct ost_plugin_scatter_report {
 
 /* ----------------------------------------------------------------- tools */
 
-/* A mesh on the lattice voxel / 2^fraction_bits from the tool grid's corner (AR-MESH). */
+/* A mesh with integer vertices in units of voxel / 2^fraction_bits from the corner of the tool's grid (AR-MESH). */
 typedef struct ost_plugin_mesh {
     uint32_t size;
     int32_t fraction_bits;
     uint64_t vertex_count, triangle_count;
     const int32_t *vertices;   /* x, y, z of each vertex */
-    const uint32_t *triangles; /* three vertices of each triangle, counter-clockwise from outside */
+    const uint32_t *triangles; /* three vertices of each triangle, counter-clockwise as seen from outside */
 } ost_plugin_mesh;
 
 /* The counts of a voxelization; see ost_voxelize_report in backend.h. */
@@ -137,19 +138,21 @@ typedef struct ost_plugin_voxelize_report {
 
 /* ---------------------------------------------------------------- events */
 
-/* high * 2^64 + low, two's complement */
+/* A 128-bit integer in two's complement: high * 2^64 + low. */
 typedef struct ost_plugin_int128 {
     uint64_t low;
     int64_t high;
 } ost_plugin_int128;
 
 /*
- * Maps bone voxels to tool voxels at one pose (AR-MAP), in three forms: exactly,
- * (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor in
- * units of 2^-20 tool voxel; as the integers that decide, the host's block_base
- * and step; and as affine, the doubles nearest to the exact map in tool voxels,
- * affine[a][0..2] (i, j, k) + affine[a][3], for plugins that compute in floating
- * point.
+ * Maps bone voxel (i, j, k) to tool coordinate a at one pose (AR-MAP), in three
+ * forms:
+ *
+ *   exact     (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
+ *             in units of 2^-20 tool voxel
+ *   integer   block_base of the host, and step; these integers define the result
+ *   affine    affine[a][0..2] (i, j, k) + affine[a][3] in tool voxels: the doubles
+ *             nearest to the exact map, for plugins that compute in floating point
  */
 typedef struct ost_plugin_map {
     uint32_t size;
@@ -162,17 +165,17 @@ typedef struct ost_plugin_map {
 /* An event: the maps of its poses and the density classes (AR-REM). */
 typedef struct ost_plugin_event {
     uint32_t size;
-    int32_t map_count; /* >= 1: the poses of a sweep */
+    int32_t map_count; /* number of poses of the sweep, >= 1 */
     uint64_t stride;   /* bytes from one map to the next */
     const ost_plugin_map *maps;
     int32_t class_count;      /* 1 to 8 */
-    /* a voxel's class is the last one whose border is not above its density; 0 if all are above */
+    /* borders; a voxel is in the last class whose border is <= its density, or in class 0 if there is none */
     const int16_t *class_from;
 } ost_plugin_event;
 
 /*
- * Inputs and results of the steps before the voxels, for plugins that execute them (slots snap
- * and steps).
+ * Inputs and results of the steps that precede the work on voxels, for plugins that execute these
+ * steps themselves (slots snap and steps).  This is a mesh as read from a file.
  */
 typedef struct ost_plugin_raw_mesh {
     uint32_t size;
@@ -182,25 +185,25 @@ typedef struct ost_plugin_raw_mesh {
     const uint32_t *triangles;  /* three vertices of each triangle */
 } ost_plugin_raw_mesh;
 
-/* A snapped mesh (AR-MESH-3), in memory that the host provides. */
+/* A snapped mesh (AR-MESH-3), in memory provided by the host. */
 typedef struct ost_plugin_snapped {
     uint32_t size;
     int32_t fraction_bits;
-    uint64_t triangle_count; /* number of triangles kept */
-    int32_t *vertices;       /* has space for all vertices; zero-filled */
-    uint32_t *triangles;     /* has space for all triangles */
+    uint64_t triangle_count; /* number of triangles that are not dropped */
+    int32_t *vertices;       /* space for all vertices, zero-filled */
+    uint32_t *triangles;     /* space for all triangles */
 } ost_plugin_snapped;
 
 /* A pose: quaternion and translation (AR-POSE). */
 typedef struct ost_plugin_pose {
     uint32_t size;
-    int32_t q[4]; /* w, x, y, z in 2^-30 */
+    int32_t q[4]; /* w, x, y, z in units of 2^-30 */
     int64_t t_pm[3];
 } ost_plugin_pose;
 
 /*
- * The host reads divisor, origin, column and step of a map passed to add, and computes a
- * voxel's base from them by block_base.
+ * The input of the slot steps.  Of a map passed to add, the host reads divisor, origin, column and
+ * step, from which block_base computes the base of a block.
  */
 typedef struct ost_plugin_steps {
     uint32_t size;
@@ -210,21 +213,21 @@ typedef struct ost_plugin_steps {
     const ost_plugin_pose *from; /* start of the sweep; NULL: the event has one pose, `to` */
     const ost_plugin_pose *to;
     void *sink;
-    /* if it does not return OST_PLUGIN_OK, the slot stops and returns that value */
+    /* Receives a pose and its map. If add does not return OST_PLUGIN_OK, the slot stops and returns that value. */
     int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map);
 } ost_plugin_steps;
 
 /*
- * Filled by the slot: it calls add once for each chunk with a removed voxel, in ascending
- * order, then sets touched_voxels.
+ * The report of an event.  The slot calls add once for each chunk with a removed voxel, in ascending
+ * order of the chunk numbers, and then sets touched_voxels.
  */
 typedef struct ost_plugin_report {
     uint32_t size;
     uint32_t reserved;
     void *sink;
     /*
-     * voxels and density have class_count counts and sums; if it does not return OST_PLUGIN_OK,
-     * the slot stops and returns that value
+     * voxels contains class_count counts, and density class_count sums. If add does not return
+     * OST_PLUGIN_OK, the slot stops and returns that value.
      */
     int32_t (*add)(void *sink, int32_t chunk, const uint32_t *voxels, const int64_t *density);
     uint64_t touched_voxels; /* active voxels covered only by non-cutting tool voxels */
@@ -237,7 +240,7 @@ typedef struct ost_plugin_bone_stats {
     int64_t active_chunks, active_voxels, chunk_bytes, resident_bytes;
 } ost_plugin_bone_stats;
 
-/* How a cubic voxel's density follows from the rect grid (AR-CUB-2 to 4); since interface 2. */
+/* The rule of resampling from the rect grid to the cubic grid (AR-CUB-2 to 4); since interface 2. */
 typedef enum ost_plugin_resample {
     OST_PLUGIN_LINEAR = 0,
     OST_PLUGIN_NEAREST = 1,
@@ -246,17 +249,17 @@ typedef enum ost_plugin_resample {
 
 /* ------------------------------------------------------------------ host */
 
-/* The functions and facts that the host provides; valid until the plugin is closed. */
+/* Functions and values provided by the host; valid until the plugin is closed. */
 typedef struct ost_plugin_host {
     uint32_t size;
     uint32_t abi;
-    int32_t arithmetic;  /* version of docs/spec/arithmetic.md with which the host compares */
+    int32_t arithmetic;  /* version of docs/spec/arithmetic.md that the host implements */
     uint32_t reserved;
     const char *version; /* version of osteon */
     /*
-     * Computes the base of the block of 16^3 voxels that begins at (16 x, 16 y, 16 z),
-     * AR-MAP-5. Returns 0 without setting base if none of its voxels can be inside the tool's
-     * grid.
+     * Computes the base of the block of 16^3 voxels whose first voxel has the indices 16 block[0],
+     * 16 block[1] and 16 block[2] (AR-MAP-5). Returns 0 without setting base if no voxel of the
+     * block can be inside the tool's grid.
      */
     int32_t (*block_base)(const ost_plugin_map *map, const int32_t block[3], int32_t base[3]);
 } ost_plugin_host;
@@ -269,22 +272,22 @@ typedef struct ost_plugin_bone ost_plugin_bone; /* a chunk grid */
 typedef struct ost_plugin_tool ost_plugin_tool; /* a tool grid: 0 void, 1 cutting, 2 not cutting */
 
 /*
- * No slot may be NULL except the last two. The host has checked that arguments are within the
- * ranges of backend.h and grid.h.
+ * The table of a plugin. Only the last two slots may be NULL. Before a call, the host checks that
+ * the arguments are within the ranges of backend.h and grid.h.
  */
 typedef struct ost_plugin {
     uint32_t size;
     uint32_t abi;            /* OST_PLUGIN_ABI */
-    int32_t arithmetic;      /* the version of docs/spec/arithmetic.md that the plugin implements; 0: none */
+    int32_t arithmetic;      /* version of docs/spec/arithmetic.md that the plugin implements; 0: none */
     uint32_t reserved;
     const char *name;        /* one line, for example "mine 1.2" */
     const char *description; /* one sentence */
 
-    /* options: the text after the file's name and its comma, or "" */
+    /* Creates an instance. options is the text after the file name and its comma, or "". */
     int32_t (*open)(const char *options, const ost_plugin_host *host, ost_plugin_instance **out,
                     ost_plugin_error *error);
     void (*close)(ost_plugin_instance *self);
-    /* Waits until all work is complete, and reports a late failure. */
+    /* Waits until all work is complete. Returns the status of work that failed after its slot had returned. */
     int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
 
     /* A new grid is zero-filled. Slices are z0 <= k < z0 + count. */
@@ -296,17 +299,17 @@ typedef struct ost_plugin {
     int32_t (*grid_download)(const ost_plugin_grid *grid, int32_t z0, int32_t count, int16_t *voxels,
                              ost_plugin_error *error);
 
-    /* AR-CT-4 to 6 (thesis, Alg. 2.4) */
+    /* Scatters samples into a rect grid (AR-CT-4 to 6; thesis, Alg. 2.4). */
     int32_t (*ct_to_rect)(ost_plugin_grid *rect, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
                           ost_plugin_error *error);
-    /* AR-CUB (Alg. 2.5); rule is an ost_plugin_resample. The new grid has the given geometry. */
+    /* Resamples to a new grid of the given geometry (AR-CUB; Alg. 2.5). rule is an ost_plugin_resample. */
     int32_t (*rect_to_cubic)(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule,
                              ost_plugin_grid **out, ost_plugin_error *error);
-    /* AR-CHK (Alg. 2.6) */
+    /* Creates a bone from a cubic grid (AR-CHK; Alg. 2.6). */
     int32_t (*cubic_to_chunks)(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold,
                                ost_plugin_bone **out, ost_plugin_error *error);
 
-    /* A new bone has no active voxel; an upload applies the threshold. Slices have no padding. */
+    /* A new bone has no active voxels. An upload sets densities below the threshold to 0. Slices have no padding. */
     int32_t (*bone_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size,
                            int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);
     void (*bone_free)(ost_plugin_bone *bone);
@@ -316,7 +319,10 @@ typedef struct ost_plugin {
     int32_t (*bone_download)(const ost_plugin_bone *bone, int32_t z0, int32_t count, int16_t *voxels,
                              ost_plugin_error *error);
 
-    /* AR-VOX (Alg. 2.1 and section 2.3); noncutting may be NULL; parity: 0 winding, 1 parity. */
+    /*
+     * Voxelizes a tool (AR-VOX; Alg. 2.1 and section 2.3). noncutting may be NULL. parity is the fill rule: 0 winding,
+     * 1 parity.
+     */
     int32_t (*voxelize)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
                         const ost_plugin_mesh *cutting, const ost_plugin_mesh *noncutting, int32_t parity,
                         ost_plugin_voxelize_report *report, ost_plugin_tool **out, ost_plugin_error *error);
@@ -325,31 +331,35 @@ typedef struct ost_plugin {
     int32_t (*tool_download)(const ost_plugin_tool *tool, uint8_t *voxels, ost_plugin_error *error);
     void (*tool_free)(ost_plugin_tool *tool);
 
-    /* AR-REM (Algs. 2.8 to 2.10); collide reports the same as remove and changes nothing. */
+    /*
+     * Executes an event (AR-REM; Algs. 2.8 to 2.10). collide makes the same report as remove, but does not change the
+     * bone.
+     */
     int32_t (*remove)(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
                       ost_plugin_report *report, ost_plugin_error *error);
     int32_t (*collide)(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
                        ost_plugin_report *report, ost_plugin_error *error);
 
     /*
-     * The steps before the voxels, executed by the plugin itself. Each slot may be NULL or beyond
-     * the table's size: the plugin then gets the host's results. `osteon validate` calls these
-     * slots in every case, compares their results bit by bit with the host's (stages snap and
-     * steps), and its verdict says which of the two a plugin executed itself.
+     * The steps that precede the work on voxels. A plugin that executes them itself sets these slots.
+     * If a slot is NULL or beyond the size of the table, the host executes the step and passes its
+     * results to the plugin. `osteon validate` calls these slots in every case and compares their
+     * results bit by bit with the results of the host (stages snap and steps). Its verdict states
+     * which of the two steps the plugin executed itself.
      */
-    /* AR-MESH-3, AR-MESH-4: fills *made; the kept triangles stay in their order. */
+    /* Snaps a mesh (AR-MESH-3, AR-MESH-4) and writes *made. The order of the remaining triangles does not change. */
     int32_t (*snap)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
                     const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made, ost_plugin_error *error);
     /*
-     * AR-SWEEP-1 to 4, AR-MAP-1 to 3: calls in->add once for each pose of the event, in order,
-     * and never for an event that it refuses.
+     * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). Calls in->add once for
+     * each pose, in order. Does not call in->add if the slot returns an error.
      */
     int32_t (*steps)(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
 } ost_plugin;
 
 /*
- * The symbol that the host loads. host_abi is the host's OST_PLUGIN_ABI; returns NULL if the
- * plugin cannot work with it.
+ * The type of the symbol that the host loads. host_abi is the OST_PLUGIN_ABI of the host. Returns the
+ * table, or NULL if the plugin does not support this interface.
  */
 typedef const ost_plugin *ost_plugin_entry_function(uint32_t host_abi);
 #define OST_PLUGIN_ENTRY "ost_plugin_entry"

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Voxels as ray-box points (Majercik et al. 2018; thesis 2.6), drawn by the
- * processor without a display or driver.  The picture is bit-identical for every
+ * Voxels drawn as ray-box points (Majercik et al. 2018; thesis 2.6) on the CPU,
+ * without a display or a graphics driver.  The picture is bit-identical for every
  * instruction set and number of threads.
  *
  * Every surface voxel is a point that covers a small rectangle of pixels.  A
- * pixel of the rectangle shows the voxel if its ray meets the voxel's box; the
- * nearest voxel is kept.  Nothing here affects the removal of voxels.
+ * voxel is a candidate for a pixel of its rectangle if the ray of the pixel meets
+ * the box of the voxel; the pixel shows the nearest candidate.  Nothing here
+ * affects the removal of voxels.
  */
 #ifndef OSTEON_RENDER_H
 #define OSTEON_RENDER_H
@@ -18,12 +19,13 @@
 extern "C" {
 #endif
 
-enum { OST_FRAME_MAX = 8192 }; /* pixels on a side of a frame */
+enum { OST_FRAME_MAX = 8192 }; /* greatest width and height of a frame in pixels */
 
 /*
- * The camera's frame: x to the right of the picture, y up, view direction -z;
- * pose maps it to the bone's frame.  With a focal length of f pixels and a
- * vertical angle of view a, the picture is 2 f tan(a / 2) pixels high.
+ * A camera.  In its frame, x points to the right of the picture, y up, and the
+ * view direction is -z; pose maps this frame to the bone's frame.  With a focal
+ * length of f pixels and a vertical angle of view a, the picture is
+ * 2 f tan(a / 2) pixels high.
  */
 typedef struct ost_camera {
     ost_pose pose;
@@ -35,29 +37,25 @@ typedef struct ost_camera {
 OST_API ost_status ost_camera_check(const ost_camera *camera, ost_error *err);
 
 /*
- * Sets camera->pose to that of a camera at from_mm directed at at_mm.  up need
- * be neither a unit vector nor perpendicular to the view direction.
+ * Sets camera->pose to a camera at position from_mm that looks at at_mm.  up need
+ * not be a unit vector or perpendicular to the view direction.
  */
 OST_API ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3],
                                       ost_camera *camera, ost_error *err);
 
 typedef enum ost_style {
-    OST_STYLE_SMOOTH, /* each voxel lit by the normal of the surface around it, darker in hollows */
-    OST_STYLE_FACES   /* the thesis: each face by its own normal */
+    OST_STYLE_SMOOTH, /* each voxel is lit by the normal of the surface around it; hollows are darker */
+    OST_STYLE_FACES   /* each face is lit by its own normal, as in the thesis */
 } ost_style;
 
-/*
- * Draws the voxels at or above the threshold, which must be cubes, as seen by
- * the camera.  isa is a level as in OSTEON_ISA, NULL for the best; threads 0
- * means one for each processor.  The caller owns the picture.
- */
+/* Options of ost_picture_points. A zero-initialised struct selects the defaults. */
 typedef struct ost_points_options {
-    int32_t threshold; /* 0 = 120 */
+    int32_t threshold; /* 0: 120 */
     ost_style style;
-    const char *isa;
-    int threads;
+    const char *isa;   /* a level as in OSTEON_ISA; NULL: the best level of this machine */
+    int threads;       /* 0: one for each processor */
 } ost_points_options;
-/* Draws the picture described above. The caller owns *out. */
+/* Draws the voxels at or above the threshold, which must be cubes, as seen by the camera. The caller owns *out. */
 OST_API ost_status ost_picture_points(const ost_volume *volume, const ost_camera *camera,
                                       const ost_points_options *options, ost_picture *out, ost_error *err);
 

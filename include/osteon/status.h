@@ -3,9 +3,9 @@
  * Statuses and error messages.
  *
  * Every function that can fail returns an ost_status and takes an ost_error*
- * as its last argument.  The error has one line of text for the user: the file, the
- * line or offset, the wrong value, and the expected one.
- * The ost_error pointer may always be NULL; only the text is then lost.
+ * as its last argument.  The error contains one line of text for the user: the
+ * file, the line or offset, the wrong value, and the expected value.  The
+ * ost_error pointer may always be NULL; the text is then lost.
  *
  * Threads: an ost_error belongs to its caller; the functions here share no state.
  */
@@ -30,13 +30,13 @@ extern "C" {
  *   OST_OK               done
  *   OST_ERR_DIFFER       a check failed or two grids differ
  *   OST_ERR_USAGE        the caller's arguments are wrong
- *   OST_ERR_INPUT        a file's content is wrong; the text has the position
- *   OST_ERR_RANGE        a value lies outside the range for which docs/spec/arithmetic.md
- *                        has its proofs; the text has the value and the bound
- *   OST_ERR_IO           the system failed to read or write; the text has the reason
- *   OST_ERR_MEMORY       an allocation failed; the text has its size or its purpose
- *   OST_ERR_UNAVAILABLE  not in this build or not on this machine; the text has the
- *                        reason or the package to install
+ *   OST_ERR_INPUT        the content of a file is wrong; the text contains the position
+ *   OST_ERR_RANGE        a value is outside the range for which docs/spec/arithmetic.md
+ *                        proves its results; the text contains the value and the bound
+ *   OST_ERR_IO           the system failed to read or write; the text contains the reason
+ *   OST_ERR_MEMORY       an allocation failed; the text contains its size or purpose
+ *   OST_ERR_UNAVAILABLE  not available in this build or on this machine; the text
+ *                        contains the reason or the package to install
  *   OST_ERR_CANCELLED    a progress callback cancelled the operation
  *   OST_ERR_INTERNAL     a defect in osteon itself
  */
@@ -61,7 +61,7 @@ typedef enum ost_status {
 
 enum { OST_ERROR_TEXT = 640 };
 
-/* An error message: one line without a newline, always NUL-terminated. It must be zero-initialised before use. */
+/* An error message: one line without a newline, always NUL-terminated. Zero-initialise the struct before use. */
 typedef struct ost_error {
     ost_status status;
     char text[OST_ERROR_TEXT];
@@ -71,22 +71,22 @@ typedef struct ost_error {
 OST_API const char *ost_status_name(ost_status status);
 /* Returns the general text of the status, for example "bad input"; never NULL. */
 OST_API const char *ost_status_text(ost_status status);
-/* Returns the command's exit status for this status: 0, 1, 2 or 3. */
+/* Returns the exit status of the command for this status: 0, 1, 2 or 3. */
 OST_API int ost_status_exit(ost_status status);
 
 /*
- * Fills err, unless it is NULL, and returns status, so that a failing function
- * ends with `return ost_fail(err, OST_ERR_INPUT, "%s:%ld: ...", path, line)`.
- * Characters of the input that would break the line or act on a terminal
- * (control and direction characters, bytes that are not UTF-8) become '?'.
+ * Writes the status and the text to err, unless err is NULL, and returns status, so that
+ * a failing function ends with `return ost_fail(err, OST_ERR_INPUT, "%s:%ld: ...", path, line)`.
+ * Characters that would break the line or control a terminal (control and direction
+ * characters, bytes that are not UTF-8) are replaced by '?'.
  */
 OST_API ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...) OST_PRINTF(3, 4);
 
-/* Inserts "prefix: " before the text in err; returns err's status, or OST_ERR_INTERNAL if err is NULL. */
+/* Inserts "prefix: " before the text in err. Returns the status in err, or OST_ERR_INTERNAL if err is NULL. */
 OST_API ost_status ost_fail_context(ost_error *err, const char *format, ...) OST_PRINTF(2, 3);
 
 /*
- * The version of these headers.  Version 0.2.0 is OST_VERSION_NUMBER(0, 2, 0), an integer, so that a
+ * The version of these headers.  Version 0.2.0 is the integer OST_VERSION_NUMBER(0, 2, 0), so that the
  * preprocessor can compare versions: #if OST_VERSION >= OST_VERSION_NUMBER(0, 2, 0).
  */
 #define OST_VERSION_MAJOR 0
@@ -95,9 +95,9 @@ OST_API ost_status ost_fail_context(ost_error *err, const char *format, ...) OST
 #define OST_VERSION_NUMBER(major, minor, patch) ((major) * 1000000 + (minor) * 1000 + (patch))
 #define OST_VERSION OST_VERSION_NUMBER(OST_VERSION_MAJOR, OST_VERSION_MINOR, OST_VERSION_PATCH)
 
-/* Returns the version of the library that is running, for example "0.2.0"; static, never NULL. */
+/* Returns the version of the loaded library, for example "0.2.0"; static, never NULL. */
 OST_API const char *ost_version(void);
-/* Returns the version of the library that is running as an OST_VERSION_NUMBER. */
+/* Returns the version of the loaded library as an OST_VERSION_NUMBER. */
 OST_API int ost_version_number(void);
 /* The version of docs/spec/arithmetic.md that this library implements. */
 enum { OST_ARITHMETIC_VERSION = 2 };

@@ -5,7 +5,7 @@
  *   0 void   1 cutting   2 not cutting (touches, but removes nothing)
  *
  * Voxel (i, j, k) has its centre at corner + (i + 1/2, j + 1/2, k + 1/2) * voxel
- * in the tool's frame, which is the mesh file's own.
+ * in the tool's frame, which is the frame of the mesh file.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -20,7 +20,7 @@ extern "C" {
 
 enum { OST_TOOL_VOID = 0, OST_TOOL_CUTTING = 1, OST_TOOL_NONCUTTING = 2 };
 
-/* A tool grid in host memory, one byte a voxel. */
+/* A tool grid in host memory, one byte per voxel. */
 typedef struct ost_tool_volume {
     ost_tool_geometry geometry;
     ost_meta meta;
@@ -31,7 +31,7 @@ typedef struct ost_tool_volume {
 OST_API ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *geometry, ost_error *err);
 /* Frees the voxels of a tool volume, which is then empty. */
 OST_API void ost_tool_volume_free(ost_tool_volume *tool);
-/* Returns the number of voxels of one class. */
+/* Returns the number of voxels of a class. */
 OST_API int64_t ost_tool_volume_count(const ost_tool_volume *tool, uint8_t tool_class);
 
 #ifdef __cplusplus
