@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The boundary to the backends: their list, the selection of one by a string, and
- * the checks of all arguments before a call through the table.
+ * The interface to the backends: their list, the selection of a backend by a string,
+ * and the check of all arguments before a call through the function table.
  */
 #include "core/backend.h"
 
@@ -168,16 +168,17 @@ ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t coun
     return rect->backend->ops->ct_to_rect(rect, samples, count, first_line, duplicates, report, err);
 }
 
-/* Returns ceil(dim * rect / cubic); dim < 2^15 and rect < 2^37, so the product fits. */
+/* Returns ceil(dim * rect / cubic). dim < 2^15 and rect < 2^37, so the product fits int64. */
 static int64_t cubic_dim(int32_t dim, ost_pm rect, ost_pm cubic)
 {
     return ost_ceil_div(dim * rect, cubic);
 }
 
 /*
- * Returns the origin of the cubic grid (AR-CUB-1): the first centre lies half a
- * cubic voxel inside the box's corner, which is half a rect voxel before the rect
- * grid's first centre. |origin| < 2^43 and spacing < 2^37, so the sum fits.
+ * Returns the origin of the cubic grid (AR-CUB-1). The corner of the box lies half a
+ * rect voxel before the first centre of the rect grid, and the first centre of the
+ * cubic grid lies half a cubic voxel inside that corner. |origin| < 2^43 and
+ * spacing < 2^37, so the sum fits int64.
  */
 static ost_pm cubic_origin(ost_pm origin, ost_pm rect, ost_pm cubic)
 {
@@ -410,7 +411,7 @@ static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const 
     if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
         return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes at most %d along an axis",
                         (int)d.x, (int)d.y, (int)d.z, OST_TOOL_DIM_REMOVE_MAX);
-    /* The borders must be ascending, as backends search for a voxel's class from either end. */
+    /* The borders must be ascending, because a backend may search for the class of a voxel from either end. */
     return ost_density_classes_check(event->classes, err);
 }
 

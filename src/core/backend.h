@@ -7,15 +7,16 @@
  *
  * Rules for implementers
  *   - Only the last two slots may be NULL; a slot of an unsupported operation returns
- *     OST_ERR_UNAVAILABLE.  (A backend that can never be opened in this build has only
+ *     OST_ERR_UNAVAILABLE.  (A backend that can never be opened in this build sets only
  *     the slots up to open.)
  *   - Objects embed the structs below as their first member; the backend fills them,
  *     except ost_backend.ops, which ost_backend_open sets.
  *   - Arguments have been checked; a slot may assert, but does not check again.
  *   - Only one thread at a time calls the slots of a backend.
- *   - A slot that fails has changed nothing, or the object is lost: all its slots
- *     except free and geometry then return OST_ERR_UNAVAILABLE.
- *   - Results are bit-exact as docs/spec/arithmetic.md defines, where a slot's comment says so.
+ *   - A slot that fails leaves the object unchanged, or the object is lost: all calls
+ *     with a lost object, except free and geometry, return OST_ERR_UNAVAILABLE.
+ *   - If the comment of a slot says "bit-exact", its results are exactly those that
+ *     docs/spec/arithmetic.md defines.
  */
 #ifndef OST_CORE_BACKEND_H
 #define OST_CORE_BACKEND_H
@@ -51,11 +52,14 @@ struct ost_backend_ops {
     const char *name;
     const char *description;
 
-    /* Returns true if open can work here, by a cheap check; otherwise fills reason (never NULL, size bytes). */
+    /*
+     * Returns true if open can succeed on this machine, according to a cheap check. Otherwise writes the reason, at
+     * most size bytes. reason is never NULL.
+     */
     bool (*available)(char *reason, size_t size);
     /*
-     * Visits every device, with the reason if it is refused; none if the backend has no choice of
-     * devices. Slow: it tries devices.
+     * Visits every device, with the reason if the device cannot be used. Visits none if the backend
+     * has no choice of devices. Slow, because it tests the devices.
      */
     ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
     /* Opens a backend. options is the text after "name:", or "". Sets *out; (*out)->ops need not be set. */
@@ -63,22 +67,22 @@ struct ost_backend_ops {
     void (*close)(ost_backend *backend);
     ost_backend_settings (*settings)(const ost_backend *backend);
     ost_status (*finish)(ost_backend *backend, ost_error *err);
-    /* Visits the backend's paths that decide voxels, with their counts (paths.h). */
+    /* Visits the paths of the backend that compute voxels, with their counts (paths.h). */
     void (*paths)(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-    /* Creates a zero-filled grid, frees it, and copies slices to and from it. No arithmetic. */
+    /* These four slots create a zero-filled grid, free a grid, and copy slices to and from a grid. */
     ost_status (*grid_create)(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
     void (*grid_free)(ost_grid *grid);
     ost_status (*grid_upload)(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*grid_download)(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 
-    /* AR-CT-4..6, bit-exact including the report. */
+    /* AR-CT-4 to 6; bit-exact, including the report. */
     ost_status (*ct_to_rect)(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
-    /* AR-CUB, bit-exact. geometry is the cubic grid's, already computed. */
+    /* AR-CUB; bit-exact. geometry is the geometry of the cubic grid. */
     ost_status (*rect_to_cubic)(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                 ost_error *err);
-    /* AR-CHK, bit-exact. */
+    /* AR-CHK; bit-exact. */
     ost_status (*cubic_to_chunks)(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
                                   ost_error *err);
 
@@ -90,47 +94,46 @@ struct ost_backend_ops {
     ost_status (*bone_upload)(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
     /*
-     * Reads the densities of single voxels, 0 outside the grid. For use in ticks: allocates no memory.
-     * OST_ERR_UNAVAILABLE if the voxels are not in the host's memory.
+     * Reads the densities of single voxels, 0 outside the grid. Used in ticks, so it allocates no memory.
+     * Returns OST_ERR_UNAVAILABLE if the voxels are not in host memory.
      */
     ost_status (*bone_sample)(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                               ost_error *err);
     /*
-     * Reads the occupancy of complete chunks, n^3/32 words each, laid out as in chunk_grid.h. For use
-     * in ticks: allocates no memory and waits for no other thread, but for the device if the voxels are
-     * on one. OST_ERR_UNAVAILABLE if the backend can read voxels only by slices.
+     * Reads the occupancy of complete chunks, n^3/32 words per chunk, in the layout of chunk_grid.h. Used
+     * in ticks, so it allocates no memory and waits for no other thread; if the voxels are on a device, it
+     * waits for the device. Returns OST_ERR_UNAVAILABLE if the backend can read voxels only by slices.
      */
     ost_status (*bone_occupancy)(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                  ost_error *err);
-    /* Computes the AR-DIG-2 leaves of 32^3 voxels, independent of the chunk size; leaves has capacity for all. */
+    /* Computes the leaves of 32^3 voxels (AR-DIG-2), for any chunk size. leaves has space for all leaves. */
     ost_status (*bone_leaves)(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
-    /* AR-VOX, bit-exact including the report. noncutting may be NULL; otherwise it has the same grid as cutting. */
+    /* AR-VOX; bit-exact, including the report. noncutting is NULL or has the same grid as cutting. */
     ost_status (*voxelize)(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
     ost_status (*tool_upload)(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
-    /* Fills the voxels of volume, which is initialised for the tool's geometry. */
+    /* Writes the voxels of a tool to volume, which has been initialised with the tool's geometry. */
     ost_status (*tool_download)(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
     void (*tool_free)(ost_tool *tool);
 
-    /* AR-REM, bit-exact including the report (cleared by the caller). */
+    /* AR-REM; bit-exact, including the report, which the caller has cleared. */
     ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                          ost_removal_report *report, ost_error *err);
     ost_status (*collide)(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                           ost_removal_report *report, ost_error *err);
 
     /*
-     * The steps before the voxels, for a backend that computes them itself; only validation calls these
-     * slots, to compare the results. Both slots are NULL if the backend uses the results of src/core; a
-     * slot of an opened backend can also return OST_ERR_UNAVAILABLE for this.
+     * The steps that precede the work on voxels, for a backend that executes them itself. Only validation
+     * calls these slots, to compare the results. If a backend uses the results of src/core, both slots are
+     * NULL, or they return OST_ERR_UNAVAILABLE.
      */
     /* AR-MESH-3, AR-MESH-4. The caller frees out by ost_snapped_mesh_free. */
     ost_status (*snap)(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,
                        ost_error *err);
     /*
-     * AR-SWEEP-1 to 4, AR-MAP-1 to 3. from is NULL for an event without a sweep from a previous pose;
-     * poses and maps have capacity for OST_SWEEP_MAX elements. The backend sets *count to 0 to refuse
-     * the event.
+     * AR-SWEEP-1 to 4, AR-MAP-1 to 3. from is NULL for an event without a sweep from a previous pose.
+     * poses and maps have space for OST_SWEEP_MAX elements. *count is 0 if the event is rejected.
      */
     ost_status (*steps)(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,
                         const ost_pose *from, const ost_pose *to, int *count, ost_pose *poses, ost_map *maps,
@@ -142,9 +145,9 @@ extern const ost_backend_ops ost_backend_cpu;
 extern const ost_backend_ops ost_backend_cl;
 extern const ost_backend_ops ost_backend_plugin;
 
-/* The slot `devices` of a backend without a choice of devices. */
+/* The slot `devices` of a backend that has no choice of devices. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
-/* The slot `bone_sample` of a backend whose voxels are not in the host's memory. */
+/* The slot `bone_sample` of a backend whose voxels are not in host memory. */
 ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                          ost_error *err);
 /* The slot `bone_occupancy` of a backend that can read voxels only by slices. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Iterates over the runs of set bits in a row of words, beginning with the lowest
- * bit of the first word.  render/points/cells.h and window/changed.h use it for the
+ * Iterates over the runs of set bits in an array of words, beginning with the lowest
+ * bit of the first word.  Used by render/points/cells.h and window/changed.h for the
  * parts of a picture.
  */
 #ifndef OST_CORE_BITS_RUN_H
@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Sets the half-open range [*from, *to) of bits to the next run at or after *to. Returns false if there is none. */
+/* Sets [*from, *to) to the next run of set bits at or after *to. Returns false if there is none. */
 static inline bool ost_bits_run(const uint64_t *word, int words, int *from, int *to)
 {
     int i = *to;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A plain and serial implementation.  Slabs of slices are copied in rows of up to n
- * voxels; chunk_part is the intersection of a slab z0 <= k < z1 with one chunk.
+ * A simple serial implementation.  A slab of slices z0 <= k < z1 is copied in rows of
+ * up to n voxels; chunk_part is the intersection of a slab with one chunk.
  */
 #include "core/chunk_grid.h"
 
@@ -61,7 +61,7 @@ bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk)
 {
     assert(!chunk->density && chunk->active == 0);
     size_t bytes = ost_chunk_bytes(grid->size);
-    size_t densities = bytes / 17 * 16; /* 2 bytes per voxel, followed by 1/8 byte of occupancy */
+    size_t densities = bytes / 17 * 16; /* per voxel: 2 bytes of density; the occupancy, 1/8 byte, follows */
     unsigned char *block = aligned_alloc(64, bytes);
     if (!block)
         return false;
@@ -79,8 +79,8 @@ void ost_chunk_release(ost_chunk *chunk)
 }
 
 /*
- * The intersection of a slab and a chunk: voxels [x0, x1) x [y0, y1) x [z0, z1) of the grid, and the
- * chunk's first voxel.
+ * The intersection of a slab and a chunk: voxels [x0, x1) x [y0, y1) x [z0, z1) of the grid. `first` is
+ * the first voxel of the chunk.
  */
 typedef struct chunk_part {
     int32_t first[3];
@@ -157,7 +157,7 @@ ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count
     int32_t z1 = z0 + count;
     int32_t c0 = z0 / grid->size, c1 = (z1 - 1) / grid->size + 1;
 
-    /* All memory is allocated before a voxel changes, so that a failure can be undone. */
+    /* All memory is allocated before the first voxel changes, so that a failure can be undone. */
     bool enough = true;
     for (int32_t cz = c0; cz < c1 && enough; cz++)
         for (int32_t cy = 0; cy < grid->chunk_dims.y && enough; cy++)
@@ -212,8 +212,8 @@ bool ost_chunk_grid_leaf(const ost_chunk_grid *grid, ost_dims leaf, int16_t voxe
     int32_t n = grid->size;
     int32_t first[3] = {leaf.x * OST_LEAF, leaf.y * OST_LEAF, leaf.z * OST_LEAF};
     /*
-     * A leaf is (32/n)^3 complete chunks or an eighth of one; part is the edge of the intersection of
-     * leaf and chunk.
+     * A leaf consists of (32/n)^3 complete chunks, or of an eighth of a chunk; part is the edge length of
+     * the intersection of leaf and chunk.
      */
     int32_t part = min32(n, OST_LEAF);
     bool found = false;

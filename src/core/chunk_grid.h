@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The chunk grid on the host (thesis, chapter 3): a bone as cubes of n^3
- * voxels, n = 16, 32 or 64, of which only those with an active voxel have
- * memory.
+ * The chunk grid on the host (thesis, chapter 3): a bone divided into cubes
+ * (chunks) of n^3 voxels, n = 16, 32 or 64.  Only chunks with an active voxel
+ * have memory.
  *
  *     chunk grid          a chunk                     one row of occupancy, n = 32
  *   +----+----+----+      densities  int16[n^3]         bit  0             31
@@ -11,17 +11,17 @@
  *   |    |    | ## |                 that are set       word v / 32, bit v % 32
  *   +----+----+----+
  *
- * Invariants, outside the functions of this file:
- *   - a voxel is active iff its density >= threshold; every other one is 0;
+ * Invariants, which hold except within the functions of this file:
+ *   - a voxel is active iff its density >= threshold; every other voxel is 0;
  *   - an occupancy bit is set iff its voxel is active;
  *   - a chunk has memory iff active > 0, so a chunk without memory is all zeros;
  *   - voxels of the padding, outside dims, are 0.
  *
- * So the grid's content depends only on its voxels: a download or a digest depends
- * neither on n nor on the order of events (AR-CHK-3).
+ * The content of the grid therefore depends only on its voxels: a download or a
+ * digest depends neither on n nor on the order of events (AR-CHK-3).
  *
- * Ranges: dims <= 2^14 on each axis and n >= 16, so there are at most 2^30 chunks
- * and an index fits int32.
+ * Ranges: dims <= 2^14 on each axis and n >= 16, so there are at most 2^30 chunks,
+ * and the index of a chunk fits int32.
  */
 #ifndef OST_CORE_CHUNK_GRID_H
 #define OST_CORE_CHUNK_GRID_H
@@ -30,13 +30,13 @@
 #include <osteon/grid.h>
 
 typedef struct ost_chunk {
-    int16_t *density;    /* owned; 64-byte aligned block, densities and then occupancy; NULL if active is 0 */
+    int16_t *density;    /* owned; 64-byte aligned block of densities and occupancy; NULL if active is 0 */
     uint32_t *occupancy; /* in the same block */
     int32_t active;
 } ost_chunk;
 
 typedef struct ost_chunk_grid {
-    ost_dims dims; /* voxels, without the padding */
+    ost_dims dims; /* numbers of voxels, without the padding */
     int size;      /* n */
     int32_t threshold;
     ost_dims chunk_dims;
@@ -50,17 +50,17 @@ void ost_chunk_grid_free(ost_chunk_grid *grid);
 
 /* Returns the number of chunks along each axis, ceil(dims / size). */
 ost_dims ost_chunk_dims(ost_dims dims, int size);
-/* Returns the size in bytes of the memory of a chunk with an active voxel: densities and occupancy. */
+/* Returns the size in bytes of the memory of an active chunk: densities and occupancy. */
 size_t ost_chunk_bytes(int size);
 
-/* Allocates zero-filled memory for a chunk without memory; returns false if the allocation fails. */
+/* Allocates zero-filled memory for a chunk without memory. Returns false if the allocation fails. */
 bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk);
-/* Frees the memory of a chunk; active must be 0. */
+/* Frees the memory of a chunk. chunk->active must be 0. */
 void ost_chunk_release(ost_chunk *chunk);
 
 /*
- * Copies slices z0 <= k < z0 + count to or from the grid, without the padding, x fastest. Upload
- * applies the threshold; on failure it has changed nothing.
+ * These functions copy slices z0 <= k < z0 + count to or from the grid, without the padding, x fastest.
+ * Upload sets densities below the threshold to 0; on failure the grid is unchanged.
  */
 ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count, const int16_t *voxels,
                                  ost_error *err);
@@ -68,12 +68,12 @@ void ost_chunk_grid_download(const ost_chunk_grid *grid, int32_t z0, int32_t cou
 
 /*
  * Reads the 32^3 voxels of a leaf (AR-DIG-2), zero outside the grid, for any n.
- * Returns false if no chunk in it has memory: voxels is then unchanged and all of
- * the leaf's voxels are zero.
+ * Returns false if no chunk in the leaf has memory; all voxels of the leaf are then
+ * zero, and `voxels` is unchanged.
  */
 bool ost_chunk_grid_leaf(const ost_chunk_grid *grid, ost_dims leaf, int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF]);
 
-/* Counts the chunks with an active voxel and the active voxels. */
+/* Counts the active chunks and the active voxels. */
 void ost_chunk_grid_count(const ost_chunk_grid *grid, int64_t *active_chunks, int64_t *active_voxels);
 
 #endif

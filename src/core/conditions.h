@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Asserts the properties of the compiler and the machine on which the arithmetic
- * depends (docs/spec/arithmetic.md section 2).  Included by every source that decides a
- * voxel.
+ * depends (docs/spec/arithmetic.md section 2).  Included by every source whose results
+ * affect voxels.
  */
 #ifndef OST_CORE_CONDITIONS_H
 #define OST_CORE_CONDITIONS_H

@@ -4,10 +4,10 @@
  *
  *   "-57.3400e1"  ->  mantissa -573400, tail 0, exponent -3, places 3
  *
- * The first 18 significant digits form the mantissa, the next 18 the tail (in units
- * of 10^-18 of the mantissa's last digit, so that a tail of one digit 5 is
- * 5 * 10^17), and any later digit that is not 0 sets `more`.  Leading zeros are not
- * significant; trailing zeros after the point count in `places`.
+ * The first 18 significant digits form the mantissa, and the next 18 digits the tail,
+ * in units of 10^-18 of the mantissa's last digit; a tail with the single digit 5 is
+ * 5 * 10^17.  Any later digit that is not 0 sets `more`.  Leading zeros are not
+ * significant; trailing zeros after the point are counted in `places`.
  *
  * Scaling divides once, exactly, in 128 bits.  With e = -exponent >= 0:
  *
@@ -15,8 +15,8 @@
  *   value * factor * 10^e = (|mantissa| * factor + a) + (b + more) / 10^18
  *   |mantissa| * factor + a = q * 10^e + r              < 2^60 * 2^64 + 2^64 < 2^125
  *
- * q is the floor.  The rounding follows from the comparison of r with 10^e / 2,
- * then from b and `more`.
+ * q is the floor.  Whether q is rounded up depends on the comparison of r with
+ * 10^e / 2, and, if both are equal, on b and `more`.
  */
 #include "core/conditions.h"
 
@@ -33,8 +33,8 @@ static bool is_digit(const char *p, const char *end)
 }
 
 /*
- * Reads e[+-]digits at p into *exponent; returns the byte after it, p if there is none, NULL if the
- * exponent is too great.
+ * Reads e[+-]digits at p into *exponent. Returns a pointer to the byte after the exponent, p if there
+ * is no exponent, or NULL if its magnitude is too great.
  */
 static const char *read_exponent(const char *p, const char *end, int32_t *exponent)
 {
@@ -58,8 +58,8 @@ static const char *read_exponent(const char *p, const char *end, int32_t *expone
 }
 
 /*
- * Limits a count of digits to half of int32's range. Readers bound the length of lines, so their counts
- * are far below; for longer text the resulting value is out of range.
+ * Limits a count of digits to half of the range of int32. Readers limit the length of lines, so their
+ * counts are far smaller; a longer text gives a value that is out of range.
  */
 static int32_t saturated(int64_t count)
 {
@@ -75,7 +75,7 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 
     ost_decimal d = {.negative = negative};
     int mantissa_digits = 0;
-    int64_t tail_unit = TEN_TO_18; /* the unit of the tail's last digit so far */
+    int64_t tail_unit = TEN_TO_18; /* unit of the last digit of the tail so far */
     int64_t exponent = 0;
     int64_t places = 0;
     bool any = false;
@@ -113,8 +113,8 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 }
 
 /*
- * Returns true if RHE rounds the quotient up. The quotient's fraction is remainder / ten_to_e, plus beyond in
- * units of 10^-18 / ten_to_e, plus a smaller part above 0 if more is set.
+ * Returns true if RHE rounds the quotient up. The fraction of the quotient is the sum of remainder / ten_to_e,
+ * of beyond in units of 10^-18 / ten_to_e, and, if more is set, of a smaller positive part.
  */
 static bool rounds_up(ost_i128 quotient, ost_i128 remainder, ost_i128 ten_to_e, int64_t beyond, bool more)
 {
@@ -138,8 +138,8 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
     bool none_rounded = beyond == 0 && !value->more;
 
     /*
-     * A positive exponent moves digits of the tail into whole; with 36 digits, whole exceeds int64
-     * before the tail is used up.
+     * A positive exponent moves digits of the tail to `integer`. With 36 digits, `integer` exceeds
+     * int64 before all digits of the tail are moved.
      */
     for (int32_t e = value->exponent; e > 0 && (integer || beyond); e--) {
         if (integer > INT64_MAX)
@@ -152,7 +152,7 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
 
     ost_i128 ten_to_e = 1;
     int32_t e = value->exponent < 0 ? -value->exponent : 0;
-    if (e > 37) { /* whole < 2^125 < 10^38 / 2, so it rounds to 0 */
+    if (e > 37) { /* integer < 2^125 < 10^38 / 2, so the result is 0 */
         none_rounded = none_rounded && integer == 0;
         integer = 0;
     } else {
@@ -171,7 +171,7 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
     return true;
 }
 
-/* An integer below 2^64 < 10^20 has all its digits in the mantissa and the first two digits of the tail. */
+/* All digits of an integer below 2^64 < 10^20 are in the mantissa and the first two digits of the tail. */
 bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude)
 {
     /* < 10^36 */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * SHA-256 leaves, tree and root (AR-DIG), by libcrypto.
+ * Computes the leaves, the tree and the root of a digest (AR-DIG) by the SHA-256 of libcrypto.
  *
  *   leaves in x-fastest order   L0 L1 L2 L3 L4
  *   split at the greatest power  \  / \  /   |
@@ -69,7 +69,7 @@ ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err)
     return status;
 }
 
-/* Computes one digest over up to three consecutive pieces. */
+/* Computes the digest of up to three pieces, one after the other. */
 static ost_status hash_pieces(const void *const piece[], const size_t size[], int count, ost_digest *out,
                               ost_error *err)
 {
@@ -94,7 +94,7 @@ static ost_status hash_prefixed(uint8_t prefix, const void *a, size_t a_size, co
     return hash_pieces((const void *const[]){&prefix, a, b}, (const size_t[]){1, a_size, b_size}, 3, out, err);
 }
 
-/* The voxels' bytes are little-endian already, as src/core/conditions.h accepts no other machine. */
+/* The bytes of the voxels are little-endian, because src/core/conditions.h accepts no other machine. */
 ost_status ost_digest_leaf16(const int16_t voxels[LEAF_VOXELS], ost_digest *out, ost_error *err)
 {
     return hash_prefixed(PREFIX_LEAF, voxels, LEAF_VOXELS * sizeof *voxels, "", 0, out, err);
@@ -111,7 +111,7 @@ ost_dims ost_leaf_dims(ost_dims dims)
                       (dims.z + OST_LEAF - 1) / OST_LEAF};
 }
 
-/* Computes the root of the tree over count leaves. The recursion's depth is at most 36, log2 of the leaf count. */
+/* Computes the root of the tree over count leaves. The depth of the recursion is log2(count), at most 36. */
 static ost_status tree(const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err)
 {
     if (count == 1) {
@@ -140,7 +140,7 @@ static void put64(uint8_t *p, uint64_t v)
     memcpy(p, &v, sizeof v);
 }
 
-/* Fills the header with the layout of AR-DIG-4. */
+/* Writes the header in the layout of AR-DIG-4. */
 static void fill_header(uint8_t header[HEADER_BYTES], ost_grid_kind kind, const ost_geometry *geometry,
                         int32_t threshold, size_t count)
 {

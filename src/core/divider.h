@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Exact quotients of many numbers by one divisor, with a single division: each
- * quotient is estimated by a reciprocal and corrected by at most one, according to
- * the remainder.
+ * Computes exact quotients of many numbers by one divisor with a single division: each
+ * quotient is estimated by a reciprocal and, according to the remainder, corrected by
+ * at most one.
  *
  * With D the divisor, s such that d = floor(D / 2^s) is in [2^61, 2^62) (for
  * s < 0: d = D 2^-s), and I = floor(2^124 / (d + 1)), which is in [2^62, 2^63):
@@ -13,8 +13,8 @@
  *   0 <= X - I <= 5      as X <= 2^124 / d, which is at most 4 above 2^124 / (d + 1)
  *   n / 2^(s+46) = h + f, 0 <= f < 1
  *   n / D - h I / 2^78 = (h (X - I) + f X) / 2^78
- * With |n| <= 2^46 D, hence |h| <= 2^62 + 1, the magnitude of the last is below
- * (5 (2^62 + 1) + 2^63) / 2^78 < 2^-12, so e differs from floor(n / D) by at most one.
+ * With |n| <= 2^46 D, and therefore |h| <= 2^62 + 1, the magnitude of this difference is
+ * below (5 (2^62 + 1) + 2^63) / 2^78 < 2^-12, so e differs from floor(n / D) by at most one.
  *
  * Ranges: |h I| < 2^126; the remainder is within [-D, 2 D) before it is
  * corrected, so |e D| <= |n| + 2 D, which fits 128 bits for |n| < 2^126 and D <= 2^120.
@@ -32,7 +32,7 @@ typedef struct ost_divider {
     int shift;       /* s + 46, not negative */
 } ost_divider;
 
-/* Prepares divisions by a divisor with 2^15 <= divisor <= 2^120. */
+/* Prepares divisions by a divisor, 2^15 <= divisor <= 2^120. */
 static inline ost_divider ost_divider_of(ost_i128 divisor)
 {
     const uint64_t high = (uint64_t)(divisor >> 64), low = (uint64_t)divisor;
@@ -44,7 +44,7 @@ static inline ost_divider ost_divider_of(ost_i128 divisor)
 }
 
 /*
- * Returns floor(n / divisor) for |n| <= 2^46 * divisor and < 2^126; *remainder is the remainder, from 0 to
+ * Returns floor(n / divisor) for |n| <= 2^46 * divisor and |n| < 2^126. *remainder is set to the remainder, 0 to
  * divisor - 1.
  */
 static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *remainder)
@@ -62,7 +62,7 @@ static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *
     return q;
 }
 
-/* Returns n / divisor rounded to the nearest integer, half to even, for the same range of n. */
+/* Returns RHE(n / divisor), for the range of n of ost_floor_by. */
 static inline int64_t ost_rhe_by(const ost_divider *by, ost_i128 n)
 {
     ost_i128 r;

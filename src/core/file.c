@@ -29,15 +29,15 @@ static ost_status open_at(int folder, const char *path, bool follow, ost_file *o
     struct stat info;
     *out = (ost_file){.fd = -1};
     /*
-     * The type is checked before the open to prevent side effects: opening a device may act on it,
-     * opening a pipe releases its writer.
+     * The type is checked before the file is opened, because an open can have side effects: it may
+     * change the state of a device, and it unblocks the writer of a pipe.
      */
     if (fstatat(folder, path, &info, follow ? 0 : AT_SYMLINK_NOFOLLOW) != 0)
         return cannot_open(path, out, err);
     ost_status status = check_type(path, &info, err);
     if (status != OST_OK)
         return status;
-    /* The name may refer to another file by now, so the open must not block and the type is checked again. */
+    /* The name may refer to another file now. Therefore the open must not block, and the type is checked again. */
     const int fd = openat(folder, path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK | (follow ? 0 : O_NOFOLLOW));
     if (fd < 0)
         return cannot_open(path, out, err);
@@ -85,7 +85,7 @@ ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_e
 {
     char more;
     int64_t done = 0;
-    /* The loop tries to read one byte more than expected, which detects a file that grew. */
+    /* The loop tries to read one byte more than expected, to detect a file that has grown. */
     for (;;) {
         const size_t left = (size_t)(file->size - done);
         const ssize_t n = read(file->fd, left ? (char *)to + done : &more, left ? left : 1);

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The floating-point state that a process starts with, for code whose results must
- * not depend on the caller's state (rounding, traps, flushing of denormals) and that
- * must not change that state:
+ * Sets the floating-point state to the initial state of a process, and restores the
+ * caller's state afterwards.  Used by code whose results must not depend on the state
+ * of the caller (rounding, traps, flushing of denormals) and that must not change it:
  *
  *   const ost_floats caller = ost_floats_enter();
  *   ...
  *   ost_floats_leave(caller);
  *
- * Each thread that computes must call both functions, as threads of OpenMP inherit
- * the state of the thread that started them.  Vector code also divides in lanes
- * whose results are not used, where a caller's trap on division by zero would be
- * raised.
+ * Each computing thread must call both functions, because OpenMP threads inherit the
+ * state of the thread that started them.  Traps must be off, because vector code also
+ * divides in lanes whose results are not used, where the divisor may be zero.
  */
 #ifndef OST_CORE_FLOATS_H
 #define OST_CORE_FLOATS_H
@@ -54,8 +53,8 @@ static inline void ost_floats_leave(ost_floats state)
 #else
 
 /*
- * Other machines have only scalar loops, which never divide by zero and are exact in any rounding mode
- * (src/cpu/voxelize/mark.c).
+ * On other machines only scalar loops are used. They never divide by zero and are exact in any rounding
+ * mode (src/cpu/voxelize/mark.c).
  */
 typedef int ost_floats;
 

@@ -18,7 +18,7 @@ bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b)
            a->origin.y == b->origin.y && a->origin.z == b->origin.z;
 }
 
-/* (dims - 1) * spacing < 2^14 * 10^11 < 2^51, so nothing overflows before the comparison. */
+/* (dims - 1) * spacing < 2^14 * 10^11 < 2^51, so there is no overflow before the comparison. */
 ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, ost_error *err)
 {
     const int32_t dims[3] = {geometry->dims.x, geometry->dims.y, geometry->dims.z};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Converts between the numbers of a map (event.h), which every compiler can pass, and the compiler's own 128 bits. */
+/* Converts between ost_int128 (event.h), which is independent of the compiler, and the compiler's 128-bit type. */
 #ifndef OST_CORE_INT128_H
 #define OST_CORE_INT128_H
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Exact integer division (docs/spec/arithmetic.md, AR-INT): floor, ceiling, and
- * RHE, round half to even.  Divisors are positive; the quotient must fit.
+ * RHE (round half to even).  Divisors must be positive, and the quotient must fit
+ * the result type.
  */
 #ifndef OST_CORE_INTEGER_H
 #define OST_CORE_INTEGER_H
@@ -31,8 +32,8 @@ static inline ost_i128 ost_floor_div128(ost_i128 n, ost_i128 d)
 }
 
 /*
- * Returns RHE(n / d). With r = n - floor * d, 0 <= r < d, it rounds up if r > d - r, or if both are
- * equal and the floor is odd. Comparing r with d - r instead of 2 r with d cannot overflow.
+ * Returns RHE(n / d). With r = n - floor * d, 0 <= r < d, the floor is rounded up if r > d - r, or if
+ * r = d - r and the floor is odd. r is compared with d - r because 2 r could overflow.
  */
 static inline int64_t ost_rhe_div(int64_t n, int64_t d)
 {

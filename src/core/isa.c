@@ -24,7 +24,7 @@ enum {
     LEAF7_B_AVX2 = 1 << 3 | 1 << 5 | 1 << 8,       /* BMI1, AVX2, BMI2 */
     LEAF7_C_VBMI = 1 << 1,                         /* AVX512_VBMI */
     YMM_SAVED = 0x06,                              /* XCR0: XMM and upper halves of YMM */
-    ZMM_SAVED = 0xe6,                              /* also opmasks, upper halves of ZMM0-15, ZMM16-31 */
+    ZMM_SAVED = 0xe6,                              /* XCR0: also opmasks, upper halves of ZMM0-15, ZMM16-31 */
 };
 #define LEAF7_B_AVX512                                                                                                 \
     (UINT32_C(1) << 16 | UINT32_C(1) << 17 | UINT32_C(1) << 28 | UINT32_C(1) << 30 |                                   \

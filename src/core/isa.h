@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The instruction sets that this machine has, and those that may be used.
+ * Instruction sets that are supported by this machine, and those that may be used.
  *
- *   detected  --  supported by processor and operating system (CPUID, XGETBV; every AArch64 has NEON)
- *   allowed   --  detected, and not above the level requested by a backend's "isa=" option,
- *                 otherwise by the environment variable OSTEON_ISA
+ *   detected  --  supported by processor and operating system (CPUID, XGETBV; NEON on every AArch64)
+ *   allowed   --  detected, and not above the level requested by the "isa=" option of a backend
+ *                 or, without this option, by the environment variable OSTEON_ISA
  *
- * A level is named after the sets that it requires; an x86 level includes the lower
- * ones.  Code of a level runs only if the level is allowed, so that no illegal
- * instruction is executed, however the program was built.
+ * A level is named after the instruction sets that it requires; an x86 level includes
+ * the lower levels.  Code of a level runs only if the level is allowed, so that no
+ * illegal instruction is executed, however the program was built.
  */
 #ifndef OST_CORE_ISA_H
 #define OST_CORE_ISA_H
@@ -19,7 +19,7 @@
 #include <osteon/status.h>
 
 /*
- *   scalar      plain C (with the baseline of the build: SSE2 on x86-64)
+ *   scalar      plain C, compiled for the baseline of the build (SSE2 on x86-64)
  *   avx2        AVX2, BMI1, BMI2, LZCNT, POPCNT; FMA is not used
  *   avx512      avx2 and AVX-512 F, BW, DQ, VL, CD
  *   avx512vbmi  avx512 and AVX-512 VBMI
@@ -40,31 +40,31 @@ typedef enum ost_isa {
 } ost_isa;
 
 /*
- * The features that an x86-64 machine reports; registers of absent leaves are 0.
- * xcr0 is 0 unless leaf 1 has OSXSAVE, which allows XGETBV.
+ * The features reported by an x86-64 machine; registers of absent leaves are 0.
+ * xcr0 is 0 unless OSXSAVE, which allows XGETBV, is set in leaf 1.
  */
 typedef struct ost_isa_cpuid {
     uint32_t leaf1_c;
     uint32_t leaf7_b, leaf7_c;
     uint32_t extended1_c; /* leaf 0x80000001 */
-    uint32_t xcr0;        /* registers that the operating system saves */
+    uint32_t xcr0;        /* registers saved by the operating system */
 } ost_isa_cpuid;
 
 /*
- * Returns the highest x86 level that a machine with these features can run. An instruction set counts
- * only if the operating system saves its registers.
+ * Returns the highest x86 level that a machine with these features can run. A level requires that the
+ * operating system saves its registers.
  */
 ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid);
 
 const char *ost_isa_name(ost_isa isa);
-/* Returns true if this build has code of the level and this machine can run it. */
+/* Returns true if this build contains code of the level and this machine can run it. */
 bool ost_isa_available(ost_isa isa);
 /* Returns the highest available level. */
 ost_isa ost_isa_best(void);
 /*
- * Selects the level by its name, for example "avx2". NULL and "auto" select the level that the environment
- * variable OSTEON_ISA names, or the best one if it is not set. Returns OST_ERR_USAGE if there is no such
- * level, OST_ERR_UNAVAILABLE if this processor does not have it.
+ * Selects a level by its name, for example "avx2". NULL and "auto" select the level named by the environment
+ * variable OSTEON_ISA, or the best level if the variable is not set. Returns OST_ERR_USAGE if the name is
+ * unknown, and OST_ERR_UNAVAILABLE if this build or this machine does not support the level.
  */
 ost_status ost_isa_choose(const char *name, ost_isa *out, ost_error *err);
 

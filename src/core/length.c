@@ -57,9 +57,9 @@ bool ost_pm_from_double(double mm, ost_pm *out)
 }
 
 /*
- * mm = m * 2^e with |m| < 2^53, and |m * 10^9| < 2^83.  |mm| <= 8000 < 2^13 gives
- * e <= 13 - 53 = -40, so the product is always shifted right, by -e, and rounded half
- * to even.
+ * Let mm = m * 2^e with |m| < 2^53, so |m * 10^9| < 2^83.  Because |mm| <= 8000 < 2^13,
+ * e <= 13 - 53 = -40.  The product is therefore always shifted right, by -e, and rounded
+ * half to even.
  */
 bool ost_pm_from_binary(double mm, ost_pm *out)
 {
@@ -68,7 +68,7 @@ bool ost_pm_from_binary(double mm, ost_pm *out)
     int exponent;
     double fraction = frexp(mm, &exponent); /* exact, 0.5 <= |fraction| < 1 */
     ost_i128 scaled = (ost_i128)(int64_t)ldexp(fraction, 53) * OST_PM_PER_MM;
-    int shift = 53 - exponent; /* >= 40 as exponent <= 13 */
+    int shift = 53 - exponent; /* >= 40, because exponent <= 13 */
     *out = shift > 120 ? 0 : (ost_pm)ost_rhe_div128(scaled, (ost_i128)1 << shift);
     return true;
 }

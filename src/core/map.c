@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The map of one pose (AR-MAP) from bone voxels to tool voxels, computed in 128
- * bits once per pose and once per block of 16^3 voxels.
+ * The map of one pose (AR-MAP) from bone voxels to tool voxels, computed with 128-bit
+ * integers once per pose and once per block of 16^3 voxels.
  *
  *   p_bone = R p_tool + t,  R = M / N      =>  p_tool = M' (p_bone - t) / N     (M' = M transposed)
  *   p_bone = o + s (i, j, k)                   centre of a bone voxel
  *   u      = 2^20 (p_tool - corner) / v        tool coordinate, v the tool's voxel
  *
- * With everything over the common divisor N v this is
+ * With the common divisor N v, this is
  *
  *   origin[a]    = 2^20 ((M' (o - t))[a] - N corner[a])
  *   column[b][a] = 2^20 M[b][a] s
  *
  * Ranges (checked in ost_map_make; lengths in pm, 8 m < 2^42.87):
- *   2^59 <= N <= 2^60 + 2^52     1.001^2 = 1.002001 when read, at least cos^2(22.5 degrees) when interpolated
- *   |M[b][a]| <= N               M / N is a rotation
- *   |o - t| <= sqrt(3) * 16 m    so |M' (o - t)| <= N * 2^44.66 on any axis; the same holds for every voxel centre
- *                                of the grid in place of o, as by AR-GRID all are within 8 m
+ *   2^59 <= N <= 2^60 + 2^52     N / 2^60 is at most 1.001^2 = 1.002001 for a pose that was read, and at least
+ *                                cos^2(22.5 degrees) for an interpolated pose
+ *   |M[b][a]| <= N               because M / N is a rotation
+ *   |o - t| <= sqrt(3) * 16 m    so |M' (o - t)| <= N * 2^44.66 on any axis; the same bound holds if o is replaced
+ *                                by any voxel centre of the grid, because all are within 8 m (AR-GRID)
  *   |corner| <= 8 m              so the bracket is below N * 2^45.03 < 2^105.04
- *   |origin| < 2^125.04          and so is every partial sum origin + i column[0] + ... at a voxel of the grid
- *   s, v <= 100 mm < 2^36.55     |column| < 2^116.56, divisor < 2^96.56
- *   s <= 16 v                    |step| <= 2^24: |column / divisor| <= 2^20 * 16, and RHE of that is no more
+ *   |origin| < 2^125.04          the same bound holds for every partial sum origin + i column[0] + ... in the grid
+ *   s, v <= 100 mm < 2^36.55     so |column| < 2^116.56, divisor < 2^96.56
+ *   s <= 16 v                    so |column / divisor| <= 2^20 * 16, and after RHE |step| <= 2^24
  */
 #include <osteon/event.h>
 
@@ -84,14 +85,14 @@ ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const os
 }
 
 /*
- * Computes a block's base; returns false if the block lies outside the tool's grid
- * (AR-MAP-5).  A coordinate of the block is base + d, |d| <= D, where
+ * Computes the base of a block. Returns false if the block lies outside the tool's
+ * grid (AR-MAP-5).  A coordinate of the block is base + d with |d| <= D, where
  * D = 15 * (sum of |step| over the bone's axes) <= 15 * (sqrt(3) * 2^24 + 3/2)
- * < 435,884,881 < 2^29: a column of a rotation has |x| + |y| + |z| <= sqrt(3),
- * and each RHE adds at most 1/2.
+ * < 435,884,881 < 2^29, because |x| + |y| + |z| <= sqrt(3) for a column of a
+ * rotation, and each RHE adds at most 1/2.
  *   base <  -2^29         every coordinate is < 0
- *   base >= 2^30 + 2^29   every coordinate is > 2^30, which is above 1024 tool voxels
- *   otherwise             -2^30 < coordinate < 2^31: it fits int32, and so does every partial sum
+ *   base >= 2^30 + 2^29   every coordinate is > 2^30, that is, beyond 1024 tool voxels
+ *   otherwise             -2^30 < coordinate < 2^31, so the coordinate and every partial sum fit int32
  */
 bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3])
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns the number of bytes that were added: size, or 0 without memory, which sets the stream's error flag. */
+/* Returns size, or 0 if memory is exhausted; the return value 0 sets the error flag of the stream. */
 static ssize_t add_bytes(void *user, const char *bytes, size_t size)
 {
     ost_memory_stream *memory = user;

@@ -2,8 +2,8 @@
 /*
  * A stream that writes into memory and reports each failed allocation.
  *
- * open_memstream is not suitable: in glibc (at least up to 2.41) it drops a byte for which its buffer cannot grow
- * without setting the stream's error flag, and a close without memory returns 0 with a buffer of NULL.
+ * open_memstream is not suitable. In glibc (at least up to 2.41), if its buffer cannot grow, it drops a byte without
+ * setting the error flag of the stream, and fclose returns 0 with a NULL buffer.
  */
 #ifndef OST_CORE_MEMORY_STREAM_H
 #define OST_CORE_MEMORY_STREAM_H
@@ -13,19 +13,19 @@
 #include <stdio.h>
 
 typedef struct ost_memory_stream {
-    char *bytes;           /* followed by a NUL that size does not count */
-    size_t size, capacity; /* valid after the close */
+    char *bytes;           /* followed by a NUL that is not counted in size */
+    size_t size, capacity; /* valid after the stream is closed */
 } ost_memory_stream;
 
 /*
- * Opens a write-only stream, which cannot be repositioned; *memory must remain valid until the close.
- * Returns NULL if there is no memory.
+ * Opens a write-only stream, which cannot be repositioned. *memory must remain valid until the stream is
+ * closed. Returns NULL if memory is exhausted.
  */
 FILE *ost_memory_stream_open(ost_memory_stream *memory);
 
 /*
- * Closes the stream. Returns true if memory->bytes has all bytes that were written; the caller frees
- * it. Returns false if memory was lacking for a write; memory->bytes is then NULL.
+ * Closes the stream. Returns true if memory->bytes contains all written bytes; the caller then frees
+ * memory->bytes. Returns false if an allocation failed; memory->bytes is then NULL.
  */
 bool ost_memory_stream_close(FILE *stream, ost_memory_stream *memory);
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Facts about a mesh for information: its volume and its open edges.  They decide no voxel. */
+/* Computes the volume and the open edges of a mesh, for reports only. */
 #include "core/mesh_check.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /*
- * Sums the signed volumes of tetrahedra from the first vertex, in doubles. The error is about 1e-12 of
- * the bounding box's volume.
+ * Adds the signed volumes of the tetrahedra between the first vertex and each triangle, in doubles. The error
+ * is about 1e-12 of the volume of the bounding box.
  */
 double ost_mesh_volume_mm3(const ost_mesh *mesh)
 {
@@ -31,7 +31,7 @@ double ost_mesh_volume_mm3(const ost_mesh *mesh)
 
 /* ------------------------------------------------------------ open edges */
 
-/* A directed edge between welded vertices, low < high; the sign is +1 if it is directed from low to high. */
+/* A directed edge between welded vertices, low < high. The sign is +1 if the edge is directed from low to high. */
 typedef struct edge {
     uint32_t low, high;
     int32_t sign;
@@ -62,7 +62,7 @@ static int compare_edges(const void *a, const void *b)
     return e->high < f->high ? -1 : e->high > f->high;
 }
 
-/* Sets weld[i] to a number that all vertices at the position of vertex i share. */
+/* Sets weld[i] to a number that is the same for all vertices at the position of vertex i. */
 static void weld_vertices(const ost_mesh *mesh, keyed_vertex *keyed, uint32_t *weld)
 {
     for (size_t i = 0; i < mesh->vertex_count; i++)
@@ -89,7 +89,7 @@ static size_t collect_edges(const ost_mesh *mesh, const uint32_t *weld, edge *ed
     return count;
 }
 
-/* Counts the runs of equal edges that are not exactly a pair or whose signs do not cancel. */
+/* Counts the edges in runs of equal edges that are not pairs with opposite signs. */
 static size_t count_open(const edge *edges, size_t count)
 {
     size_t open = 0;

@@ -4,17 +4,17 @@
  *
  *   v = RHE((p - corner) * 2^f / s),   0 <= v <= dims * 2^f <= 2^20
  *
- * f is the greatest number of fraction bits, at most 10, for which the widest axis
+ * f is the greatest number of fraction bits, at most 10, for which the longest axis
  * fits 2^20: 10 up to 1024 voxels, 9 up to 2048, 8 up to 4096 (the limit of a
- * tool), so a voxel's centre, (i + 1/2) 2^f, is always a lattice point.
+ * tool).  The centre of a voxel, (i + 1/2) 2^f, is therefore always a lattice point.
  *
  * Triangles whose snapped cross product is zero have no area and no effect; they
- * are dropped and counted.  The order of the others does not change.  The number of
- * vertices does not change; a vertex that no triangle uses becomes 0 0 0.
+ * are dropped and counted.  The order of the other triangles does not change.  The
+ * number of vertices does not change; a vertex that no triangle uses is set to 0 0 0.
  *
- * Ranges: p - corner <= 1.6e13 < 2^44 and 2^f <= 2^10, so the
- * numerator is below 2^54.  Edges are below 2^20 + 1, their products below
- * 2^41, a difference of two below 2^42.
+ * Ranges: p - corner <= 1.6e13 < 2^44 and 2^f <= 2^10, so the numerator is below
+ * 2^54.  Components of edges are below 2^20 + 1, their products below 2^41, and
+ * differences of two products below 2^42.
  */
 #include <osteon/tool.h>
 
@@ -40,8 +40,8 @@ static int fraction_bits(ost_dims dims)
 }
 
 /*
- * Snaps one coordinate; returns false if p lies outside the grid's box. |p| and |corner| are bounded,
- * so nothing overflows.
+ * Snaps one coordinate. Returns false if p is outside the box of the grid. |p| and |corner| are bounded,
+ * so there is no overflow.
  */
 static bool snap(ost_pm p, ost_pm corner, ost_pm voxel, int32_t dim, int f, int32_t *out)
 {
@@ -69,8 +69,8 @@ static bool has_area(const int32_t a[3], const int32_t b[3], const int32_t c[3])
 }
 
 /*
- * Snaps the vertices of all triangles. A vertex is snapped at each use, which is cheaper than marking
- * those that are done.
+ * Snaps the vertices of all triangles. A vertex is snapped at each use, which is faster than marking the
+ * snapped vertices.
  */
 static ost_status snap_vertices(const ost_mesh *mesh, ost_snapped_mesh *out, ost_error *err)
 {
@@ -115,7 +115,7 @@ ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, os
     out->vertex_count = mesh->vertex_count;
     assert(out->fraction_bits >= 8);
 
-    /* There are at most 3 * 2^26 elements of 12 bytes; one more is allocated, so that no size is 0. */
+    /* There are at most 3 * 2^26 elements of 12 bytes. One more is allocated, so that the size is never 0. */
     out->vertices = calloc(mesh->vertex_count + 1, sizeof *out->vertices);
     out->triangles = malloc((mesh->triangle_count + 1) * sizeof *out->triangles);
     if (!out->vertices || !out->triangles)
@@ -137,9 +137,9 @@ void ost_snapped_mesh_free(ost_snapped_mesh *mesh)
 }
 
 /*
- * The digest's input (AR-DIG-7): a header of 84 bytes, then every vertex as three
- * int32, then every triangle as three uint32.  All numbers are little-endian, as the
- * machine is (core/conditions.h).
+ * The input of the digest (AR-DIG-7): a header of 84 bytes, then every vertex as three
+ * int32, then every triangle as three uint32.  All numbers are little-endian, in the byte
+ * order of the machine (core/conditions.h).
  *
  *     0  "OSTEONM1"            24  int64 voxel         60  uint64 vertices
  *     8  uint32 arithmetic     32  int64 corner x y z  68  uint64 triangles

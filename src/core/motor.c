@@ -6,8 +6,8 @@
  *   k = floor(4096 phase / turn)                  a step of 0.088 degrees
  *   q_tool = q_hand * (C_k, 0, 0, -S_k)           each component RHE by 2^30
  *
- * C_k = RHE(2^30 cos(pi k / 4096)) and S_k = RHE(2^30 sin(pi k / 4096)) come from a
- * table of a quarter of a circle; the second quarter is its mirror image.
+ * C_k = RHE(2^30 cos(pi k / 4096)) and S_k = RHE(2^30 sin(pi k / 4096)) are read from a
+ * table of the sines of a quarter circle; the second quarter is its mirror image.
  */
 #include <osteon/event.h>
 #include <osteon/motor.h>
@@ -26,7 +26,7 @@ typedef struct spin {
     int64_t c, s;
 } spin;
 
-/* Returns C_k and S_k of the motor's phase. phase < 2^36, so its product with 2^12 fits. */
+/* Returns C_k and S_k for the phase of a motor. phase < 2^36, so its product with 2^12 fits int64. */
 static spin spin_of(const ost_motor *motor)
 {
     const int k = (int)(motor->phase * STEPS / OST_MOTOR_TURN);
@@ -35,8 +35,8 @@ static spin spin_of(const ost_motor *motor)
 }
 
 /*
- * Returns RHE((a c + b s) / 2^30). |q| <= 1.001 * 2^30 and |(c, s)| <= 2^30 + 1, so the sum of two
- * products is below 2^60.01, and its quotient below 2^30.01.
+ * Returns RHE((a c + b s) / 2^30). |q| <= 1.001 * 2^30 and |(c, s)| <= 2^30 + 1, so the sum of the
+ * products is below 2^60.01, and the quotient is below 2^30.01.
  */
 static int32_t component(int64_t a, int64_t c, int64_t b, int64_t s)
 {
@@ -71,7 +71,7 @@ static uint64_t since(int64_t from, int64_t to)
     return (uint64_t)to - (uint64_t)from;
 }
 
-/* rpm <= 3000, so the product is below 3000 * 6 * 10^10 < 2^48. */
+/* rpm <= 3000, so the product below is less than 3000 * 6 * 10^10 < 2^48. */
 void ost_motor_advance(ost_motor *motor, const ost_tick *tick)
 {
     if (motor->moved && tick->rpm > 0)
@@ -91,8 +91,8 @@ void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm)
 /* -------------------------------------------------------------------- paths */
 
 /*
- * Returns the number of ticks into which a row is divided (AR-MOTOR-7), at least 1. The result
- * OST_MOTOR_PARTS_MAX + 1 represents all greater numbers too.
+ * Returns the number of ticks into which a row is divided (AR-MOTOR-7), at least 1. Numbers above
+ * OST_MOTOR_PARTS_MAX are returned as OST_MOTOR_PARTS_MAX + 1.
  */
 static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm)
 {
@@ -105,7 +105,7 @@ static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm
 }
 
 /*
- * Returns true if the hand turns by more than 90 degrees between two poses (AR-SWEEP-3).
+ * Returns true if the hand rotates by more than 90 degrees between two poses (AR-SWEEP-3).
  * |q| <= 1.001 * 2^30, so every sum is below 2^60.01.
  */
 static bool turns_too_far(const ost_pose *a, const ost_pose *b)
@@ -118,7 +118,7 @@ static bool turns_too_far(const ost_pose *a, const ost_pose *b)
     return 2 * (ost_i128)p * p < (ost_i128)na * nb;
 }
 
-/* Returns the greatest r with r^2 <= n; n < 2^62. */
+/* Returns the greatest r with r^2 <= n, for n < 2^62. */
 static int64_t root(int64_t n)
 {
     int64_t r = 0;
@@ -129,8 +129,8 @@ static int64_t root(int64_t n)
 }
 
 /*
- * Returns a hand's pose between two rows, renormalised to unit length. A component is below 2^30.01 and
- * r >= 2^29.5, so every quotient is at most 2^30 + 2.
+ * Returns pose j of `parts` of the hand between two rows, renormalised to unit length. A component is below
+ * 2^30.01 and r >= 2^29.5, so every quotient is at most 2^30 + 2.
  */
 static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int parts)
 {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions that the NEON kernels share, mainly the conversion of lanes to bits, for
- * which NEON has no instruction.  Each of eight bytes is masked to a bit of its own,
- * and three pairwise sums add the eight bytes to one:
+ * Functions shared by the NEON kernels, mainly the conversion of lanes to bits, for
+ * which NEON has no instruction.  Each of eight bytes is masked to a different bit, and
+ * three pairwise additions combine the eight bytes into one:
  *
  *   ff 00 ff 00 00 00 00 ff  &  01 02 04 08 10 20 40 80  =  01 00 04 00 00 00 00 80  ->  85
  *
- * No sum carries, as the bits of the eight bytes differ.
+ * There are no carries, because the bits of the eight bytes are different.
  */
 #ifndef OST_CORE_NEON_H
 #define OST_CORE_NEON_H
@@ -19,7 +19,7 @@ static inline uint8x8_t ost_neon_own_bits(void)
     return vcreate_u8(UINT64_C(0x8040201008040201));
 }
 
-/* Returns a word whose bit i is set if byte i of the four registers is 0xff; every byte is 0 or 0xff. */
+/* Returns a word whose bit i is set if byte i of the four registers is 0xff. Every byte must be 0 or 0xff. */
 static inline uint64_t ost_neon_bits64(uint8x16_t a, uint8x16_t b, uint8x16_t c, uint8x16_t d)
 {
     const uint8x16_t own = vcombine_u8(ost_neon_own_bits(), ost_neon_own_bits());
@@ -29,7 +29,7 @@ static inline uint64_t ost_neon_bits64(uint8x16_t a, uint8x16_t b, uint8x16_t c,
     return vgetq_lane_u64(vreinterpretq_u64_u8(vpaddq_u8(abcd, abcd)), 0);
 }
 
-/* Returns the bits of eight bytes, each 0 or 0xff. */
+/* Returns a byte whose bit i is set if byte i of v is 0xff. Every byte must be 0 or 0xff. */
 static inline unsigned ost_neon_bits8(uint8x8_t v)
 {
     return vaddv_u8(vand_u8(v, ost_neon_own_bits()));
@@ -42,8 +42,8 @@ static inline int ost_neon_any(uint8x16_t v)
 }
 
 /*
- * Returns the byte indices for TBL that move the words of the lanes in a mask of
- * four to the front; the remaining words repeat word 0.
+ * Returns the byte indices with which TBL moves the words of the lanes in a 4-bit
+ * mask to the front; the remaining words repeat word 0.
  */
 static inline uint8x16_t ost_neon_together(unsigned mask)
 {

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The paths of an open backend that decide voxels, each with the number of times it
- * was entered since the backend was opened.  A campaign uses the counts to list the
- * paths that it did not run.
+ * The paths of an open backend that compute voxels, each with the number of times it
+ * was entered since the backend was opened.  From these counts, a campaign lists the
+ * paths that were not executed.
  *
  *   kernel ost_remove                     312
  *   download of a bone in several parts     0     not entered
  *
- * A path is code that is not executed for every input, size or option: a kernel, a
- * vector's remainder, a loop over parts, a fallback.  Its name is a noun phrase
- * of at most OST_PATH_NAME - 1 printable characters, unique in its backend, and
- * the list is the same whenever the backend is opened with the same options on
- * the same machine.
+ * A path is code that is not executed for every input, size or option: a kernel, the
+ * remainder of a vector loop, a loop over parts, a fallback.  Its name is a noun phrase
+ * of at most OST_PATH_NAME - 1 printable characters, unique in its backend.  The list
+ * is the same whenever the backend is opened with the same options on the same machine.
  */
 #ifndef OST_CORE_PATHS_H
 #define OST_CORE_PATHS_H
@@ -22,10 +21,10 @@ enum { OST_PATH_NAME = 96 };
 
 typedef void ost_path_visit(void *user, const char *path, uint64_t entered);
 
-/* Visits every path of the backend in a fixed order; none if the backend counts no paths. */
+/* Visits every path of the backend in a fixed order. Visits none if the backend does not count paths. */
 void ost_backend_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* The slot `paths` of a backend that counts no paths. */
+/* The slot `paths` of a backend that does not count paths. */
 void ost_no_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
 #endif

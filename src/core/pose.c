@@ -16,9 +16,9 @@ ost_pose ost_pose_identity(void)
 }
 
 /*
- * Checks | |q| - 1 | <= 1e-3 in integers: 999^2 * 2^60 <= N * 10^6 <= 1001^2 * 2^60,
- * where N is the sum of squares of the Q30 components (at most 4 * 2^62, so the
- * products fit 128 bits).
+ * Checks | |q| - 1 | <= 1e-3 with integers: 999^2 * 2^60 <= N * 10^6 <= 1001^2 * 2^60.
+ * N is the sum of the squares of the Q30 components, at most 4 * 2^62, so the products
+ * fit 128 bits.
  */
 ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
 {
@@ -40,7 +40,7 @@ ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
     return OST_OK;
 }
 
-/* Returns true if a component fits int32, as all do that are at most 1.001 times 2^30. */
+/* Returns true if a component fits int32, which is the case for all components up to 1.001 * 2^30. */
 static bool component_fits(int64_t value)
 {
     return value >= INT32_MIN && value <= INT32_MAX;
@@ -86,7 +86,7 @@ ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_po
             return ost_fail(err, OST_ERR_RANGE, "position %c = %g mm is not a number within 8000 mm", "xyz"[a],
                             t_mm[a]);
     for (int a = 0; a < 4; a++) {
-        ost_decimal decimal; /* AR-LEN-4: a float represents its shortest decimal */
+        ost_decimal decimal; /* a float represents its shortest decimal (AR-LEN-4) */
         if (!(q[a] >= -1.5 && q[a] <= 1.5) || !ost_decimal_shortest(q[a], false, &decimal) ||
             !ost_decimal_scale(&decimal, (uint64_t)OST_Q30_ONE, &c[a], NULL))
             return ost_fail(

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Poses as doubles, for pictures, forces and devices.  They decide no voxel. */
+/* Poses as doubles, for pictures, forces and devices; not used in the arithmetic on voxels. */
 #include <osteon/pose.h>
 
 #include <math.h>

@@ -17,7 +17,7 @@ int32_t ost_code_point(const char *text, size_t *bytes)
             return -1;
         code = code << 6 | (p[i] & 0x3f);
     }
-    /* An overlong sequence, a surrogate or a number beyond Unicode is not UTF-8. */
+    /* Overlong sequences, surrogates and numbers beyond Unicode are not UTF-8. */
     if (code < least[length] || (code >= 0xd800 && code <= 0xdfff) || code > 0x10ffff)
         return -1;
     *bytes = length;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes text from files, file names and devices safe for a terminal.
+ * Makes text from files, file names and devices safe for output on a terminal.
  *
- * A name may contain characters that move the cursor, change colours, make the
- * terminal answer a query or change the direction of the text, so that the terminal
- * shows a different message.  These are:
+ * Such text may contain characters that move the cursor, change colours, make the
+ * terminal answer a query or change the direction of the text.  The terminal could then
+ * show a different message.  These characters are:
  *
  *   C0 and DEL          00..1F, 7F, including newline and tab
  *   C1                  U+0080..U+009F, and single bytes 80..9F, which 8-bit terminals execute
@@ -24,10 +24,10 @@
  */
 int32_t ost_code_point(const char *text, size_t *bytes);
 
-/* Returns true if the code point is not in the list above: a terminal then displays it and does nothing else. */
+/* Returns true if the code point is not in the list above, that is, if a terminal only displays it. */
 int ost_code_point_is_printable(int32_t code);
 
-/* Replaces every character of the list above by '?', in place; the text never becomes longer. */
+/* Replaces every character of the list above by '?', in place. The text does not become longer. */
 void ost_make_printable(char *text);
 
 #endif

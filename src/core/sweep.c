@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The poses between two ticks (AR-SWEEP).  Their number n is chosen so that 1/n of
- * the chord of each corner of the tool's box is at most half a bone voxel.
+ * The poses between two ticks (AR-SWEEP).  Their number n is chosen so that 1/n of the
+ * displacement of each corner of the tool's box is at most half a bone voxel.
  *
- *     a o- - -o- - -o- - -o b      n = 3: poses k = 1, 2, 3; a was in the previous event
+ *     a o- - -o- - -o- - -o b      n = 3: poses k = 1, 2, 3; a belongs to the previous event
  *
- * All arithmetic is in integers, so that every backend and every replay has the same
- * poses.
+ * All arithmetic uses integers, so that the poses are the same on every backend and in
+ * every replay.
  */
 #include <osteon/event.h>
 
@@ -15,8 +15,8 @@
 #include "core/rotation.h"
 
 /*
- * Returns the dot product of two quaternions. With |q| <= 1.001 * 2^30 it is at most 2^60.01; if only
- * ost_rotation_fits holds for both, at most 2^62.01.
+ * Returns the dot product of two quaternions. If |q| <= 1.001 * 2^30 for both, it is at most 2^60.01; if only
+ * ost_rotation_fits holds for both, it is at most 2^62.01.
  */
 static int64_t dot(const ost_pose *a, const ost_pose *b)
 {
@@ -24,8 +24,8 @@ static int64_t dot(const ost_pose *a, const ost_pose *b)
 }
 
 /*
- * Returns true if the quaternion is near unit length, as ost_map_make requires too. An uninitialised
- * pose of zeros is refused here, before a division by its N.
+ * Returns true if the length of the quaternion is near 1, which ost_map_make also requires. An uninitialised
+ * pose of zeros is rejected here, before a division by its N.
  */
 static bool near_unit(const ost_pose *pose)
 {
@@ -34,9 +34,10 @@ static bool near_unit(const ost_pose *pose)
 }
 
 /*
- * Computes RHE(M c / N) along one axis for the eight corners of a box, numbered
- * x + 2y + 4z, which share the products of a row with lo and hi. The tool's box is within
- * 8 m of its origin, so |c| < sqrt(3) * 2^42.87 and |M c| <= N |c| < 2^60.01 * 2^43.66.
+ * Computes RHE(M c / N) along one axis for the eight corners c of a box, numbered
+ * x + 2y + 4z. All corners use the same products of a row of M with lo and hi. The tool's
+ * box is within 8 m of its origin, so |c| < sqrt(3) * 2^42.87 and
+ * |M c| <= N |c| < 2^60.01 * 2^43.66.
  */
 static void turned(const ost_rotation *r, const ost_divider *by, int row, const ost_pm lo[3], const ost_pm hi[3],
                    int64_t out[8])
@@ -51,8 +52,8 @@ static void turned(const ost_rotation *r, const ost_divider *by, int row, const 
 }
 
 /*
- * Returns max |d|^2 over the box's corners. Each component is below 2 * 2^43.66 + 2^43.87 < 2^45.4, so
- * the sum of squares is below 2^92.4.
+ * Returns max |d|^2 over the corners of the box. Each component is below 2 * 2^43.66 + 2^43.87 < 2^45.4,
+ * so the sum of squares is below 2^92.4.
  */
 static ost_i128 greatest_displacement_squared(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool)
 {
@@ -90,15 +91,15 @@ ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_
     if (!near_unit(a) || !near_unit(b))
         return ost_fail(err, OST_ERR_RANGE, "invalid pose: expected a unit quaternion");
     /*
-     * cos^2 of the angle between the quaternions below 1/2 means over 45 degrees, and over 90 in
-     * space. Products < 2^121.03.
+     * If cos^2 of the angle between the quaternions is below 1/2, this angle exceeds 45 degrees, and
+     * the rotation in space exceeds 90 degrees. The products are below 2^121.03.
      */
     ost_i128 d = dot(a, b);
     if (2 * d * d < (ost_i128)dot(a, a) * dot(b, b))
         return ost_fail(err, OST_ERR_RANGE, "the tool turns by more than 90 degrees in one tick");
 
     ost_i128 needed = 4 * greatest_displacement_squared(a, b, tool); /* < 2^94.4 */
-    ost_i128 voxel_squared = (ost_i128)bone_voxel * bone_voxel;      /* <= 10^22 < 2^73.1, times 4096^2 < 2^97.1 */
+    ost_i128 voxel_squared = (ost_i128)bone_voxel * bone_voxel;      /* <= 10^22 < 2^73.1; times 4096^2 < 2^97.1 */
     ost_i128 n = 1;
     while (n <= OST_SWEEP_MAX && n * n * voxel_squared < needed)
         n++;

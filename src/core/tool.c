@@ -34,7 +34,7 @@ int64_t ost_tool_volume_count(const ost_tool_volume *tool, uint8_t tool_class)
     return found;
 }
 
-/* dims * voxel <= 2^12 * 10^11 < 2^49, so the far corner does not overflow before the comparison. */
+/* dims * voxel <= 2^12 * 10^11 < 2^49, so the sum for the far corner does not overflow before the comparison. */
 ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, ost_error *err)
 {
     const int32_t dims[3] = {geometry->dims.x, geometry->dims.y, geometry->dims.z};

@@ -10,11 +10,11 @@
  *        |<- s..2s ->|#######################|<- s..2s ->|
  *
  * RHE(m - 1/2) <= m and RHE(m + 1/2) >= m for every m, and neither differs from m
- * by more than one, so there are between one and two void voxels on each side of the
- * mesh.
+ * by more than one.  Therefore the margin on each side of the mesh is one to two void
+ * voxels wide.
  *
- * Ranges: |min|, |max| <= 8e12 (OST_LENGTH_MAX), s <= 1e11, so every sum and
- * product is below 2e13, far from 2^63.
+ * Ranges: |min|, |max| <= 8e12 (OST_LENGTH_MAX) and s <= 1e11, so every sum and
+ * product is below 2e13, far below 2^63.
  */
 #include <osteon/tool.h>
 

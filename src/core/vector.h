@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Vectors in doubles, for cameras, views and metrics; they decide no voxel.  Pixels are computed with
- * separate float operations in a fixed order (render/points/splat.h).
+ * Vectors of doubles, for cameras, views and metrics; not used in the arithmetic on voxels.  Pixels are
+ * computed with separate float operations in a fixed order (render/points/splat.h).
  */
 #ifndef OST_CORE_VECTOR_H
 #define OST_CORE_VECTOR_H
@@ -13,7 +13,7 @@ static inline double ost_vector_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Computes the cross product; out must be neither a nor b. */
+/* Computes the cross product. out must be neither a nor b. */
 static inline void ost_vector_cross(const double a[3], const double b[3], double out[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -21,7 +21,7 @@ static inline void ost_vector_cross(const double a[3], const double b[3], double
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Scales v to length 1; a zero vector becomes the unit vector of the given axis.  Returns the length that v had. */
+/* Scales v to length 1. A zero vector is set to the unit vector of the given axis.  Returns the previous length. */
 static inline double ost_vector_unit(double v[3], int axis)
 {
     const double length = sqrt(ost_vector_dot(v, v));
