@@ -7,7 +7,7 @@
 enum { SETS = 8 };
 
 /*
- * Solves m u = b by Cholesky decomposition, in place. m is symmetric and positive definite;
+ * Solves m u = b by Cholesky decomposition in place. m must be symmetric and positive definite;
  * only its upper triangle is read.
  */
 static void solve(int n, double m[6][6], const double b[6], double u[6])
@@ -35,8 +35,8 @@ static void solve(int n, double m[6][6], const double b[6], double u[6])
 }
 
 /*
- * Adds the terms of the pressing points. Called with a constant n of 3 or 6, so that the
- * compiler unrolls the loops.
+ * Adds the terms of the pressing points to m and rhs. n is a constant, 3 or 6, so that the compiler
+ * unrolls the loops.
  */
 static inline __attribute__((always_inline)) void add_points(const balance *e, const double share[], const int n,
                                                              double m[6][6], double rhs[6])

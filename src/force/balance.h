@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the velocity of a tool that is pulled by springs and held by points.
- * A point resists in proportion to its advance into bone, and only while it
- * presses.
+ * Computes the velocity of a tool that is pulled by springs and resisted by the
+ * points of its shell.  The resistance of a point is proportional to the speed of
+ * its advance into bone; a point resists only while it presses.
  *
  *   spring u  +  sum over pressing points of  b (given + j . u) j  =  pull
  *
- * u is the tool's velocity, or the velocity and the angular velocity; j of a
- * point is its outward normal n, or n and r x n, so that j . u is its advance.
- * Which points press is found by iteration: each solution determines the set for
- * the next.
+ * u is the velocity of the tool, or its velocity and angular velocity.  j of a
+ * point is its outward normal n, or n and r x n, so that j . u is its speed of
+ * advance.  The set of pressing points is found by iteration: each solution
+ * determines the set for the next solution.
  */
 #ifndef OST_FORCE_BALANCE_H
 #define OST_FORCE_BALANCE_H
@@ -20,14 +20,14 @@ typedef struct balance {
     int axes;              /* 3 or 6 */
     double spring[6];      /* coefficient of the springs for each axis of u */
     double pull[6];
-    size_t count;          /* points */
+    size_t count;          /* number of points */
     double b[OST_SHELL_MAX];
-    double given[OST_SHELL_MAX]; /* m/s: advance that does not depend on u */
+    double given[OST_SHELL_MAX]; /* m/s: part of the advance that does not depend on u */
     double j[6][OST_SHELL_MAX];
-    double advance[OST_SHELL_MAX]; /* m/s, at the solution */
+    double advance[OST_SHELL_MAX]; /* m/s: advance of each point for the solution */
 } balance;
 
-/* Solves for u and sets each point's advance. A point with an advance of 0 or less does not press. */
+/* Solves for u and sets the advance of each point. A point whose advance is not positive does not press. */
 void ost_balance_solve(balance *e, double u[6]);
 
 #endif

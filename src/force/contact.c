@@ -7,10 +7,11 @@
  *      ########  x  ###########     #### layer| ^ depth
  *      ######## bone ##########     ##########x | ####
  *
- * Along a point's inward normal, the surface of the bone lies half-way between
+ * Along the inward normal of a point, the surface of the bone lies half-way between
  * the centre of the last active voxel and the centre of the next voxel that is
- * not active, both projected onto the normal.  It is the tangent plane through a
- * voxel of McNeely, Puterbaugh and Troy (1999), moved to the voxel's border.
+ * not active, both projected onto the normal.  McNeely, Puterbaugh and Troy (1999)
+ * use a tangent plane through the centre of the voxel; here the plane is at the
+ * border of the voxel.
  */
 #include "force/contact.h"
 
@@ -19,13 +20,13 @@
 
 #include "core/backend.h"
 
-#define NEAR_AXIS 1e-3 /* m: a point nearer to the axis than this cuts as if it were at this distance */
+#define NEAR_AXIS 1e-3 /* m: least distance from the axis that is used for the cutting speed of a point */
 
 /* Vectors of four elements; the compiler chooses the registers. */
 typedef float four __attribute__((vector_size(16)));
 typedef int32_t four_integers __attribute__((vector_size(16)));
 
-/* Largest reach of a tool in voxels; beyond it positions in floats would be too coarse. */
+/* Greatest reach of a tool in voxels; beyond it, positions in float would not be accurate enough. */
 #define REACH_MAX 32768.0
 
 double ost_dot(const double a[3], const double b[3])
@@ -73,7 +74,7 @@ void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *para
             out->inward[a][i] = (float)p->inward[a];
             out->outside[a][i] = (float)(p->at[a] - spacing * p->inward[a]);
         }
-        /* Seen along -z the tool turns clockwise (AR-MOTOR): a point at (x, y) moves along (y, -x). */
+        /* Seen along -z, the tool rotates clockwise (AR-MOTOR): a point at (x, y) moves along (y, -x). */
         out->against[0][i] = radius > 0 ? (float)(-p->at[1] / radius) : 0;
         out->against[1][i] = radius > 0 ? (float)(p->at[0] / radius) : 0;
         out->area[i] = (float)p->area;
@@ -99,8 +100,8 @@ void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *param
 }
 
 /*
- * Maps the tool's frame to the bone's voxels: origin + floor(to[a] . p + part[a]). The large
- * part, origin, is an integer; the remainder is in floats.
+ * Maps the tool's frame to the bone's voxels: origin[a] + floor(to[a] . p + part[a]). The large
+ * part, origin, is an integer; the remaining terms are floats.
  */
 typedef struct to_voxels {
     float to[3][3], part[3]; /* part: from 0 to 1 */
@@ -108,8 +109,8 @@ typedef struct to_voxels {
 } to_voxels;
 
 /*
- * Makes the map for a pose. Returns false if no point of the tool, extended by `more` (m), can
- * lie in the grid, or if the pose is not finite.
+ * Computes the map for a pose. Returns false if the pose is not finite, or if no point of the tool,
+ * extended by `more` (m), can lie in the grid.
  */
 static bool map_make(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double more,
                      to_voxels *map)
@@ -134,7 +135,7 @@ static bool map_make(const ost_bone *bone, const contact_shell *shell, const con
 
 /*
  * Computes the positions of `count` points in voxels relative to map->origin, four at a time.
- * Beyond the last point they are those of the tool's origin.
+ * Elements after the last point are set to the position of the tool's origin.
  */
 static void positions(const to_voxels *map, const float (*at)[OST_SHELL_MAX], size_t count, contact *c)
 {
@@ -152,8 +153,8 @@ static void positions(const to_voxels *map, const float (*at)[OST_SHELL_MAX], si
 }
 
 /*
- * Computes the voxel of each position, rounding down: truncation toward 0 is one too high for
- * negative positions.
+ * Computes the voxel of each position by rounding down. The conversion to integers truncates toward
+ * 0, so it gives one too many for negative positions; this is corrected.
  */
 static void voxels_at(const to_voxels *map, size_t count, contact *c)
 {
@@ -208,7 +209,7 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
                              contact *c, ost_error *err)
 {
     const double s = (double)bone->geometry.spacing.x * OST_M_PER_PM;
-    uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX]; /* index of a point; its index among the touching points */
+    uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX]; /* indices in the shell; indices among touching points */
     to_voxels map;
     c->count = 0;
     if (!map_make(bone, shell, pose, layer, &map))
@@ -218,8 +219,8 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
     for (size_t i = 0; i < left; i++)
         walking[i] = (uint16_t)i;
     /*
-     * Advances all points that are still in bone by half a voxel per step; the first step
-     * determines which points touch.
+     * Advances all points that are still in bone by half a voxel per step. The first step
+     * determines which points touch bone.
      */
     bool first = true;
     for (double step = -layer; left > 0 && step < layer; step += s / 2, first = false) {
@@ -235,15 +236,15 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
         size_t kept = 0;
         for (size_t k = 0; k < left; k++) {
             const size_t i = walking[k];
-            /* Distance from the point to the voxel's centre, along the normal. */
+            /* plane is the distance from the point to the voxel's centre along the normal. */
             double along[3], plane = 0;
             inward_in_voxels(&map, shell, i, along);
             for (int a = 0; a < 3; a++)
                 plane += (c->voxel[a][k] - map.origin[a] + 0.5 - c->position[a][i]) * along[a] * s * s;
             if (c->found[k] == 0) {
                 /*
-                 * The point left the bone here. A point that was not in bone at the first step
-                 * touches nothing.
+                 * The point has left the bone. A point that is not in bone at the first step
+                 * does not touch bone.
                  */
                 if (!first)
                     c->depth[slot[k]] = (c->depth[slot[k]] + plane) / 2 + layer;

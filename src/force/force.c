@@ -7,19 +7,20 @@
  *     K (x_d - x) + D (v_d - v) = sum over touching points of b (inward . -v)+ (-inward)
  *     b = area * energy / (cutting ratio * speed of the point)
  *
- *   A point that is pressed into bone at speed v cuts area * v * energy watts,
- *   which the cutting friction, ratio * f at the point's speed, supplies.  A
- *   contact is therefore a damper and never a spring, and cannot oscillate.  The
- *   equation is solved for the end of the tick (balance.h).
+ *   A point that advances into bone at speed v needs the power area * v * energy
+ *   to cut.  The friction of cutting, ratio * f at the point's speed, supplies
+ *   this power.  A contact therefore acts as a damper and not as a spring, and
+ *   cannot oscillate.  The equation is solved for the end of the tick (balance.h).
  *
- *   With a turn stiffness, a spring and a damper also couple the tool's
- *   orientation to the device's, and the equation has three more rows: torques.
+ *   If turn_stiffness is not 0, a spring and a damper also couple the orientation
+ *   of the tool to that of the device, and the equation has three more rows, for
+ *   the torques.
  *
  *   instant   f = layer stiffness * (density / reference)^2 * area * depth
  *
- *   The sum of the points' stiffness is limited to that of the coupling.
+ *   The sum of the stiffness of all points is limited to that of the coupling.
  *
- * All computations are in the tool's frame (contact.h); results are rotated back.
+ * All computations use the tool's frame (contact.h); the results are rotated back.
  */
 #include "core/conditions.h"
 
@@ -43,24 +44,24 @@ enum { TOOLS_MAX = 16, PARTS = 8 };
 typedef struct grip {
     bool coupled;       /* a tool is coupled; the other fields are valid */
     int tool;
-    contact_pose pose;  /* of the tool */
-    double facing[4];   /* its orientation as a quaternion */
-    ost_pose device;    /* the device's pose in the last tick */
-    double velocity[3]; /* m/s: the device's velocity, filtered */
-    double turning[3];  /* rad/s: its angular velocity, filtered */
+    contact_pose pose;  /* pose of the tool */
+    double facing[4];   /* orientation of the tool as a quaternion */
+    ost_pose device;    /* pose of the device in the last tick */
+    double velocity[3]; /* m/s: filtered velocity of the device */
+    double turning[3];  /* rad/s: filtered angular velocity of the device */
     double drag[3];     /* N: lateral force of cutting, low-pass filtered */
     double drag_nm[3];
-    double spun;        /* rad: rotation of the tool so far */
+    double spun;        /* rad: angle by which the tool has rotated */
 } grip;
 
 struct ost_force {
     const ost_bone *bone;
     ost_force_params params;
-    double spacing; /* m, of the bone */
+    double spacing; /* m: spacing of the bone */
     int tools;
     contact_shell *shells[TOOLS_MAX];
     grip grip;
-    /* Scratch of a tick. */
+    /* Scratch for one tick. */
     contact contact;
     balance balance;
     double size[OST_SHELL_MAX]; /* N: force of each touching point */
@@ -181,7 +182,7 @@ void ost_force_motor(ost_force *force, double speed, double turned)
     g->device.qz = (int32_t)rint(device[3]);
 }
 
-/* Rotates the tool by its angular velocity w, in its own frame, for dt. */
+/* Rotates the tool for the time dt at the angular velocity w, given in the tool's frame. */
 static void turn_tool(ost_force *f, const double w[3], double dt)
 {
     const double *q = f->grip.facing, h[3] = {w[0] * dt / 2, w[1] * dt / 2, w[2] * dt / 2};
@@ -197,11 +198,11 @@ static void turn_tool(ost_force *f, const double w[3], double dt)
 /* ------------------------------------------------------------------ results */
 
 /*
- * Sums the forces of the points on the tool: along the normals, and the lateral
- * force of cutting.  A side that is pressed is pulled across, so a push causes a
- * rotation: a stiffness without a potential, which makes a lightly held device
- * whirl at its natural frequency.  The lateral force is therefore filtered to
- * below that frequency.
+ * Sums the forces of the points on the tool: the forces along the normals, and the
+ * lateral forces of cutting.  If one side of the tool is pressed, the lateral force
+ * pulls it sideways.  Such a coupling has no potential and would make a lightly held
+ * device whirl at its natural frequency.  A low-pass filter therefore limits the
+ * lateral force to lower frequencies.
  */
 static void sum_up(ost_force *f, double period, ost_force_result *out)
 {
@@ -259,7 +260,7 @@ static void shake(ost_force *f, double period, ost_force_result *out)
     if (p->vibration <= 0 && p->runout <= 0)
         return;
     f->grip.spun += p->speed * period;
-    f->grip.spun -= f->grip.spun > 2 * PI * 64 ? 2 * PI * 64 : 0; /* subtracts whole turns, for any number of teeth */
+    f->grip.spun -= f->grip.spun > 2 * PI * 64 ? 2 * PI * 64 : 0; /* 64 whole turns: the teeth stay in phase */
     ost_sin_cos(f->grip.spun, &once[0], &once[1]);
     ost_sin_cos(f->grip.spun * p->teeth, &teeth[0], &teeth[1]);
     const double own[3] = {p->runout * once[1], p->runout * once[0], p->vibration * teeth[0]};
@@ -271,8 +272,8 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* ------------------------------------------------------------------ energy */
 
 /*
- * Enters the touching points into the balance. turn is the tool's angular velocity that is not
- * solved for, in its own frame.
+ * Adds the touching points to the balance. turn is the part of the tool's angular velocity that is
+ * given and not solved for, in the tool's frame.
  */
 static void gather(ost_force *f, int axes, const double turn[3])
 {
@@ -300,8 +301,8 @@ static void gather(ost_force *f, int axes, const double turn[3])
 }
 
 /*
- * Enters springs and dampers of the coupling; away and velocity are the device's offset and
- * velocity in the tool's frame.
+ * Adds the springs and dampers of the coupling to the balance. away and velocity are the offset and
+ * the velocity of the device in the tool's frame.
  */
 static void pull(balance *e, int first, double k, double d, double dt, const double away[3], const double velocity[3])
 {
@@ -312,14 +313,14 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
 }
 
 /*
- * No hand presses harder. If the device is so far from the tool that the coupling would, the
- * force is limited to this.
+ * The greatest force of the coupling, more than a hand can exert. It limits the force if the device is
+ * far from the tool.
  */
 #define DEVICE_FORCE_MAX_N 300.0
 
 /*
- * Computes the offset from the tool to the device, limited to what a coupling of stiffness k
- * can transmit.
+ * Computes the offset from the tool to the device, limited so that a coupling of stiffness k does
+ * not exceed DEVICE_FORCE_MAX_N.
  */
 static void reach_of(const double to[3], const double at[3], double k, double away[3])
 {
@@ -355,7 +356,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         ost_into_tool(&f->grip.pose, f->grip.velocity, speed_own);
         pull(&f->balance, 0, k, d, left, far_own, speed_own);
         ost_into_tool(&f->grip.pose, turn, own);
-        own[2] = 0; /* about its own axis the tool rotates anyway */
+        own[2] = 0; /* rotation about the tool's axis is ignored: the tool rotates about it anyway */
         if (turns) {
             ost_turn_between(f->grip.facing, facing, lean);
             ost_into_tool(&f->grip.pose, lean, far_own);
@@ -364,7 +365,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         }
         gather(f, turns ? 6 : 3, turns ? nothing : own);
         ost_balance_solve(&f->balance, u);
-        /* Moves at most half a voxel at once, because bone is sought no farther than a voxel ahead. */
+        /* The tool moves at most half a voxel per part, because bone is looked up only one voxel ahead. */
         const double turned = turns ? sqrt(ost_dot(u + 3, u + 3)) * shell->reach : 0,
                      far = (sqrt(ost_dot(u, u)) + turned) * left;
         const double share = far > f->spacing / 2 ? f->spacing / 2 / far : 1;
@@ -380,7 +381,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
     for (size_t i = 0; i < f->contact.count; i++)
         f->size[i] = f->balance.advance[i] > 0 ? f->balance.b[i] * f->balance.advance[i] : 0;
     sum_up(f, period, out);
-    /* The force on the hand is the coupling's. */
+    /* The hand force is the force of the coupling, plus the lateral force. */
     double v[3], w[3];
     ost_into_bone(&f->grip.pose, u, v);
     reach_of(to, f->grip.pose.at, k, away);
@@ -433,8 +434,8 @@ static ost_pm picometres(double m)
 }
 
 /*
- * Updates the device's velocity and angular velocity, filtered to VELOCITY_HZ; turn is the
- * angular velocity of this tick, unfiltered.
+ * Updates the velocity and the angular velocity of the device, low-pass filtered at VELOCITY_HZ. turn
+ * is set to the unfiltered angular velocity of this tick.
  */
 static void follow(ost_force *f, const ost_pose *device, double period, double turn[3])
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parameters by name: those that a file may set, their bounds, and the
- * source of each default.  docs/reference/force.md documents their meaning.
+ * The parameters that a file may set, by name, with their bounds and the source of
+ * each default.  docs/reference/force.md documents their meaning.
  *
  *   # comment lines and blank lines are skipped
  *   stiffness: 250        # a comment after a value

@@ -4,7 +4,7 @@
 
 #include <osteon/force.h>
 
-/* Returns OST_ERR_RANGE with the name of the first parameter out of its bounds. */
+/* Returns OST_ERR_RANGE, with the name of the parameter in err, if a parameter is out of its bounds. */
 ost_status ost_force_params_check(const ost_force_params *params, ost_error *err);
 
 #endif

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
+ * The safety layer between the computed force and the device:
+ *
  *   force --> finite? --> enabled, fresh? --> ramp --> saturation --> slew --> passivity --> device
  *
- * Passivity (observer and controller of Hannaford and Ryu 2002): the energy that
- * the hand put in, less what it got back, is the energy stored in the contact.  A
- * coupling can store stored_j at most, so more than that is not counted.  A
- * negative value means that energy was generated; a damper then removes it.
+ * Passivity (observer and controller of Hannaford and Ryu 2002): the energy that the
+ * hand has supplied, minus the energy that it has received, is the energy stored in
+ * the contact.  A coupling can store at most stored_j, so the count is limited to this
+ * value.  A negative value means that energy was generated; a damper then removes it.
  */
 #include <math.h>
 #include <string.h>
@@ -32,7 +34,7 @@ static double size_of(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Limits a vector smoothly: small ones hardly change, and none exceeds `most`. */
+/* Limits the length of a vector to `most`. The limit is smooth: short vectors hardly change. */
 static void saturate(double v[3], double most)
 {
     const double share = size_of(v) / most, down = most > 0 ? 1 / sqrt(1 + share * share) : 0;
@@ -49,8 +51,8 @@ static void slew(double v[3], const double last[3], double most)
 }
 
 /*
- * Accounts for the work of the last force over `moved`, the motion since the last tick, and
- * adds damping against generated energy.
+ * Subtracts the work of the last force over `moved`, the motion since the last tick, from the stored
+ * energy. If the result is negative, adds damping to the force.
  */
 static void passivity(ost_safety *s, const double moved[3], double period_s, double force_n[3])
 {
@@ -61,7 +63,7 @@ static void passivity(ost_safety *s, const double moved[3], double period_s, dou
     const double square = moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2];
     if (s->energy_j >= 0 || square <= 0 || s->params.max_damping <= 0)
         return;
-    double damping = -s->energy_j * period_s / square; /* N s/m: from alpha |v|^2 T = the energy */
+    double damping = -s->energy_j * period_s / square; /* N s/m: so that damping |v|^2 period = -energy */
     if (damping > s->params.max_damping)
         damping = s->params.max_damping;
     for (int a = 0; a < 3; a++)
@@ -101,7 +103,7 @@ ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bo
     }
     saturate(force_n, s->params.max_force_n);
     saturate(torque_nm, s->params.max_torque_nm);
-    /* The torque's slew limit is the force's, in proportion to their maxima. */
+    /* The slew limit of the torque is that of the force, scaled by the ratio of their maxima. */
     slew(force_n, s->last, s->params.slew_n);
     slew(torque_nm, s->last_torque, s->params.slew_n * s->params.max_torque_nm / s->params.max_force_n);
     memcpy(s->last, force_n, sizeof s->last);

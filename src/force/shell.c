@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tool's surface as points.
+ * Converts the surface of a tool to points.
  *
  *   faces between a solid voxel and void        cells of c voxels
  *        .--.--.                                .-----.-----.
- *     .--|##|##|    each face: its centre, and  | . . |  .  |   points of a cell
- *     |##|##|##|    the inward normal there     |. .  |.  . |   become one
+ *     .--|##|##|    each face: its centre, and  | . . |  .  |   the points of a cell
+ *     |##|##|##|    the inward normal there     |. .  |.  . |   are merged into one
  *
  * The normal is the gradient of the solid fraction within a ball of REACH voxels.
- * A face of area s^2 represents s^2 |e . n| of the surface, where e is the face's
- * own direction: summed over the steps of a slanted surface this is its true
- * area.  The size of the cells is increased until the points are few enough.
- * Faces of a cell that point to opposite sides, as on a thin wall, are not merged.
+ * A face of area s^2 represents the area s^2 |e . n| of the surface, where e is the
+ * direction of the face; the sum over the steps of a slanted surface is its true
+ * area.  The size of the cells is increased until there are few enough points.
+ * Faces of a cell with opposite directions, as on a thin wall, are not merged.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static void inward_at(const ost_tool_volume *t, const int v[3], const int e[3], 
     for (int z = -REACH; z <= REACH + 1; z++)
         for (int y = -REACH; y <= REACH + 1; y++)
             for (int x = -REACH; x <= REACH + 1; x++) {
-                /* Relative to the face's centre, which lies half a voxel along e. */
+                /* d is relative to the centre of the face, which lies half a voxel along e. */
                 const double d[3] = {x - 0.5 * e[0], y - 0.5 * e[1], z - 0.5 * e[2]};
                 const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
                 if (square > REACH * REACH || !solid(t, v[0] + x, v[1] + y, v[2] + z))
@@ -142,8 +142,8 @@ ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error
     if (!points)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool's shell");
     /*
-     * The first cell size is estimated from the box's surface; then it is increased until the
-     * points fit.
+     * The first cell size is estimated from the surface of the box. The size is then increased
+     * until the points fit.
      */
     const double faces = 2.0 * ((double)d.x * d.y + (double)d.y * d.z + (double)d.x * d.z);
     for (int size = 1 + (int)sqrt(faces / OST_SHELL_MAX / 2); size <= 2 * most; size += 1 + size / 8) {

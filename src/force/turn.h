@@ -6,13 +6,13 @@
 #include <osteon/pose.h>
 
 /*
- * Computes the rotation from a to b as twice the sine of half its angle along its axis, in the
- * bone's frame.
+ * Computes the rotation from a to b as a vector in the bone's frame, along the axis of the rotation. The
+ * length is twice the sine of half the angle.
  */
 void ost_turn_between(const double a[4], const double b[4], double out[3]);
-/* Multiplies q by a rotation about z. out may be q. */
+/* Multiplies q by a rotation about z by `angle` in radians. out may be q. */
 void ost_turn_about_axis(const double q[4], double angle, double out[4]);
-/* Copies the pose's quaternion. */
+/* Copies the quaternion of a pose. */
 void ost_turn_quaternion(const ost_pose *pose, double q[4]);
 
 #endif

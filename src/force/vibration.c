@@ -8,7 +8,7 @@
 void ost_sin_cos(double angle, double *sine, double *cosine)
 {
     /*
-     * Computes the series for a sixteenth of the angle modulo whole turns, |x| at most 0.2, and
+     * Computes the series for x, a sixteenth of the angle modulo whole turns with |x| at most 0.2, and then
      * doubles the angle four times.
      */
     const double x = (angle - TURN * rint(angle / TURN)) / 16, q = x * x;

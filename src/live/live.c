@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The two paths from the tick to the viewer.
+ * Passes the state and the chunks of the bone from the tick to the viewer.
  *
- * The state has three buffers: one that the tick writes, one that the viewer
- * reads, and one in the middle.  Each side exchanges its own buffer with the
- * middle one, so the two sides never share a buffer.
+ * The state has three buffers: the tick writes one, the viewer reads one, and one is
+ * in the middle.  Each side exchanges its buffer with the middle buffer, so the two
+ * sides never share a buffer.
  *
  *        tick                         viewer
- *     state[back]  <--> middle <-->  state[front]        middle: a number, and whether it is new
+ *     state[back]  <--> middle <-->  state[front]        middle: index of a buffer, and a bit for "new"
  *
- * The bone's words are in memory that both sides share, each word atomic.  The
- * tick writes a chunk's words and then sets its dirty bit (release); the viewer
- * clears dirty bits (acquire) and then reads the words.  If the tick writes while
- * the viewer reads, the bit is set again afterwards, so the viewer reads the
- * chunk once more: no change is missed.
+ * The words of the bone are in memory that both sides share; each word is atomic.
+ * The tick writes the words of a chunk and then sets its dirty bit (release); the
+ * viewer clears dirty bits (acquire) and then reads the words.  If the tick writes
+ * while the viewer reads, the bit is set again afterwards, and the viewer reads the
+ * chunk once more.  Therefore no change is missed.
  *
- *     waiting: slots in their order, each once        words[slot]     dirty
+ *     waiting: a queue of slots, each at most once    words[slot]     dirty
  *     changed --> [ 7 | 3 | 12 |   |   ] --publish--> 1 0 1 1 ...     bit of slot
  */
 #include <stdatomic.h>
@@ -32,23 +32,23 @@ struct ost_live_channel {
     int n;
     ost_dims chunk_dims;
     size_t chunk_words;    /* number of 32-bit words in a chunk */
-    int32_t *slot_of;      /* owned; slot of each chunk, NONE for chunks that were empty from the start */
+    int32_t *slot_of;      /* owned; slot of each chunk; NONE for chunks without active voxels at the start */
     int32_t *chunk_of;     /* owned; chunk of each slot */
     int32_t slots;
     _Atomic uint32_t *words; /* owned; chunk_words for each slot */
-    _Atomic uint64_t *dirty; /* owned; a bit for each slot */
+    _Atomic uint64_t *dirty; /* owned; one bit for each slot */
 
     ost_live_state state[STATES];
     _Alignas(LINE) _Atomic unsigned middle;
     _Alignas(LINE) unsigned front; /* the viewer's buffer */
-    bool any;              /* used by the viewer: front has been written */
-    uint32_t *seen;        /* owned; used by the viewer: a chunk's words */
+    bool any;              /* used by the viewer: state[front] has been written */
+    uint32_t *seen;        /* owned; used by the viewer: the words of one chunk */
 
     _Alignas(LINE) unsigned back; /* used by the tick, like all following members */
     int32_t *waiting;      /* owned; a ring buffer of slot numbers */
-    bool *waits;           /* owned; for each slot, whether it is in the ring buffer */
+    bool *waits;           /* owned; true for slots that are in the ring buffer */
     int32_t first, count;
-    uint32_t *fresh;       /* owned; words of the chunks that are published in one call */
+    uint32_t *fresh;       /* owned; words of the chunks that one call publishes */
     int32_t at_once;
 };
 
@@ -62,7 +62,7 @@ static ost_status no_memory(ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "out of memory for a snapshot of a bone");
 }
 
-/* Passes every chunk's words to `visit`, in ascending order of chunk numbers. */
+/* Calls visit with the words of every chunk, in ascending order of chunk numbers. */
 static ost_status for_chunks(ost_live_channel *live, int64_t chunks,
                              void (*visit)(ost_live_channel *live, int32_t chunk, const uint32_t *words),
                              ost_error *err)
@@ -190,7 +190,7 @@ void ost_live_changed(ost_live_channel *live, const ost_removal_report *report)
         const int32_t slot = live->slot_of[report->chunks[i].chunk];
         if (slot == NONE || live->waits[slot])
             continue;
-        int32_t last = live->first + live->count; /* no overflow: slots <= 2^30, 2^10 chunks on each axis */
+        int32_t last = live->first + live->count; /* no overflow, because slots <= 2^30 (2^10 chunks per axis) */
         last = last < live->slots ? last : last - live->slots;
         live->waiting[last] = slot;
         live->waits[slot] = true;
@@ -198,10 +198,10 @@ void ost_live_changed(ost_live_channel *live, const ost_removal_report *report)
     }
 }
 
-/* Publishes up to at_once of the waiting slots. */
+/* Publishes the first waiting slots, at most at_once. */
 static ost_status publish_some(ost_live_channel *live, ost_error *err)
 {
-    int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* 128: words of a chunk of 16^3 */
+    int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* 128: number of words in a chunk of 16^3 */
     const int32_t some = live->count < live->at_once ? live->count : live->at_once;
     for (int32_t i = 0; i < some; i++) {
         const int32_t at = live->first + i;

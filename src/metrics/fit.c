@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* Solves n linear equations by Gauss-Jordan elimination with pivoting; m is n x (n + 1). */
+/* Solves n linear equations by Gauss-Jordan elimination with pivoting. m has n rows and n + 1 columns. */
 static bool eliminate(double m[4][5], int n, double x[4])
 {
     for (int c = 0; c < n; c++) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scapula's own frame, after Friedman's line in three dimensions:
+ * The scapula's own frame, based on Friedman's line in three dimensions:
  *
- *        GC--------> lateral = GC - TS        TS  trigonum: the spine's root on the medial border
- *        /|                                   GC  centre of the glenoid's face, the plan's
+ *        GC--------> lateral = GC - TS        TS  trigonum: root of the spine on the medial border
+ *        /|                                   GC  centre of the glenoid's face, from the plan
  *       / superior, in the plane of the three IA  inferior angle
  *     TS  |
  *      \  IA          posterior = perpendicular to that plane
@@ -32,7 +32,7 @@ bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
         out->superior[a] = along * out->lateral[a] - down[a];
     if (!(ost_vector_unit(out->superior, 2) > 1))
         return false;
-    /* Lateral x superior points to the back on a right shoulder, and to the front on a left one. */
+    /* lateral x superior is posterior on a right shoulder, and anterior on a left shoulder. */
     const double side = plan->left ? -1 : 1, *l = out->lateral, *s = out->superior;
     for (int a = 0; a < 3; a++)
         out->posterior[a] = side * (l[(a + 1) % 3] * s[(a + 2) % 3] - l[(a + 2) % 3] * s[(a + 1) % 3]);

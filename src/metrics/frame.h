@@ -4,16 +4,16 @@
 
 #include <osteon/metrics.h>
 
-/* Unit vectors, perpendicular to each other. */
+/* The frame of a scapula: unit vectors, perpendicular to each other. */
 typedef struct ost_scapular {
     double lateral[3], superior[3], posterior[3];
 } ost_scapular;
 
-/* Returns false without landmarks or if they are collinear. */
+/* Computes the frame. Returns false if the plan has no landmarks or they are collinear. */
 bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out);
 /*
- * Computes the angles of the face with the given inward direction: toward the back and toward
- * the top, from the frame's lateral axis.
+ * Computes the angles by which the face with the given inward direction deviates from the lateral axis
+ * of the frame: towards posterior and towards superior.
  */
 void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg,
                          double *superior_deg);

@@ -17,8 +17,8 @@ enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOO
 #define INSIDE_MM 45.0
 #define PLATE_MM 4.5
 #define MARGIN_MM 1.0
-#define WINDOW_MM 0.5   /* a reamer's axis is the mean over its deepest half millimetre */
-#define ENTRY_MM 6.0      /* equal to WALL_MM: nearer to the face the space in front of it would count as outside */
+#define WINDOW_MM 0.5   /* the axis of a reamer is the mean over the deepest half millimetre */
+#define ENTRY_MM 6.0      /* equal to WALL_MM: at a smaller depth, the space in front of the face would be found */
 #define WALL_MM 6.0
 #define DEG (180 / 3.14159265358979323846)
 
@@ -31,7 +31,7 @@ typedef struct work {
     ost_plan_frame frame;
     int32_t dims[3];
     ost_scapular scapular; /* valid if out->scapular */
-    uint8_t *mark; /* owned; voxels that a drill could have removed; NULL without a drill */
+    uint8_t *mark; /* owned; 1 for voxels that a drill can have removed; NULL without a drill */
     double (*floor)[3]; /* owned; points of the floor in u, v, w */
     size_t floor_count;
 } work;
@@ -58,7 +58,7 @@ static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *e
         k->frame.w[a] = k->plan->axis[a];
     }
     ost_vector_unit(k->frame.w, 2);
-    /* v points as far up as possible, or to the front if the axis is vertical. */
+    /* v is the direction across w that is nearest to superior, or to anterior if w is almost vertical. */
     const double up[3] = {0, fabs(k->frame.w[2]) > 0.9 ? -1 : 0, fabs(k->frame.w[2]) > 0.9 ? 0 : 1};
     ost_vector_cross(up, k->frame.w, k->frame.u);
     ost_vector_unit(k->frame.u, 2);
@@ -93,7 +93,7 @@ static int density_at(const work *k, const ost_volume *volume, double u, double 
     return volume->voxels[index_of(k, at)];
 }
 
-/* Returns the position at which a ray along w first meets bone, to half a step, or NAN if it meets none. */
+/* Returns the position w, to half a step, at which a ray along w first meets bone, or NAN if it meets no bone. */
 static double ray(const work *k, const ost_volume *volume, double u, double v, double from)
 {
     const double step = fmax(k->spacing / 4, 0.05);
@@ -104,8 +104,8 @@ static double ray(const work *k, const ost_volume *volume, double u, double v, d
 }
 
 /*
- * Returns the mean of four rays, so that a cell on the border of two voxels includes both; NAN
- * if most meet no bone.
+ * Returns the mean position at which four rays meet bone, so that a cell on the border of two
+ * voxels includes both. Returns NAN if fewer than two rays meet bone.
  */
 static double surface(const work *k, const ost_volume *volume, double u, double v)
 {
@@ -137,8 +137,8 @@ static bool is_floor(const work *k, int i)
 }
 
 /*
- * Keeps the cells that have floor for RIM cells around them. At the rim only cells that happen
- * to be deep count as floor and would distort the fit.
+ * Stores the points of the cells that are surrounded by floor on RIM cells. At the rim of the
+ * floor, only deeper cells count as floor, which would distort the fit.
  */
 static void leave_rim(work *k)
 {
@@ -156,8 +156,8 @@ static void leave_rim(work *k)
 }
 
 /*
- * Returns true if a neighbouring cell is drilled: some rays of the cell enter the hole, so its
- * mean depth is neither the floor's nor the hole's.
+ * Returns true if the cell or a neighbour is drilled. Some rays of such a cell enter the hole, so its
+ * mean depth is neither that of the floor nor that of the hole.
  */
 static bool at_hole(const work *k, int i)
 {
@@ -196,7 +196,7 @@ static void mark_cells(work *k)
             }
 }
 
-/* Computes the maps and the floor: cells exposed by the operation, except by a drill. */
+/* Computes the maps, and the floor from the cells that were exposed by tools other than drills. */
 static void walk_voxels(work *k)
 {
     ost_metrics *o = k->out;
@@ -233,8 +233,8 @@ static void walk_voxels(work *k)
 }
 
 /*
- * Computes the angles, in the CT's planes and in degrees, by which the opposite of an inward
- * direction is turned toward the back and toward the head.
+ * Computes the angles in degrees, in the planes of the CT, by which the outward direction deviates
+ * from lateral: towards posterior and towards superior.
  */
 static void angles(const work *k, const double inward[3], double *back, double *up)
 {
@@ -259,7 +259,7 @@ static void fit_floor(work *k)
         gaps[i] = gap;
     }
     qsort(gaps, k->floor_count, sizeof gaps[0], ascending);
-    /* Ignores one cell in a hundred, which may show a voxel's edge. */
+    /* Ignores the largest 1 % of the gaps, which may be at edges of voxels. */
     o->gap_max_mm = fmax(0, gaps[(k->floor_count - 1) * 99 / 100]);
     o->sphere = true;
     o->sphere_mm = radius;
@@ -268,7 +268,7 @@ static void fit_floor(work *k)
     o->centre_depth_mm = c[2] + sqrt(fmax(0, radius * radius - c[0] * c[0] - c[1] * c[1]));
 }
 
-/* Computes depth, tilt and entry from the reamer's poses, and its directions and their errors. */
+/* Computes depth, tilt and entry from the poses of the reamer, and the angles of plan and reamer with their errors. */
 static void measure_axis(work *k, const ost_metrics_motion *motion)
 {
     ost_metrics *o = k->out;
@@ -294,8 +294,8 @@ static void measure_axis(work *k, const ost_metrics_motion *motion)
 }
 
 /*
- * Counts all removed voxels by class and position; `slabs` gets the volume that a drill
- * removed, per millimetre of depth.
+ * Counts all removed voxels by class and position. slabs[i] is increased by the volume that drills
+ * removed from i to i + 1 mm below the plan's centre.
  */
 static ost_status count_voxels(work *k, const ost_density_classes *classes, double slabs[SLABS], ost_error *err)
 {
@@ -348,8 +348,8 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
 }
 
 /*
- * Returns the distance from the hole's voxels to the nearest voxel that was outside the bone
- * before; at most WALL_MM.
+ * Returns the distance from the voxels of the hole to the nearest voxel that was outside the bone
+ * before the operation, at most WALL_MM.
  */
 static double wall_of(const work *k)
 {
@@ -375,7 +375,7 @@ static double wall_of(const work *k)
                                 continue;
                             const bool inside = v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && v[0] < k->dims[0] &&
                                                 v[1] < k->dims[1] && v[2] < k->dims[2];
-                            /* Beyond the grid it is unknown: a scan may end in bone. */
+                            /* Voxels beyond the grid are not counted, because a scan may end in bone. */
                             if (inside && k->before->voxels[index_of(k, v)] < k->threshold)
                                 nearest = square;
                         }
@@ -393,8 +393,8 @@ static void measure_hole(work *k, const ost_metrics_motion *motion, const double
     if (!way.cut || way.reach_mm <= 0)
         return;
     /*
-     * Uses slabs below the reamed floor and above the tip. In a slab of less than 0.9 of the
-     * largest, the hole leaves the bone or the scan.
+     * Uses the slabs below the reamed floor and above the tip. Slabs with less than 0.9 of the
+     * largest volume are excluded, because the hole leaves the bone or the scan there.
      */
     const double from = fmax(o->reamed ? o->reach_mm : 0, 0) + 1;
     double most = 0;
@@ -410,7 +410,7 @@ static void measure_hole(work *k, const ost_metrics_motion *motion, const double
     o->hole_entry_mm = way.entry_mm;
     o->hole_diameter_mm = complete ? 2 * sqrt(sum / complete * cos(way.tilt_deg / DEG) / 3.14159265358979323846) : NAN;
     o->hole_wall_mm = wall_of(k);
-    /* A neighbour of the hole was never bone. */
+    /* True if a neighbour of the hole was not bone before the operation. */
     o->hole_breach = o->hole_wall_mm < 1.01 * k->spacing;
 }
 

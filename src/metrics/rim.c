@@ -5,10 +5,10 @@
  *   from the axis outward, in 72 directions:
  *
  *      w ^  highest - - - .--.        the rim: the last position within 1 mm of the highest
- *        |  ------.___.--'    |       so far, before the surface falls by more than 3 mm,
- *        '--- r ----------> rim       ends, or another surface lies 3 mm in front of it
+ *        |  ------.___.--'    |       position so far, before the surface falls by more than 3 mm,
+ *        '--- r ----------> rim       ends, or rises by more than 3 mm to another surface
  *
- * Positions nearer than 6 mm are skipped, because the hole is there.
+ * Positions nearer than 6 mm to the axis are skipped, because the hole is there.
  */
 #include "metrics/rim.h"
 
@@ -23,10 +23,10 @@ enum { MAP = OST_METRICS_MAP, WAYS = 72 };
 #define PI 3.14159265358979323846
 
 typedef struct rim {
-    double r[WAYS]; /* NAN: beyond the map */
+    double r[WAYS]; /* distance from the axis; NAN: beyond the map */
 } rim;
 
-/* Returns the index of a cell in the map, or -1 outside it. */
+/* Returns the index of the map cell at distance r in a direction, or -1 outside the map. */
 static int cell(int way, double r)
 {
     const double angle = way * 2 * PI / WAYS;
@@ -52,8 +52,8 @@ static double trace(const float *surface, int way)
 }
 
 /*
- * Returns the largest extent within 30 degrees of a direction and its opposite, from rim to
- * rim; NAN if the rim is not seen on one side.
+ * Returns the extent from rim to rim along a direction: the sum of the largest components within 30
+ * degrees of it and of its opposite. Returns NAN if the rim is not on the map on one side.
  */
 static double across(const rim *edge, int way)
 {

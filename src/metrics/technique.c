@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures how the tool was moved, from each tick's removal, tool position and force.
+ * Measures how the tool was moved, from the removal, tool position and force of each tick.
  *
- *   ticks in contact  .:::.:.::      ::::::.     intervals with less than GAP between them are merged
+ *   ticks in contact  .:::.:.::      ::::::.     intervals less than GAP_S apart are merged
  *                     '-------'      '-----'
  *
- * Speeds are averaged over WINDOW, and a path's length is measured between
- * positions PLACE apart: faster tremor is noise of the encoder.
+ * Speeds are averaged over WINDOW_S.  The length of a path is measured between positions
+ * PLACE_S apart, because faster tremor is noise of the encoder.
  */
 #include <osteon/metrics.h>
 
@@ -36,8 +36,8 @@ static bool cuts(const ost_motion *m)
 }
 
 /*
- * Finds the intervals of ticks for which `is` returns true. Returns their number and adds their
- * durations to *seconds; in[i] is set to whether tick i lies in one (may be NULL).
+ * Finds the intervals of ticks for which `is` returns true. Returns the number of intervals and adds
+ * their durations to *seconds. in[i] is set to true if tick i lies in an interval; in may be NULL.
  */
 static int spells(const ost_motion *m, size_t count, bool (*is)(const ost_motion *), double gap_s, double *seconds,
                   bool *in)
@@ -87,7 +87,7 @@ static void forces(const ost_motion *m, size_t count, const bool *in, double *sc
 
 static void plunges(const ost_motion *m, size_t count, const bool *in, const double w[3], ost_technique *out)
 {
-    size_t from = 0, broken = 0; /* index after the last tick without contact */
+    size_t from = 0, broken = 0; /* broken: index after the last tick without contact */
     bool fast = false;
     double begun = 0;
     for (size_t i = 0; i < count; i++) {
@@ -115,8 +115,8 @@ static void plunges(const ost_motion *m, size_t count, const bool *in, const dou
             begun = depth[0];
         }
         /*
-         * The end threshold lies well below the start threshold, so that a speed that varies
-         * about the limit is one plunge and not hundreds.
+         * The end threshold is well below the start threshold. Otherwise a speed that varies
+         * around the limit would be counted as many plunges.
          */
         fast = speed > (fast ? OST_PLUNGE_END_MM_S : OST_PLUNGE_MM_S);
         if (fast)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Positions of tools while they removed bone.
+ * Poses of tools while they removed bone.
  *
  *   tip, axis of a tick        the axis is the tool's working direction, which
  *     \                        does not change when the tool rotates about it
- *      \_____ w = 0, the face:  entry = where tip - s axis meets this plane
+ *      \_____ w = 0, the face:  the entry is the point tip - s axis in this plane
  *       \
  *        '  tip
  */
@@ -59,7 +59,7 @@ ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_
     const double along = ost_vector_dot(way.axis, frame->w),
                  s = along > 0.01 ? ost_vector_dot(tip, frame->w) / along : 0;
     const double entry[3] = {tip[0] - s * way.axis[0], tip[1] - s * way.axis[1], tip[2] - s * way.axis[2]};
-    /* Uses the sine where it is small: a cosine near 1 loses the precision of small angles. */
+    /* Uses atan2 with the sine, because the cosine of a small angle is near 1 and therefore imprecise. */
     const double across[2] = {ost_vector_dot(way.axis, frame->u), ost_vector_dot(way.axis, frame->v)};
     way.cut = true;
     way.tilt_deg = atan2(sqrt(across[0] * across[0] + across[1] * across[1]), along) * DEG;
@@ -69,8 +69,8 @@ ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_
 }
 
 /*
- * Marks the voxels for one position of a drill: those with centres within its cylinder,
- * enlarged by half a voxel.
+ * Marks the voxels for one pose of a drill: all voxels with centres within its cylinder enlarged by
+ * half a voxel.
  */
 static void mark_cylinder(const ost_motion *t, const ost_metrics_tool *tool, const ost_geometry *g, uint8_t *mark)
 {
@@ -103,7 +103,7 @@ void ost_tool_way_mark(const ost_metrics_motion *motion, const ost_geometry *geo
         const ost_metrics_tool *tool = cutting_tool(motion, t);
         if (!tool || tool->kind != OST_METRICS_DRILL)
             continue;
-        /* Positions closer together than a quarter of a voxel mark the same voxels. */
+        /* A pose within a quarter of a voxel of the last marked pose marks the same voxels and is skipped. */
         bool near = last && last->tool == t->tool;
         for (int a = 0; a < 3 && near; a++)
             near = fabs(t->mm[a] - last->mm[a]) < step && fabs(t->axis[a] - last->axis[a]) * tool->length_mm < step;

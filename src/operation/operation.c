@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One tick of an operation. No function here waits, makes a system call, or allocates more than
- * a step of the world does.
+ * One tick of an operation. The functions called in a tick do not wait or make system calls, and
+ * allocate memory only if ost_world_step does.
  */
 #include <math.h>
 #include <stdio.h>
@@ -23,24 +23,24 @@ struct ost_operation {
     ost_operation_options options;
     int classes;
     int64_t t_ns;      /* time of the loop's first tick */
-    bool moved;        /* a tick was executed; `hand` is its pose */
+    bool moved;        /* a tick was executed; `hand` is valid */
     ost_motor motor;
-    bool on;           /* the motor is switched on, whatever buttons are held */
+    bool on;           /* the motor is switched on, even if no button is held */
     uint32_t active_actions; /* actions held in the last tick */
     _Atomic uint32_t keys;
     int32_t tool;      /* used if the device does not select one */
-    ost_pose hand;     /* pose of the last tick, after the clutch and before the motor's turn */
+    ost_pose hand;     /* pose of the last tick, after the clutch and before the motor's rotation */
     haptic_clutch clutch;
     bool clutched;     /* the clutch is applied between device and hand */
     int32_t last_tool;
     ost_safety safety;
-    bool given;        /* a force was given in this tick */
+    bool given;        /* a force is written to the device in this tick */
     double contact_n;  /* force of the tool on the bone in this tick */
     ost_fault fault;   /* the current fault */
     uint64_t dropout;  /* ticks of the current drop-out; 0: the device is tracked */
-    bool lifted;       /* the tool was lifted since the last executed tick */
+    bool lifted;       /* the tool was lifted after the last executed tick */
     ost_operation_report report;
-    ost_record pending; /* record of the last tick, until its execution time is available */
+    ost_record pending; /* record of the last tick, until its duration is available */
     bool has_pending;
     ost_live_state seen; /* state published for viewers */
 };
@@ -123,7 +123,10 @@ static void note(ost_operation *o, int64_t t_ns, const char *text)
     put(o, &record);
 }
 
-/* Valid poses lie within 8 m, so a difference is below 2^44 and its square below 2^88. */
+/*
+ * Returns true if two poses are more than 5 mm apart. Valid poses lie within 8 m, so a difference is below 2^44 and its
+ * square below 2^88.
+ */
 static bool is_far(const ost_pose *a, const ost_pose *b)
 {
     const int64_t d[3] = {a->t.x - b->t.x, a->t.y - b->t.y, a->t.z - b->t.z};
@@ -137,7 +140,7 @@ static ost_fault judge(const ost_operation *o, const ost_tick *tick, bool lifted
 {
     if (ost_pose_check(&tick->pose, NULL) != OST_OK)
         return OST_FAULT_TURN;
-    /* A tool that is taken up or put down elsewhere starts at its new position: nothing is swept. */
+    /* After a lift or a change of tools, the tool starts at its new position without a sweep. */
     if (o->moved && !lifted && tick->tool == o->last_tool && is_far(&tick->pose, &o->hand))
         return OST_FAULT_JUMP;
     return OST_FAULT_NONE;
@@ -156,7 +159,7 @@ static void set_fault(ost_operation *o, ost_fault fault, int64_t t_ns)
     o->fault = fault;
 }
 
-/* Handles a tick without tracking. As in a fault no force is given, but it is not an error. */
+/* Handles a tick without tracking. As in a fault, the force is 0; but a drop-out is not an error. */
 static void drop_out(ost_operation *o, int64_t t_ns)
 {
     ost_operation_report *r = &o->report;
@@ -185,8 +188,8 @@ static int32_t millionths(double value)
 }
 
 /*
- * Converts to radians per second. Not called for OST_RPM_ON: for an unknown speed ost_force
- * uses its own default.
+ * Converts turns per minute to radians per second. Not called for OST_RPM_ON, because for an unknown
+ * speed ost_force uses its default.
  */
 static double speed_of(int32_t rpm)
 {
@@ -194,8 +197,8 @@ static double speed_of(int32_t rpm)
 }
 
 /*
- * Computes the tool's pose and the wrench for a device that, including the motor's turn, is at
- * tick->pose. Sets *fault if the result is not a valid number or pose.
+ * Computes the wrench and the pose of the tool. On entry, tick->pose is the pose of the device, including
+ * the motor's rotation; on return, it is the pose of the tool. Sets *fault if the result is not valid.
  */
 static ost_status feel(ost_operation *o, const ost_servo_sample *sample, double turned, int64_t period_ns,
                        ost_tick *tick, ost_wrench *wrench, ost_fault *fault)
@@ -253,7 +256,7 @@ static void remember(ost_operation *o, const ost_servo_sample *sample, const ost
     o->has_pending = true;
 }
 
-/* Updates the state for viewers. In a fault neither tool nor bone changes, and step is NULL. */
+/* Updates the state for viewers. In a fault, step is NULL, because neither tool nor bone changes. */
 static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step,
                  const ost_wrench *wrench)
 {
@@ -291,8 +294,8 @@ static bool is(uint32_t actions, ost_action action)
 }
 
 /*
- * Combines buttons and keys. Returns the actions that are held and, in *pressed, those that
- * were not held in the previous tick.
+ * Combines buttons and keys. Returns the actions that are held, and sets *pressed to those that were
+ * not held in the previous tick.
  */
 static uint32_t actions_of(ost_operation *o, uint32_t buttons, uint32_t *pressed)
 {
@@ -310,10 +313,10 @@ void ost_operation_keys(ost_operation *operation, uint32_t active_actions)
 }
 
 /*
- * Converts *pose from the device's pose to the hand's.  The two are equal until
- * OST_ACTION_CLUTCH or OST_ACTION_HOME occurs for the first time.  Sets *put if
- * OST_ACTION_HOME moves the tool to the home pose.  Returns false while
- * OST_ACTION_CLUTCH is held; the hand's pose does not change then.
+ * Converts *pose from the pose of the device to the pose of the hand.  The two are
+ * equal until OST_ACTION_CLUTCH or OST_ACTION_HOME occurs for the first time.  Sets
+ * *put if OST_ACTION_HOME moves the tool to the home pose.  Returns false while
+ * OST_ACTION_CLUTCH is held, during which the pose of the hand does not change.
  */
 static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed, ost_pose *pose, bool *put)
 {
@@ -324,7 +327,7 @@ static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed,
     const bool stays = is(active_actions, OST_ACTION_CLUTCH) && o->moved;
     if ((home || stays) && !o->clutched) {
         o->clutch = haptic_clutch_make(o->moved ? &o->hand : pose, 1);
-        o->clutch.laid = o->clutched = true; /* keeps the device's axes: right remains right */
+        o->clutch.laid = o->clutched = true; /* the axes of the device are not rotated */
     }
     if (home) {
         haptic_clutch_engage_at(&o->clutch, &o->options.home);
@@ -342,9 +345,9 @@ static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed,
 }
 
 /*
- * Sets the tick's motor speed and the tool's pose.  If a tick comes so late that
- * the motor would have turned by more than an eighth of a turn, the motor counts
- * as off in it: what happened in the meantime is unknown, and nothing is swept.
+ * Sets the motor speed of the tick and the pose of the tool.  If the tick is so late
+ * that the motor would have rotated by more than 1/8 turn, the motor is off in this
+ * tick: the motion in between is unknown, so there is no sweep.
  */
 static void run_motor(const ost_operation *o, const ost_haptic_state *state, bool on, ost_motor *motor, ost_tick *tick)
 {
@@ -372,8 +375,8 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         return true;
     }
     /*
-     * After a drop-out nothing is cut on the way, but a device found far away is a fault, as
-     * before the drop-out.
+     * After a drop-out there is no sweep from the previous pose. If the device is far from that pose, this
+     * is a fault, as without a drop-out.
      */
     const bool lifted = !sample->declared && sample->state.lifted;
     o->lifted |= o->dropout > 0;
@@ -393,7 +396,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_fault fault = judge(o, &tick, put);
     run_motor(o, &sample->state, o->on || is(active_actions, OST_ACTION_MOTOR), &motor, &tick);
     if (put)
-        ost_safety_stop(&o->safety); /* the displacement is not work done by the hand */
+        ost_safety_stop(&o->safety); /* so that the displacement does not count as work of the hand */
     if (fault == OST_FAULT_NONE && put && o->options.force)
         ost_force_set_pose(o->options.force, tick.tool, &tick.pose);
     if (fault == OST_FAULT_NONE && o->options.force) {
@@ -415,7 +418,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     }
     set_fault(o, fault, tick.t_ns);
     if (fault != OST_FAULT_NONE) {
-        /* The world has not changed, so the operation can continue. The device gets no force. */
+        /* The world has not changed, so the operation can continue. The force is 0. */
         o->report.status = OST_OK;
         *wrench = (ost_wrench){{0}, {0}};
         ost_safety_stop(&o->safety);
@@ -440,7 +443,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     return true;
 }
 
-/* Assumes that the hand stays where it is; a tool coupled to it by a force still moves. */
+/* Assumes that the hand does not move; a tool that is coupled to the hand by a force still moves. */
 void ost_operation_rehearse(void *operation)
 {
     ost_operation *o = operation;
@@ -458,7 +461,7 @@ void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns)
 {
     ost_operation *o = operation;
     (void)number;
-    /* Publishes after the wrench was written, so that viewers never delay the device. */
+    /* The state is published after the wrench has been written, so that viewers do not delay the device. */
     if (o->options.live && o->report.shown == OST_OK) {
         o->seen.exec_ns = exec_ns;
         o->report.shown = ost_live_publish(o->options.live, &o->seen, NULL);
