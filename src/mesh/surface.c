@@ -5,9 +5,9 @@
 #include <string.h>
 
 /*
- * A cell is the cube between eight voxel centres; corner c is at
- * (c & 1, c >> 1 & 1, c >> 2).  Edge e = 4 * axis + place runs along axis; place
- * is its position in the two other axes, u = axis + 1 and v = axis + 2 (mod 3).
+ * A cell is the cube between eight voxel centres.  Corner c is at
+ * (c & 1, c >> 1 & 1, c >> 2).  Edge e = 4 * axis + p is parallel to axis; the two
+ * bits of p are its position along the other axes, axis + 1 and axis + 2 (mod 3).
  */
 enum { CORNERS = 8, EDGES = 12, LOOP_MAX = 12 };
 
@@ -25,12 +25,12 @@ static int edge_between(int a, int b)
     abort();
 }
 
-/* The loops for one of the 256 patterns of solid corners. */
+/* The loops of the surface for one of the 256 patterns of solid corners. */
 typedef struct pattern {
     uint8_t loop_count;
     struct {
         uint8_t length;
-        int8_t apex; /* a fan from this vertex has no diagonal inside a face; -1: a vertex in the middle is needed */
+        int8_t apex; /* a fan from here has no diagonal in a face; -1: the loop needs a vertex in the middle */
         uint8_t edge[LOOP_MAX];
     } loop[4];
 } pattern;
@@ -45,10 +45,11 @@ static void face_corners(int axis, int side, int corner[4])
 }
 
 /*
- * Computes next[e], the edge that follows e on the surface.  A walk around a face,
- * counter-clockwise as seen from outside the cell, enters a run of solid corners
- * over one edge and leaves it over another; the surface joins the first edge to
- * the second.  The loops are then counter-clockwise as seen from the void.
+ * Computes next[e], the edge that follows e in a loop of the surface.  A walk around
+ * a face, counter-clockwise as seen from outside the cell, enters a run of solid
+ * corners across one edge and leaves it across another; the surface connects the
+ * first edge to the second.  The loops are then counter-clockwise as seen from the
+ * void.
  */
 static void join_faces(int solid, int next[EDGES])
 {
@@ -67,7 +68,7 @@ static void join_faces(int solid, int next[EDGES])
     }
 }
 
-/* Returns true if two edges of a cell lie in one of its faces, that is, if their four ends agree in one coordinate. */
+/* Returns true if two edges lie in the same face of a cell, that is, if their four ends agree in one coordinate. */
 static bool share_face(int e, int f)
 {
     int all = edge_corner(e, 0) & edge_corner(e, 1) & edge_corner(f, 0) & edge_corner(f, 1);
@@ -111,18 +112,19 @@ static void pattern_make(int solid, pattern *p)
 /* ------------------------------------------------------------ the volume */
 
 /*
- * Cells are processed in slabs of ascending z.  Vertex indices of lattice edges are
- * stored for two slices of centres: along x and y in each slice, along z between them.
+ * Cells are processed in slabs of ascending z.  The vertex indices of lattice edges are
+ * stored for two slices of centres: edges along x and y in each slice, and edges along z
+ * between the slices.
  */
 typedef struct builder {
     const ost_volume *volume;
     int32_t threshold;
-    int64_t nx, ny;          /* centres with a void border: dims + 2 */
+    int64_t nx, ny;          /* numbers of centres, including a void border: dims + 2 */
     uint32_t *slice[2][2];   /* [lower, upper][x, y] */
     uint32_t *between;       /* z */
     ost_mesh mesh;
     size_t vertex_capacity, triangle_capacity;
-    float *coordinates;      /* of each vertex along its edge, 0 (lower end) to 1; -1: a loop's middle */
+    float *coordinates;      /* position of each vertex on its edge, 0 (lower end) to 1; -1: middle of a loop */
     uint8_t *along;          /* bits 0-1: axis; bit 2: the lower end is solid */
     pattern patterns[256];
 } builder;
@@ -143,7 +145,7 @@ static int density_at(const builder *b, int64_t i, int64_t j, int64_t k)
     return b->volume->voxels[i + d.x * (j + d.y * k)];
 }
 
-/* Returns the next capacity, half as much again. Arrays that share a capacity grow together. */
+/* Returns the next capacity, about 1.5 times the current one. Arrays with a common capacity grow together. */
 static size_t more(size_t capacity)
 {
     return capacity + capacity / 2 + 4096;
@@ -177,13 +179,16 @@ static ost_pm3 centre(const builder *b, int64_t i, int64_t j, int64_t k)
     return (ost_pm3){g->origin.x + i * g->spacing.x, g->origin.y + j * g->spacing.y, g->origin.z + k * g->spacing.z};
 }
 
-/* Limits a vertex's position to a distance from the ends of its edge, so that no triangle degenerates. */
+/* Limits the position of a vertex to a least distance from the ends of its edge, so that no triangle degenerates. */
 static float clamped_off_ends(float t)
 {
     return t < 0.05f ? 0.05f : t > 0.95f ? 0.95f : t;
 }
 
-/* Adds the vertex on the edge from centre (i, j, k) along axis. Its lower end is stored until place_vertices. */
+/*
+ * Adds the vertex on the edge from centre (i, j, k) along axis. Until place_vertices, its coordinates are those of
+ * the lower end of the edge.
+ */
 static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int axis, uint32_t *out, ost_error *err)
 {
     ost_status status = vertex_capacity(b, err);
@@ -192,7 +197,7 @@ static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int a
     int low = density_at(b, i, j, k), high = density_at(b, i + (axis == 0), j + (axis == 1), k + (axis == 2));
     uint32_t v = (uint32_t)b->mesh.vertex_count++;
     b->mesh.vertices[v] = centre(b, i, j, k);
-    /* A voxel at the threshold is solid, so the border lies half a unit of density below it. */
+    /* A voxel at the threshold is solid, so the border lies half a unit of density below the threshold. */
     b->coordinates[v] = clamped_off_ends(((float)b->threshold - 0.5f - (float)low) / (float)(high - low));
     b->along[v] = (uint8_t)(axis | (low >= b->threshold ? 4 : 0));
     *out = v;
@@ -221,9 +226,10 @@ static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_e
 }
 
 /*
- * Fills a loop with triangles: a fan from its apex, or around a vertex in its
- * middle. The middle depends on the final positions of the ring, so it gets
- * place -1, and place_vertices finds its ring through its triangles.
+ * Fills a loop with triangles: a fan from its apex, or a fan around a vertex in its
+ * middle. The position of this vertex depends on the final positions of the ring.
+ * Therefore its coordinate is set to -1, and place_vertices finds its ring from its
+ * triangles.
  */
 static ost_status fill_loop(builder *b, const uint32_t *ring, int length, int apex, ost_error *err)
 {
@@ -328,9 +334,9 @@ static void position(const builder *b, uint32_t v, double out[3])
 }
 
 /*
- * Smooths the surface: each vertex moves to the projection of its neighbours' mean
- * onto its edge.  The vertices start in the middle of their edges; a few rounds
- * turn stairs into slopes.
+ * Smooths the surface: each vertex is moved to the projection of the mean of its
+ * neighbours onto its edge.  The vertices start in the middle of their edges; a few
+ * rounds convert steps to slopes.
  */
 static ost_status smooth(builder *b, ost_error *err)
 {
@@ -375,7 +381,7 @@ static ost_pm nearest_pm(double mm)
     return ost_pm_from_binary(mm, &pm) ? pm : 0;
 }
 
-/* Computes the final positions; then the middles, each the mean of the ring that its triangles contain. */
+/* Computes the final positions of the vertices on edges, and then each middle as the mean of its ring. */
 static ost_status place_vertices(builder *b, ost_error *err)
 {
     for (size_t v = 0; v < b->mesh.vertex_count; v++)

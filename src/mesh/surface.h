@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The surface of the solid voxels of a volume as a closed mesh, for 3D printing
- * and for other programs.  No voxel depends on it.
+ * Computes the surface of the solid voxels of a volume as a closed mesh, for 3D
+ * printing and for other programs.
  *
- * The method is marching cubes whose loops are traced instead of tabulated.  Every
- * lattice edge between a solid and a void voxel centre carries one vertex.  On
- * each face of a cell the crossed edges are joined so that solid corners remain
- * separate; the joints close into loops, and each loop is filled with triangles.
- * A joint belongs to the two cells that share its face, once in each direction,
- * so every mesh edge belongs to exactly two triangles: the surface is closed for
- * every set of voxels. Everything beyond the grid counts as void.
+ * The method is marching cubes, but the loops are traced instead of tabulated.  Every
+ * lattice edge between a solid and a void voxel centre has one vertex.  On each face
+ * of a cell, the vertices are connected by segments so that solid corners remain
+ * separate.  The segments form closed loops, and each loop is filled with triangles.
+ * A segment belongs to the two cells that share its face, once in each direction, so
+ * every mesh edge belongs to exactly two triangles.  Therefore the surface is closed
+ * for every set of voxels.  Everything outside the grid is void.
  *
  *     o---x---o     o solid, x vertex      two solid corners across a face:
  *     |  /    |     . void                 o--x--.
@@ -17,8 +17,8 @@
  *     | \     |                            x   / x   is cut off alone
  *     .  `x---.                            .--x--o
  *
- * A vertex never leaves its lattice edge, so it is at most half a voxel from the
- * border between its two voxels.
+ * A vertex always lies on its lattice edge, so its distance from the border between
+ * the two voxels is at most half a voxel.
  */
 #ifndef OST_MESH_SURFACE_H
 #define OST_MESH_SURFACE_H
@@ -32,8 +32,8 @@ typedef enum ost_surface_placement {
 } ost_surface_placement;
 
 /*
- * Extracts the surface of the voxels with at least threshold. Faces point outward, vertices are in the volume's
- * frame. Returns OST_ERR_INPUT if no voxel is solid, OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX triangles.
+ * Extracts the surface of the voxels at or above the threshold. Faces point outward; vertices are in the frame of the
+ * volume. Returns OST_ERR_INPUT if no voxel is solid, and OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX triangles.
  */
 ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement position,
                                ost_mesh *out, ost_error *err);

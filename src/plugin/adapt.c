@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A plugin's backend: opening, closing, and its table. */
+/* The backend `plugin`: opening, closing, and the function table. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>

@@ -24,7 +24,7 @@ static ost_status new_grid(ost_backend *backend, const ost_geometry *geometry, p
     return OST_OK;
 }
 
-/* Returns the grid that a slot created, or frees it and returns the error. */
+/* Sets *out to the grid created by a slot, or frees the grid and returns the error. */
 static ost_status made_grid(plugin_grid *grid, const char *slot, ost_status status, ost_grid **out, ost_error *err)
 {
     if (status == OST_OK && !grid->own)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A plugin's statuses and error texts as the host's, and a geometry as the plugin's. */
+/* Converts statuses and error texts of a plugin to those of the host, and geometries to those of a plugin. */
 #include "plugin/adapt.h"
 
 ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost,

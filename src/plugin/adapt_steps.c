@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The steps before the voxels, for plugins that execute them. */
+/* The steps that precede the work on voxels, for plugins that execute these steps themselves. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>
@@ -52,7 +52,7 @@ ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_
     return status;
 }
 
-/* The memory that receives the plugin's poses and maps. */
+/* Receives the poses and maps of a plugin. */
 typedef struct pose_sink {
     int count;
     ost_pose *poses;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a file's name to a table: checks that it is a file, can be loaded, has
- * the entry, and that the entry returns a complete table of this interface.
- * Each failure has its own message.
+ * Loads the table of a plugin: checks that the name refers to a regular file, that the
+ * file can be loaded and contains the entry, and that the entry returns a complete table
+ * of this interface.  Each failure has its own message.
  */
 #include "plugin/plugin.h"
 
@@ -51,7 +51,7 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
 {
     char path[4096];
     struct stat info;
-    /* A name without a slash means a file in this folder; dlopen would search the system's libraries. */
+    /* A name without a slash refers to the current folder; dlopen would search the folders of system libraries. */
     const int n = snprintf(path, sizeof path, "%s%s", strchr(file, '/') ? "" : "./", file);
     if (n < 0 || (size_t)n >= sizeof path)
         return ost_fail(err, OST_ERR_USAGE, "plugin '%.60s...': the name is too long", file);
@@ -79,6 +79,6 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
         else
             status = check_table(file, found, table, name, err);
     }
-    dlclose(handle); /* RTLD_NODELETE: the code stays loaded */
+    dlclose(handle); /* because of RTLD_NODELETE, the code remains loaded */
     return status;
 }

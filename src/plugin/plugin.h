@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The backend for external implementations: include/osteon/plugin.h on the
- * host's side.
+ * The backend for external implementations: the host's side of
+ * include/osteon/plugin.h.
  *
  *   plugin:FILE.so,options --load.c--> table --adapt.c--> ost_backend_ops
  *
- * No result of a plugin is used unchecked: statuses, objects and reports are
- * checked here, so that an error in a plugin gives a message and not a wrong
- * result later.
+ * Statuses, objects and reports returned by a plugin are checked here, so that an
+ * error in a plugin causes a message and not a wrong result later.
  */
 #ifndef OST_PLUGIN_PLUGIN_H
 #define OST_PLUGIN_PLUGIN_H
@@ -18,7 +17,7 @@
 
 enum { PLUGIN_NAME = 64 };
 
-/* Loads `file` and copies its table; in the copy no mandatory slot is NULL. The file stays loaded. */
+/* Loads a file and copies its table. On success, no mandatory slot of the copy is NULL. The file remains loaded. */
 ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN_NAME], ost_error *err);
 
 #endif

@@ -26,8 +26,10 @@ ost_status segment_cut_check(const ost_segment_cut *cut, ost_error *err)
     return OST_OK;
 }
 
-/* A distance is below 2^44 on each axis (AR-GRID-3, AR-LEN-1), so a square sum is below 2^90 and a product with a
-   normal below 2^86. */
+/*
+ * A distance is below 2^44 on each axis (AR-GRID-3, AR-LEN-1), so a sum of squares is below 2^90, and a product with a
+ * component of a normal is below 2^86.
+ */
 void segment_cut_row(const ost_segment_cut *cut, const ost_geometry *g, int32_t y, int32_t z, bool *in)
 {
     const wide dy = (wide)g->origin.y + (wide)y * g->spacing.y - cut->at.y,

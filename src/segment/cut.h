@@ -5,7 +5,7 @@
 
 #include <osteon/segment.h>
 
-/* Returns OST_ERR_RANGE if a cut is out of the ranges of segment.h. */
+/* Returns OST_ERR_RANGE if a value of a cut is outside the ranges in segment.h. */
 ost_status segment_cut_check(const ost_segment_cut *cut, ost_error *err);
 /* Sets in[x] to false for the voxels of row (y, z) whose centres belong to the cut. */
 void segment_cut_row(const ost_segment_cut *cut, const ost_geometry *g, int32_t y, int32_t z, bool *in);

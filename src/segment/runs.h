@@ -2,11 +2,11 @@
 /*
  * Connected components of a grid's voxels, by runs along x.
  *
- *   a row of flags, for each row --runs_make--> runs --> joined with the rows before them --> component of each run
+ *   flags of each row --segment_runs_make--> runs --joined with the previous rows--> component of each run
  *
  * Two voxels are connected if they share a face.  Components are numbered in the order of
- * their first voxels, x fastest.  12 bytes per run; the number of runs is at most half
- * the number of voxels.
+ * their first voxels, x fastest.  A run needs 12 bytes; the number of runs is at most about
+ * half the number of voxels.
  */
 #ifndef OST_SEGMENT_RUNS_H
 #define OST_SEGMENT_RUNS_H
@@ -15,20 +15,20 @@
 
 typedef struct segment_run {
     int32_t begin, end; /* voxels [begin, end) of the row */
-    uint32_t component; /* while runs are joined: an earlier run of the same component, or the run itself */
+    uint32_t component; /* number; while runs are joined, an earlier run of the same component or the run itself */
 } segment_run;
 
 typedef struct segment_runs {
     segment_run *items; /* owned */
     size_t count, capacity;
-    size_t *rows;       /* owned; row y + ny z has the runs [rows[i], rows[i + 1]) */
+    size_t *rows;       /* owned; row i = y + ny z consists of the runs [rows[i], rows[i + 1]) */
     uint32_t components;
 } segment_runs;
 
 /* Sets in[x] to true for each voxel of row (y, z) that belongs to a component. */
 typedef void segment_row(void *user, int32_t y, int32_t z, bool *in);
 
-/* Finds the components. Free with segment_runs_free, also after a failure. */
+/* Finds the components. The caller frees *out by segment_runs_free, even after a failure. */
 ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segment_runs *out, ost_error *err);
 void segment_runs_free(segment_runs *runs);
 

@@ -13,9 +13,9 @@ enum { THRESHOLD = 120 };
 
 typedef struct job {
     const ost_volume *ct;
-    ost_segment_options options; /* with the defaults in place */
+    ost_segment_options options; /* options with the defaults filled in */
     ost_volume *labels;
-    ost_segment *segments;       /* of all components; later of those with a label */
+    ost_segment *segments;       /* all components; after rank(), only those with a label */
     size_t count;
 } job;
 
@@ -38,7 +38,7 @@ static void is_candidate(void *user, int32_t y, int32_t z, bool *in)
         segment_cut_row(&j->options.cuts[i], &j->ct->geometry, y, z, in);
 }
 
-/* Measures each component; one without a voxel of the threshold keeps 0 voxels. */
+/* Measures each component. A component without a voxel at or above the threshold is given 0 voxels. */
 static ost_status measure(job *j, const segment_runs *runs, ost_error *err)
 {
     const ost_dims d = j->ct->geometry.dims;
@@ -82,10 +82,10 @@ static int by_size(const void *a, const void *b)
     const ranked *p = a, *q = b;
     if (p->voxels != q->voxels)
         return p->voxels > q->voxels ? -1 : 1;
-    return p->component < q->component ? -1 : p->component > q->component; /* the order of the first voxels */
+    return p->component < q->component ? -1 : p->component > q->component; /* the order of their first voxels */
 }
 
-/* Gives the components that are large enough their labels, the largest first: label[c], or 0. */
+/* Sets label[c] of each component that is large enough, in descending order of size, and to 0 for all others. */
 static ost_status rank(job *j, int16_t *label, ost_error *err)
 {
     const uint64_t least = j->options.min_voxels ? j->options.min_voxels : 1;
@@ -150,9 +150,10 @@ static void has_no_label(void *user, int32_t y, int32_t z, bool *in)
 }
 
 /*
- * Fills the holes: components of voxels without a label that do not reach the grid's border
- * and have no air.  The voxel before the first one of a hole, along x, has a label, since
- * the hole is connected and does not begin at the border.
+ * Fills the holes.  A hole is a component of voxels without a label that does not touch the
+ * border of the grid and contains no air.  The voxel before the first voxel of a hole, along
+ * x, has a label, because a hole contains all connected voxels without a label and does not
+ * begin at the border.
  */
 static ost_status fill_holes(job *j, ost_error *err)
 {
