@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why no voxel is missed.  A voxel is hit when the coordinates computed for its
- * centre p fall inside the tool's grid; they are off by at most 23 / 2^20 of a
- * tool voxel (AR-MAP), so p itself lies in the grid's box inflated by one tool
- * voxel on every side.  p also lies in the box of all voxel centres.  Hence
- * the two boxes have p in common: no axis separates them, and p lies within
- * the bone-aligned bounds of the inflated box.  It remains to compute both with
- * every rounding on the safe side.
+ * Why no voxel is missed.  A voxel is hit only if the coordinates computed for its
+ * centre p are inside the tool's grid.  Their error is at most 23 / 2^20 of a tool
+ * voxel (AR-MAP), so p itself lies in the grid's box inflated by one tool voxel on
+ * every side.  p also lies in the box of all voxel centres of the bone.  Therefore
+ * p is in both boxes: no axis separates them, and p lies within the bone-aligned
+ * bounds of the inflated box.  Both results are computed with every rounding on the
+ * safe side.
  *
  * All lengths are doubled, so that centres and half extents are integers:
  *
  *   d   from the bone's box centre to the tool's, times 2, in the bone's frame
  *   b   the full extents of the bone's box (twice the half extents)
  *   e   the full extents of the tool's box
- *   r   RHE(2^30 M / N): the rotation, each entry off by at most 1/2
+ *   r   RHE(2^30 M / N): the rotation; the error of each entry is at most 1/2
  *
- * Ranges: lengths within 8 m, so |d|, b, e < 2^46; |r| <= 2^30; a product is
- * below 2^76 and a sum of six below 2^79: far inside 128 bits.  Every dividend of
- * a division by N is below 2^46 N: N times a length, or N 2^30.
+ * Ranges: lengths are within 8 m, so |d|, b, e < 2^46, and |r| <= 2^30.  A product is
+ * below 2^76 and a sum of six products below 2^79, far within 128 bits.  Every
+ * dividend of a division by N is N times a length, or N 2^30, and below 2^46 N.
  */
 #include "sim/box.h"
 
@@ -60,8 +60,8 @@ static ost_i128 magnitude128(ost_i128 x)
 }
 
 /*
- * Computes twice the centre of the tool's box in the bone's frame; each axis is rounded by RHE,
- * so off by at most 1/2.
+ * Computes twice the centre of the tool's box in the bone's frame. Each component is rounded RHE, so its
+ * error is at most 1/2.
  */
 static void centre_twice(const ost_box *tool, const ost_rotation *m, const ost_divider *by, const ost_pose *pose,
                          int64_t out[3])
@@ -91,10 +91,10 @@ static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *po
             p.r[i][j] = ost_rhe_by(&by, (ost_i128)m.m[i][j] * (1 << 30));
 
     /*
-     * Each side of a test below is a sum of products length * entry, with each
-     * length used at most once: the error of r contributes at most half the sum
-     * of all lengths.  The error of d, 1/2 on each axis, is multiplied by the
-     * entries of one unit axis: at most sqrt(3) / 2 * 2^30 and a few units.
+     * Each side of a test below is a sum of products length * entry in which each
+     * length occurs at most once, so the error of r contributes at most half the sum
+     * of all lengths.  The error of d, 1/2 on each axis, is multiplied by the entries
+     * of one unit axis and contributes at most sqrt(3) / 2 * 2^30 and a few units.
      */
     for (int i = 0; i < 3; i++)
         p.slack += magnitude(p.d[i]) + p.b[i] + p.e[i];
@@ -125,7 +125,7 @@ static bool tool_axis_separates(const pair *p, int j)
 
 /*
  * Returns true if the cross product of axis i of the bone with axis j of the tool separates the
- * boxes. A null product separates nothing: 0 > slack is false.
+ * boxes. A cross product of zero does not separate them, because 0 > slack is false.
  */
 static bool cross_axis_separates(const pair *p, int i, int j)
 {
@@ -160,16 +160,16 @@ static int32_t clamp(int64_t value, int32_t hi)
 }
 
 /*
- * Alg. 2.8 clamps the tool's corners to the bone's box and takes their bounds.
- * In the bone's own frame clamping acts on each axis separately and preserves
- * order, so the result is the tool's bone-aligned bounds, clamped.  They are
- * computed here directly, from the centre and the rotated half extents: twice
- * the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
+ * Alg. 2.8 clamps the corners of the tool to the bone's box and computes their
+ * bounds.  In the bone's own frame, clamping acts on each axis separately and
+ * preserves order, so the result is the clamped bone-aligned bounds of the tool.
+ * Here they are computed directly, from the centre and the rotated half extents:
+ * twice the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
  *
- * Alg. 2.9 then converts the bounds to voxels.  Its frame has the box's centre
- * at the origin; this function uses the bone's origin as it is.  A centre
- * o + k s with  c - h <= 2 (o + k s) <= c + h,  c off by 1/2 at most, has
- * ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
+ * Alg. 2.9 then converts the bounds to voxels.  Its frame has the centre of the
+ * box at the origin; this function uses the origin of the bone.  If a voxel centre
+ * o + k s satisfies  c - h <= 2 (o + k s) <= c + h,  where the error of c is at most
+ * 1/2, then ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
  */
 ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, const ost_pose *pose)
 {

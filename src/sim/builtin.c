@@ -4,24 +4,24 @@
  *
  *        approach            advance        dwell     retreat
  *   -8 mm -------> 0 (face) --------> depth ----> depth -------> -8 mm
- *         20 um a tick       feed
+ *         20 um per tick     feed
  *
- * The tool's working face, its lowest point along -z, moves along the
- * glenoid's inward axis.  Poses are the hand's; the motor turns the tool
- * (motor.h).  A tick is a millisecond.
+ * The working face of the tool, that is, its lowest point along -z, moves along the
+ * inward axis of the glenoid.  The poses are those of the hand; the motor rotates the
+ * tool (motor.h).  A tick lasts 1 ms.
  *
  *   peg-hole      22 mm deep at 10 mm/s: within the vault, which is 25 to 30 mm
  *   glenoid-ream  3 mm deep at 1.5 mm/s: through the cartilage, 2 mm, and into the
  *                 subchondral plate behind it, 1.2 to 2.9 mm, whose remaining part
  *                 carries the implant (facts and sources: docs/spec/arithmetic.md, AR-CLS)
  *
- *   glenoid-slow  the same depth in a minute, starting close to the face: a tool in contact
- *                 throughout, for the servo loop and for devices
+ *   glenoid-slow  the same depth in a minute, starting close to the face, so that the tool is
+ *                 always in contact; for tests of the servo loop and of devices
  *   glenoid-press a hand that presses, sweeps and wobbles for a minute or a given number of
- *                 ticks, with the force that this takes (press.h)
+ *                 ticks, with the force required for this (press.h)
  *
- * Depths are integers.  Only + - * /, rint and sqrt of doubles are used, which
- * every machine rounds in the same way, so a path is the same everywhere.
+ * Depths are integers.  Only + - * /, rint and sqrt of doubles are used, which every
+ * machine rounds in the same way, so a path is the same on every machine.
  */
 #include "core/conditions.h"
 
@@ -36,7 +36,7 @@ enum { TICK_NS = 1000000, PRESS_TICKS = 60000 };
 
 #define UM (OST_PM_PER_MM / 1000)
 
-/* Distances are from the glenoid's face along the inward axis; speeds are per tick. */
+/* A path. Distances are measured from the glenoid's face along the inward axis; speeds are per tick. */
 typedef struct plan {
     const char *name;
     ost_pm outside, approach;
@@ -88,12 +88,12 @@ static vec turned(quat q, vec v)
     return (vec){r.x, r.y, r.z};
 }
 
-/* Returns the shortest rotation that takes the working direction, -z, to the unit vector a. */
+/* Returns the rotation that maps the working direction, -z, to the unit vector a. */
 static quat facing(vec a)
 {
     if (a.z <= 0)
         return normalised((quat){1 - a.z, a.y, -a.x, 0});
-    /* Half a turn about x takes -z to +z; the remaining rotation is well below half a turn. */
+    /* Half a turn about x maps -z to +z; the remaining rotation is well below half a turn. */
     return product(normalised((quat){1 + a.z, -a.y, a.x, 0}), (quat){0, 1, 0, 0});
 }
 
@@ -102,16 +102,16 @@ static double mm(ost_pm value)
     return (double)value / (double)OST_PM_PER_MM;
 }
 
-/* Returns 0, the frame's own z axis, if it passes through the grid, and the grid's middle otherwise. */
+/* Returns 0 if the z axis of the tool's frame passes through the grid, otherwise the middle of the grid. */
 static double axis_of(ost_pm lo, ost_pm hi)
 {
     return lo <= 0 && hi >= 0 ? 0 : mm(lo) / 2 + mm(hi) / 2;
 }
 
 /*
- * Returns the tool's point that moves along the axis.  Alg. 2.1 puts the grid's
- * lower corner one to two voxels below the mesh's lowest vertex; 3/2 is the
- * middle.
+ * Returns the point of the tool that moves along the axis.  By Alg. 2.1, the lower
+ * corner of the grid is one to two voxels below the lowest vertex of the mesh; 3/2
+ * voxels is the middle of this range.
  */
 static vec working_point(const ost_tool_geometry *g)
 {
@@ -127,7 +127,7 @@ static int64_t ticks_for(ost_pm distance, ost_pm speed)
     return (distance + speed - 1) / speed;
 }
 
-/* Returns the depth at tick k, a piecewise linear function. */
+/* Returns the depth at tick k, which is a piecewise linear function. */
 static ost_pm depth_at(const plan *p, int64_t k)
 {
     int64_t approach = ticks_for(-p->outside, p->approach), advance = ticks_for(p->depth, p->feed);
@@ -174,10 +174,10 @@ static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
     return ost_pose_check(out, err);
 }
 
-/* Values common to all paths. */
+/* Values that all paths use. */
 typedef struct start {
     vec at, axis, tip;
-    quat face; /* takes -z to the axis */
+    quat face; /* maps -z to the axis */
 } start;
 
 static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, size_t ticks, start *s,
@@ -197,8 +197,8 @@ static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geo
 }
 
 /*
- * Computes the pose, with orientation q, that puts the tool's tip at a depth along the axis and
- * at an offset across it.
+ * Computes the pose with orientation q at which the tool's tip is at the given depth along the axis and
+ * at the offset `sideways` across it.
  */
 static ost_status make_pose(const start *s, quat q, double depth, vec sideways, ost_pose *out, ost_error *err)
 {

@@ -2,22 +2,22 @@
 /*
  * Entities and their components (thesis 2.1), as plain structs.
  *
- *   entity --+-- box      its extents, in its own frame
- *            +-- input    its pose, and the previous one
- *            +-- mesh     its surface in pictures
- *            '-- voxels   its voxels on the backend
+ *   entity --+-- box      extents in the entity's own frame
+ *            +-- input    pose of the last tick, and start of the next sweep
+ *            +-- mesh     surface for pictures
+ *            '-- voxels   voxels on the backend
  *
- * The bone is an entity that never moves: its frame is the world's.  Tools
- * are moved by ticks.  In the thesis the box also contains the pose and is
- * centred on the entity; here the pose maps the entity's own frame to the
- * bone's, and the box is a property of the entity (docs/design/thesis-notes.md).
+ * The bone is an entity that does not move; its frame is the frame of the world.
+ * Tools are moved by ticks.  In the thesis the box also contains the pose and is
+ * centred on the entity; here the pose maps the entity's own frame to the bone's
+ * frame, and the box is a property of the entity (docs/design/thesis-notes.md).
  */
 #ifndef OST_SIM_ENTITY_H
 #define OST_SIM_ENTITY_H
 
 #include <osteon/sim.h>
 
-/* Corners in the entity's own frame, lo <= hi. */
+/* Two opposite corners in the entity's own frame, lo <= hi. */
 typedef struct ost_box {
     ost_pm3 lo, hi;
 } ost_box;
@@ -31,7 +31,7 @@ typedef struct ost_mesh_component {
     const ost_mesh *mesh; /* borrowed; NULL in a world without pictures */
 } ost_mesh_component;
 
-/* One of the two is set; both are borrowed. */
+/* The voxels of an entity: either the bone or the tool is set. Both are borrowed. */
 typedef struct ost_voxel_component {
     ost_bone *bone;
     const ost_tool *tool;

@@ -8,9 +8,9 @@
  *                                 |
  *   other                         o====-------->   the copy, the recorded ticks again, then further ticks
  *
- * A tick is integer arithmetic and every backend gives the same grids, so
- * executing the recorded ticks again on another backend gives the same bone and
- * the same totals.
+ * A tick uses integer arithmetic only, and every backend gives the same grids.
+ * Therefore executing the recorded ticks again on another backend gives the same
+ * bone and the same totals.
  */
 #include "sim/world.h"
 
@@ -38,8 +38,8 @@ static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_t
 }
 
 /*
- * Restores the state before the recorded ticks, with the new bone and tools, and executes these
- * ticks again.
+ * Restores the state before the recorded ticks, but with the new bone and tools, and executes the ticks
+ * again.
  */
 static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const *tools, ost_error *err)
 {
@@ -58,7 +58,7 @@ static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const
     return status == OST_OK ? ost_backend_finish(bone->backend, err) : status;
 }
 
-/* The state that repeat_ticks changes. */
+/* The part of a world's state that repeat_ticks changes. */
 typedef struct world_state {
     ost_entity bone, tools[OST_WORLD_TOOLS_MAX];
     ost_world_clock clock;

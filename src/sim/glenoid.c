@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads the glenoid's position and side from a grid's facts: OST_META_GLENOID_AT,
+ * Reads the position, axis and side of a glenoid from the facts of a grid: OST_META_GLENOID_AT,
  * OST_META_GLENOID_AXIS, OST_META_SIDE.
  */
 #include <osteon/sim.h>
@@ -29,7 +29,7 @@ static ost_status three_decimals(const char *key, const char *text, ost_decimal 
 }
 
 /*
- * Converts a component of a direction, to nine decimal places: further digits do not affect a
+ * Converts a component of a direction, rounded to nine decimal places. Further digits do not affect a
  * pose in units of 2^-30.
  */
 static bool direction(const ost_decimal *value, double *out)

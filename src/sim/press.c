@@ -5,11 +5,11 @@
 
 #include <math.h>
 
-/* In ticks of a millisecond; a wheel with p turns by atan(1/p) per tick, so once in 2 pi p ticks. */
+/* Durations in ticks of 1 ms. A wheel with p rotates by atan(1/p) per tick, that is, once in about 2 pi p ticks. */
 enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBBLE_P = 398 };
 
-#define BEGIN -2.0     /* mm: clear of the face's rim */
-#define PRESSED 12.0   /* mm, reached after PRESS_TICKS */
+#define BEGIN -2.0     /* mm: clear of the rim of the face */
+#define PRESSED 12.0   /* mm: depth after PRESS_TICKS */
 #define CREEP 1.5e-4   /* mm per tick */
 #define DEEPEST 24.0
 #define BREATH 1.5    /* mm */
@@ -44,7 +44,7 @@ void press_go_on(press_load *load, int64_t k)
         return;
     if (load->depth > DEEPEST)
         load->depth = DEEPEST;
-    /* Moves inward first, from where pressing ended. */
+    /* The periodic motion starts with an inward motion, at the depth at which pressing ended. */
     turn(&load->breath);
     turn(&load->sweep);
     turn(&load->wobble);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of an operation's site before it begins: bone in front of the glenoid's
- * face, and bone along its axis.
+ * Checks of the site before an operation: bone in front of the glenoid's face, and
+ * bone along its axis.
  *
  *        near side        |  bone
  *                 .-------'        r
@@ -11,7 +11,7 @@
  *                 '-------.
  *                         |
  *
- * Floats are allowed: the results are for users and decide no voxel.
+ * Floats are allowed, because the results are only reported and have no effect on voxels.
  */
 #include <osteon/sim.h>
 
@@ -22,7 +22,7 @@
 #define FRONT_BEND_MM 60.0
 #define FRONT_RADIUS_MM 18.0
 
-/* The cylinders about the axis in which the fraction of bone is measured. */
+/* The size of the cylinders about the axis in which the fraction of bone is measured. */
 #define CORE_RADIUS_MM 4.0
 #define CORE_FROM_MM 1.0
 #define CORE_TO_MM 11.0
@@ -30,7 +30,7 @@
 enum { SLAB = 8 };
 
 /*
- * Returns true if an active voxel counts: w (mm) is its position along the axis, r2 (mm^2) the
+ * Returns true if an active voxel is in the zone. w (mm) is its position along the axis, r2 (mm^2) the
  * square of its distance from the axis.
  */
 typedef bool zone(const double *limits, double w, double r2);
@@ -78,7 +78,7 @@ static int64_t count_slab(const ost_geometry *g, const int16_t *slab, int32_t z0
     return count;
 }
 
-/* Counts a zone's active voxels; none is farther than `far` mm from the glenoid. */
+/* Counts the active voxels in a zone. All voxels of the zone must be within `far` mm of the glenoid. */
 static ost_status count_zone(const ost_bone *bone, const ost_glenoid *glenoid, double far, zone *in,
                              const double *limits, int64_t *out, ost_error *err)
 {

@@ -3,13 +3,13 @@
  * One tick (thesis, Algs. 2.7-2.10).
  *
  *   tick: tool, pose, motor speed
- *     is the motor on, and a removal due?                    no: only the tool has moved
- *     n poses from the last event's pose to this one         AR-SWEEP
- *     for each: do the boxes meet? which voxels can it hit?  Algs. 2.7-2.9
+ *     motor on, and removal due?                             no: only the tool moves
+ *     n poses from the last event's pose to this pose        AR-SWEEP
+ *     for each: boxes intersect? voxels that it can hit?     Algs. 2.7-2.9
  *     backend.remove with the poses that can hit a voxel     Alg. 2.10
  *
- * Everything that can fail precedes the first change: maps are made in scratch
- * memory, the backend changes nothing when it fails, and the world's own state
+ * All operations that can fail precede the first change: maps are computed in scratch
+ * memory, a backend that fails leaves the bone unchanged, and the world's own state
  * is written last.
  */
 #include "sim/world.h"
@@ -39,8 +39,8 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
 }
 
 /*
- * Returns true for the first tick after the tool was selected or lifted or its motor switched
- * on, and then for the first one of every period.
+ * Returns true for the first tick after the tool was selected or lifted or the motor was switched on, and then
+ * for the first tick of every period.
  */
 static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
@@ -49,14 +49,14 @@ static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool ta
            ost_floor_div(tick->t_ns, period) != ost_floor_div(world->clock.removal_t, period);
 }
 
-/* AR-MOTOR-6: returns the motor's rotation, including this tick, since the first pose of the next sweep. */
+/* Returns the rotation of the motor since the first pose of the next sweep, including this tick (AR-MOTOR-6). */
 static int64_t turned_by(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
     if (taken_up || world->clock.totals.ticks == 0 || tick->rpm <= 0)
         return world->clock.turned;
     /*
-     * Time increases, so the difference is exact modulo 2^64. The product cannot overflow: it
-     * is at most `left`.
+     * Time increases, so the difference is exact modulo 2^64. The product is at most `left`, so it cannot
+     * overflow.
      */
     const uint64_t ns = (uint64_t)tick->t_ns - (uint64_t)world->clock.t_ns;
     const int64_t left = OST_MOTOR_TURN - world->clock.turned;
@@ -78,7 +78,7 @@ static ost_status count_poses(const ost_world *world, const ost_entity *tool, co
                            world->geometry.spacing.x, count, err);
 }
 
-/* Returns the voxels that the tool can hit at this pose; empty if its box does not meet the bone's. */
+/* Returns the voxels that the tool can hit at this pose, or an empty box if the boxes of tool and bone are apart. */
 static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const ost_pose *pose)
 {
     const ost_dims d = world->geometry.dims;
@@ -89,7 +89,7 @@ static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const
     return ost_box_voxels(&world->geometry, &tool->box, pose);
 }
 
-/* Makes the maps and boxes of the poses that can hit a voxel, in the sweep's order. */
+/* Computes the maps and boxes of the poses that can hit a voxel, in the order of the sweep. */
 static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count,
                           ost_removal_event *event, ost_error *err)
 {

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A step's digest: words of 64 bits, each mixed in by
+ * The digest of a step.  It is computed from 64-bit words, each of which is mixed in by
  *
- *   h <- mix(h ^ word),   mix the bijection that SplitMix64 ends with
+ *   h <- mix(h ^ word)
  *
- * (Steele, Lea, Flood 2014).  A bijection maps different values to different
- * values: two sequences of words collide only by chance, 2^-64.  The digest uses
- * integer arithmetic and no library, so that a session can be checked anywhere,
- * and costs a few words per chunk, because a tick has no time for SHA-256.
+ * where mix is the bijection at the end of SplitMix64 (Steele, Lea, Flood 2014).  A
+ * bijection maps different values to different values, so two different sequences of
+ * words have the same digest only by chance, with probability 2^-64.  The digest needs
+ * only integer arithmetic and no library, so that a session can be checked on any
+ * machine.  It processes a few words per chunk, because a tick has no time for SHA-256.
  */
 #include <osteon/sim.h>
 

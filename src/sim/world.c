@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Creates a world: a bone and the tools that will work on it. */
+/* Creates a world, and adds tools to it. */
 #include "sim/world.h"
 
 #include <stdio.h>
@@ -69,15 +69,15 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     if (tool->backend != world->bone.voxels.bone->backend)
         return ost_fail(err, OST_ERR_USAGE, "tool '%s' is on another backend than the bone", name ? name : "");
     /*
-     * With a tool that is too large, or whose voxels are too small for this bone, a map fails at
-     * every pose. This is checked here and not at the first tick.
+     * If a tool is too large, or its voxels are too small for this bone, ost_map_make fails at every pose.
+     * Therefore this is checked here and not in the first tick.
      */
     ost_pose identity = ost_pose_identity();
     ost_map map;
     ost_status status = ost_map_make(&identity, &world->geometry, &tool->geometry, &map, err);
     /*
-     * An event that reaches no voxel: the backend derives its data from the tool for this bone
-     * now and not in the first tick.
+     * This event reaches no voxel. Its purpose is that the backend computes its data for this tool and this
+     * bone now and not in the first tick.
      */
     const ost_voxel_box nowhere = {{0, 0, 0}, {0, 0, 0}};
     const ost_removal_event nothing = {
@@ -124,7 +124,7 @@ ost_status ost_world_reserve(ost_world *world, ost_error *err)
     const int n = world->chunk_size;
     const size_t chunks = (size_t)((d.x + n - 1) / n) * (size_t)((d.y + n - 1) / n) * (size_t)((d.z + n - 1) / n);
     ost_status status = ost_world_reserve_poses(world, OST_SWEEP_MAX, err);
-    /* An event that may meet every chunk: the backend allocates now what any event can need. */
+    /* These events may reach every chunk, so the backend now allocates the memory that any event can need. */
     const ost_voxel_box all = {{0, 0, 0}, {d.x, d.y, d.z}};
     for (int t = 0; t < world->tool_count && status == OST_OK; t++) {
         const ost_removal_event event = {

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The world's state. world.c creates it and step.c advances it; a failover (failover.c) exchanges
- * its bone and tools.
+ * The state of a world. world.c creates it and step.c advances it; a failover (failover.c) replaces the
+ * bone and the tools.
  */
 #ifndef OST_SIM_WORLD_H
 #define OST_SIM_WORLD_H
 
 #include "sim/entity.h"
 
-/* State that one tick passes to the next, apart from the tools' poses. */
+/* State that one tick passes to the next, except for the poses of the tools. */
 typedef struct ost_world_clock {
     int tool;          /* tool in use; -1 before the first tick */
     bool running;      /* the motor was on in the last tick */
     int64_t t_ns;      /* time of the last tick */
-    int64_t removal_t; /* time of the last removal event while this tool is in use */
+    int64_t removal_t; /* time of the last removal event of the tool in use */
     int64_t turned;    /* rotation of the motor since the last event or stop, in rpm ns; at most OST_MOTOR_TURN */
     ost_world_totals totals;
 } ost_world_clock;
 
-/* The data from which a failover starts (failover.c). */
+/* The data with which a failover starts (failover.c). */
 typedef struct ost_world_saved {
     int16_t *voxels; /* owned; the bone's voxels before the first of `ticks` */
     uint8_t *tools[OST_WORLD_TOOLS_MAX]; /* owned; classes of each tool's voxels */
@@ -31,7 +31,7 @@ typedef struct ost_world_saved {
 
 struct ost_world {
     ost_world_options options;
-    ost_geometry geometry; /* of the bone */
+    ost_geometry geometry; /* geometry of the bone */
     int chunk_size;
     ost_entity bone;
     ost_entity tools[OST_WORLD_TOOLS_MAX];
@@ -41,7 +41,7 @@ struct ost_world {
 
     ost_world_saved *saved; /* owned; NULL if saved_ticks is 0 */
 
-    /* Scratch of one event; grows when a sweep needs more. */
+    /* Scratch for one event; it grows if a sweep needs more. */
     int capacity;
     ost_map *maps;        /* owned */
     ost_voxel_box *boxes; /* owned */
@@ -50,13 +50,13 @@ struct ost_world {
 
 /* ----------------------------------------------------------------- saved.c */
 
-/* Without saved_ticks these functions do nothing. */
+/* The functions of saved.c do nothing if saved_ticks is 0. */
 ost_status ost_world_saved_make(ost_world *world, ost_error *err);
 void ost_world_saved_free(ost_world *world);
 ost_status ost_world_save_tool(ost_world *world, int index, const ost_tool *tool, ost_error *err);
 /* Called before a tick: copies the bone if `ticks` is full. */
 ost_status ost_world_save(ost_world *world, ost_error *err);
-/* Called after a completed tick; cannot fail. */
+/* Called after a completed tick: stores the tick. Cannot fail. */
 void ost_world_save_tick(ost_world *world, const ost_tick *tick);
 
 /* -------------------------------------------------------------------- world.c */
@@ -66,7 +66,7 @@ ost_status ost_world_reserve_poses(ost_world *world, int count, ost_error *err);
 
 /* -------------------------------------------------------------------- step.c */
 
-/* ost_world_step without recording the tick; result must not be NULL. */
+/* Advances the world like ost_world_step, but without storing the tick for a failover. result must not be NULL. */
 ost_status ost_world_advance(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 
 #endif
