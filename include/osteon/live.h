@@ -72,7 +72,7 @@ OST_API void ost_live_changed(ost_live_channel *live, const ost_removal_report *
  * error, the chunks remain queued.
  */
 OST_API ost_status ost_live_publish(ost_live_channel *live, const ost_live_state *state, ost_error *err);
-/* Publishes all queued chunks. For the end of an operation, or a pause. */
+/* Publishes all queued chunks. Called at the end of an operation or in a pause. */
 OST_API ost_status ost_live_flush(ost_live_channel *live, ost_error *err);
 
 /* ---------------------------------------------------------- viewer thread */

@@ -95,7 +95,7 @@ typedef struct ost_operation_report {
     uint64_t faults;       /* number of faults */
     uint64_t fault_ticks;  /* ticks during faults */
     ost_fault last_fault;  /* the most recent fault */
-    uint64_t dropouts, dropout_ticks, longest_dropout; /* number of drop-outs; their total and greatest ticks */
+    uint64_t dropouts, dropout_ticks, longest_dropout; /* number of drop-outs; ticks in all; ticks of the longest */
     double peak_n;         /* greatest hand force */
     double peak_axial_n, energy_j; /* greatest contact force along the axis; work of cutting */
     uint64_t touching_ticks, damped_ticks; /* ticks in contact; ticks in which the passivity controller added damping */

@@ -24,7 +24,7 @@ extern "C" {
  */
 enum { OST_RPM_ON = -1, OST_RPM_OF_DEVICE = -2, OST_RPM_MAX = 3000 };
 
-/* One revolution of the motor in the unit of its angles, revolutions per minute times nanoseconds. */
+/* One revolution of the motor, in the unit of its angles: 1 rpm * 1 ns. */
 #define OST_MOTOR_TURN INT64_C(60000000000)
 
 /* A row of a path: the pose of a tool at a point in time. */
