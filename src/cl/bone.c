@@ -335,7 +335,7 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
     if (status == OST_OK)
         status = sync_slots(bone, err);
     if (status != OST_OK)
-        goto done; /* nothing was stored: chunks that were assigned slots have no active voxels */
+        goto done; /* nothing was stored, so chunks that were assigned slots still have no active voxel */
 
     status = bone->used ? for_slabs(bone, s, store, NULL, err) : OST_OK;
     if (status == OST_OK && counted)

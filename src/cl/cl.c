@@ -46,7 +46,7 @@ ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend 
 
     bool tried = false;
     ost_status first = OST_OK;
-    ost_error why = {0}; /* the error of the first device that fits: most likely the one that the user meant */
+    ost_error why = {0}; /* error of the first device that fits the options: probably the one that was meant */
     for (size_t i = 0; i < devices.count && !backend; i++) {
         if (!ost_cl_options_match(&options, &devices.list[i]))
             continue;

@@ -93,7 +93,7 @@ ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err)
     else
         status = ost_cl_copy(b, grid->store->voxels, own->voxels, grid_bytes(&grid->base.geometry), err);
     if (status == OST_OK)
-        status = ost_cl_finish(b, err); /* before the store that it was made from is released */
+        status = ost_cl_finish(b, err); /* the kernel must finish before its source, the old store, is released */
     if (status != OST_OK) {
         store_release(b, own);
         return status;

@@ -134,7 +134,7 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
 ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                 ost_error *err)
 {
-    cl_grid *rect = (cl_grid *)(uintptr_t)base; /* its voxels keep their values; its store may get another holder */
+    cl_grid *rect = (cl_grid *)(uintptr_t)base; /* not const: the result may share its store; no voxel changes */
     cl_backend *b = (cl_backend *)base->backend;
     const ost_geometry *r = &base->geometry;
     const ost_cl_cubic cubic = {
@@ -160,7 +160,7 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK)
         status = ost_cl_buffer(b, 2 * axes * sizeof(int32_t), NULL, "resampling", &sources, err);
     if (status == OST_OK)
-        /* all of it is written */
+        /* the kernel writes all of it */
         status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err);
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));

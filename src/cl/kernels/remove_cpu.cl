@@ -24,7 +24,7 @@
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* vectors are wider than the processor's, but all functions are compiled for the same one */
+#ifdef __clang__ /* functions pass vectors wider than the processor's registers only among themselves */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
@@ -33,7 +33,7 @@
 
 __constant uint ost_lane_x[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 __constant uint ost_lane_y[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-/* in its half of a brick's bits */
+/* the number of the voxel's bit within its half of a brick */
 __constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19};
 __constant uint ost_part_x[8] = {0, 1, 0, 1, 0, 1, 0, 1};
 __constant uint ost_part_y[8] = {0, 0, 1, 1, 0, 0, 1, 1};
@@ -41,12 +41,12 @@ __constant uint ost_part_z[8] = {0, 0, 0, 0, 1, 1, 1, 1};
 __constant ushort ost_column_bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
 
 typedef struct ost_block_rows {
-    ulong active[64]; /* fours before the event; set once loaded is 1 */
-    ulong open[64];   /* active and not yet hit */
+    ulong active[64]; /* the fours before the event; valid if loaded is 1 */
+    ulong open[64];   /* voxels that are active and not yet hit */
     ulong touch[64];
     int loaded;
-    uint hit, touched; /* groups in which a voxel was hit, or touched */
-    ulong inside[4];   /* the part of four b of each plane that is in the pose's box, in x and y */
+    uint hit, touched; /* a bit for each group in which a voxel was hit, or touched */
+    ulong inside[4];   /* [b]: the voxels of four b whose x and y lie in the pose's box; the same in each plane */
     int lo, hi;        /* planes in the box */
     int within;        /* true if the entire block is in the box */
 } ost_block_rows;
@@ -59,7 +59,7 @@ typedef struct ost_view {
     uint at[3], step[3][3];
     uint lowest[3]; /* offset from a brick's first voxel to the least of each coordinate */
     int dims[3], wide[3]; /* dimensions of the tool and of its windows */
-    int planes;     /* planes of a window that a brick may meet; 0: the brick may not fit a window */
+    int planes;     /* number of planes of a window that a brick may meet; 0 if a brick may not fit a window */
     uint complete[3];
 } ost_view;
 

@@ -14,7 +14,7 @@
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* vectors are wider than the processor's, but all functions are compiled for the same one */
+#ifdef __clang__ /* functions pass vectors wider than the processor's registers only among themselves */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
