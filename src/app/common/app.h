@@ -2,13 +2,13 @@
 /*
  * The parts that all verbs of the command share.
  *
- *   main.c     finds the verb, prints its error, chooses the exit status
- *   options.c  one table per verb: parsing, --help, messages
- *   say.c      text and warnings for people, and the format of numbers in them
- *   result.c   the JSON object of --json
- *   progress.c a progress line on the terminal for work of more than a second
- *   load.c     loads a bone or a tool from any supported file
- *   cmd_X.c    one verb each
+ *   main.c       finds the verb, prints its error, returns the exit status
+ *   options.c    parses options and prints --help and messages, from one table per verb
+ *   print.c      prints text and warnings for people, and formats numbers
+ *   result.c     builds the JSON object of --json
+ *   progress.c   prints a progress line on the terminal for work of more than a second
+ *   input/load.c loads a bone or a tool from any supported file
+ *   cmd_X.c      implements one verb
  *
  * A verb returns a status; main turns it into the exit status. A verb fills its JSON object whether
  * or not --json is given, so that both kinds of run do the same work.
@@ -22,19 +22,19 @@
 typedef struct app_state {
     const char *verb;
     bool json, quiet;
-    const char *backend; /* as given; default "cpu" */
+    const char *backend; /* value of --backend; default "cpu" */
     int64_t threads;     /* 0 if not given */
-    /* started by a campaign: running out of resources then has its own exit status
-       (validation/worker.h) */
+    /* set if a campaign started this process: it then uses a separate exit status when resources run
+       out (validation/worker.h) */
     bool worker;
     json_t *result;      /* owned by main */
-    /* result is complete although the status is an error: --json prints it before the error's line */
+    /* set if result is complete although the status is an error: --json then prints result before the error message */
     bool answered;
 } app_state;
 
 typedef struct app_verb {
     const char *name;
-    const char *summary; /* one line for osteon --help */
+    const char *summary; /* one line for `osteon --help` */
     ost_status (*run)(app_state *app, int argc, char **argv, ost_error *err);
 } app_verb;
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Opens the backend of --backend and --threads. The default is "cpu", which chooses its instruction
- * set and number of threads itself; --threads N is the short form of its option threads=N. The
- * reference always uses one thread and accepts any N.
+ * Opens the backend that --backend and --threads select. The default is "cpu", which chooses its
+ * instruction set and its number of threads itself. --threads N is short for the backend option
+ * threads=N. The reference always uses one thread and accepts any N.
  */
 #ifndef OST_APP_COMMON_BACKEND_CHOICE_H
 #define OST_APP_COMMON_BACKEND_CHOICE_H

@@ -7,7 +7,7 @@
 
 enum { COLUMN = 26, WIDTH = 80 };
 
-/* Prints text from COLUMN on, wrapped at blanks. */
+/* Prints text from column COLUMN on and wraps it at blanks. */
 static void wrapped(const char *text)
 {
     int at = COLUMN;
@@ -28,7 +28,7 @@ static void wrapped(const char *text)
     putchar('\n');
 }
 
-/* A list of choices that does not fit the first line follows the text of help instead. */
+/* Prints one option. If the list of choices does not fit on the first line, it follows the help text. */
 static void print_option(const option *o)
 {
     if (o->kind == OPTION_HEADING) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Prints the --help of a verb from its table of options. */
+/* Prints the --help text of a verb from its table of options. */
 #ifndef OST_APP_COMMON_HELP_H
 #define OST_APP_COMMON_HELP_H
 

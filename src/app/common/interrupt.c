@@ -8,7 +8,7 @@
 enum { SIGNALS = 3 };
 static const int signals[SIGNALS] = {SIGINT, SIGTERM, SIGHUP};
 static struct sigaction usual[SIGNALS];
-/* Set by a signal handler or a window's thread, read by the servo loop's thread. */
+/* Set by a signal handler or a window's thread; read by the servo loop's thread. */
 static atomic_int requested;
 _Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a handler may set it");
 
@@ -27,7 +27,7 @@ void interrupt_begin(void)
     sigemptyset(&action.sa_mask);
     atomic_store(&requested, 0);
     for (int i = 0; i < SIGNALS; i++)
-        /* A signal that is ignored, as in a job started by nohup, stays ignored. */
+        /* A signal that is already ignored, as in a job started by nohup, stays ignored. */
         if (sigaction(signals[i], NULL, &usual[i]) == 0 && usual[i].sa_handler != SIG_IGN)
             sigaction(signals[i], &action, NULL);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Ctrl-C as a request: between interrupt_begin and interrupt_end the first SIGINT, SIGTERM or
- * SIGHUP only sets a flag, so that the running work can end in order; the second ends the process
- * as usual.
+ * Treats Ctrl-C as a request. Between interrupt_begin and interrupt_end, the first SIGINT, SIGTERM
+ * or SIGHUP only sets a flag, so that the running work can finish in an orderly way. The second
+ * signal ends the process as usual.
  */
 #ifndef OST_APP_COMMON_INTERRUPT_H
 #define OST_APP_COMMON_INTERRUPT_H
@@ -11,11 +11,11 @@
 
 void interrupt_begin(void);
 void interrupt_end(void);
-/* Returns true if a signal came since interrupt_begin. One atomic load, cheap enough for every
-   tick. Stays true after interrupt_end. */
+/* Returns true if a signal arrived after interrupt_begin, also after interrupt_end. The call is one
+   atomic load and can be made in every tick. */
 bool interrupt_requested(void);
 
-/* Sets the flag from within the program, when its window was closed. */
+/* Sets the flag from within the program, for example when the user closes its window. */
 void interrupt_request(void);
 
 #endif

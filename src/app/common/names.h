@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Names in messages: lists of them, and the one that a misspelt name probably means. */
+/* Formats lists of names for messages, and finds the name that the user probably meant. */
 #ifndef OST_APP_COMMON_NAMES_H
 #define OST_APP_COMMON_NAMES_H
 
@@ -7,7 +7,7 @@
 enum { OPTION_SPOKEN = 160 };
 const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char *before);
 
-/* Returns the name nearest to a misspelt one, or NULL if none is near. */
+/* Returns the name nearest to the misspelt name text, or NULL if none is near. */
 const char *nearest_name(const char *text, const char *const *names, int count);
 
 #endif

@@ -11,7 +11,7 @@
 
 enum { COMMON_MAX = 6, NAMES_MAX = 128 };
 
-/* Fills the options that all verbs share; they follow the verb's own. */
+/* Fills the options that all verbs share; they follow the options of the verb. */
 static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
 {
     const option common[COMMON_MAX] = {
@@ -62,15 +62,15 @@ static ost_status unknown_option(const app_state *app, const char *name, size_t 
     return usage_error(app, err, "--%s is not an option of %s", text, app->verb);
 }
 
-/* Reads one decimal number up to a comma or the end. Returns the position after it, or NULL if it
-   is invalid. */
+/* Parses one decimal number up to a comma or the end of the text. Returns the position after it, or
+   NULL if the number is invalid. */
 static const char *decimal_field(const char *text, ost_decimal *out)
 {
     const char *end = text + strcspn(text, ",");
     return ost_decimal_read(text, end, out) == end ? end : NULL;
 }
 
-/* Reads x,y,z, or a single value for all three if `one` is true. */
+/* Parses "x,y,z", or a single value for all three if `one` is true. */
 static bool three_decimals(const char *text, bool one, ost_decimal out[3])
 {
     int n = 0;
@@ -281,7 +281,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
     return OST_OK;
 }
 
-/* Returns true if --help is given: it takes precedence over any other error in the arguments. */
+/* Returns true if --help is given. It takes precedence over all errors in the arguments. */
 static bool is_help(int argc, char **argv)
 {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Options defined by a table, from which parsing, --help and the messages follow.
+ * Parses options, and prints --help and error messages, from a table of options.
  *
  *   --name VALUE   --name=VALUE   -n VALUE   --flag   --   operands anywhere
  *
- * A name must be complete: an abbreviation could change its meaning when an option is added. A
- * value may begin with one '-' (-57.34), and with two only after '='. Every verb also has
- * --backend, --threads, --json, --quiet and --help.
+ * A name must be complete, because an abbreviation could change its meaning when an option is
+ * added. A value may begin with one '-' (-57.34); a value that begins with two must follow '='.
+ * Every verb also has --backend, --threads, --json, --quiet and --help.
  */
 #ifndef OST_APP_COMMON_OPTIONS_H
 #define OST_APP_COMMON_OPTIONS_H
@@ -21,11 +21,11 @@ typedef enum option_kind {
     OPTION_INTEGER,  /* int64_t, min <= value <= max */
     OPTION_DECIMAL,  /* option_decimal */
     OPTION_LENGTH,   /* ost_pm, more than zero */
-    OPTION_LENGTHS,  /* ost_pm3: one for all axes, or x,y,z; more than zero */
+    OPTION_LENGTHS,  /* ost_pm3: one value for all axes, or x,y,z; more than zero */
     OPTION_POINT,    /* ost_pm3: x,y,z of any sign */
     OPTION_VECTOR,   /* double[3] */
     OPTION_CHOICE,   /* int: index of the value in choices "a|b|c" */
-    OPTION_HEADING   /* no option: the name is a heading in --help */
+    OPTION_HEADING   /* not an option: the name is a heading in --help */
 } option_kind;
 
 enum { OPTION_LIST_MAX = 16 };
@@ -50,33 +50,33 @@ typedef struct option {
     bool required;
 } option;
 
-/* A row that starts a group of options in --help. */
+/* A table row that begins a group of options in --help. */
 #define HEADING(text) {.name = (text), .kind = OPTION_HEADING}
 
-/* The row of --compress in the tables of the verbs that write volumes. */
+/* The table row of --compress, for verbs that write volumes. */
 #define COMPRESS_OPTION(flag)                                                                                          \
     {.name = "compress", .kind = OPTION_FLAG, .out = &(flag), .help = "compress a .nrrd with gzip"}
 
 typedef struct operand {
     const char *name;
     const char **out;
-    const char *missing; /* message if it is missing: "no CT given" */
+    const char *missing; /* message if the operand is missing: "no CT given" */
 } operand;
 
 typedef struct usage_text {
-    const char *synopsis; /* after "osteon VERB " */
+    const char *synopsis; /* text after "osteon VERB " */
     const char *about;
-    const operand *operands; /* ends with a NULL name; all required; may be NULL */
+    const operand *operands; /* all are required; ends with a NULL name; may be NULL */
     const option *options;   /* ends with a NULL name */
-    const char *notes;       /* units, coordinate systems; may be NULL */
+    const char *notes;       /* describes units and coordinate systems; may be NULL */
     const char *example;
 } usage_text;
 
-/* Returns true if the verb is to continue. If false, the verb returns *status, which is OST_OK
-   after --help. */
+/* Parses the arguments. Returns true if the verb must continue. If false, the verb returns *status,
+   which is OST_OK after --help. */
 bool options_parse(app_state *app, const usage_text *usage, int argc, char **argv, ost_status *status, ost_error *err);
 
-/* Reports a wrong use of this verb: one line that ends with a reference to its help. */
+/* Reports an incorrect use of this verb in one line that ends with a reference to its help. */
 ost_status usage_error(const app_state *app, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
 
 #endif

@@ -14,8 +14,8 @@ enum { LINE = 4096 };
 
 static void write_line(FILE *to, const char *before, const char *format, va_list args) OST_PRINTF(3, 0);
 
-/* Prints one line. Every character that is not printable, newlines included, becomes '?'. Only a
-   line of more than LINE bytes allocates memory. */
+/* Prints one line. Replaces every character that is not printable, newlines included, by '?'.
+   Allocates memory only if the line has more than LINE bytes. */
 static void write_line(FILE *to, const char *before, const char *format, va_list args)
 {
     char line[LINE], *text = line;
@@ -73,7 +73,7 @@ void print_json(const char *text)
         if (code == '\n' || ost_code_point_is_printable(code))
             fwrite(text, 1, bytes, stdout);
         else
-            /* jansson writes such characters only within strings, where JSON allows this escape */
+            /* jansson writes such characters only inside strings, where JSON allows this escape */
             printf("\\u%04x", (unsigned)(code < 0 ? 0xfffd : code));
     }
     putchar('\n');

@@ -30,7 +30,7 @@ void append(json_t *array, json_t *value)
 void put_text(json_t *object, const char *key, const char *text)
 {
     json_t *value = json_string(text);
-    /* A file's name may be any bytes; JSON only holds UTF-8. */
+    /* A file name may contain any bytes, but JSON text must be UTF-8. */
     put(object, key, value ? value : json_string("(not UTF-8)"));
 }
 

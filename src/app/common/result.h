@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The object that --json prints. Each function takes ownership of the value passed to it. If memory
- * is exhausted, the program ends with a message.
+ * Builds the object that --json prints. Each function takes ownership of the value passed to it. If
+ * memory is exhausted, the program ends with a message.
  */
 #ifndef OST_APP_COMMON_RESULT_H
 #define OST_APP_COMMON_RESULT_H
