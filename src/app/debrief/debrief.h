@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The debrief after an operation: metrics on standard output and in the JSON, and a self-contained
- * page with pictures.
+ * Writes the debrief after an operation: metrics on standard output and in the JSON object, and a
+ * self-contained page with pictures.
  *
- *   debrief_begin: the bone as it is --> ... the operation ... --> debrief_end: metrics, page
+ *   debrief_begin: copies the bone --> ... the operation ... --> debrief_end: metrics, page
  */
 #ifndef OST_APP_DEBRIEF_DEBRIEF_H
 #define OST_APP_DEBRIEF_DEBRIEF_H
@@ -26,15 +26,15 @@ typedef struct debrief {
     ost_technique technique;
 } debrief;
 
-/* Copies the bone. tools: the count tools to which ticks refer by index. */
+/* Begins a debrief and copies the bone. tools: the count tools to which ticks refer by index. */
 ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count,
                          debrief *out, ost_error *err);
 /* Adds a tick. Ticks must be added in order. */
 ost_status debrief_tick(debrief *d, const ost_session_tick *tick, ost_error *err);
 /* Adds the first count ticks of a session. */
 ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err);
-/* Computes the metrics, reports them and writes the page. file: the page; name: the input, for the
-   page's title. */
+/* Computes and reports the metrics, and writes the page. name: the input, for the page's title.
+   file: the page's file name. */
 ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes,
                        const char *name, const char *file, ost_error *err);
 void debrief_free(debrief *d);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The page, for one sheet of paper: the verdict in one line (verdict.c); a table of each figure
- * with its planned value, its aim and values from the literature; pictures (debrief_plots.c); the
- * technique; what was not measured.
+ * Writes the debrief's page, sized for one sheet of paper. It contains the verdict in one line
+ * (verdict.c), a table of each figure with its planned value, its aim and values from the
+ * literature, pictures (plots.c), the technique, and a list of what was not measured.
  *
- * The colours can be distinguished with red-green colour blindness, and each has a sign and a word
- * besides. The page loads no other file.
+ * The colours can be distinguished with red-green colour blindness, and each colour is accompanied
+ * by a sign and a word. The page loads no other file.
  */
 #include "app/debrief/debrief.h"
 
@@ -71,7 +71,7 @@ static void print_verdict(html_page *p, const verdict *v)
 
 enum { CELL = 48 };
 
-/* got and plan are formatted numbers; unit is printed after both. */
+/* Writes one row of a table. got and plan are formatted numbers; unit is printed after each of them. */
 static void row(html_page *p, level l, const char *what, const char *got, const char *plan, const char *unit,
                 const char *aim, const char *known)
 {

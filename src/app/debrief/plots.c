@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The view is the surgeon's: en face, along the planned axis, with superior up. Anterior is on the
- * right for a right shoulder and on the left for a left one. The map's u axis points to the
- * viewer's left.
+ * Draws the pictures as the surgeon sees the glenoid: en face, along the planned axis, with
+ * superior up. Anterior is on the right for a right shoulder and on the left for a left one. The
+ * map's u axis points to the viewer's left.
  */
 #include "app/debrief/plots.h"
 
@@ -17,8 +17,8 @@
 enum { MAP = OST_METRICS_MAP };
 #define REACH_MM (MAP / 2 * OST_METRICS_PITCH_MM)
 
-/* Computes a colour of the scale Cividis, which is readable with any colour vision, from five of
-   its colours. */
+/* Computes a colour of the scale Cividis, which is readable with any colour vision, by
+   interpolation between five of its colours. */
 static void colour(double share, int rgb[3])
 {
     static const double stops[5][3] = {{0, 32, 77}, {66, 78, 108}, {124, 123, 120}, {188, 174, 108}, {255, 234, 70}};
@@ -43,8 +43,8 @@ static const char *left_of(const debrief *d)
 typedef enum shade { NOTHING, SHADED, BEYOND, HOLE } shade;
 enum { STEPS = 24 };
 
-/* Returns true if the cell or one of its neighbours was drilled: a cell next to a hole contains a
-   part of it. */
+/* Returns true if the cell or one of its neighbours was drilled. A cell next to a hole contains a
+   part of the hole. */
 static bool at_hole(const ost_metrics *m, int i)
 {
     for (int dy = -1; dy <= 1; dy++)
@@ -56,7 +56,7 @@ static bool at_hole(const ost_metrics *m, int i)
     return false;
 }
 
-/* Returns the shade of a cell and its step on the scale of depths. */
+/* Returns the shade of a cell, and in *step its step on the scale of depths. */
 static shade shade_of(const debrief *d, const ost_metrics *m, int i, int *step)
 {
     const double depth = (double)m->depth_mm[i], after = (double)m->after_mm[i];
@@ -110,7 +110,7 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
                  "<rect width=\"81\" height=\"81\" fill=\"var(--panel)\"/><g shape-rendering=\"crispEdges\">\n");
     for (int y = 0; y < MAP; y++)
         for (int x = 0; x < MAP;) {
-            /* u points to the left. A run of cells with one colour is one rectangle. */
+            /* u points to the left. Adjacent cells of one colour are drawn as one rectangle. */
             int step, next, run = 1;
             const shade s = shade_of(d, m, MAP - 1 - x + MAP * y, &step);
             while (x + run < MAP && shade_of(d, m, MAP - 1 - (x + run) + MAP * y, &next) == s && next == step)
@@ -136,7 +136,7 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
 
 /* ----------------------------------------------------------------- profiles */
 
-/* Draws a surface along u or v, interrupted where no height is known. */
+/* Draws the profile of a surface along u or v, with gaps where no height is known. */
 static void surface_line(html_page *p, const float *surface, bool upward, const char *style)
 {
     bool down = false;
@@ -166,7 +166,7 @@ static void profile(html_page *p, const debrief *d, const ost_metrics *m, bool u
                (low + 7) * 10.5, low + 7, id, low + 7, low + 7, id);
     surface_line(p, m->before_mm, upward, "stroke=\"var(--old)\" stroke-width=\".3\"");
     if (m->sphere) {
-        /* The fitted sphere of the floor at its planned position: centred on the axis, at the
+        /* The sphere fitted to the floor is drawn at its planned position: centred on the axis, at the
            planned depth. */
         html_text(p, "<path fill=\"none\" d=\"");
         for (int k = 0; k <= 40; k++) {
@@ -218,8 +218,8 @@ static void picture(html_page *p, const ost_picture *image, const char *caption)
     free(bytes);
 }
 
-/* Copies the voxels within HALF_MM of the centre: in a slice of the complete scapula the glenoid
-   would be too small. */
+/* Copies the voxels within HALF_MM of the centre. In a slice of the complete scapula, the glenoid
+   would be too small to see. */
 static ost_status cut_out(const ost_volume *in, const ost_pm3 *centre, ost_volume *out, ost_error *err)
 {
     enum { HALF_MM = 33 };
@@ -300,8 +300,8 @@ void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, i
 
 enum { COLUMNS = 300, W = 170, H = 26 };
 
-/* Draws a chart. lo and hi are the minimum and maximum of each column; the time axis begins at
-   begun and spans span seconds. */
+/* Draws a chart. lo and hi are the minimum and maximum of each column. The time axis begins at
+   begun and covers span seconds. */
 static void chart(html_page *p, const char *what, const double lo[COLUMNS], const double hi[COLUMNS], double begun,
                   double span)
 {
@@ -310,7 +310,7 @@ static void chart(html_page *p, const char *what, const double lo[COLUMNS], cons
         most = fmax(most, hi[x]);
     if (!(most > 0) || !(span > 0))
         return;
-    const double step = ost_round_down(most / 2); /* two to five lines */
+    const double step = ost_round_down(most / 2); /* gives two to five grid lines */
     html_print(p,
                "<svg width=\"552\" height=\"111\" viewBox=\"-12 -4 184 37\" role=\"img\" aria-label=\"%s over "
                "time\"><rect width=\"%d\" height=\"%d\" fill=\"var(--panel)\"/>\n",

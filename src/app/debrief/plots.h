@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pictures of a debrief's page: maps and charts as SVG, slices and a view as embedded PNG. */
+/* Draws the pictures of a debrief's page: maps and charts as SVG, slices and a view as embedded PNG. */
 #ifndef OST_APP_DEBRIEF_PLOTS_H
 #define OST_APP_DEBRIEF_PLOTS_H
 
@@ -7,7 +7,7 @@
 #include "app/common/html.h"
 
 void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m);
-/* Draws two profiles through the face, across and upward: before, after and planned. */
+/* Draws two profiles through the face, one across and one upward, each before, after and as planned. */
 void debrief_profiles(html_page *p, const debrief *d, const ost_metrics *m);
 void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, int threshold);
 /* Draws the removed bone and the force over time. */

@@ -12,7 +12,7 @@
 #define AIM_WALL_MM 2.0
 #define AIM_OVER_MM3 20.0
 #define AIM_CONTACT 90.0
-#define FAR_TIMES 8.0 /* multiple of its aim from which on a figure is far off the plan; an open wall is so too */
+#define FAR_TIMES 8.0 /* a figure that exceeds its aim by this factor is far off the plan; so is an open wall */
 
 const char *const verdict_grades[VERDICT_GRADES] = {"As planned", "Near the plan", "Off the plan", "Far off the plan"};
 
@@ -21,8 +21,8 @@ static level judge(double value, double good, double watch)
     return fabs(value) <= good ? GOOD : fabs(value) <= watch ? WATCH : BAD;
 }
 
-/* Adds a remark unless the figure is within its aim. The remark that exceeds its aim by the largest
-   factor comes first. */
+/* Adds a remark unless the figure is within its aim. The remark whose figure exceeds its aim by the
+   largest factor becomes the first one. */
 static void notice(verdict *v, level l, double times, const char *format, ...) OST_PRINTF(4, 5);
 
 static void notice(verdict *v, level l, double times, const char *format, ...)

@@ -10,11 +10,11 @@
 
 typedef enum level { GOOD, WATCH, BAD, NONE } level;
 
-/* Names by grade: "As planned", "Near the plan", "Off the plan", "Far off the plan". */
+/* Names of the grades: "As planned", "Near the plan", "Off the plan", "Far off the plan". */
 enum { VERDICT_GRADES = 4 };
 extern const char *const verdict_grades[VERDICT_GRADES];
 
-/* In degrees, mm, mm3 and %; docs/reference/metrics.md lists them. */
+/* Limits in degrees, mm, mm3 and %; docs/reference/metrics.md lists them. */
 enum { AIM_DEG = 2, WATCH_DEG = 5, PLATE_GOOD = 50, PLATE_WATCH = 25 };
 
 enum { REMARKS = 16, REMARK = 160, VERDICT_LINE = 512 };
