@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* osteon diff of two bundles: compares the results of two sites by digests, without exchanging voxels. */
+/* Implements `osteon diff` for two bundles. It compares the results of two sites by their digests,
+   so that the sites need not exchange voxels. */
 #include <sys/stat.h>
 
 #include "app/diff/compare.h"

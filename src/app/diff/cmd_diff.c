@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon diff: shows how two grids differ, from the verdict down to single voxels.
+ * Implements `osteon diff`: shows how two grids differ, from the verdict down to single voxels.
  *
- * Two grids are equal if their geometry and every voxel are the same. Facts in a file's header
- * (such as the glenoid's position) affect no voxel and no verdict; they are compared and printed
- * separately.
+ * Two grids are equal if their geometry and all their voxels are equal. Facts in a file's header
+ * (such as the glenoid's position) affect neither voxels nor the verdict; they are compared and
+ * printed separately.
  */
 #include <string.h>
 
@@ -80,7 +80,7 @@ static void put_result(const app_state *app, const loaded_volume *a, const loade
     put(o, "voxels", voxels);
 }
 
-/* Prints and stores the facts that differ, by key; a missing value is null. */
+/* Prints and stores the facts that differ, ordered by key. A missing value is null. */
 static void put_notes(const app_state *app, const ost_meta *a, const ost_meta *b)
 {
     json_t *notes = json_array();

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The differences between two grids, from the verdict down to single voxels.
+ * Finds the differences between two grids, from the verdict down to single voxels.
  *
  *   verdict   equal or not
  *   geometry  dims, spacing, origin
  *   chunks    which blocks differ, and how much
- *   kinds     removed, added, changed or below: exactly one for each voxel
- *   patterns  the shape of all differences together (diff_pattern.c)
+ *   kinds     each voxel that differs is removed, added, changed or below
+ *   patterns  the shape of all differences together (pattern.c)
  *   voxels    the first ones, with both values
  *
  * A voxel is solid if its density is at least the threshold (in a tool: if it is not void).
@@ -20,8 +20,8 @@
 typedef enum diff_kind {
     DIFF_REMOVED, /* solid in A only */
     DIFF_ADDED,   /* solid in B only */
-    DIFF_CHANGED, /* solid in both, another density */
-    DIFF_BELOW,   /* solid in neither, another density */
+    DIFF_CHANGED, /* solid in both, but the densities differ */
+    DIFF_BELOW,   /* solid in neither, but the densities differ */
     DIFF_KIND_COUNT
 } diff_kind;
 
@@ -46,11 +46,11 @@ enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
 
 typedef struct diff_result {
     bool same_dims, same_spacing, same_origin;
-    bool rounded_geometry; /* spacing or origin is the same only as a float32 */
+    bool rounded_geometry; /* spacing or origin is equal only after rounding to float32 */
     bool equal;
     int64_t count[DIFF_KIND_COUNT], different;
     ost_voxel_box box; /* encloses all differences */
-    int32_t busiest[3]; /* on each axis the slice with most differences */
+    int32_t busiest[3]; /* on each axis the slice with the most differences */
     int chunk_size;
     ost_dims chunk_dims;
     size_t chunk_count;
@@ -68,31 +68,31 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
                         ost_error *err);
 void diff_free(diff_result *result);
 
-/* Adds the patterns that apply; in diff_pattern.c. */
+/* Adds the patterns that apply. Defined in pattern.c. */
 void diff_patterns(const loaded_volume *a, const loaded_volume *b, diff_result *result);
 
 const char *diff_kind_name(diff_kind kind);
 const char *diff_kind_text(diff_kind kind);
 diff_kind diff_kind_of(int16_t a, int16_t b, int32_t threshold_a, int32_t threshold_b);
 
-/* diff_bundles.c: compares two bundles by their digests. */
+/* Compares two bundles by their digests. Defined in bundles.c. */
 bool diff_is_folder(const char *path);
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
 
-/* diff_picture.c: draws the three slices of `busiest`, with the differences in colour over the
-   densities of A. */
+/* Draws the three slices of `busiest`, with the differences in colour over the densities of A.
+   Defined in picture.c. */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                         ost_error *err);
-/* Draws the surface of B around `busiest`. The view is along the glenoid's axis if B's file contains it,
-   otherwise toward the bone's middle. diff_has_view must be true: both are bones or CTs on one grid of
-   cubes, and voxels of A are missing from B. */
+/* Draws the surface of B around `busiest`. The view is along the glenoid's axis if B's file
+   contains it, otherwise toward the bone's middle. diff_has_view must be true: both files are bones
+   or CTs on the same cubic grid, and B lacks voxels of A. */
 ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                      ost_error *err);
 bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);
-/* Returns true if the directions of its axes in the patient are not known. */
+/* Returns true if the grid's axes have no known directions in the patient. */
 bool diff_unoriented(const loaded_volume *in);
 
-/* diff_html.c: writes one self-contained page. */
+/* Writes one self-contained page. Defined in html.c. */
 ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a,
                      const loaded_volume *b, const diff_result *result, ost_error *err);
 

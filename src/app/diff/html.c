@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The difference as one self-contained page: pictures are data URIs and the chunk map is SVG. It
- * can be printed on white paper.
+ * Writes the differences as one self-contained page. Pictures are data URIs and the chunk map is
+ * SVG. The page can be printed on white paper.
  */
 #include "app/diff/compare.h"
 
@@ -44,7 +44,7 @@ static void figure(html_page *p, const ost_picture *picture, const char *caption
     free(png);
 }
 
-/* Draws slices of a grid. A tool's voxels are 0, 1 or 2: the window of 3 around 1 makes them visible. */
+/* Draws slices of a grid. A tool's voxels are 0, 1 or 2; a window of width 3 around 1 makes them visible. */
 static void slices(html_page *p, const loaded_volume *in, const diff_result *r, const char *caption)
 {
     ost_picture picture = {0};
@@ -84,7 +84,7 @@ static void pictures(html_page *p, const loaded_volume *a, const loaded_volume *
     ost_picture picture = {0};
     p->status = diff_picture(a, b, r, &picture, p->err);
     if (p->status == OST_OK) {
-        /* Built without libpng, the page has no pictures but is still useful. */
+        /* If osteon was built without libpng, the page has no pictures but is still useful. */
         uint8_t *png = NULL;
         size_t size = 0;
         bool none = ost_picture_encode_png(&picture, &png, &size, NULL) == OST_ERR_UNAVAILABLE;

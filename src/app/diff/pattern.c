@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The pattern of a difference as a whole: the rules of the validation for its own differences
- * (validation/locate/pattern.h), and rules that need only the files.
+ * Finds the pattern of all differences together. It applies the rules by which the validation
+ * classifies its own differences (validation/locate/pattern.h), and rules that need only the files.
  *
  *   geometry        dims, spacing or origin differ
- *   only-removed    nothing but removal, as by reaming
- *   only-added      nothing but addition
- *   ...             those of pattern.h, in its order; the first pattern is the class
+ *   only-removed    voxels were only removed, as by reaming
+ *   only-added      voxels were only added
+ *   ...             the patterns of pattern.h, in its order; the first that applies is the class
  */
 #include "app/diff/compare.h"
 

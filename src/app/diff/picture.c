@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pictures of a difference: three slices, on each axis the one with most differences, and a view of
- * B's surface from there, where the bone that A has and B has not is coloured by its depth.
+ * Draws pictures of a difference: on each axis the slice with the most differences, and a view of
+ * B's surface from there. In the view, the bone that is in A but not in B is coloured by its depth.
  *
- * Grey is the density, dimmed. Removed voxels are red, added ones blue, changed ones amber, those
- * below the threshold violet.
+ * Grey shows the density, dimmed. Removed voxels are red, added ones blue, changed ones amber, and
+ * those below the threshold violet.
  */
 #include "app/diff/compare.h"
 
