@@ -23,7 +23,7 @@ extern char **environ;
 enum { NAME = 4096, LINE = 300, ENCODER_FD = 3 };
 
 struct film_file {
-    char *target;        /* owned; NULL if the video goes to a command */
+    char *target;        /* owned; NULL if the video is sent to a command */
     bool folder;
     int fps;
     int width, height;   /* 0 before the first frame */
@@ -31,10 +31,10 @@ struct film_file {
     uint8_t *bytes;      /* owned; the last frame, encoded */
     size_t size;
     uint64_t frames;
-    ost_outfile *out;    /* owned; the .y4m, or the file that ffmpeg writes; NULL if there is neither */
+    ost_outfile *out;    /* owned; the .y4m file or the file that ffmpeg writes; NULL if there is neither */
     int pipe;            /* -1 if there is none */
     pid_t encoder;
-    FILE *messages;      /* owned; ffmpeg's standard error; NULL if it is inherited */
+    FILE *messages;      /* owned; receives ffmpeg's standard error; NULL if ffmpeg inherits it */
 };
 
 /* ------------------------------------------------------------------ names */
@@ -62,15 +62,15 @@ static int write_all(int fd, const void *bytes, size_t size)
 
 /* --------------------------------------------------------------- programs */
 
-/* Searches PATH for a program. posix_spawn cannot be relied on for that: where vfork is implemented
-   as fork, starting a missing program seems to succeed. */
+/* Searches PATH for a program. posix_spawn cannot report a missing program reliably: where vfork is
+   implemented as fork, starting the program seems to succeed. */
 static bool find_program(const char *name, char path[NAME])
 {
     const char *from = getenv("PATH");
     struct stat st;
     for (const char *p = from ? from : "/usr/bin:/bin";; p++) {
         const size_t n = strcspn(p, ":");
-        /* an empty entry of PATH is the current folder */
+        /* An empty entry of PATH means the current folder. */
         const int length = snprintf(path, NAME, "%.*s%s%s", (int)n, p, n ? "/" : "", name);
         if (length < NAME && stat(path, &st) == 0 && S_ISREG(st.st_mode) && access(path, X_OK) == 0)
             return true;
@@ -102,7 +102,7 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     sigaddset(&usual, SIGXFSZ);
     posix_spawnattr_setsigmask(&how, &none);
     posix_spawnattr_setsigdefault(&how, &usual);
-    posix_spawnattr_setpgroup(&how, 0); /* so that Ctrl-C ends the simulator only, which then ends the video */
+    posix_spawnattr_setpgroup(&how, 0); /* Ctrl-C ends only the simulator, which then ends the video */
     posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     const int error = posix_spawn(&f->encoder, argv[0], &files, &how, (char *const *)(void *)argv, environ);
     posix_spawnattr_destroy(&how);
@@ -116,16 +116,16 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
 }
 
 /*
- * Starts ffmpeg. It writes to a descriptor that is already open, so a symbolic link cannot redirect the
- * output, and the descriptor can be positioned, which .mp4 requires. The messages of ffmpeg are read only
- * if it fails, since they may contain arbitrary bytes of a file name.
+ * Starts ffmpeg. It writes to a descriptor that is already open, so that a symbolic link cannot
+ * redirect the output, and the descriptor is seekable, as .mp4 requires. ffmpeg's messages are read
+ * only if it fails, because they may contain arbitrary bytes of a file name.
  */
 static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
     static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7",
                                       "-crf", "24",         "-b:v",      "0",        NULL};
-    /* These arguments give colours and even frame sizes that every player accepts. */
+    /* With these arguments, every player accepts the colours and the frame size, which must be even. */
     char program[NAME], descriptor_path[32];
     const char *argv[40] = {program,
                             "-hide_banner",
@@ -172,7 +172,7 @@ static ost_status start_shell(film_file *f, const char *command, ost_error *err)
 }
 
 /* Returns ": " and the last line that ffmpeg wrote to its standard error, in printable characters;
-   "" if there is none. */
+   "" if ffmpeg wrote nothing. */
 static const char *last_message(film_file *f, char text[LINE])
 {
     char bytes[LINE - 2];
@@ -216,7 +216,7 @@ static ost_status finish(film_file *f, ost_error *err)
 
 /* ------------------------------------------------------------------- open */
 
-/* Returns true if a name ends in an extension of 2 to 4 letters and digits, as a video's file does. */
+/* Returns true if a name ends in an extension of 2 to 4 letters and digits, as names of video files do. */
 static bool has_extension(const char *name)
 {
     const char *dot = strrchr(name, '.');
@@ -248,8 +248,8 @@ static ost_status open_folder(film_file *f, ost_error *err)
     return OST_OK;
 }
 
-/* Returns ffmpeg's name of the format that a file's extension denotes; NULL if ffmpeg does not make
-   the file. */
+/* Returns ffmpeg's name of the format that a file's extension denotes; NULL if ffmpeg does not
+   write the file. */
 static const char *ffmpeg_format(const char *target)
 {
     static const char *const known[][2] = {{".mp4", "mp4"}, {".mkv", "matroska"}, {".mov", "mov"}, {".webm", "webm"}};
@@ -289,7 +289,7 @@ ost_status film_file_open(const char *target, const char *command, int fps, film
 
 /* ----------------------------------------------------------------- frames */
 
-/* Scales the frame to the largest size that fits into the video's, with black borders. */
+/* Scales the frame to the largest size that fits into the video's frame, with black borders. */
 static void fit(const film_file *f, const uint32_t *pixels, int width, int height)
 {
     int w = f->width, h = (int)((int64_t)height * f->width / width);
@@ -307,8 +307,8 @@ static void fit(const film_file *f, const uint32_t *pixels, int width, int heigh
                 pixels[(size_t)((int64_t)y * height / h) * (size_t)width + (size_t)((int64_t)x * width / w)];
 }
 
-/* Converts to BT.709 with the range 16 to 235. The constants 4224 and 32896 contain one half in
-   units of 1/256, which rounds. */
+/* Converts to BT.709 with the range 16 to 235. The constants 4224 and 32896 include one half in
+   units of 1/256, so that the shift rounds. */
 static void to_yuv(const uint32_t *pixels, size_t count, uint8_t *y, uint8_t *cb, uint8_t *cr)
 {
     for (size_t i = 0; i < count; i++) {
@@ -324,7 +324,7 @@ static ost_status broken(film_file *f, int error, ost_error *err)
     char last[LINE];
     if (error == EPIPE) {
         if (f->messages)
-            finish(f, NULL); /* its messages are complete only when it has ended */
+            finish(f, NULL); /* ffmpeg's messages are complete only after it has ended */
         return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did%s", last_message(f, last));
     }
     return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe",
@@ -402,8 +402,8 @@ ost_status film_file_again(film_file *f, ost_error *err)
         f->frames += status == OST_OK;
         return status;
     }
-    /* A repeated frame is a hard link to the previous file, which needs no space; if that fails,
-       it is written again. */
+    /* A repeated frame is a hard link to the previous file, which needs no space. If the link cannot be
+       created, the frame is written again. */
     char before[NAME], name[NAME];
     snprintf(before, sizeof before, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames - 1);
     snprintf(name, sizeof name, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The output of a video: a folder of pictures, a .y4m (YUV4MPEG2, 4:4:4, BT.709), or the output of
-   a program. For one thread. */
+/* Writes a video to a folder of pictures, to a .y4m file (YUV4MPEG2, 4:4:4, BT.709), or to a
+   program. An output must be used by one thread only. */
 #ifndef OST_APP_FILM_FILE_H
 #define OST_APP_FILM_FILE_H
 
@@ -9,14 +9,14 @@
 typedef struct film_file film_file;
 
 /* Opens the output. target: a file if its extension is known, else a folder, which is created if
-   necessary. command: a shell command. One of the two is NULL. */
+   necessary. command: a shell command. Exactly one of target and command is NULL. */
 ost_status film_file_open(const char *target, const char *command, int fps, film_file **out, ost_error *err);
 /* Writes a frame. pixels: width pixels per row. The first frame determines the video's size. */
 ost_status film_file_frame(film_file *file, const uint32_t *pixels, int width, int height, ost_error *err);
 /* Repeats the previous frame. */
 ost_status film_file_again(film_file *file, ost_error *err);
-/* Frees file in any case; file may be NULL. err is NULL after an earlier failure: the output file
-   is then discarded. */
+/* Closes the output and frees file in any case; file may be NULL. After an earlier failure err is
+   NULL, and the output file is discarded. */
 ost_status film_file_close(film_file *file, ost_error *err);
 
 #endif

@@ -31,21 +31,21 @@ typedef struct job {
 
 struct film {
     film_options options;
-    film_file *file; /* NULL if there is no video */
+    film_file *file; /* NULL if no video is written */
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t more, capacity;
     job job[QUEUE_CAPACITY]; /* ring buffer */
     int first, count;
     bool end;
-    int64_t begin_ns, last; /* last: index of the latest frame given */
+    int64_t begin_ns, last; /* last: index of the latest frame passed in */
     bool begun;
     uint64_t dropped;
     bool news;
     char text[FILM_TEXT];
     ost_status status; /* of the video */
     ost_error err;
-    /* Used by the writer thread only: */
+    /* The following fields are used by the writer thread only. */
     int stills;
     film_report report;
 };
@@ -91,7 +91,7 @@ static void write_still(film *f, const job *j)
     free(bytes);
 }
 
-/* Repeats the previous frame until the video has index frames, for the time in which no frame came. */
+/* Repeats the previous frame until the video has index frames. Fills times at which no frame was passed in. */
 static ost_status repeat_until(film *f, int64_t index, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -196,7 +196,7 @@ static bool queue(film *f, bool still, int64_t index, const uint32_t *pixels, in
     pthread_mutex_unlock(&f->lock);
     if (!capacity)
         return false;
-    /* The writer thread does not read beyond the queued jobs, so this one is filled without the lock. */
+    /* The writer thread reads only queued jobs, so this one is filled without the lock. */
     const size_t size = (size_t)width * (size_t)height;
     if (size > j->capacity) {
         free(j->pixels);

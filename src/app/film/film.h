@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes frames to disk on a separate thread: single pictures, and a video.
+ * Writes frames to disk on a separate thread, as single pictures and as a video.
  *
  *   renderer --copy--> queue of at most a dozen --writer--> FOLDER/frame-000000.png ...      a folder
  *                            |                              FILE.y4m
  *                            '-- queue full: dropped,       ffmpeg --> FILE.mp4, .mkv, .mov, .webm
- *                                and counted                sh -c COMMAND, which gets a .y4m on its standard input
+ *                                and counted                sh -c COMMAND, which reads a .y4m from its standard input
  *
- * A video follows the clock that is passed in: for a dropped frame, or while nothing changes and no
- * frame is drawn, the previous frame is repeated. The video has the size of the first frame; frames
- * of other sizes are scaled into it.
+ * A video follows the times that the caller passes in. The previous frame is repeated for each
+ * dropped frame and while nothing changes. The video has the size of the first frame; frames of
+ * other sizes are scaled to fit.
  *
- * No file is overwritten: pictures take the next free name. A video file gets its name only when it
- * is complete.
+ * No file is overwritten: a picture gets the next free name. A video file gets its name only when
+ * it is complete.
  */
 #ifndef OST_APP_FILM_FILM_H
 #define OST_APP_FILM_FILM_H
@@ -22,15 +22,15 @@
 enum { FILM_TEXT = 200 };
 
 typedef struct film_options {
-    const char *target, *pipe; /* where the video goes: at most one of the two is set */
+    const char *target, *pipe; /* destination of the video: at most one of the two is set */
     int64_t fps;               /* of the video */
     bool wait;                 /* waits for the writer when the queue is full, instead of dropping the frame */
 } film_options;
 
 typedef struct film_report {
     uint64_t frames;   /* in the video */
-    uint64_t repeated; /* frames among these that repeat the previous one */
-    uint64_t dropped;  /* frames that were drawn and not written */
+    uint64_t repeated; /* frames among these that repeat the previous frame */
+    uint64_t dropped;  /* frames that were drawn but not written */
     int width, height;
 } film_report;
 
@@ -46,21 +46,21 @@ typedef struct film film;
     {.name = "video-fps", .kind = OPTION_INTEGER, .out = &(v).fps, .min = 1, .max = 240, .value = "N",            \
      .help = "frames per second of the video (default: 30)"}
 
-/* Checks the options before anything is done. Returns a usage error if they are invalid. */
+/* Checks the options before any work begins. Returns a usage error if they are invalid. */
 ost_status film_check(const app_state *app, const film_options *options, ost_error *err);
-/* Opens a film. Returns OST_ERR_UNAVAILABLE if there is no encoder. */
+/* Opens a film. Returns OST_ERR_UNAVAILABLE if no encoder is found. */
 ost_status film_open(const film_options *options, film **out, ost_error *err);
 
-/* The following functions must be called on one thread. pixels: 0x..BBGGRR, in rows of stride
-   pixels; they are copied. */
-/* Returns true if the video has no frame for t_ns yet. Times must ascend; the first is the
-   beginning of the video. */
+/* The following functions must be called on one thread. pixels are values 0x..BBGGRR in rows of
+   stride pixels; they are copied. */
+/* Returns true if the video does not yet have a frame for t_ns. Times must ascend; the first time
+   is the beginning of the video. */
 bool film_is_due(const film *f, int64_t t_ns);
 void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int width, int height);
-/* Saves a picture in the current folder under the next free name, osteon-001.png and so on. The
-   result is reported by film_message. */
+/* Saves a picture in the current folder under the next free name: osteon-001.png and so on.
+   film_message reports the result. */
 void film_still(film *f, const uint32_t *pixels, int stride, int width, int height);
-/* Returns the latest message if it is new since the previous call, else NULL. */
+/* Returns the latest message if it is newer than the previous call, else NULL. */
 const char *film_message(film *f, char text[FILM_TEXT]);
 uint64_t film_dropped(film *f);
 

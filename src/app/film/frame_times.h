@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A histogram of the durations of frames or of the intervals between them: bins of 10 us, up to one
-   second. */
+/* A histogram of the durations of frames, or of the intervals between frames, with bins of 10 us up
+   to one second. */
 #ifndef OST_APP_FILM_FRAME_TIMES_H
 #define OST_APP_FILM_FRAME_TIMES_H
 
@@ -15,8 +15,8 @@ typedef struct frame_times {
 } frame_times;
 
 void frame_times_add(frame_times *times, int64_t ns);
-/* Returns the quantile share (0 to 1) in ms: the middle of its bin, but at most the maximum; 0 if
-   times is empty. */
+/* Returns the quantile `share` (0 to 1) in ms. The result is the middle of a bin, but not more than
+   the maximum; 0 if times is empty. */
 double frame_times_ms(const frame_times *times, double share);
 
 #endif
