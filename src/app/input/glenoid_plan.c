@@ -27,8 +27,8 @@ static const char *point_text(ost_pm3 p, char text[POINT_TEXT])
     return text;
 }
 
-/* Normalizes an axis and rounds it to the nine decimal places of a text, so that a reader of the
-   text computes with the same axis. */
+/* Normalizes an axis and rounds it to nine decimal places, as it is stored in text, so that
+   programs that read the text compute with the same axis. */
 static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
 {
     double size = sqrt(in[0] * in[0] + in[1] * in[1] + in[2] * in[2]);
@@ -46,7 +46,7 @@ static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
     return true;
 }
 
-/* Replaces the facts of the grid's header by those of the session's header. */
+/* Replaces facts of the grid's header by those of the session's header. */
 static ost_status overlay(const char *session, const ost_session_header *header, ost_meta *stored, ost_error *err)
 {
     for (int i = 0; header && i < SAME; i++) {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The plan: the glenoid's position, the axis into the bone, the depth, and the scapula's landmarks.
- * Values from options take precedence over those in a session, and these over those in the bone's
- * file.
+ * Finds the plan: the glenoid's position, the axis into the bone, the depth, and the scapula's
+ * landmarks. Options take precedence over a session's header, and the session over the bone's file.
  *
  *   options --.
  *   session ---+--> plan --> debrief
@@ -42,9 +41,9 @@ typedef struct glenoid_plan_options {
     }
 
 /*
- * Finds the plan. header: the header of the session named session, or NULL. *known becomes false if
- * no source contains the glenoid's position, which is an error if needed is true or a part of the
- * plan is given. The plan has exactly the values that a session can store.
+ * Finds the plan. header: the header of the session called `session`, or NULL. *known becomes false
+ * if no source contains the glenoid's position; this is an error if needed is true or if a part of
+ * the plan is given. The values are rounded to those that a session can store.
  */
 ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session,
                              const ost_session_header *header, const ost_meta *meta, const char *bone, bool needed,

@@ -13,7 +13,7 @@
 #include "app/common/progress.h"
 #include "app/common/print.h"
 
-enum { THRESHOLD = 120 }; /* of the thesis; AR-CHK-1 */
+enum { THRESHOLD = 120 }; /* threshold of the thesis; AR-CHK-1 */
 
 /* ------------------------------------------------------------------ names */
 
@@ -41,7 +41,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
 {
     struct stat st;
     const bool exists = stat(path, &st) == 0;
-    /* Such a name would otherwise fail only at the end, after all the work. */
+    /* Without this check, a name that is too long would fail only after all the work. */
     if (!exists && errno == ENAMETOOLONG)
         return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
     bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
@@ -89,14 +89,14 @@ static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_b
     return OST_OK;
 }
 
-/* Returns the labels of FILE:LABEL,... , without the colon; NULL if the text is a file's name alone. */
+/* Returns the part of "FILE:LABEL,..." after the colon; NULL if the text is only a file name. */
 static const char *labels_of(const char *text)
 {
     const char *colon = strrchr(text, ':');
     return colon && colon[1] && strspn(colon + 1, "0123456789,") == strlen(colon + 1) ? colon + 1 : NULL;
 }
 
-/* Parses --mask, such as "labels.nii.gz:71,72". The file's name remains valid until the next call. */
+/* Parses --mask, such as "labels.nii.gz:71,72". The returned file name is valid until the next call. */
 static ost_status parse_mask(const app_state *app, const char *text, ost_import_options *out, ost_error *err)
 {
     static char name[4096];
@@ -126,7 +126,7 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
     *out = (ost_import_options){
         .spacing = ct->spacing,
         .cubic = ct->cubic,
-        .threshold = (int32_t)ct->threshold, /* 0: the bone's own, else 120 */
+        .threshold = (int32_t)ct->threshold, /* 0: the bone's own threshold, else 120 */
         .chunk_size = 16 << ct->chunk,
         .has_resample = ct->resample >= 0,
         .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,
@@ -302,8 +302,8 @@ static ost_status load_tool_volume(const char *name, loaded_volume *out, ost_err
     return status;
 }
 
-/* Returns the threshold that import stored in a bone's header. A missing or invalid value gives the
-   default. */
+/* Returns the threshold that import stored in a bone's header, or the default if the value is
+   missing or invalid. */
 static int32_t threshold_of(const ost_meta *meta)
 {
     const char *text = ost_meta_get(meta, OST_META_THRESHOLD);
@@ -316,7 +316,7 @@ static int32_t threshold_of(const ost_meta *meta)
     return THRESHOLD;
 }
 
-/* Loads a CT given as text by importing it, because the memory of an import is bounded by the grid. */
+/* Loads a CT given as text. It is imported, because the grid's size bounds the memory of an import. */
 static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
     ost_backend *backend = NULL;

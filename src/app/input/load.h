@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Loads a bone or a tool from any file that the user may have.
+ * Loads a bone or a tool from any supported file.
  *
  *   bone   builtin:scapula (a phantom), a CT, or a bone that import wrote
  *   tool   builtin:reamer, a mesh, or a tool that voxelize wrote
  *   volume any voxels, in host memory and unchanged: for diff and export
  *
- * All verbs that load have the same options for it.
+ * All verbs that load files have the same options for loading.
  */
 #ifndef OST_APP_INPUT_LOAD_H
 #define OST_APP_INPUT_LOAD_H
@@ -16,10 +16,10 @@
 typedef struct ct_options {
     ost_pm3 spacing;
     ost_pm cubic;
-    int64_t threshold; /* 0: the bone's own, else 120 */
+    int64_t threshold; /* 0: the bone's own threshold, else 120 */
     const char *crop;
     int chunk; /* index in "16|32|64" */
-    int resample; /* index in "linear|nearest|thesis" = ost_resample; negative: chosen by the file's contents */
+    int resample; /* index in "linear|nearest|thesis" = ost_resample; negative: depends on the file's contents */
     int duplicates; /* index in "error|first|last|max" = ost_duplicates */
     bool clamp, resample_oblique;
     const char *orientation; /* NULL if not given */
@@ -73,7 +73,7 @@ typedef struct tool_options {
     {.name = "rule", .kind = OPTION_CHOICE, .out = &(t).rule, .value = "winding|parity",                       \
      .help = "rule for the inside of a mesh: winding number not zero (default), or odd number of crossings"}
 
-/* Figures about the mesh of a loaded tool; zero for a tool grid. */
+/* Figures about the mesh of a loaded tool. They are zero if the file is a tool grid. */
 typedef struct tool_report {
     ost_mesh_report mesh;
     size_t triangles, dropped_triangles;
@@ -84,7 +84,7 @@ typedef struct tool_report {
     double time_ms; /* duration of the voxelization alone */
 } tool_report;
 
-/* Returns what follows "builtin:" in a name; NULL if it is a file's name. */
+/* Returns the part of a name after "builtin:"; NULL if the name is a file name. */
 const char *builtin_name(const char *name);
 
 ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests,
@@ -99,13 +99,13 @@ void load_warn_orientation(const app_state *app, const char *name, const ost_met
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
 
 enum { LOAD_UNITS_TEXT = 200 };
-/* Writes the sizes from 20 to 600 mm that the same number would mean in other units, ": it would be
-   ...", or "". Returns out. */
+/* Lists the sizes from 20 to 600 mm that the same number would mean in other units. Writes ": it
+   would be ...", or "" if there are none. Returns out. */
 char *load_other_units(char out[LOAD_UNITS_TEXT], double mm);
 
 ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
 
-/* noncutting: the name of a second mesh on the same grid, or NULL. report may be NULL. */
+/* Loads a tool. noncutting: the name of a second mesh on the same grid, or NULL. report may be NULL. */
 ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
                      const tool_options *options, ost_tool **out, tool_report *report, ost_error *err);
 
@@ -114,22 +114,22 @@ typedef struct loaded_volume {
     load_kind kind;
     ost_volume volume;             /* a tool's voxels are 0, 1, 2 */
     ost_tool_geometry tool;        /* set if kind is LOAD_TOOL */
-    /* the least value of a solid voxel: a bone's own threshold, 1 for a tool, else 120 */
+    /* least value of a solid voxel: a bone's own threshold, 1 for a tool, else 120 */
     int32_t threshold;
 } loaded_volume;
 
-/* Loads NRRD, NIfTI, a CT as text (as a bone: densities below the threshold are 0) or builtin:.
-   Free with ost_volume_free(&out->volume). */
+/* Loads a volume: NRRD, NIfTI, a CT given as text, or builtin:. A CT given as text is imported as a
+   bone, so densities below the threshold are 0. Free with ost_volume_free(&out->volume). */
 ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err);
 
-/* Imports a CT whose voxels are no cubes, as osteon import does; leaves anything else as it is. */
+/* Imports a CT whose voxels are not cubes, as `osteon import` does. Any other volume is unchanged. */
 ost_status loaded_to_bone(const app_state *app, const char *name, loaded_volume *volume, ost_error *err);
 
 /* Copies a bone's voxels into host memory. */
 ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err);
 
-/* Checks, before any work, that path has one of the given endings, such as "nrrd|nii|nii.gz|txt",
-   and that its folder exists. An existing file is replaced without a warning. */
+/* Checks that path has one of the given extensions, such as "nrrd|nii|nii.gz|txt", and that its
+   folder exists. Called before any work. An existing file is replaced without a warning. */
 ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err);
 bool ends_with(const char *path, const char *end);
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Facts about the patient, stored once in the header of a bone or CT: the
- * glenoid's position, the axis into the bone, the side, the scapula's landmarks.
+ * Facts about the patient, stored once in the header of a bone or CT: the glenoid's position, the
+ * axis into the bone, the side, and the scapula's landmarks.
  *
  *   --landmarks FILE --.
  *   --at --axis ...  ---+--> meta, checked --> header (import)
  *   --set KEY=VALUE  --'                  '--> header, rewritten (info)
  *
- * Options replace what a file of landmarks has. A side that contradicts the
- * axis, or the side that the header has already, is an error.
+ * Options replace the values of a landmarks file. It is an error if a given side contradicts the
+ * axis or the side that is already in the header.
  */
 #ifndef OST_APP_INPUT_PATIENT_H
 #define OST_APP_INPUT_PATIENT_H
@@ -62,12 +62,12 @@ typedef struct patient_options {
                 "glenoid, axis (a point inside the bone on the axis), trigonum, inferior angle"                        \
     }
 
-/* Sets in meta what the options and their file of landmarks state, for the volume called name;
-   reports unknown labels. */
+/* Stores in meta the facts that the options and their landmarks file contain, for the volume called
+   name. Reports unknown labels. */
 ost_status patient_take(const app_state *app, const patient_options *options, const char *name,
                         const ost_geometry *geometry, ost_meta *meta, ost_error *err);
 
-/* Sets in meta the facts of --set KEY=VALUE, one after the other; an empty VALUE removes the fact. */
+/* Stores in meta the facts of --set KEY=VALUE, one after the other. An empty VALUE removes the fact. */
 ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry,
                        ost_meta *meta, ost_error *err);
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The path of a reaming: one or more --path, joined in the given order.
+ * Reads the path of a reaming: one or more --path options, joined in the given order.
  *
  *   --tool peg --path builtin:peg-hole --tool reamer --path builtin:glenoid-ream
  *
- * Path k moves tool k, or the only tool if there is one; a file whose ticks name tools other than 0
- * moves those. Each path begins 1 ms after the end of the previous one, lifted (docs/spec/arithmetic.md,
- * AR-PATH-6).
+ * Path k moves tool k, or the only tool if there is one. If the ticks of a file refer to tools
+ * other than 0, they move those tools. Each path begins 1 ms after the end of the previous one,
+ * lifted (docs/spec/arithmetic.md, AR-PATH-6).
  */
 #ifndef OST_APP_INPUT_REAM_PATH_H
 #define OST_APP_INPUT_REAM_PATH_H
@@ -20,10 +20,10 @@ typedef struct target_options {
     bool axis_given;
     int side; /* index in "left|right" */
     bool side_given;
-    size_t press_ticks; /* for builtin:glenoid-press; 0: one minute */
+    size_t press_ticks; /* number of ticks for builtin:glenoid-press; 0: one minute */
 } target_options;
 
-/* Rows for a verb's table of options. about_at: the help of --at, which names the default. */
+/* Rows for a verb's table of options. about_at: the help text of --at, which states the default. */
 #define TARGET_OPTIONS(t, about_at)                                                                                    \
     {.name = "at", .kind = OPTION_POINT, .out = &(t).at, .given = &(t).at_given, .value = "X,Y,Z",                     \
      .help = about_at},                                                                                                \
@@ -33,14 +33,14 @@ typedef struct target_options {
      .help = "side of the body (default: as in the file, else derived from the axis)"}
 
 /*
- * Finds the glenoid from the options, or from the bone's header where an option is not given; the
- * side also follows from the axis. Returns OST_ERR_USAGE if a value is not set, OST_ERR_INPUT if
- * the side, the axis and the header contradict each other.
+ * Finds the glenoid from the options, or from the bone's header for options that are not given. The
+ * side can also follow from the axis. Returns OST_ERR_USAGE if a value is not set, and
+ * OST_ERR_INPUT if the side, the axis and the header contradict each other.
  */
 ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone,
                        ost_glenoid *out, ost_error *err);
 
-/* Finds the side from --side or else from the header. The two must not contradict each other. */
+/* Finds the side from --side, or else from the header. It is an error if the two contradict each other. */
 ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out,
                        ost_error *err);
 
@@ -63,7 +63,7 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
                           const ost_meta *meta, const char *bone, const ost_tool_geometry *const *tools, int tool_count,
                           const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err);
 
-/* Computes the period of a rate of removal; 0 without a rate: every tick removes. */
+/* Computes the period of a rate of removal. Without a rate it is 0, and every tick removes. */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err);
 
 #endif

@@ -9,7 +9,7 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-/* Noise and single osteophytes are smaller; the other bone of a joint has thousands of mm3. */
+/* Noise and single osteophytes are smaller than this; the other bone of a joint has thousands of mm3. */
 #define FRONT_LEAST_MM3 50.0
 #define BONE_LEAST_PERCENT 25.0
 #define APPROACH_MM 8.0 /* distance in front of the face at which the built-in paths begin */
@@ -47,7 +47,7 @@ void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX])
     }
 }
 
-/* Computes the tool's radius about its axis, and its length along it, in mm. */
+/* Computes the tool's radius about its axis and its length along the axis, in mm. */
 static void tool_size(const ost_tool *tool, double *radius_mm, double *length_mm)
 {
     const ost_tool_geometry *g = ost_tool_geometry_get(tool);
@@ -77,7 +77,7 @@ static ost_status check_front(const app_state *app, const start_setup *setup, co
     }
     const double mm3 = (double)most * voxel_mm3(setup->bone);
     put_real(app->result, "front_mm3", mm3);
-    /* Without a valid axis, bone in front of the face is meaningless; the axis has already been reported. */
+    /* Without a valid axis, bone in front of the face cannot be defined; the invalid axis has already been reported. */
     if (status != OST_OK || mm3 < FRONT_LEAST_MM3 || !axis_good)
         return status;
     return problem(
