@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon ream: moves tools along paths and removes bone.
+ * Implements `osteon ream`: moves tools along paths and removes bone.
  *
  *   --bone --load_bone--> bone ----------------.
  *   --tool --load_tool--> tools --------------. \
- *   --path --ream_path_make--> poses of a hand --ost_motor_path--> ticks --> ost_world_step, a tick at a time
+ *   --path --ream_path_make--> poses of a hand --ost_motor_path--> ticks --> ost_world_step, one tick at a time
  *                                              |
  *                  --out <--ost_bone_write--- bone
  *               --record <--ost_recorder_put- tick, digest
@@ -22,14 +22,14 @@
 #include "app/common/result.h"
 #include "app/input/removal_options.h"
 
-/* Ticks between two copies of the bone, for a device that may fail: a copy costs about as much as
-   20 ticks. */
+/* Ticks between two copies of the bone, which are made for a device that may fail. A copy costs
+   about as much as 20 ticks. */
 enum { SAVED_TICKS = 1024 };
 
 static void job_free(ream_job *j)
 {
     free(j->tick_ns);
-    /* The recorder is still open if something else has failed: the ticks until then remain recorded. */
+    /* After an error elsewhere, the recorder is still open. The ticks recorded before the error are kept. */
     ost_recorder_close(j->recorder, NULL, NULL);
     debrief_free(&j->debrief);
     ost_world_free(j->world);
@@ -57,7 +57,7 @@ static ost_status world_make(const app_state *app, const ream_args *args, ream_j
 static ost_status load_all(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_status status = backend_choose(app, &j->backend, err);
-    /* Tools are loaded first: they are small, and an error in them is reported before the CT is read. */
+    /* Tools are loaded first, because they are small and an error in them is then reported before the CT is read. */
     for (int i = 0; i < args->tools.count && status == OST_OK; i++) {
         status = load_tool(app, j->backend, args->tools.value[i], NULL, &args->how, &j->tools[i], NULL, err);
         if (status == OST_OK) {
@@ -89,7 +89,7 @@ static bool has_device_speed(const ost_path *path)
     return false;
 }
 
-/* Replaces the path's poses by those of tools that the motor turns. */
+/* Replaces the path's poses by the poses of the tools as the motor turns them. */
 static ost_status motor_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_motor motor = {0};
@@ -99,7 +99,7 @@ static ost_status motor_run(const app_state *app, const ream_args *args, ream_jo
     return ost_motor_path(&j->path, (int32_t)args->rpm, &motor, err);
 }
 
-/* Finds the plan, and stores a copy of the bone for the debrief if there is to be one. */
+/* Finds the plan and, if a debrief is requested, stores a copy of the bone. */
 static ost_status plan_take(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone,

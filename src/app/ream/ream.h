@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An operation of `osteon ream`: its arguments, its resources, and its parts.
+ * The parts of `osteon ream`: its arguments, its resources and its functions.
  *
- *   cmd_ream.c   arguments, loading, the order of the parts
- *   run.c        ticks, failover to another backend
- *   record.c     the recording
- *   report.c     results
+ *   cmd_ream.c   parses the arguments, loads the inputs, calls the other parts in order
+ *   run.c        executes the ticks, with failover to another backend
+ *   record.c     records the operation
+ *   report.c     reports the results
  */
 #ifndef OST_APP_REAM_REAM_H
 #define OST_APP_REAM_REAM_H
@@ -25,10 +25,10 @@ typedef struct ream_args {
     const char *debrief, *max_gap;
     ost_path_options gaps; /* from max_gap */
     option_decimal rate;
-    int64_t period_ns; /* from rate; 0: removal at every tick */
+    int64_t period_ns; /* derived from rate; 0: every tick removes bone */
     int64_t rpm;
     bool rpm_given;
-    ost_density_classes classes; /* from classes_text; count 0: the default classes */
+    ost_density_classes classes; /* parsed from classes_text; count 0: the default classes */
     int sweep; /* index in "off|on" */
     bool compress, no_failover, strict;
 } ream_args;
@@ -39,7 +39,7 @@ typedef struct ream_job {
     ost_bone *bone;
     ost_import_result imported;
     ost_bone_info before, after;
-    ost_digest root;   /* digest of the bone at the end */
+    ost_digest root;   /* final digest of the bone */
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
     ream_gaps gaps;    /* gaps in path */
@@ -47,32 +47,32 @@ typedef struct ream_job {
     ost_recorder *recorder; /* NULL if nothing is recorded */
     uint32_t *tick_ns; /* duration of each step */
     double run_ms;
-    bool met;          /* the boxes of bone and tool met at some tick */
+    bool met;          /* the boxes of bone and tool overlapped in at least one tick */
     ost_metrics_plan plan;
     bool planned;      /* plan is set */
     debrief debrief;   /* empty without --debrief */
     start_checked site;
-    bool failed_over;  /* the backend is no longer the requested one */
+    bool failed_over;  /* set if another backend has replaced the requested one */
 } ream_job;
 
 /* Begins the recording, if one is requested. The world must exist. */
 ost_status ream_record_begin(const ream_args *args, ream_job *j, ost_error *err);
-/* Records a tick. Ticks that could not be recorded are reported when the recorder is closed. */
+/* Records a tick. Failures to record are reported when the recorder is closed. */
 ost_status ream_record_tick(ream_job *j, size_t number, const ost_step_result *step, ost_error *err);
 void ream_record_note(const ream_job *j, size_t tick, const char *text);
 /* Completes the recording and reports it. */
 ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
-/* Returns true if the device may be the cause of the failure. Other errors would occur on the
-   backend cpu as well. */
+/* Returns true if the device may have caused the failure. Errors with other causes would also occur
+   on the backend cpu. */
 bool ream_may_fail_over(const app_state *app, const ream_args *args, const ream_job *j, ost_status status);
-/* Moves the world to the backend cpu after the device's failure, which err describes. ticks:
-   complete ticks so far. */
+/* Moves the world to the backend cpu after a failure of the device, which err describes. ticks:
+   number of complete ticks so far. */
 ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_error *err);
 /* Executes all ticks. */
 ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
-/* Reads from the backend what the report needs, then writes the bone, so that a failure leaves no file. */
+/* Reads from the backend all that the report needs, and only then writes the bone, so that a failure leaves no file. */
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err);
 /* Prints the result and stores it in the verb's JSON. */
 ost_status ream_report(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The recording of an operation along paths. */
+/* Records an operation along paths. */
 #include "app/ream/ream.h"
 
 #include <stdio.h>

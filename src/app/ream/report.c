@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The results of an operation along paths. */
+/* Reports the results of an operation along paths. */
 #include "app/ream/ream.h"
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Reports percentiles of the tick times by nearest rank. Sorts tick_ns. */
+/* Sorts tick_ns and reports percentiles of the tick times by nearest rank. */
 static void put_tick_times(const app_state *app, ream_job *j)
 {
     size_t n = j->path.count;
@@ -47,7 +47,8 @@ static void put_classes(const app_state *app, const ost_world_totals *totals, co
     put(app->result, "removed_by_class", array);
 }
 
-/* Warns that nothing was removed and prints both positions: the usual reason is a wrong coordinate system. */
+/* Warns that nothing was removed, and prints the positions of bone and tool. The usual cause is a
+   wrong coordinate system. */
 static void warn_nothing(const app_state *app, const ream_job *j)
 {
     ost_pm3 lo = j->before.geometry.origin, hi = lo, at = j->path.ticks[j->path.count / 2].pose.t;
