@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon replay: runs a recorded session again, on any backend.
+ * Implements `osteon replay`: replays a recorded session on any backend.
  *
- * The digest of every tick is compared with the recorded one, and at the end the counts and the
- * bone's digest. With --verify a difference is also located: the same ticks run on a second
- * backend, the reference, up to the first tick that differs, and a comparison of the two bones
- * yields the chunk and voxel. The side that agrees with the reference is right.
+ * The digest of every tick is compared with the recorded one; at the end, the counts and the bone's
+ * digest are compared as well. With --verify, a difference is also located: the same ticks are run
+ * on a second backend, the reference, up to the first tick that differs. A comparison of the two
+ * bones then yields the chunk and the voxel. The result that agrees with the reference is correct.
  */
 #include <string.h>
 
@@ -32,7 +32,7 @@ typedef struct ending {
     bool found;     /* the session has its end record */
     bool complete;  /* the end record and all ticks are in the file */
     bool compared;  /* all ticks were replayed, so the end is compared too */
-    uint64_t ticks; /* recorded, as far as the file shows: from the end record, or the last tick that can be read */
+    uint64_t ticks; /* number recorded: from the end record if there is one, else from the last tick that can be read */
     ost_session_end end;
     ost_world_totals totals;
     ost_digest root;
@@ -80,7 +80,7 @@ static ost_status open_other(const app_state *app, const replay *here, replay *o
     return status;
 }
 
-/* Replays this number of ticks of the session from its beginning on both backends, and compares the bones. */
+/* Replays the first `ticks` ticks of the session on both backends and compares the bones. */
 static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_difference *difference,
                                ost_error *err)
 {
@@ -99,8 +99,8 @@ static ost_status differ_after(const app_state *app, const replay *model, uint64
     return status;
 }
 
-/* Finds, by halving, the first tick after which the bones of two backends differ. Called if every
-   digest was equal but the bone is not. */
+/* Finds by bisection the first tick after which the bones of two backends differ. Called if all
+   digests of the ticks are equal but the bones differ. */
 static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick,
                                   replay_difference *difference, ost_error *err)
 {
@@ -130,7 +130,7 @@ static void put_difference(json_t *o, const replay_difference *difference)
     put_integer(o, "different_voxels", (int64_t)difference->voxels);
 }
 
-/* Stores the chunks that lost voxels in the tick; the recording holds only their digest. */
+/* Stores the chunks that lost voxels in the tick. The recording contains only their digest. */
 static void put_chunks(json_t *o, const replay *r)
 {
     json_t *array = json_array();
@@ -230,7 +230,7 @@ static ost_status print_end(const app_state *app, replay *here, const ending *e,
     return OST_ERR_DIFFER;
 }
 
-/* Reports a difference without --verify: its tick, but not its position. */
+/* Reports a difference without --verify: the tick, but not the position. */
 static ost_status print_briefly(const app_state *app, const replay *here, ost_error *err)
 {
     json_t *o = json_object();
@@ -247,7 +247,7 @@ static ost_status print_briefly(const app_state *app, const replay *here, ost_er
                     "%s: every tick is as recorded, but the end is not; pass --verify to find where", here->name);
 }
 
-/* Returns true if --verify found no difference, but the file is incomplete and holds fewer ticks
+/* Returns true if --verify found no difference, but the file is incomplete and contains fewer ticks
    than were to be compared. */
 static bool verified_in_part(const replay_args *args, const replay *r, const ending *e)
 {
@@ -338,7 +338,7 @@ static ost_status run(app_state *app, const replay_args *args, replay *r, debrie
     if (status != OST_OK)
         return status;
     e.compared = e.complete && !r->differs && r->done == s->ticks;
-    /* A bone that differs, or whose verification is incomplete, is not written. */
+    /* The bone is not written if it differs or if its verification is incomplete. */
     if (args->out && !r->differs && !end_differs(&e) && !verified_in_part(args, r, &e)) {
         const ost_write_options write = {.compress = args->compress};
         ost_digest file;

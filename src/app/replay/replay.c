@@ -49,8 +49,8 @@ static uint32_t at_most_32(uint64_t n)
     return n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
 }
 
-/* Compares everything that a recorded tick contains about its step: the digest, and the fields that
-   can be read without it. */
+/* Compares all values that a recorded tick contains about its step: the digest, and the fields that
+   are recorded separately. */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick)
 {
     const ost_step_result *step = &r->step;
@@ -109,7 +109,8 @@ static void compare_slice(const ost_bone_info *info, int32_t k, const int16_t *h
                 continue;
             out->voxels++;
             const int64_t chunk = i / n + (int64_t)chunks.x * (j / n + (int64_t)chunks.y * (k / n));
-            /* Slices come in order, so the first difference found in a chunk is its first. */
+            /* Slices are processed in order, so the first difference found in a chunk is the first one of that
+               chunk. */
             if (out->found && chunk >= out->chunk)
                 continue;
             *out = (replay_difference){.found = true,

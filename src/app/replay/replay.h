@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The replay of a session: a world as it was when the recording began, and its ticks executed by
- * the same step.
+ * Replays a session: restores the world as it was when the recording began, and runs the recorded
+ * ticks through the same step function.
  *
  *   header --> bone, tools, world       checked by their digests
  *   ticks  --> ost_world_step --> digest == recorded?
@@ -14,7 +14,7 @@
 /* Must be zero-initialized; call replay_close in any case. */
 typedef struct replay {
     ost_session *session; /* borrowed */
-    const char *name;     /* of the session; borrowed */
+    const char *name;     /* name of the session; borrowed */
     session_setup setup;
     ost_backend *backend;
     ost_bone *bone;
@@ -22,33 +22,34 @@ typedef struct replay {
     ost_tool *tools[OPTION_LIST_MAX];
     ost_world *world;
     uint64_t done;        /* number of ticks replayed */
-    /* Set at the first tick whose digest differs: */
+    /* The following fields are set at the first tick whose digest differs. */
     bool differs;
     ost_session_tick recorded;
     uint64_t digest;
     ost_step_result step; /* its report is valid until the next tick */
-    /* Called after every tick, if not NULL: */
+    /* If not NULL, called after every tick. */
     ost_status (*each)(void *user, const ost_session_tick *tick, const ost_step_result *step, ost_error *err);
     void *each_user;
 } replay;
 
 /*
  * Opens a replay. setup comes from session_keys_read; its file names may have been replaced. app
- * chooses the backend. Returns an error if bone or tools are not those of the recording.
+ * selects the backend. Returns an error if the bone or the tools differ from those of the
+ * recording.
  */
 ost_status replay_open(const app_state *app, ost_session *session, const char *name, const session_setup *setup,
                        replay *out, ost_error *err);
 void replay_close(replay *r);
 
-/* Replays at most count ticks, starting with the first one. If compare is true, stops after the first tick
+/* Replays at most count ticks from the first one on. If compare is true, stops after the first tick
    whose result differs from the recorded one. */
 ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err);
 
-/* Returns true if the result of r's latest tick is equal to the one recorded in tick. tick may come from
-   another replay. */
+/* Returns true if the result of r's latest tick equals the result recorded in tick. tick may come
+   from another replay. */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick);
 
-/* The first difference between two bones of one session, in the order of chunks and then of voxels. */
+/* The first difference between two bones of one session, ordered by chunk and then by voxel. */
 typedef struct replay_difference {
     bool found;
     int64_t chunk;

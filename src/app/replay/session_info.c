@@ -5,7 +5,7 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-/* Stores the numbers of a session's summary, and warns once if something is missing. */
+/* Stores the numbers of a session's summary, and warns once if records are missing. */
 static void put_summary(const app_state *app, const char *name, const ost_session *session)
 {
     const ost_session_summary *s = ost_session_summary_of(session);
