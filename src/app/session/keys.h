@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A session's header, written by the verbs that record and read by those that replay: the bone and
- * the tools, the options they were loaded with, the options of the world. docs/spec/session.md describes
- * the keys.
+ * Writes and reads a session's header: the bone and the tools, the options with which they were
+ * loaded, and the options of the world. Verbs that record write it, and verbs that replay read it.
+ * docs/spec/session.md describes the keys.
  */
 #ifndef OST_APP_SESSION_KEYS_H
 #define OST_APP_SESSION_KEYS_H
@@ -11,9 +11,9 @@
 
 #include <osteon/metrics.h>
 
-/* The complete setup of a world except voxels. */
+/* The complete setup of a world, without the voxels. */
 typedef struct session_setup {
-    const char *bone; /* names: borrowed from the caller, or from the header */
+    const char *bone; /* the names are borrowed from the caller or from the header */
     option_list tools;
     ct_options ct;
     tool_options how;
@@ -23,16 +23,16 @@ typedef struct session_setup {
     const ost_metrics_plan *plan; /* NULL if there is none; not set by session_keys_read (app/input/glenoid_plan.h) */
 } session_setup;
 
-/* Makes a header. bone and tools must be in their state before the first tick; device is "path" or
-   a driver's name. */
+/* Makes a header. bone and tools must be in their state before the first tick. device is "path" or
+   the name of a driver. */
 ost_status session_keys_make(const session_setup *setup, ost_backend *backend, const ost_bone *bone,
                              ost_tool *const *tools, const char *device, ost_session_header **out, ost_error *err);
 
-/* Reads a header. Returns OST_ERR_INPUT, with a message that names the session and the key, if a
-   key is missing or invalid. Texts in *out live as long as header. */
+/* Reads a header. If a key is missing or invalid, returns OST_ERR_INPUT with a message that names
+   the session and the key. Texts in *out are valid as long as header. */
 ost_status session_keys_read(const char *session, const ost_session_header *header, session_setup *out, ost_error *err);
 
-/* Returns OST_ERR_INPUT unless the digests of bone and tools are those in the header. */
+/* Returns OST_ERR_INPUT unless the digests of bone and tools equal those in the header. */
 ost_status session_keys_check(const char *session, const ost_session_header *header, const session_setup *setup,
                               const ost_bone *bone, ost_tool *const *tools, ost_error *err);
 
