@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The appearance of a simulation's frames besides bone and tool (appearance.h). */
+/* The appearance of a simulation's frames, apart from bone and tool (appearance.h). */
 #ifndef OST_APP_SIM_APPEARANCE_H
 #define OST_APP_SIM_APPEARANCE_H
 
 #include "app/sim/show.h"
 
-/* Stores the current bone as the uncut one. Must be called before a resumed session's ticks. */
+/* Stores the current bone as the uncut bone. Must be called before the ticks of a resumed session are run. */
 ost_status sim_appearance_store_uncut(const sim_args *args, simulation *s, ost_error *err);
 /* Applies the appearance. The viewer, subject and orbit of the show must be set. glenoid: NULL if
-   it is not known. */
+   not known. */
 ost_status sim_appearance_make(const sim_args *args, simulation *s, const ost_glenoid *glenoid, ost_error *err);
 void sim_appearance_free(sim_show *show);
 /* Computes the camera's position. */

@@ -9,10 +9,10 @@
 
 const char *const sim_renderer_names[] = {"none", "null", "points", "gl", "thesis"};
 
-enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; then the simulated operator stays in place */
+enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; after that the simulated operator does not move */
 
-/* Checks the motor and the buttons. A motor that a button can switch on is off at first; any other
-   one is on from the first tick. */
+/* Checks the motor and the buttons. If a button can switch the motor on, the motor is off at first;
+   otherwise it is on from the first tick. */
 static ost_status check_motor(const app_state *app, sim_args *args, ost_error *err)
 {
     ost_haptic_info info;
@@ -22,7 +22,7 @@ static ost_status check_motor(const app_state *app, sim_args *args, ost_error *e
                            "removals; at least %.3g Hz",
                            args->rate.text, (long long)args->rpm, (double)args->rpm / 15);
     if (!sim_device_info(args, &info))
-        return OST_OK; /* reported when the device is opened */
+        return OST_OK; /* an unknown device is reported when it is opened */
     ost_status status = ost_buttons_parse(&info, args->buttons_text, args->buttons, err);
     for (int i = 0; i < OST_BUTTONS_MAX; i++)
         args->motor_waits = args->motor_waits || args->buttons[i] == OST_ACTION_MOTOR ||
@@ -32,7 +32,7 @@ static ost_status check_motor(const app_state *app, sim_args *args, ost_error *e
     return status;
 }
 
-/* Converts seconds to ticks of a millisecond. */
+/* Converts seconds to ticks of one millisecond. */
 static ost_status ticks_of(const app_state *app, const char *name, const option_decimal *seconds, uint64_t *ticks,
                            ost_error *err)
 {
@@ -94,14 +94,14 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
             return usage_error(app, err, "--device replay needs one --path SESSION");
         args->session = args->paths.value[0];
     }
-    /* The defaults are set here, so that a session records values that a replay can read. */
+    /* The defaults are set here, so that a session records the values that a replay needs. */
     args->tools_given = args->tools.count > 0;
     if (!args->tools.count && !args->resume)
         args->tools = args->motor_waits ? (option_list){3, {"builtin:peg", "builtin:reamer", "builtin:burr"}}
                                         : (option_list){1, {"builtin:reamer"}};
     args->paths_given = args->paths.count > 0;
-    /* With force feedback the simulated operator may press on the bone; without it the tool would
-       move straight in. */
+    /* With force feedback the simulated operator may press on the bone. Without it the tool would move
+       straight into the bone. */
     const bool pressing = sim_device_is(args, "sim") && !(args->force_given && !args->force);
     if (!args->paths.count)
         args->paths = (option_list){1, {pressing ? "builtin:glenoid-press" : "builtin:glenoid-slow"}};
@@ -111,7 +111,7 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
         return usage_error(app, err,
                            "%d paths and %d tools; pass one tool for all paths, or one per path in the same order",
                            args->paths.count, args->tools.count);
-    /* One thread runs the backend; the other cores are for recording and rendering. */
+    /* One thread runs the backend, so that the other cores are free for recording and rendering. */
     if (!app->threads && strcmp(app->backend, "cpu") == 0)
         app->threads = 1;
     if (args->debrief && !args->record)

@@ -4,17 +4,18 @@
 #include <math.h>
 
 static const double FLIGHT_S = 0.35, PI = 3.141592653589793;
-/* Effect of a key held for one second: pan and turn in picture heights, near in steps of a wheel. */
+/* Effect of holding a key for one second: pan and turn in picture heights, near in wheel steps. */
 static const double PAN_KEY = 0.45, TURN_KEY = 0.36, NEAR_KEY = 12;
 
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm)
 {
-    const double voxels = 8192, most = 1500; /* the maxima would be 2^15 voxels and 8000 mm */
+    const double voxels = 8192, most = 1500; /* technical limits: 2^15 voxels and 8000 mm */
     return (sim_camera){.orbit = ost_view_orbit(view, subject, NULL), .subject = *subject, .home = view,
                         .farthest = fmin(most, fmax(2 * subject->size, voxels * voxel_mm))};
 }
 
-/* Limits the camera's target and distance: in a window of a few pixels a drag moves it very far. */
+/* Limits the camera's target and distance. Without this, a drag in a window of a few pixels would
+   move them very far. */
 static void clamp(sim_camera *camera)
 {
     ost_orbit *o = &camera->orbit;
@@ -33,7 +34,7 @@ void sim_camera_fly(sim_camera *camera, ost_view_name view, const ost_pose *tool
 {
     camera->from = camera->orbit;
     camera->to = ost_view_orbit(view, &camera->subject, tool);
-    /* Takes the shorter way round. */
+    /* The camera turns through the smaller angle. */
     camera->from.azimuth = camera->to.azimuth + remainder(camera->from.azimuth - camera->to.azimuth, 2 * PI);
     camera->begin_s = now_s;
     camera->flying = true;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The camera of a window, with the controls of 3D programs: named views, reached in a short flight,
- * and free movement from there.
+ * The camera of a window, with the usual controls of 3D programs: named views, which the camera
+ * reaches in a short flight, and free movement.
  */
 #ifndef OST_APP_SIM_CAMERA_H
 #define OST_APP_SIM_CAMERA_H
@@ -15,25 +15,24 @@ typedef struct sim_camera {
     bool flying;
     ost_view_subject subject;
     ost_view_name home;    /* the initial view */
-    /* in mm; limits the distance from camera to target, and that from target to the subject's
-       middle */
+    /* maximum distance from camera to target, and from target to the subject's middle, in mm */
     double farthest;
 } sim_camera;
 
-/* Makes a camera. voxel_mm: the smallest voxel that is drawn, which limits the distance to a number
-   of voxels that a frame can show. */
+/* Makes a camera. voxel_mm: the smallest voxel that is drawn. It limits the distance to a number of
+   voxels that a frame can show. */
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm);
 /* Begins a flight to a view. tool: its pose, or NULL. */
 void sim_camera_fly(sim_camera *camera, ost_view_name view, const ost_pose *tool, double now_s);
 /* Advances the flight to the time now_s. */
 void sim_camera_step(sim_camera *camera, double now_s);
 
-/* Move by pixels of a picture of that height, or by steps of a wheel. A flight ends at its current
-   position. */
+/* Move the camera by pixels of a picture of the given height, or by wheel steps. A flight ends at
+   its current position. */
 void sim_camera_turn(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_shift(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_near(sim_camera *camera, double steps);
-/* Moves by keys held for dt seconds; right, up and nearer are -1, 0 or 1. */
+/* Moves the camera while keys are held, for dt seconds. right, up and nearer are -1, 0 or 1. */
 void sim_camera_hold(sim_camera *camera, int right, int up, int nearer, bool shift, double dt);
 
 #endif

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon sim: a device moves the tool, a thousand times a second.
+ * Implements `osteon sim`: a device moves the tool, a thousand times per second.
  *
  *   bone, tools --> world --> operation <--ticks-- ost_servo_run <--poses-- device
  *                                 '--> session
  *
- * With --resume the ticks of a session run first and the operation continues from there; a new
- * recording holds both.
+ * With --resume, the ticks of a session are run first and the operation continues from there. A new
+ * recording then contains both.
  *
- * By default it opens a window, whose mouse is the device if no other is given; --headless runs
- * without one.
+ * By default, the command opens a window, whose mouse is the device unless another one is given;
+ * --headless runs without a window.
  */
 #include "app/common/progress.h"
 #include "app/common/print.h"
@@ -251,7 +251,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
             sim_show_report(app, s.show);
         status = sim_finish(app, &args, &s, err);
     }
-    /* The outputs are saved; failures in other parts are reported now. */
+    /* The output files are complete; failures in other parts are reported now. */
     if (status == OST_OK)
         status = sim_film_end(app, &args, &s, err);
     if (status == OST_OK)

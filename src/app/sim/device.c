@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The device that --device names. */
+/* Opens the device that --device names. */
 #include "app/sim/sim.h"
 
 #include <string.h>

@@ -49,8 +49,8 @@ double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose)
     return depth;
 }
 
-/* Computes the angles, in degrees, by which the outward direction (opposite to inward) points to
-   posterior, out[0], and to superior, out[1], as in the debrief. */
+/* Computes the angles, in degrees, of the outward direction (opposite to inward) toward posterior,
+   out[0], and toward superior, out[1], as in the debrief. */
 static void angles(const double inward[3], bool left, double out[2])
 {
     const double lateral = left ? -inward[0] : inward[0];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts an operation's state to the facts of the HUD: for a live operation in a window or
- * without one, and for a recorded one.
+ * Converts an operation's state to the facts that the HUD shows, for a live operation with or
+ * without a window and for a recorded one.
  */
 #ifndef OST_APP_SIM_FACTS_H
 #define OST_APP_SIM_FACTS_H
@@ -22,20 +22,20 @@ typedef struct sim_scene {
     bool planned;
     ost_metrics_plan plan;
     bool force_given, recording;
-    double device_full_n, contact_full_n; /* ends of the scales of hand force and contact force */
+    double device_full_n, contact_full_n; /* maxima of the scales of hand force and contact force */
 } sim_scene;
 
-/* tools: one for each name; plan: NULL if there is none. */
+/* Makes a scene. tools has one element for each name. plan is NULL if there is none. */
 ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone,
                           const ost_metrics_plan *plan, ost_error *err);
 /* Sets the scales of the forces: max_n is the device's maximum, and the hand force is scale times
    the contact force. */
 void sim_scene_forces(sim_scene *scene, double max_n, double scale);
-/* A depth_of of an operation (operation.h): the depth of the tool's tip below the plan's centre,
-   along its axis, in mm; 0 without a plan. user is a sim_scene. */
+/* Implements depth_of of an operation (operation.h): returns the depth of the tool's tip below the
+   plan's centre, along the plan's axis, in mm; 0 without a plan. user is a sim_scene. */
 double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose);
 
-/* Makes the facts that follow from the state; the caller sets rates, messages and the remaining ones. */
+/* Makes the facts that follow from the state. The caller sets rates, messages and the remaining facts. */
 sim_hud_facts sim_facts_make(const sim_scene *scene, const ost_live_state *state, bool has_state);
 
 #endif

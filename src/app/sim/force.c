@@ -10,8 +10,8 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-/* N m/rad: for a device that renders torques, unless a file sets it. It suits a handle of 60 g
-   with an inertia of 0.15 g m2, and a hand with a damping of 10 mN m s. */
+/* Stiffness in N m/rad for a device that renders torques, unless a file sets it. The value suits a
+   handle of 60 g with an inertia of 0.15 g m2, and a hand with a damping of 10 mN m s. */
 #define TURN_STIFFNESS 0.5
 
 const char *const sim_force_names[] = {"off", "energy", "instant"};
@@ -70,7 +70,7 @@ void sim_force_print(const app_state *app, const sim_args *args)
     put(app->result, "force_params", o);
 }
 
-/* Replaces limits that no file has set by those of the open device. */
+/* Replaces limits that the file does not set by the limits of the open device. */
 static void take_limits(const app_state *app, sim_args *args, const simulation *s)
 {
     ost_haptic_limits own;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The simulated hand that a mouse moves: its target pose in the bone's frame. Directions are those
- * of the picture: right, up, and back towards the camera.
+ * The simulated hand that a mouse moves: its target pose in the bone's frame. Directions refer to
+ * the picture: right, up, and back towards the camera.
  */
 #ifndef OST_APP_SIM_HANDLE_H
 #define OST_APP_SIM_HANDLE_H
@@ -12,21 +12,21 @@
 
 typedef struct sim_handle {
     double at[3]; /* mm */
-    double q[4];  /* unit: w x y z */
+    double q[4];  /* unit quaternion: w x y z */
     int32_t tool;
     bool pedal;
 } sim_handle;
 
 sim_handle sim_handle_at(const ost_pose *pose, int32_t tool);
-/* Moves by pixels, at the current depth. */
+/* Moves the hand by pixels, at its current depth. */
 void sim_handle_drag(sim_handle *handle, const ost_orbit *orbit, double dx, double dy, int height);
-/* Turns by pixels, about the picture's up and right directions. */
+/* Turns the hand by pixels, about the picture's up and right directions. */
 void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, double dy);
-/* Turns about the tool's axis, in radians. */
+/* Turns the hand about the tool's axis, in radians. */
 void sim_handle_twist(sim_handle *handle, double angle);
-/* Moves along the tool's axis in its working direction, in mm. */
+/* Moves the hand along the tool's axis in its working direction, in mm. */
 void sim_handle_push(sim_handle *handle, double mm);
-/* Makes the state that a device receives. Returns false if the pose is out of range. */
+/* Makes the state that a device would read. Returns false if the pose is out of range. */
 bool sim_handle_state(const sim_handle *handle, ost_haptic_state *out);
 
 #endif

@@ -21,7 +21,7 @@ enum {
 };
 enum { SHADE = 150, LINE = 220 };
 enum { ROWS = 9, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
-/* height of capitals in units; limits of a unit in pixels at 96 dpi */
+/* height of capitals in units; minimum and maximum of a unit in pixels at 96 dpi */
 static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4;
 
 struct sim_hud {
@@ -31,9 +31,10 @@ struct sim_hud {
 
 /* ----------------------------------------------------------------- size */
 
-/* Computes the size of a unit in pixels. The HUD is designed for frames 1000 wide and 720 high; on
-   larger ones it grows less than the frame, since they are usually viewed from a greater distance.
-   The size is a multiple of 1/16, so that the lettering is not made anew for every pixel. */
+/* Computes the size of a unit in pixels. The HUD is designed for frames 1000 wide and 720 high. On
+   larger frames it grows less than the frame, because these are usually viewed from a greater
+   distance. The size is a multiple of 1/16, so that the lettering is not rebuilt for every change
+   of the size by a pixel. */
 static double unit_for(int width, int height, double scale)
 {
     const double dense = fmax(1, scale), available = fmin(height / 720.0, width / 1000.0) / dense;
@@ -80,7 +81,7 @@ static int px(const sim_hud *h, double units)
 
 /* ---------------------------------------------------------------- panels */
 
-/* Rows of a name and its value. */
+/* A table with rows of a name and its value. */
 typedef struct table {
     int rows;
     struct {
@@ -110,13 +111,13 @@ static void add_angle(table *t, const char *name, double degrees, const char *mo
     add(t, name, size < 3 ? GREEN : size < 8 ? AMBER : RED, text);
 }
 
-/* Removes the sign of a value that is printed as zero. */
+/* Replaces a value that is printed as zero by zero, so that no minus sign is printed. */
 static double plain(double value)
 {
     return fabs(value) < 0.05 ? 0 : value;
 }
 
-/* Adds a force and the end of its scale, with a bar that has marks at its quarters. */
+/* Adds a force and the maximum of its scale, with a bar that has marks at its quarters. */
 static void add_force(table *t, const char *name, double n, double full)
 {
     const double share = full > 0 ? fmax(0, fmin(1, n / full)) : 0;
@@ -272,7 +273,7 @@ typedef struct foot {
     char line[FOOT_LINES][FOOT_TEXT];
 } foot;
 
-/* Breaks a sentence into lines of the given width in pixels; text that does not fit is cut off. */
+/* Breaks a sentence into lines of the given width in pixels. Text that does not fit is cut off. */
 static foot foot_of(const sim_hud *h, const char *text, int width)
 {
     foot f = {0};
@@ -289,7 +290,7 @@ static foot foot_of(const sim_hud *h, const char *text, int width)
             used++;
         }
         if (used == 0)
-            return (foot){0}; /* not even a letter fits */
+            return (foot){0}; /* not even one letter fits */
         const bool broken = text[used] && text[used] != ' ' && blank;
         const size_t end = broken ? blank : used;
         line[end] = '\0';
@@ -313,7 +314,7 @@ static bool apart(const sim_hud_box *a, const sim_hud_box *b)
            b->y >= a->y + a->height;
 }
 
-/* Returns box if it is within the frame and overlaps none of the boxes in before, otherwise an empty box. */
+/* Returns box if it lies within the frame and overlaps none of the boxes in before; otherwise returns an empty box. */
 static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_box *const *before, int count)
 {
     bool available = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width &&
@@ -363,7 +364,7 @@ sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const si
     box.x = width - margin - box.width;
     box.y = margin;
     l.rates = placed(box, width, height, all, 5);
-    if (!l.rates.width && l.device.width) { /* a frame that is tall and narrow */
+    if (!l.rates.width && l.device.width) { /* the frame is tall and narrow */
         box.x = margin;
         box.y = l.device.y + l.device.height + margin / 2;
         l.rates = placed(box, width, height, all, 5);

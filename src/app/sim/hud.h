@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The HUD, drawn over a frame: the state of the simulated hand and its forces, the operation
- * compared with the plan, the punctuality of the servo loop.
+ * compared with the plan, and how well the servo loop meets its deadlines.
  *
  *   .-------.      S       .-------.     letters grow with the frame and never
  *   | hand  |              | rates |     become unreadably small; a panel for
@@ -22,38 +22,38 @@ typedef struct sim_hud_facts {
     const char *tool;     /* "reamer" */
     const char *device;
     int number, tools;    /* number of the current tool, from 1, and of all tools */
-    bool running;         /* there was a tick */
+    bool running;         /* at least one tick has run */
     double seconds;       /* time since the operation began */
-    double contact_n, force_n;           /* contact force, on the bone; hand force, on the device */
-    double contact_full_n, force_full_n; /* ends of their scales */
-    bool force_given;     /* a force is computed, even if the device only displays it */
+    double contact_n, force_n;           /* contact force on the bone; hand force on the device */
+    double contact_full_n, force_full_n; /* maxima of their scales */
+    bool force_given;     /* a force is computed, even if the device can only display it */
     double removed_mm3;
-    bool planned;         /* the next four are known */
-    /* depth below the native face at which this tool removed bone, and its planned depth; 0 if the
-       plan is not for this tool */
+    bool planned;         /* the next four fields are known */
+    /* depth below the native face at which this tool removed bone, and its planned depth; 0 if there is
+       no plan for this tool */
     double reached_mm, planned_mm;
     /* angles in degrees by which the tool's outward axis deviates from the planned one, to
        posterior and to superior */
     double back_deg, up_deg;
     bool touching, pedal;
     const char *fault;    /* NULL if there is none */
-    bool plain;           /* there is no keyboard: no hint at F1 */
-    bool timings;         /* times of the servo loop and of frames are requested */
-    bool rates;           /* the next five are known */
+    bool plain;           /* hides the hint at F1, because there is no keyboard */
+    bool timings;         /* the user has requested the times of the servo loop and of frames */
+    bool rates;           /* the next five fields are known */
     double ticks_s, frames_s, late_us, takes_us, frame_ms;
     uint64_t missed;
     bool recording, help;
-    bool filming;         /* a video is written */
+    bool filming;         /* a video is being written */
     uint64_t dropped;     /* frames dropped from the video */
     const char *message;  /* NULL if there is none */
-    ost_legend legend;    /* legend of the colours */
+    ost_legend legend;    /* explains the colours */
     double mm_per_pixel;  /* at the camera's target */
-    /* directions of the picture in the bone's frame, for the letters at its edges; zero if there
-       are none */
+    /* directions of the picture in the bone's frame, for the letters at its edges; zero if they are not
+       shown */
     double right[3], up[3];
 } sim_hud_facts;
 
-/* A part of a frame; empty if its width is 0. */
+/* A rectangle of a frame; empty if its width is 0. */
 typedef struct sim_hud_box {
     int x, y, width, height;
 } sim_hud_box;
@@ -64,18 +64,18 @@ typedef struct sim_hud_layout {
 
 typedef struct sim_hud sim_hud;
 
-/* Makes a HUD for frames of this size on a display of this density (1: 96 dpi). */
+/* Creates a HUD for frames of this size on a display of this scale (1: 96 dpi). */
 ost_status sim_hud_create(int width, int height, double scale, sim_hud **out, ost_error *err);
 void sim_hud_free(sim_hud *hud); /* hud may be NULL */
-/* Returns true if the HUD is also right for frames of this size and density. */
+/* Returns true if the HUD also suits frames of this size and scale. */
 bool sim_hud_suits(const sim_hud *hud, int width, int height, double scale);
-/* Computes the position of every part: within the frame, and without overlaps. */
+/* Computes the positions of all parts, within the frame and without overlaps. */
 sim_hud_layout sim_hud_arrange(const sim_hud *hud, int width, int height, const sim_hud_facts *facts);
-/* Returns white within the plan, amber beyond it, red more than a millimetre beyond; white if
-   planned_mm is 0: no plan. */
+/* Returns white within the plan, amber beyond it, and red more than a millimetre beyond it. Returns
+   white if planned_mm is 0, which means that there is no plan. */
 uint32_t sim_hud_depth_colour(double reached_mm, double planned_mm);
 void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_facts *facts);
-/* Draws a sheet that shows only a sentence in its middle. */
+/* Draws one sentence in the middle of an otherwise empty sheet. */
 void sim_hud_draw_message(const sim_hud *hud, const ost_sheet *sheet, const char *sentence);
 
 #endif

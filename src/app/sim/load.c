@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loads and opens all that the first tick needs, in the order in which an error costs the least time. */
+/* Loads and opens everything that the first tick needs. Steps whose errors cost the least time come first. */
 #include "app/sim/sim.h"
 
 #include <stdlib.h>
@@ -32,7 +32,7 @@ void simulation_free(simulation *s)
     ost_backend_close(s->backend);
 }
 
-/* Finds the plan and the target of built-in paths; a resumed session contains them. */
+/* Finds the plan and the target of the built-in paths. A resumed session contains both. */
 static ost_status take_plan(const app_state *app, const sim_args *args, simulation *s, target_options *target,
                             ost_error *err)
 {
@@ -54,7 +54,7 @@ static ost_status take_plan(const app_state *app, const sim_args *args, simulati
                : status;
 }
 
-/* Moves a pose back along the tool's axis, at least CLEAR_MM, until none of the tools touches bone there. */
+/* Moves a pose back along the tool's axis by at least CLEAR_MM, until none of the tools touches bone. */
 static ost_pose back_from_the_bone(const sim_args *args, const simulation *s, const ost_pose *from)
 {
     enum { CLEAR_MM = 10, STEP_MM = 2, FARTHEST_MM = 600 };
@@ -75,7 +75,7 @@ static ost_pose back_from_the_bone(const sim_args *args, const simulation *s, co
     return *from;
 }
 
-/* Returns a pose 20 mm above the middle of the bone's top, pointing down. */
+/* Returns a pose 20 mm above the middle of the bone's top, with the tool pointing down. */
 static ost_pose over_the_bone(const ost_bone *bone)
 {
     ost_pose pose = ost_pose_identity();
@@ -140,10 +140,10 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
                         .names = &args->tools,
                         .tools = s->tools,
                         .strict = args->strict};
-    /* A resumed session was checked when it began. */
+    /* A resumed session was already checked when it began. */
     if (s->resumed)
         return OST_OK;
-    /* A path has the first pose of each of its tools; without one any tool begins at home. */
+    /* A path contains the first pose of each of its tools. Without a path, every tool begins at home. */
     const bool by_path = s->path.count && (sim_follows_path(args) || args->paths_given);
     if (by_path)
         start_poses(&s->path, site.first);

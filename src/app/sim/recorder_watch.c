@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-/* A working disk is written to every 25 ms; two seconds without progress are more than a short delay. */
+/* A working disk is written to every 25 ms, so two seconds without progress are more than a short delay. */
 enum { STUCK_MS = 2000 };
 
 const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Messages about a recorder while an operation runs: the disk fails, nothing is written, ticks are
- * being lost, recording has recovered. Each message is reported once.
+ * Produces messages about a recorder while an operation runs: the disk fails, nothing is written,
+ * ticks are being lost, or recording has recovered. Each message is reported once.
  *
  *   thread, every 100 ms --> ost_recorder_state --> recorder_watch_update --> a line, or none
  */
@@ -18,8 +18,8 @@ typedef struct recorder_watch {
 } recorder_watch;
 
 enum { RECORDER_WATCH_TEXT = 320 };
-/* Checks the state of the recorder of the file name, whose ring holds `capacity` records. Returns
-   text with a message, or NULL if there is no new one. */
+/* Checks the state of the recorder that writes the file `name` and whose ring holds `capacity`
+   records. Returns text with a message, or NULL if there is no new message. */
 const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state,
                                   uint64_t capacity, double now_ms, char text[RECORDER_WATCH_TEXT]);
 

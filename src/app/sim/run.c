@@ -9,7 +9,7 @@
 #include "app/sim/window.h"
 #include "app/sim/watch.h"
 
-/* A rehearsed tick of the reamer takes 60 to 150 us after a millisecond's pause (docs/log/0.1.md). */
+/* After a pause of one millisecond, a rehearsed tick of the reamer takes 60 to 150 us (docs/log/0.1.md). */
 enum { REHEARSE_US = 250 };
 
 void sim_pin(const sim_args *args, simulation *s)
@@ -19,22 +19,23 @@ void sim_pin(const sim_args *args, simulation *s)
         s->core = -1;
 }
 
-/* Runs a tick. Returns false as well after a signal, so that the loop ends in order and the
+/* Runs a tick. Also returns false after a signal, so that the loop ends in an orderly way and the
    recording is complete. */
 static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     return ost_operation_tick(operation, sample, wrench) && !interrupt_requested();
 }
 
-/* Returns the lead of a rehearsal in ns. On a device it would be one more launch, and on a shared
-   core it takes time from other threads. */
+/* Returns the time in ns by which a rehearsal precedes its tick; 0 for no rehearsal. On an OpenCL
+   device a rehearsal would cost one more launch, and on a shared core it would take time from other
+   threads. */
 static int64_t lead_ns(const sim_args *args, const simulation *s)
 {
     const bool pays = s->core >= 0 && strncmp(ost_backend_name(s->backend), "cpu", 3) == 0;
     return 1000 * (args->rehearse_given ? args->rehearse_us : pays ? REHEARSE_US : 0);
 }
 
-/* Runs the servo loop, with a thread that reports progress. A signal requests the end of the loop. */
+/* Runs the servo loop, and a thread that reports progress. A signal requests the end of the loop. */
 static ost_status run_loop(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s,
                            ost_error *err)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The rendering of an operation while the servo loop runs.
+ * Renders an operation while the servo loop runs.
  *
  *   operation --ost_live_channel--> viewer --camera--> frames      in a window, or on a separate thread without one
  *
- * It starts from the bone at the time of its creation and follows all later changes.
+ * The show starts from the bone at the time of its creation and follows all later changes.
  */
 #ifndef OST_APP_SIM_SHOW_H
 #define OST_APP_SIM_SHOW_H
@@ -33,24 +33,24 @@ typedef struct sim_show {
     ost_view_subject subject;
     ost_orbit orbit;
     sim_scene scene;
-    sim_hud *hud;             /* for frames without a window; owned */
+    sim_hud *hud;             /* used for frames without a window; owned */
     film *film;               /* borrowed; NULL if there is none */
     appearance look;
-    ost_tool_volume ghost_tool; /* the first tool; the ghost shows it */
-    frame_times drawn, apart; /* during the operation: duration of a frame's work; interval between frames */
+    ost_tool_volume ghost_tool; /* volume of the first tool, which the ghost shows */
+    frame_times drawn, apart; /* during the operation: time to make a frame; interval between frames */
     int64_t updated_ns;       /* begin of the current frame */
-    int64_t last_ns;          /* begin of the previous frame; 0 if none was drawn immediately before */
+    int64_t last_ns;          /* begin of the previous frame; 0 if the loop was idle before this frame */
     int64_t end_ns;           /* end of the operation */
     void *thread;             /* NULL if there is none */
     ost_status status;        /* of the thread */
     ost_error err;
 } sim_show;
 
-/* Makes s->show; it stays NULL without a renderer. */
+/* Creates s->show. Without a renderer it stays NULL. */
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_show_free(sim_show *show);
 
-/* Begins a frame: applies the changes since the previous one. */
+/* Begins a frame: applies all changes since the previous frame. */
 ost_status sim_show_update(sim_show *show, ost_error *err);
 /* Draws a frame of this size. The renderer null draws nothing. */
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err);
@@ -59,7 +59,7 @@ void sim_show_done(sim_show *show);
 
 /* Starts a thread that draws frames until sim_show_end. */
 ost_status sim_show_begin(sim_show *show, ost_error *err);
-/* Waits for the thread and writes the requested picture. Call it after the servo loop. */
+/* Waits for the thread and writes the requested picture. Must be called after the servo loop has ended. */
 ost_status sim_show_end(sim_show *show, ost_error *err);
 void sim_show_report(const app_state *app, const sim_show *show);
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parts of osteon sim.
+ * The parts of `osteon sim`.
  *
- *   sim_args.c     the options
- *   sim_load.c     bone, tools, world, device, force
- *   sim_force.c    the force model and its parameters
- *   sim_resume.c   the ticks of a session that --resume continues
- *   sim_film.c     pictures and a video of the operation
- *   sim_run.c      the servo loop
- *   sim_report.c   the report afterwards, and the output files
+ *   args.c     the options
+ *   load.c     bone, tools, world, device, force
+ *   force.c    the force model and its parameters
+ *   resume.c   the ticks of a session that --resume continues
+ *   film.c     pictures and a video of the operation
+ *   run.c      the servo loop
+ *   report.c   the report after the operation, and the output files
  */
 #ifndef OST_APP_SIM_SIM_H
 #define OST_APP_SIM_SIM_H
@@ -22,7 +22,7 @@
 #include "app/session/record.h"
 #include "app/input/start_check.h"
 
-enum { SIM_RECORDER_CAPACITY = 65536 }; /* records that can wait for the disk: 65 s */
+enum { SIM_RECORDER_CAPACITY = 65536 }; /* records that can wait to be written: 65 s */
 
 typedef struct sim_args {
     const char *device, *bone, *out, *record, *classes_text, *session, *resume, *debrief, *force_file;
@@ -41,23 +41,23 @@ typedef struct sim_args {
     int view, style, width, height;
     int64_t fps, rehearse_us, rpm;
     const char *buttons_text;
-    ost_action buttons[OST_BUTTONS_MAX]; /* actions of the device's buttons */
-    bool motor_waits;     /* a button or a key switches the motor on */
+    ost_action buttons[OST_BUTTONS_MAX]; /* actions assigned to the device's buttons */
+    bool motor_waits;     /* the motor is off until a button or a key switches it on */
     film_options video;
     bool hud, timings, stats;
     bool renderer_given, paths_given, rehearse_given;
     appearance_options look;
-    bool contact;         /* voxels removed just now are shown, also without a window */
+    bool contact;         /* shows the voxels that were just removed, also without a window */
     ost_force_params force_params;
     ost_safety_params safety;
-    bool max_force_given, max_torque_given; /* by the file of --force-params */
+    bool max_force_given, max_torque_given; /* set by the file of --force-params */
     const char *max_force_from; /* "force-params", "device" or "default" */
-    ost_haptic_limits limits;   /* set if max_force_from is "device" */
+    ost_haptic_limits limits;   /* valid if max_force_from is "device" */
     bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given,
         tools_given;
 } sim_args;
 
-/* Names by args.force: "off", "energy", "instant". */
+/* Names of the values of args.force: "off", "energy", "instant". */
 extern const char *const sim_force_names[];
 
 typedef struct simulation {
@@ -76,33 +76,33 @@ typedef struct simulation {
     ost_operation_report done;
     ost_metrics_plan plan;
     bool planned;         /* plan is set */
-    start_checked site;   /* known is false if a session is resumed */
+    start_checked site;   /* its field known is false if a session is resumed */
     debrief debrief;      /* empty without --debrief */
-    ost_volume uncut;     /* the bone before the operation; owned until the show takes it over */
+    ost_volume uncut;     /* the bone before the operation; owned until the show takes ownership */
     ost_session *resumed; /* session that --resume continues; NULL without --resume */
     ost_tick last;        /* last tick of the resumed session */
     ost_motor motor;      /* motor after the resumed session */
-    ost_pose home;        /* pose at which the tool begins, clear of the bone, unless a path has one */
+    ost_pose home;        /* pose at which the tool begins, clear of the bone, unless a path sets one */
     uint64_t before;      /* number of ticks in the resumed session */
     struct sim_show *show; /* NULL if nothing is rendered */
     struct sim_window *window; /* NULL with --headless */
     film *film;           /* NULL if no picture or video is written during the operation */
-    int core;             /* reserved for the servo loop; -1 if there is none */
+    int core;             /* processor core reserved for the servo loop; -1 if there is none */
 } simulation;
 
 void simulation_free(simulation *s);
 
 bool sim_device_is(const sim_args *args, const char *name);
-/* Returns true if the device follows a path; all others are moved freely. */
+/* Returns true if the device follows a path. All other devices move freely. */
 bool sim_follows_path(const sim_args *args);
-/* Finds the library's description of the device. Returns false if there is no device of that name. */
+/* Finds the library's description of the device. Returns false if no device has that name. */
 bool sim_device_info(const sim_args *args, ost_haptic_info *out);
 /* Checks everything that can be checked before a file is read. */
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
 
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
-/* Sets the default parameters and those of --force-params. sim_force_make replaces defaults by the
-   limits of the open device. */
+/* Sets the default parameters and those of --force-params. Later, sim_force_make replaces defaults
+   by the limits of the open device. */
 ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err);
 void sim_force_print(const app_state *app, const sim_args *args);
 enum { SIM_FORCE_KEYS = 32, SIM_LIMIT_TEXT = 160 };
