@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon: the main program, with one verb per task, in the manner of git.
+ * The main program, osteon, which has one verb per task, as git has.
  *
  *   osteon VERB ... -> verbs[] -> cmd_VERB -> status -> one line, exit status
  *
- * Exit status: 0 done or equal, 1 a check failed or grids differ, 2 wrong usage or bad input, 3 not
- * available here. A failure to write standard output is an error too, for example on a full disk;
- * if the reader closed the pipe, the process ends silently.
+ * Exit status: 0 done or equal, 1 a check failed or grids differ, 2 incorrect use or invalid input,
+ * 3 not available here. A failure to write standard output, for example on a full disk, is also an
+ * error. If the reader closed the pipe, the process ends silently.
  */
 #include "app/common/app.h"
 
@@ -89,14 +89,15 @@ static ost_status no_verb(const char *word, ost_error *err)
 }
 
 /*
- * Opens /dev/null for closed standard streams. Otherwise the next file opened would get the number
- * of such a stream and receive its output.
+ * Opens /dev/null for each standard stream that is closed. Otherwise the next file opened would get
+ * the number of that stream and receive its output.
  */
 static void open_standard_streams(void)
 {
     for (int fd = 0; fd < 3; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
-            /* The access mode is the opposite of the stream's, so that using a closed stream still fails. */
+            /* The access mode is the opposite of the stream's mode, so that any use of the closed stream still
+               fails. */
             if (open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY) != fd)
                 _exit(2);
         }
@@ -117,7 +118,7 @@ static void catch_signals(void)
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof ending / sizeof ending[0]; i++) {
         struct sigaction old;
-        /* A signal that is ignored, as in a job started by nohup, stays ignored. */
+        /* A signal that is already ignored, as in a job started by nohup, stays ignored. */
         if (sigaction(ending[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN)
             sigaction(ending[i], &action, NULL);
     }
@@ -127,8 +128,8 @@ static void catch_signals(void)
 
 /*
  * A library that fails may end the process itself. The OpenMP runtime, for example, calls exit(1)
- * if there is no memory for a thread's stack, which would mean here that grids differ. The handler
- * below corrects the status.
+ * if there is no memory for a thread's stack. For osteon, this status would mean that grids differ,
+ * so the handler below corrects it.
  */
 static const app_state *within_verb; /* NULL if no verb is running */
 
@@ -146,8 +147,8 @@ static void on_exit_within_verb(void)
 }
 
 /*
- * jansson's functions return NULL or -1 without memory, in hundreds of calls. No caller may
- * continue with an incomplete object, so the allocator ends the command.
+ * Without memory, jansson's functions return NULL or -1, and they are called in hundreds of places.
+ * Because no caller may continue with an incomplete object, the allocator ends the command.
  */
 static void *json_memory(size_t size)
 {
@@ -184,8 +185,8 @@ static int fail(const char *verb_name, const ost_error *err, ost_status status)
     return ost_status_exit(status);
 }
 
-/* Returns true if a campaign started this process. It reads argv itself, since parsing the options
-   may fail without memory. */
+/* Returns true if a campaign started this process. It searches argv itself, because parsing the
+   options may fail if memory is exhausted. */
 static bool is_worker(int argc, char **argv)
 {
     bool worker_given = false, trace_given = false;
@@ -208,7 +209,7 @@ static int run_verb(const app_verb *which, int argc, char **argv)
     const bool failed = status != OST_OK && status != OST_ERR_DIFFER;
     bool verdict = !failed || app.answered;
     if (verdict && app.json) {
-        /* 15 digits: exact to one picometre up to 8 m, and 0.47 stays 0.47. */
+        /* 15 digits represent up to 8 m exactly to one picometre, and print 0.47 as 0.47. */
         char *text = json_dumps(app.result, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
         if (text)
             print_json(text);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The position of a tool's axis and tip in its grid, and its kind for the metrics.
+ * Finds the position of a tool's axis and tip in its grid, and its kind for the metrics.
  *
- *        |z|          the axis is the frame's z axis where that passes through
- *      .-'-'-.        the cutting part, else the middle of that part; the tip is
- *      '--.--'        the bottom of the lowest cutting voxel, on the axis
+ *        |z|          the axis is the frame's z axis if that passes through the
+ *      .-'-'-.        cutting part, else the middle of that part; the tip is the
+ *      '--.--'        bottom of the lowest cutting voxel, on the axis
  *         tip
  */
 #ifndef OST_APP_INPUT_TOOL_SHAPE_H
@@ -15,8 +15,8 @@
 
 typedef struct tool_shape {
     double tip_mm[3];     /* in the tool's frame */
-    /* a reamer if at least 16 mm wide; otherwise a drill if at least twice as long as wide;
-       otherwise another tool */
+    /* a reamer if at least 16 mm wide; otherwise a drill if at least twice as long as wide; otherwise
+       some other tool */
     ost_metrics_tool is;
 } tool_shape;
 
