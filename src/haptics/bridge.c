@@ -24,7 +24,7 @@
 enum { HELLO_MS = 100, FORGET_MS = 1000, FLIGHTS = 1024, FAREWELLS = 3, DRAIN = 64 };
 #define MS INT64_C(1000000)
 #define PERIOD_S 1e-3
-#define SPEED_SHARE 0.27 /* weight of a new speed in the running mean: 50 Hz */
+#define SPEED_SHARE 0.27 /* weight of a new speed in the running mean, for a bandwidth of 50 Hz */
 
 typedef struct heard {
     link_packet state;
@@ -41,22 +41,22 @@ typedef struct bridge_signals {
 typedef struct bridge {
     const bridge_options *options;
     bridge_report *report;
-    int socket, wake;        /* wake: an eventfd, signalled for each pose and for the end */
+    int socket, wake;        /* wake: an eventfd that is signalled for each pose and at the end */
     pthread_t thread;
     link_key *key;
     newest in, out;
     heard heard[NEWEST_SLOTS];
     bridge_signals bridge_signals[NEWEST_SLOTS];
     _Atomic bool stop, met, busy, ended;
-    /* Used by the thread only. */
+    /* The following fields are used by the network thread only. */
     uint64_t number, simulation, sequence;
     link_window window;
     int64_t heard_ns, hello_ns, sent_ns[FLIGHTS];
-    /* Used by the tick only. */
+    /* The following fields are used by the tick only. */
     haptic_clutch clutch;
     ost_safety safety;
     double most_n, most_stiffness;
-    heard last;              /* the newest state and when it arrived */
+    heard last;              /* newest state and time of its arrival */
     bool has_state, limp, engaged_once;
     int64_t begin_ns, patience_ns;
     ost_pose given;          /* the tool's last pose */
@@ -70,7 +70,7 @@ static void send_packet(bridge *b, const link_packet *p)
 {
     uint8_t bytes[LINK_STATE_BYTES];
     const size_t size = link_seal(b->key, p, bytes);
-    /* Fails at once where no program listens; a simulation that starts later receives a later packet. */
+    /* Fails at once if no program listens. A simulation that starts later receives a later packet. */
     if (size && send(b->socket, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL) == (ssize_t)size)
         b->report->sent++;
 }
@@ -115,8 +115,8 @@ static void take_state(bridge *b, const link_packet *p)
     }
     if (!b->simulation) {
         /*
-         * The numbering of this simulation begins here: packets sent before this run are older
-         * than all that follow.
+         * The numbering of this simulation begins here. All packets sent before this run have
+         * smaller numbers than those that follow.
          */
         b->simulation = p->simulation;
         b->sequence = p->answers;
@@ -170,7 +170,7 @@ static void *run_network(void *user)
         uint64_t ignored;
         if (read(b->wake, &ignored, sizeof ignored) < 0 && errno != EAGAIN)
             break;
-        /* A restarted simulation has a new random number: the bridge sends hello again. */
+        /* A restarted simulation has a new random number, so the bridge sends hello again. */
         if (b->simulation && ost_clock_ns() - b->heard_ns > FORGET_MS * MS)
             b->simulation = 0;
         const bool fresh = newest_take(&b->out);
@@ -194,7 +194,7 @@ static double length_of(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Updates the tool's speed from its position a tick ago. */
+/* Updates the tool's speed from its current position and its position at the previous tick. */
 static void follow_speed(bridge *b, const ost_pose *tool)
 {
     const double at[3] = {(double)tool->t.x * 1e-12, (double)tool->t.y * 1e-12, (double)tool->t.z * 1e-12};
@@ -237,12 +237,12 @@ static void speak(bridge *b, const ost_servo_sample *sample, uint16_t flags)
     const uint64_t one = 1;
     b->bridge_signals[b->out.back] = (bridge_signals){b->given, sample->state.buttons, sample->state.tool, flags};
     newest_put(&b->out);
-    /* Fails only if 2^64 - 1 poses are unread. */
+    /* The write fails only if 2^64 - 1 poses are unread. */
     if (write(b->wake, &one, sizeof one) < 0)
         return;
 }
 
-/* Takes the newest state. Returns true if it is recent and allows holding the tool. */
+/* Takes the newest state. Returns true if the state is recent and allows the device to hold the tool. */
 static bool is_live(bridge *b)
 {
     if (newest_take(&b->in)) {
@@ -339,7 +339,7 @@ static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
     ost_status status = ost_servo_run(device, &how, tick, NULL, b, &b->report->loop, err);
     atomic_store(&b->stop, true);
     if (write(b->wake, &one, sizeof one) < 0) {
-        /* The thread polls every HELLO_MS in any case. */
+        /* The thread wakes every HELLO_MS in any case. */
     }
     pthread_join(b->thread, NULL);
     b->report->met = atomic_load(&b->met);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Names of the actions that buttons perform, and the parser of "button=action,button=action". */
+/* Contains the names of the actions that buttons perform, and parses "button=action,button=action". */
 #include <string.h>
 
 #include "haptics/driver.h"
@@ -16,7 +16,7 @@ typedef struct choice {
     ost_action *of;
 } choice;
 
-/* Returns the index of the button with this name, or with this number from 1; -1 if there is none. */
+/* Returns the index of the button that has this name, or this number counted from 1; -1 if there is none. */
 static int button_of(const ost_haptic_info *info, const char *key)
 {
     for (int i = 0; i < info->button_count; i++)

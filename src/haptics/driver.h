@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A driver is a const table in a file of its own, and a line in table.c.
+ * A driver is a constant table in its own file, and a line in table.c.
  *
- *   usable   returns whether the device can be opened here; if not, writes the reason
- *   answers  called only when devices are listed: checks what only an attempt to open the device shows
- *   open     gets the part of the spec after the colon, "" if there is none
- *   read     polled devices: returns the pose for this tick; takes no lock, allocates nothing and does not wait;
- *            a device that returns OST_HAPTIC_NOT_TRACKED continues afterwards from where it was (clutch.h)
+ *   usable   returns true if the device can be opened on this machine; otherwise writes the reason
+ *   answers  called only when devices are listed: checks properties that only an attempt to open the device shows
+ *   open     receives the part of the spec after the colon, "" if there is none
+ *   read     polled devices: returns the pose for this tick; takes no lock, allocates no memory and does not wait;
+ *            after OST_HAPTIC_NOT_TRACKED the tool continues from its last position (clutch.h)
  *   write    sends the wrench of this tick, under the same rules
- *   run      devices with a clock of their own: calls `beat` from the device's
+ *   run      devices with their own clock: calls `beat` from the device's
  *            thread until it returns false, and then returns; read and write
  *            are called from within `beat`
  */
@@ -24,15 +24,15 @@ typedef struct haptic_driver {
     const char *name, *description;
     uint32_t caps;
     double max_force_n, max_stiffness_n_m;
-    ost_button buttons[OST_BUTTONS_MAX]; /* by bit; the list ends before the first entry without a name */
+    ost_button buttons[OST_BUTTONS_MAX]; /* indexed by bit; the list ends before the first entry without a name */
     bool (*usable)(char reason[256]); /* NULL: always */
-    bool (*answers)(char reason[256]); /* NULL: it does answer */
+    bool (*answers)(char reason[256]); /* NULL: the device always answers */
     ost_status (*open)(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err);
     void (*close)(haptic_instance *instance);
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);
     void (*write)(haptic_instance *instance, const ost_wrench *wrench); /* NULL without OST_HAPTIC_FORCE */
     void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL: no text */
-    /* NULL: the device reports none; *out is zero before the call */
+    /* NULL: the device reports no limits; *out is zero before the call */
     void (*limits)(haptic_instance *instance, ost_haptic_limits *out);
     int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]); /* NULL: nothing is counted */
     /* only with OST_HAPTIC_OWN_CLOCK */
@@ -50,16 +50,16 @@ ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *optio
 
 /* ---------------------------------------------------------------- options.c */
 
-/* Called for each key=value of the options. Returns OST_ERR_USAGE for a key that it does not support. */
+/* Handles one key=value of the options. Returns OST_ERR_USAGE for a key that it does not support. */
 typedef ost_status haptic_option(void *user, const char *key, const char *value, ost_error *err);
 ost_status haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err);
 /*
- * Parses a number with lo <= number <= hi. Returns OST_ERR_USAGE with a message that names
- * device and key otherwise.
+ * Parses a number with lo <= number <= hi. For any other text, returns OST_ERR_USAGE with a message
+ * that names device and key.
  */
 ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out,
                          ost_error *err);
-/* Parses an integer with lo <= number <= hi, with the same error. */
+/* Parses an integer with lo <= number <= hi. Returns the same error for any other text. */
 ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out,
                           ost_error *err);
 

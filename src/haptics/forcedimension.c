@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * dhd: devices of Force Dimension (delta, omega, sigma, lambda) and Novint's
- * Falcon, through the library of the vendor's SDK.
+ * The driver dhd: devices of Force Dimension (delta, omega, sigma, lambda) and Novint's Falcon,
+ * through the library of the vendor's SDK.
  *
- * The calls take effect on the calling thread and use SI units; x points toward
- * the operator, y to the operator's right, z up.  The id -1 selects the device
- * that was opened last.  The return values 1 (called again too soon) and 2 (a
- * motor at its limit) are not failures.
+ * The library's functions act on the calling thread and use SI units; x points toward the operator,
+ * y to the operator's right, and z up. The id -1 selects the device that was opened last. The
+ * return values 1 (called again too soon) and 2 (a motor at its limit) are not failures.
  */
 #include <math.h>
 #include <stdio.h>
@@ -42,7 +41,7 @@ static const char *const names[] = {"libdhd.so.3", "libdhd.so", NULL};
 static const vendor_library library = {"OSTEON_DHD_LIBRARY", names, "Force Dimension's SDK", symbols,
                                        sizeof symbols / sizeof symbols[0]};
 
-/* The library reports a device's type and not its forces; these are from the vendors' data sheets. */
+/* The library reports a device's type but not its maximum forces. These are from the vendors' data sheets. */
 static const struct {
     int type;
     const char *name;
@@ -76,7 +75,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 
 static ost_status dhd_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
-    static const int axes[3] = {1, 2, 0}; /* right is y, up is z, toward the operator is x */
+    static const int axes[3] = {1, 2, 0}; /* right is y, up is z, and toward the operator is x */
     int64_t percent = 100;
     char reason[256];
     ost_status status = haptic_options("dhd", options, take, &percent, err);
@@ -149,7 +148,7 @@ const haptic_driver haptic_dhd = {
     .name = "dhd",
     .description = "Force Dimension's delta, omega, sigma and lambda, and Novint's Falcon",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_TORQUE | OST_HAPTIC_ORIENTATION,
-    .max_force_n = 8, /* the weakest of these devices, a Falcon */
+    .max_force_n = 8, /* force of the weakest of these devices, a Falcon */
     .max_stiffness_n_m = 3000,
     .buttons = {{"button1", OST_ACTION_MOTOR},
                 {"button2", OST_ACTION_TOOL},

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * inverse3: Haply's Inverse3 with a VerseGrip, through the vendor's service on
- * the same machine.
+ * The driver inverse3: Haply's Inverse3 with a VerseGrip, through the vendor's service on the same
+ * machine.
  *
  *   service <--force-- thread <--newest-- write, in the tick      JSON over a WebSocket,
  *   service --state--> thread --newest--> read, in the tick       127.0.0.1, port 10001
  *
- * The service answers each force with a state and sends nothing on its own.  The
- * thread sends the newest force a millisecond after the previous one, zero if
- * there is none.  Units are metres and newtons; x points to the right, y away
- * from the operator, z up.  The orientation is the grip's; without a grip the
- * tool keeps its own.
+ * The service answers each force with a state and sends nothing else. The thread sends the newest
+ * force one millisecond after the previous one, or zero if there is none. Units are metres and
+ * newtons; x points to the right, y away from the operator, and z up. The orientation is that of
+ * the grip. Without a grip the tool keeps its orientation.
  *
- * The device moves the tool relative to its start.  After more than a few ticks
- * without a state the motion continues from where the tool is; half a second
- * without a state means that the device is lost.
+ * The device moves the tool relative to its start. If more than a few ticks pass without a state,
+ * the motion afterwards continues from the tool's current position. After half a second without a
+ * state, the device is considered lost.
  *
- * The file has more than 500 lines: one protocol, whose parts share one connection.
+ * The file has more than 500 lines, because it contains one protocol whose parts share one
+ * connection.
  */
 #include "config.h"
 
@@ -44,9 +44,9 @@
 
 enum {
     PORT = 10001,
-    MESSAGE_MOST = 65536,  /* bytes of a state; the service sends some hundreds */
-    OPEN_MS = 3000,        /* timeout for the first state */
-    CLOSE_MS = 500,        /* timeout for the last force */
+    MESSAGE_MOST = 65536,  /* maximum size of a state in bytes; the service sends some hundreds */
+    OPEN_MS = 3000,        /* timeout for the first state in ms */
+    CLOSE_MS = 500,        /* timeout for the last force in ms */
     PATIENT_TICKS = 4,
     LOST_TICKS = 500,
     GARBAGE_MOST = 100,    /* consecutive invalid messages before the device fails */
@@ -63,14 +63,14 @@ typedef struct came {
 struct haptic_instance {
     struct lws_context *context;
     pthread_t thread;
-    sem_t met, over; /* each posted once: at the first state or a failure; at the end of the thread */
+    sem_t met, over; /* each is posted once: met at the first state or a failure, over at the end of the thread */
     newest in, out;
     came came[NEWEST_SLOTS];
     double force[NEWEST_SLOTS][3]; /* in the frame of `came` */
     _Atomic bool stop, lost;
     _Atomic uint64_t states, garbage;
-    char wanted[ID];      /* the option id=; "" selects the first device */
-    /* Used by the thread only. */
+    char wanted[ID];      /* value of the option id=; "" selects the first device */
+    /* The following fields are used by the network thread only. */
     struct lws *wsi;
     char id[ID];
     char message[MESSAGE_MOST];
@@ -79,7 +79,7 @@ struct haptic_instance {
     int bad;              /* consecutive invalid messages */
     bool has_met, has_greeted, has_ended;
     int64_t sent_ns, stop_ns;
-    /* Used by the tick only. */
+    /* The following fields are used by the tick only. */
     haptic_clutch clutch;
     int ticks_without_sample;
     bool tracking_lost;
@@ -103,8 +103,8 @@ static void fail(haptic_instance *h, const char *why)
 /* --------------------------------------------------------------- messages */
 
 /*
- * Reads the named numbers of an object. Returns false if one is missing, not finite, or greater
- * than `most` in size.
+ * Reads the named numbers of an object. Returns false if a number is missing, not finite, or
+ * greater than `most` in absolute value.
  */
 static bool numbers(const json_t *object, const char *const *names, int count, double most, double *out)
 {
@@ -119,7 +119,7 @@ static bool numbers(const json_t *object, const char *const *names, int count, d
     return true;
 }
 
-/* Returns a property, which the service puts into the object's "state" or into the object itself. */
+/* Returns a property, which the service stores either in the object's "state" or in the object itself. */
 static const json_t *member(const json_t *thing, const char *name)
 {
     const json_t *within = json_object_get(json_object_get(thing, "state"), name);
@@ -199,19 +199,19 @@ static void take_message(haptic_instance *h)
         fail(h, "the service reports no Inverse3");
 }
 
-/* Writes a command. Numbers are integers with an exponent, so that no locale affects them. */
+/* Writes a command. Numbers are written as integers with an exponent, so that they do not depend on the locale. */
 static int write_command(haptic_instance *h, bool nothing, char *text, size_t capacity)
 {
     long long f[3];
     if (newest_take(&h->out)) {
-        /* The force remains in its slot until a newer one arrives. */
+        /* There is no newer force, so the slot still contains the previous one. */
     }
     const double *force = h->force[h->out.front];
     for (int a = 0; a < 3; a++)
         f[a] = nothing ? 0 : llrint(force[a] * 1e6);
     /*
-     * The first message selects the form of the answers; until a device's id is known no force
-     * can be sent.
+     * The first message selects the form of the answers. No force can be sent before a device's id
+     * is known.
      */
     if (!h->has_greeted || !h->id[0])
         return snprintf(text, capacity, "{\"session\":{\"force_render_full_state\":{}}}");
@@ -391,7 +391,7 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: cannot create a thread for its connection: %s",
                         strerror(error));
-    /* A service that fails after its first state opens as well: the next read then reports the loss. */
+    /* The device also opens if the service fails after its first state. The next read then reports the loss. */
     if (wait_for(&h->met, OPEN_MS) && atomic_load(&h->states) > 0)
         return OST_OK;
     stop_thread(h);
@@ -512,7 +512,7 @@ const haptic_driver haptic_inverse3 = {
     .name = "inverse3",
     .description = "Haply's Inverse3 with a VerseGrip, by the vendor's service",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION,
-    .max_force_n = 3.3, /* greatest force that is sent to the device */
+    .max_force_n = 3.3, /* greatest force that the driver sends to the device */
     .max_stiffness_n_m = 300,
     .buttons = {{"a", OST_ACTION_MOTOR}, {"b", OST_ACTION_TOOL}, {"c", OST_ACTION_CLUTCH}, {"d", OST_ACTION_HOME}},
     .usable = USABLE,

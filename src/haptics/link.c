@@ -191,7 +191,7 @@ ost_status link_key_read(const char *path, link_key **out, ost_error *err)
 static bool sign(link_key *key, const uint8_t *bytes, size_t size, uint8_t mac[LINK_MAC])
 {
     size_t length = 0;
-    /* With NULL as the key, EVP_MAC_init starts again with the key of link_key_make. */
+    /* If the key is NULL, EVP_MAC_init starts again with the key of link_key_make. */
     return EVP_MAC_init(key->context, NULL, 0, NULL) == 1 && EVP_MAC_update(key->context, bytes, size) == 1 &&
            EVP_MAC_final(key->context, mac, &length, LINK_MAC) == 1 && length == LINK_MAC;
 }
@@ -205,7 +205,7 @@ size_t link_seal(link_key *key, const link_packet *packet, uint8_t bytes[LINK_ST
 link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_packet *out)
 {
     uint8_t mac[LINK_MAC];
-    /* Checks the form before computing an HMAC, so that a flood of malformed packets costs little. */
+    /* The form is checked before the HMAC is computed, so that a flood of malformed packets costs little. */
     if (size < LINK_MAC || !link_decode(bytes, size - LINK_MAC, out))
         return LINK_MALFORMED;
     if (!sign(key, bytes, size - LINK_MAC, mac) || CRYPTO_memcmp(mac, bytes + size - LINK_MAC, LINK_MAC) != 0)

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Packets between a simulation and a bridge.  docs/reference/devices.md, section "udp",
- * documents every byte.  All packets have fixed sizes, are little-endian, and
- * end in an HMAC-SHA-256 of the preceding bytes with a key that both sides have.
+ * Encodes and decodes packets between a simulation and a bridge. docs/reference/devices.md, section
+ * "udp", documents every byte. All packets have fixed sizes, are little-endian, and end in an
+ * HMAC-SHA-256 of the preceding bytes with a key that both sides have.
  *
- *   bridge --hello, pose--> simulation          a packet each, 120 bytes
+ *   bridge --hello, pose--> simulation          one packet each, 120 bytes
  *   bridge <----state------ simulation          the answer, 144 bytes
  *
- * No function here waits or keeps state, except for the key's context.
- * Sequence numbers are checked with a link_window.
+ * No function in this file waits, and none stores state except the key's context. Sequence numbers
+ * are checked with a link_window.
  */
 #ifndef OST_HAPTICS_LINK_H
 #define OST_HAPTICS_LINK_H
@@ -20,7 +20,7 @@ enum {
     LINK_MAC = 32,
     LINK_POSE_BYTES = 120,  /* hello and pose */
     LINK_STATE_BYTES = 144,
-    LINK_BUFFER_BYTES = 256, /* size of the receive buffer; a longer packet is invalid */
+    LINK_BUFFER_BYTES = 256, /* size of the receive buffer; any longer packet is invalid */
     LINK_KEY_MIN = 16,
     LINK_KEY_MAX = 4096
 };
@@ -29,18 +29,20 @@ typedef enum link_type { LINK_HELLO = 1, LINK_POSE = 2, LINK_STATE = 3 } link_ty
 
 enum {
     LINK_SEEN = 1,   /* pose: the device holds the tool */
-    LINK_ENDED = 2,  /* either: this is the last packet */
-    LINK_AGAIN = 4,  /* state: the pose was too far away; release the tool and take hold again where it is */
+    LINK_ENDED = 2,  /* pose or state: this is the last packet */
+    /* state: the pose was too far away; the clutch must be released and engaged again at the tool's
+       position */
+    LINK_AGAIN = 4,
     LINK_BUSY = 8    /* state: the simulation already has another bridge */
 };
 
 typedef struct link_packet {
     uint8_t type;
     uint16_t flags;
-    uint64_t bridge, simulation; /* each side's random number for this run; simulation is 0 in a hello */
-    uint64_t sequence;           /* the sender's count of packets */
-    uint64_t answers;            /* state: the greatest pose sequence that the simulation accepted */
-    int64_t t_ns;                /* hello, pose: the sender's clock, only for diagnosis */
+    uint64_t bridge, simulation; /* random number of each side for this run; simulation is 0 in a hello */
+    uint64_t sequence;           /* number of this packet, counted by the sender */
+    uint64_t answers;            /* state: the greatest sequence number of a pose that the simulation accepted */
+    int64_t t_ns;                /* hello, pose: time on the sender's clock, only for diagnosis */
     ost_pose pose;               /* pose of the device; in a state, the pose that it answers */
     uint32_t buttons;
     int32_t tool;                /* -1: the device does not select one */
@@ -52,8 +54,8 @@ typedef struct link_packet {
 typedef enum link_verdict { LINK_GOOD, LINK_MALFORMED, LINK_WRONG_KEY } link_verdict;
 
 /*
- * Convert between a packet and its bytes without the HMAC. link_decode checks the size, magic,
- * version and type, that unused flags are 0, and that the pose and the tool are valid.
+ * Convert between a packet and its bytes without the HMAC. link_decode checks the size, the magic
+ * number, the version and the type, that unused flags are 0, and that pose and tool are valid.
  */
 size_t link_encode(const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES]);
 bool link_decode(const uint8_t *bytes, size_t size, link_packet *out);
@@ -63,37 +65,37 @@ bool link_decode(const uint8_t *bytes, size_t size, link_packet *out);
 typedef struct link_key link_key;
 
 /*
- * Read or copy a key. Return OST_ERR_INPUT if it has too few or too many bytes; link_key_read
- * returns OST_ERR_USAGE if anyone but the file's owner may read it.
+ * Read or copy a key. Return OST_ERR_INPUT if the key has too few or too many bytes. link_key_read
+ * returns OST_ERR_USAGE if anyone other than the file's owner may read the file.
  */
 ost_status link_key_read(const char *path, link_key **out, ost_error *err);
 ost_status link_key_make(const void *bytes, size_t size, link_key **out, ost_error *err);
 void link_key_free(link_key *key); /* NULL is allowed */
 
 /*
- * Encode and decode with the HMAC. A key may be used by one thread at a time. link_seal returns
- * 0 if libcrypto fails.
+ * Encode and decode with the HMAC. A key may be used by only one thread at a time. link_seal
+ * returns 0 if libcrypto fails.
  */
 size_t link_seal(link_key *key, const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES]);
 link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_packet *out);
 
 /* ---------------------------------------------------------------- numbers */
 
-/* Records which of a sender's packets arrived: the last one and the 63 before it. */
+/* Records which packets of a sender have arrived: the newest one and the 63 before it. */
 typedef struct link_window {
-    uint64_t last, seen; /* bit i: packet last - i arrived */
+    uint64_t last, seen; /* bit i: packet last - i has arrived */
 } link_window;
 
 typedef enum link_order { LINK_NEW, LINK_LATE, LINK_REPLAYED } link_order;
 
 /*
- * Adds a packet to the window. Returns LINK_NEW if it is newer than all before, with the number
- * of skipped sequence numbers in *lost; LINK_LATE if it arrived after newer ones; LINK_REPLAYED
- * if it was received before or is too old to decide.
+ * Adds a packet to the window. Returns LINK_NEW if the packet is newer than all previous ones;
+ * *lost is then the number of skipped sequence numbers. Returns LINK_LATE if it arrived after newer
+ * packets, and LINK_REPLAYED if it was received before or is too old to be checked.
  */
 link_order link_window_add(link_window *window, uint64_t sequence, uint64_t *lost);
 
-/* Draws a random number from the system, never 0. Returns false if the system provides none. */
+/* Reads a random number from the system, never 0. Returns false if the system provides none. */
 bool link_random(uint64_t *out);
 
 #endif

@@ -106,32 +106,33 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
 ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err);
 void sim_force_print(const app_state *app, const sim_args *args);
 enum { SIM_FORCE_KEYS = 32, SIM_LIMIT_TEXT = 160 };
-/* Writes the source of the force limit: "default", or "device: a sigma.7 gives 12 N, 0.2 N m". */
+/* Writes the source of the force limit to text: "default", or "device: a sigma.7 gives 12 N, 0.2 N m". */
 void sim_force_limit_text(const sim_args *args, char text[SIM_LIMIT_TEXT]);
-/* Makes the force model, unless --force is off. A device that cannot render forces has none, and
-   --force is an error for it. */
+/* Makes the force model, unless --force is off. A device that cannot render forces has no force
+   model; with it, --force is an error. */
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
-/* Reserves a core for the servo loop: this thread, and all threads that it creates, no longer run
-   on it. Must be called first, since OpenGL drivers and devices create threads as well. */
+/* Reserves a core for the servo loop: this thread and all threads that it creates no longer run on
+   it. Must be called first, because OpenGL drivers and devices also create threads. */
 void sim_pin(const sim_args *args, simulation *s);
 typedef struct sim_force_texts {
     char key[SIM_FORCE_KEYS][40], value[SIM_FORCE_KEYS][OST_FORCE_VALUE], from[SIM_LIMIT_TEXT];
 } sim_force_texts;
-/* Writes the parameters and the source of the limit as keys of a session, at most SIM_FORCE_KEYS +
-   2, the last one NULL. */
+/* Writes the parameters and the source of the limit as keys of a session. There are at most
+   SIM_FORCE_KEYS + 2 keys, of which the last one is NULL. */
 void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys);
 /* Checks the site before the first tick (start_check.h). */
 ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
-/* Begins the recording, with --record. */
+/* Begins the recording if --record is given. */
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
 
-/* Opens the session of --resume. Its bone, tools and world replace the defaults; options may replace
-   the names of files that were moved. */
+/* Opens the session of --resume. Its bone, tools and world replace the defaults. Options may
+   replace the names of files that were moved. */
 ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err);
-/* Replays the session's ticks into the world and the new recording. Each must have its recorded result. */
+/* Replays the session's ticks into the world and the new recording. Fails if a tick's result
+   differs from the recorded one. */
 ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);
 
-/* Begins the film, if there is a window or a video is requested. */
+/* Begins the film if there is a window or a video is requested. */
 ost_status sim_film_begin(const sim_args *args, simulation *s, ost_error *err);
 /* Completes the video and reports it. */
 ost_status sim_film_end(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
@@ -141,8 +142,8 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);
 /* Writes the bone, completes the session and reports the result. */
 ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
-/* Fails with OST_ERR_UNAVAILABLE, and lets the result be printed, if the loop ended because the
-   device was lost. */
+/* Fails with OST_ERR_UNAVAILABLE if the loop ended because the device was lost. The result is
+   printed nevertheless. */
 ost_status sim_device_end(app_state *app, const sim_args *args, const simulation *s, ost_error *err);
 
 #endif

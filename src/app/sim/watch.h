@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A normal thread that prints the progress and the recorder's state while the servo thread runs. */
+/* Prints the progress and the recorder's state on a thread of normal priority while the servo thread runs. */
 #ifndef OST_APP_SIM_WATCH_H
 #define OST_APP_SIM_WATCH_H
 
@@ -7,8 +7,8 @@
 
 typedef struct sim_watch sim_watch;
 
-/* recorder may be NULL; capacity: of its ring, in records. name, app and recorder must outlive the
-   watch. seconds: the expected duration, 0 if it is unknown. */
+/* Starts the thread. recorder may be NULL; capacity is that of its ring, in records. name, app and
+   recorder must outlive the watch. seconds: the expected duration, 0 if unknown. */
 ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity,
                            double seconds, sim_watch **out, ost_error *err);
 /* Waits for the thread; watch may be NULL. */

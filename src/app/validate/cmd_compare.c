@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon compare: compares another program's grids with the reference's and gives the margin of
- * every difference.
+ * Implements `osteon compare`: compares the grids of another program with those of the reference,
+ * and reports the margin of every difference.
  *
  *   a folder of dumps, or a backend's name --campaign--> verdicts, margins --> table, --json, exit status
  *
- * It makes the comparison of osteon validate for developers of another program: without a bundle
- * and without a sensitivity proof.
+ * It performs the comparison of `osteon validate` for developers of another program, without a
+ * bundle and without a sensitivity proof.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,8 +43,8 @@ static const case_result *result_at(const campaign *c, int i, int s)
     return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
 }
 
-/* Prints one line per stage: the number of differences, their causes, and the greatest distance of
-   a decision from its border. */
+/* Prints one line per stage: the number of differences, their causes, and the greatest distance
+   between a computed value and the border at which its decision changes. */
 static void print_margins(const app_state *app, const margins *m)
 {
     print_line(app, "  stage    differing   inherited   below thr.   unexplained   at borders   greatest margin");
@@ -85,8 +85,8 @@ static void print_case(const app_state *app, const plan_case *c, const subject *
         print_line(app, "  %s: %s%s%s", c->id, case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text);
 }
 
-/* Prints and stores the results. The verdict covers all backends; margins are summed for each
-   compared backend. */
+/* Prints and stores the results. The verdict covers all backends. Margins are summed separately for
+   each compared backend. */
 static ost_status report(app_state *app, const campaign *c, bool apart, ost_error *err)
 {
     json_t *stages = json_array(), *list = json_array(), *cases = json_array();
@@ -148,7 +148,7 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
     return OST_OK;
 }
 
-/* Finds the subject to compare: a folder is a dump, whose head holds the tier and seed of its
+/* Finds the subject to compare. A folder is a dump, whose header contains the tier and seed of its
    campaign; any other name is a backend. */
 static ost_status find_subject(const app_state *app, compare_args *args, char spec[SUBJECT_SPEC], char only[PLAN_ID],
                                ost_error *err)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* osteon sign: signs a bundle that osteon verify accepts. */
+/* Implements `osteon sign`: signs a bundle that `osteon verify` accepts. */
 #include <sys/stat.h>
 
 #include "app/common/options.h"
@@ -14,8 +14,8 @@ static void print_problem(void *user, bundle_problem_kind kind, const char *file
     print_line(user, "  %s %s", file, problem);
 }
 
-/* Checks the bundle and its existing signatures as verify does. A bundle that verify would reject
-   is not signed. */
+/* Checks the bundle and its existing signatures as `osteon verify` does. A bundle that `osteon
+   verify` would reject is not signed. */
 static ost_status check_first(app_state *app, const char *folder, json_t **summary, ost_error *err)
 {
     json_t *signatures = NULL;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon validate: compares backends stage by stage and writes the evidence.
+ * Implements `osteon validate`: compares backends stage by stage and writes the evidence.
  *
- *   options --> a campaign, shards to merge, the sensitivity proof (validate.h)
+ *   options --> a campaign, a merge of shards, or the sensitivity proof (validate.h)
  *
- * The campaign starts the same verb with --worker for each backend: it runs cases on one backend
- * and writes a trace of all results.
+ * For each backend, the campaign starts the same verb with --worker. The worker runs cases on one
+ * backend and writes a trace of all results.
  */
 #include "app/validate/validate.h"
 
@@ -23,7 +23,7 @@
 #include "validation/suite_run.h"
 #include "validation/worker.h"
 
-/* Reads up to six digits. Returns the position after them, or NULL if there is none. */
+/* Reads a number of up to six digits. Returns the position after it, or NULL if there is no digit. */
 static const char *small_number(const char *at, int *out)
 {
     const char *begin = at;
@@ -32,7 +32,7 @@ static const char *small_number(const char *at, int *out)
     return at > begin ? at : NULL;
 }
 
-/* Parses --shard, such as "2/8". Without it: shard 1 of 1. */
+/* Parses --shard, such as "2/8". Without --shard the result is shard 1 of 1. */
 static ost_status shard_of(const app_state *app, const char *text, int *shard, int *shards, ost_error *err)
 {
     *shard = *shards = 1;
@@ -45,7 +45,7 @@ static ost_status shard_of(const app_state *app, const char *text, int *shard, i
     return OST_OK;
 }
 
-/* Writes the results of one backend as files, by way of a trace. */
+/* Writes the results of one backend to files. The results are first written to a trace. */
 static ost_status dump_worker(const plan *p, const char *spec, const char *folder, ost_error *err)
 {
     char path[SCRATCH_NAME];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* osteon verify: checks that a bundle of evidence is intact and consistent, without the machine
-   that made it. */
+/* Implements `osteon verify`: checks that a bundle of evidence is intact and consistent. The
+   machine that made the bundle is not needed. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,13 +17,13 @@
 #include "validation/worker.h"
 
 #define PROTOCOL "protocol.json"
-enum { LIMIT_S = 36000 }; /* for each backend that --rerun runs */
+enum { LIMIT_S = 36000 }; /* time limit for each backend that --rerun runs */
 
 typedef struct listing {
     const app_state *app;
     json_t *problems;
     int absent;
-    char first[200]; /* name of the first absent file */
+    char first[200]; /* name of the first missing file */
 } listing;
 
 static void list_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
@@ -45,8 +45,8 @@ static void show(void *user, const char *what, double share)
     progress_show(NULL, what, share);
 }
 
-/* Reads the bundle's record of the user's own files. *out is owned by the caller; NULL if there is
-   no such record. */
+/* Reads the bundle's record of the user's own files. The caller owns *out, which is NULL if there
+   is no such record. */
 static ost_status record_of(const char *folder, json_t **out, ost_error *err)
 {
     json_t *protocol;
@@ -56,7 +56,7 @@ static ost_status record_of(const char *folder, json_t **out, ost_error *err)
     return status;
 }
 
-/* Runs the bundle's cases again. The user's files are read first: nothing runs without them. */
+/* Runs the bundle's cases again. The user's files are read first, because without them nothing can be run. */
 static ost_status rerun_all(app_state *app, const user_files *own, const char *backend, const char *folder, listing *l,
                             int *found, ost_error *err)
 {
@@ -141,7 +141,7 @@ static ost_status check_signatures(app_state *app, const signature_args *args, c
     return status;
 }
 
-/* Returns the part of the last line that is about signatures. */
+/* Returns the part of the last output line that reports signatures. */
 static const char *about_signatures(const app_state *app, const signature_args *args)
 {
     const size_t n = json_array_size(json_object_get(app->result, "signatures"));
@@ -150,8 +150,8 @@ static const char *about_signatures(const app_state *app, const signature_args *
     return n ? "; signatures were not checked (--trust KEYS)" : "; it is not signed";
 }
 
-/* Reports the test suite's counts. A bundle whose tests failed may still be valid, so the failures
-   are printed instead of counted as problems of the bundle. */
+/* Reports the test suite's counts. A bundle may be valid although tests failed. The failures are
+   therefore printed but not counted as problems of the bundle. */
 static ost_status print_suite(app_state *app, const char *folder, ost_error *err)
 {
     json_t *suite;

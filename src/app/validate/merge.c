@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Merges the bundles of shards into the bundle of the campaign. Runs no case. */
+/* Merges the bundles of shards into the bundle of the campaign. No case is run. */
 #include "app/validate/validate.h"
 
 #include "app/common/result.h"

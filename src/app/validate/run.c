@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A campaign and its bundle.
+ * Runs a campaign and writes its bundle.
  *
  *   plan, subjects --protocol frozen--> campaign --> cases --> bundle, table, exit status
  */
@@ -54,7 +54,7 @@ ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err)
     return status == OST_OK ? bundle_log(b, "protocol frozen", err, "%s", ost_digest_hex(&digest, hex)) : status;
 }
 
-/* Makes {"cl": {"entered": {"kernel ost_remove": 12}, "not_entered": [...]}}, for the backends that
+/* Makes {"cl": {"entered": {"kernel ost_remove": 12}, "not_entered": [...]}} for the backends that
    count their code paths. */
 static json_t *paths_of(const campaign *c)
 {
@@ -82,7 +82,7 @@ ost_status validate_sign(app_state *app, const validate_args *args, ost_error *e
     return OST_OK;
 }
 
-/* Makes {begun, seconds: {backend: its workers' time}, cases: {case: {backend: seconds}}}. */
+/* Makes {begun, seconds: {backend: time of its workers}, cases: {case: {backend: seconds}}}. */
 static json_t *times_of(const campaign *c)
 {
     json_t *times = json_object(), *seconds = json_object(), *cases = json_object();
@@ -122,7 +122,7 @@ static ost_status put_machine(bundle *b, const campaign *c, const char *program,
     return status;
 }
 
-/* Writes the changes since the bundle of --against. *out stays NULL without --against. */
+/* Compares with the bundle of --against and writes the changes. Without --against, *out stays NULL. */
 static ost_status put_impact(bundle *b, const char *against, json_t **out, ost_error *err)
 {
     if (!against)
@@ -151,7 +151,7 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
     return status == OST_OK ? log_end(b, summary, err) : status;
 }
 
-/* Runs the suite into *out, which stays NULL without --with-suite. */
+/* Runs the test suite and stores its result in *out. Without --with-suite, *out stays NULL. */
 static ost_status run_suite(const validate_args *args, int jobs, json_t **out, ost_error *err)
 {
     if (!args->suite)
@@ -192,7 +192,7 @@ static void job_free(job *j)
     json_decref(j->suite);
 }
 
-/* Stores the evidence of a batch's cases, while the reference's trace of them exists. */
+/* Stores the evidence of a batch's cases while the reference's trace of them still exists. */
 static ost_status take_batch(void *user, const campaign *c, int first, int count, ost_error *err)
 {
     job *j = user;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The user's own files as cases of a campaign: each CT, with all tools and paths, is one case;
- * tools without a CT are one case.
+ * Uses the user's own files as cases of a campaign. Each CT, with all tools and paths, is one case.
+ * Tools without a CT form one case.
  *
  *   --ct, --tool, --path  --user_files_read--> user_store (integers), record
  *   record, the files again --user_files_again--> user_store          osteon verify --rerun
  *
- * All files are read and checked before anything runs. The record in the bundle contains the size
- * and SHA-256 of each file but never its name, the options with which it was read, and the results
- * of reading.
+ * All files are read and checked before any case is run. The record in the bundle contains the size
+ * and SHA-256 of each file, the options with which it was read, and the results of reading, but
+ * never the file's name.
  */
 #ifndef OST_APP_VALIDATE_USER_FILES_H
 #define OST_APP_VALIDATE_USER_FILES_H
@@ -29,13 +29,13 @@ typedef struct user_files {
 
 #define USER_FILES_DEFAULT {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1}
 
-/* Rows for a verb's table of options: the files. */
+/* Rows for a verb's table of options that name the files. */
 #define USER_FILES(u, about_ct, about_tool, about_path)                                                \
     {.name = "ct", .kind = OPTION_LIST, .out = &(u).cts, .value = "FILE", .help = about_ct},           \
     {.name = "tool", .kind = OPTION_LIST, .out = &(u).tools, .value = "FILE", .help = about_tool},     \
     {.name = "path", .kind = OPTION_LIST, .out = &(u).paths, .value = "FILE", .help = about_path}
 
-/* Rows for the options by which they are read, as in import, voxelize and ream. */
+/* Rows for the options with which the files are read, as in import, voxelize and ream. */
 #define USER_FILES_HOW(u)                                                                                              \
     CT_OPTIONS((u).ct), TOOL_OPTIONS((u).how),                                                                         \
         TARGET_OPTIONS((u).target, "centre of the glenoid's face, for the built-in paths (default: as in the CT)"),    \
@@ -43,20 +43,20 @@ typedef struct user_files {
 
 bool user_files_given(const user_files *u);
 
-/* Returns those options of USER_FILES_HOW that are on a command line, in the table's order:
-   ["--cubic=0.5", ...]. Owned by the caller. */
+/* Returns the options of USER_FILES_HOW that a command line contains, in the table's order:
+   ["--cubic=0.5", ...]. The caller owns the result. */
 json_t *user_files_how(int argc, char **argv);
 
-/* Reads the files. how: as returned by user_files_how. *store and *record are owned by the caller. */
+/* Reads the files. how: the result of user_files_how. The caller owns *store and *record. */
 ost_status user_files_read(const app_state *app, const user_files *u, json_t *how, user_store **store, json_t **record,
                            ost_error *err);
 
-/* Reads the files of a verb's command line; *store and *record are NULL if there are none. */
+/* Reads the files named on a verb's command line. If there are none, *store and *record are NULL. */
 ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store,
                          json_t **record, ost_error *err);
 
-/* Finds the files of a bundle's record among the given ones, by size and digest, and reads them
-   with the same options. *again: their new record. */
+/* Finds the files of a bundle's record among the given files, by size and digest, and reads them
+   with the same options. *again is their new record. */
 ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store,
                             json_t **again, ost_error *err);
 

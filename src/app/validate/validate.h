@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parts of osteon validate.
+ * The parts of `osteon validate`.
  *
- *   cmd_validate.c     options and the choice of the task; workers
- *   validate_run.c     a campaign, and the bundle of its results
- *   validate_merge.c   merging the bundles of shards
- *   validate_print.c     the printed report, and the exit status
+ *   cmd_validate.c   the options, the choice of the task, and workers
+ *   run.c            a campaign, and the bundle of its results
+ *   merge.c          merging the bundles of shards
+ *   print.c          the printed report, and the exit status
  */
 #ifndef OST_APP_VALIDATE_VALIDATE_H
 #define OST_APP_VALIDATE_VALIDATE_H
@@ -25,21 +25,21 @@ typedef struct validate_args {
     bool cpu_only, faults_only, from_parent, apart;
     user_files own;
     json_t *record; /* record of own; NULL if there are no files */
-    sign_key *key;  /* key of --sign; NULL: the bundle is not signed */
+    sign_key *key;  /* key of --sign; NULL if the bundle is not signed */
 } validate_args;
 
 /* ------------------------------------------------------------ validate_run.c */
 
-/* Runs a campaign. from_file: the cases of --case, or NULL; owned by the caller. */
+/* Runs a campaign. from_file contains the cases of --case, or is NULL; the caller owns it. */
 ost_status validate_run(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err);
 ost_status validate_faults(app_state *app, const validate_args *args, ost_error *err);
 
-/* Signs the bundle at args->out with the key of --sign; does nothing without a key. */
+/* Signs the bundle at args->out with the key of --sign. Does nothing without a key. */
 ost_status validate_sign(app_state *app, const validate_args *args, ost_error *err);
 
-/* Writes the protocol and its hash, before anything runs. */
+/* Writes the protocol and its hash. Called before any case is run. */
 ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err);
-/* An evidence_sink: user is a bundle. */
+/* Implements evidence_sink; user is a bundle. */
 ost_status validate_into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
 
 /* ---------------------------------------------------------- validate_merge.c */
@@ -51,20 +51,20 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
 /* Prints the results of a campaign and returns the verb's status. proof: NULL if there is none. */
 ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary,
                           const sensitivity *proof, const json_t *common, ost_error *err);
-/* Prints the last lines: the command that checks the bundle, the verdict, the picture, the report. */
+/* Prints the last lines: the command that checks the bundle, the verdict, and the names of picture and report. */
 void validate_print_last(app_state *app, const char *out, const json_t *summary);
 /* Prints a result that is not equal: its position, both values, and its pattern. */
 void validate_print_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
-/* Prints the sensitivity proof. Mistakes that were never triggered or never changed a result are
-   listed: the proof does not cover them. */
+/* Prints the sensitivity proof. Lists mistakes that were never triggered or that never changed a
+   result, because the proof does not cover them. */
 void validate_print_faults(const app_state *app, const sensitivity *s);
-/* Prints the suite's counts, and the first tests that failed; suite: suite.json. */
+/* Prints the suite's counts and the first tests that failed. suite: the contents of suite.json. */
 void validate_print_suite(const app_state *app, const json_t *suite);
-/* Returns OST_ERR_DIFFER if a test of the suite failed, OST_ERR_UNAVAILABLE if none passed. */
+/* Returns OST_ERR_DIFFER if a test of the suite failed, and OST_ERR_UNAVAILABLE if no test passed. */
 ost_status validate_judge_suite(const json_t *suite, ost_error *err);
-/* Prints the changes since the bundle of --against; impact: impact.json. */
+/* Prints the changes since the bundle of --against. impact: the contents of impact.json. */
 void validate_print_impact(app_state *app, const char *against, json_t *impact);
-/* Fails because nothing was compared, which is no difference. */
+/* Returns an error because nothing was compared. This is not a difference. */
 ost_status validate_nothing(ost_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon bench: runs the suites of bench/ and prints their rows as a table, as the table of
- * docs/performance.md (--markdown), or as JSON.
+ * Implements `osteon bench`: runs the suites of bench/ and prints their rows as a table, as the
+ * table of docs/performance.md (--markdown), or as JSON.
  */
 #include <stdio.h>
 #include <string.h>
@@ -159,7 +159,7 @@ static void print_row(const app_state *app, const bench_row *row)
     print_deadlines(app, row);
 }
 
-/* Prints a warning if rows were disturbed: an interrupted baseline makes our ratio look better than it is. */
+/* Prints a warning if rows were disturbed. An interrupted baseline makes the ratio appear better than it is. */
 static void print_disturbed(const app_state *app, const bench_table *table)
 {
     size_t disturbed = 0;
@@ -172,7 +172,7 @@ static void print_disturbed(const app_state *app, const bench_table *table)
     }
 }
 
-/* Prints each distinct baseline of a suite once, and the reasons for missing ones. */
+/* Prints each distinct baseline of a suite once, and the reason for each missing one. */
 static void print_baselines(const app_state *app, const bench_table *table)
 {
     for (size_t i = 0; i < table->count; i++) {
@@ -254,10 +254,10 @@ static void show_row(void *user, const char *row)
 typedef struct tally {
     size_t rows, run;
     bool wrong;
-    char reason[BENCH_TEXT]; /* reason of the first row that was not run */
+    char reason[BENCH_TEXT]; /* reason for which the first skipped row was not run */
 } tally;
 
-/* Prints the rows of a suite, under the heading if they are the first. */
+/* Prints the rows of a suite; if they are the first ones, the heading is printed before them. */
 static void show_rows(app_state *app, const bench_options *options, const char *suite, const bench_table *table,
                       tally *all, bool markdown)
 {
@@ -301,7 +301,7 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
         if (strcmp(suite, "all") != 0 && strcmp(suite, s->name) != 0)
             continue;
         status = s->run(options, &table, err);
-        /* If the preparation of a suite fails, a row with the suite's name records it and the next
+        /* If a suite cannot be prepared, a row with the suite's name records the failure, and the next
            suite begins. */
         status = bench_row_not_run(&every_row, &table, &s->name, 1, "ms", options->threads, status, err);
         show_rows(app, options, suite, &table, &all, markdown);

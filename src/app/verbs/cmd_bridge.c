@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon bridge: the remote end of osteon sim --device udp.
+ * Implements `osteon bridge`: the remote end of `osteon sim --device udp`.
  *
- *   device <-- ost_servo_run, here --> bridge_run <--packets--> osteon sim, there
+ *   device <-- ost_servo_run, here --> bridge_run <--packets--> osteon sim, on the other machine
  */
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +20,7 @@ typedef struct bridge_args {
     bool no_realtime;
 } bridge_args;
 
-/* Reads the path of a CSV table of ticks or of a session. */
+/* Reads a path from a CSV table of ticks or from a session. */
 static ost_status path_of(const char *name, ost_path *out, ost_error *err)
 {
     ost_file_kind kind;

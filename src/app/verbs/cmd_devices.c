@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon devices: lists backends, renderers and devices, and the reason for each that is not available.
+ * Implements `osteon devices`: lists backends, renderers and devices, and for each unavailable one
+ * the reason.
  */
 #include "config.h"
 
@@ -54,7 +55,7 @@ static void one_device(const ost_device_info *device, void *user)
         print_line(list->app, "  %-24s      %s", "", device->notes);
 }
 
-/* Lists the devices among which a backend lets the user choose: those of OpenCL. */
+/* Lists the devices among which the user can choose with a backend; only OpenCL has them. */
 static ost_status list_devices(const app_state *app, ost_error *err)
 {
     device_list list = {.app = app, .array = json_array()};
@@ -87,8 +88,8 @@ static void list_choices(const app_state *app, json_t *row, const ost_backend_se
                settings->threads == 1 ? "" : "s", text);
 }
 
-/* Lists the backends. Each is opened briefly, with --backend and --threads as given, so that the
-   list shows what a verb would get. */
+/* Lists the backends. Each one is opened briefly with the given --backend and --threads, so that
+   the list shows the settings that a verb would use. */
 static ost_status list_backends(const app_state *app, ost_error *err)
 {
     json_t *array = json_array();
@@ -164,8 +165,8 @@ static void list_instruction_sets(const app_state *app)
     print_line(app, "  %s", count ? text : "none that osteon uses");
 }
 
-/* Prints the device's buttons in the order of their bits, each with its default action (osteon sim
-   --buttons changes them). */
+/* Prints the device's buttons in the order of their bits, each with its default action. `osteon sim
+   --buttons` changes the actions. */
 static void list_buttons(const app_state *app, json_t *row, const ost_haptic_info *info)
 {
     json_t *buttons = json_object();
@@ -202,7 +203,7 @@ static void list_haptics(const app_state *app)
     put(app->result, "haptics", array);
 }
 
-/* Opens OpenGL briefly and prints its version and driver, or the reason why it cannot be used. */
+/* Opens OpenGL briefly and prints its version and driver, or the reason why OpenGL cannot be used. */
 static void list_gl(const app_state *app, json_t *array)
 {
     ost_gl *gl = NULL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon export: writes a bone for other programs or as a picture.
+ * Implements `osteon export`: writes a bone for other programs or as a picture.
  *
  *   .nrrd .nii .nii.gz .txt   the voxels
  *   .stl .ply                 the surface, closed
@@ -34,7 +34,7 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
 {
     ost_mesh mesh = {0};
     ost_pm3 lo, hi;
-    /* Below its threshold a bone holds zeros instead of densities, so there is nothing to interpolate. */
+    /* A bone stores zeros instead of densities below its threshold, so there is nothing to interpolate. */
     ost_surface_placement placement = in->kind == LOAD_CT ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
     ost_status status = ost_surface_extract(&in->volume, in->threshold, placement, &mesh, err);
     if (status != OST_OK)
@@ -60,7 +60,8 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
     return status;
 }
 
-/* Computes the indices of the voxel that contains --at; -1 on each axis (the middle) if --at is not given. */
+/* Computes the indices of the voxel that contains --at. If --at is not given, each index is -1,
+   which means the middle. */
 static ost_status voxel_at(const app_state *app, const export_args *args, const ost_geometry *g, int32_t at[3],
                            ost_error *err)
 {

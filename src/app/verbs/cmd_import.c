@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon import: makes a bone of cubic voxels from a CT (thesis, Algs. 2.2 - 2.6).
+ * Implements `osteon import`: makes a bone of cubic voxels from a CT (thesis, Algs. 2.2 - 2.6).
  */
 #include "app/common/backend_choice.h"
 #include "app/input/load.h"
@@ -25,8 +25,8 @@ static const char *kind_text(ost_file_kind kind)
 
 /*
  * Warns if a grid is too small or too large for a patient's bone, as the mesh reader does, and
- * names the units that would make its size plausible. A micro-CT may really be that small; a
- * phantom is marked in its header and never warned about.
+ * names the units that would make its size plausible. A micro-CT can really be that small. A
+ * phantom is marked in its header and causes no warning.
  */
 static void warn_size(const app_state *app, const char *name, const ost_import_result *r)
 {

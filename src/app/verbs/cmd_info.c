@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon info: describes a file, from its header if it has one.
+ * Implements `osteon info`: describes a file, from its header if it has one.
  */
 #include <string.h>
 #include <sys/stat.h>
@@ -105,8 +105,8 @@ static ost_status info_volume(const app_state *app, const char *name, const char
     return OST_OK;
 }
 
-/* Describes a CT given as text. It has no header, so the file is read to the end; the voxels are
-   discarded afterwards. */
+/* Describes a CT given as text. Such a file has no header, so it is read to the end, and the voxels
+   are then discarded. */
 static ost_status info_text(const app_state *app, const char *name, ost_error *err)
 {
     ost_backend *backend = NULL;
@@ -137,7 +137,7 @@ static ost_status info_mesh(const app_state *app, const char *name, ost_error *e
     ost_mesh_report report = {0};
     ost_pm3 lo, hi;
     size_t open_edges = 0;
-    /* Any size is accepted: the mesh is only described. */
+    /* Any size is accepted, because the mesh is only described. */
     ost_status status = ost_mesh_read(name, OST_UNIT_MM, &mesh, &report, err);
     if (status == OST_OK)
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);

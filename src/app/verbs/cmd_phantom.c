@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon phantom: writes a generated CT.
+ * Implements `osteon phantom`: writes a generated CT.
  */
 #include <string.h>
 
@@ -26,7 +26,7 @@ static ost_status find_kind(const app_state *app, const char *name, ost_phantom_
                        name);
 }
 
-/* Reads --scale. The factor may have up to nine decimal places; it is a parameter of the shape. */
+/* Reads --scale. The factor is a parameter of the shape and may have up to nine decimal places. */
 static ost_status take_scale(const app_state *app, const option_decimal *given, double *out, ost_error *err)
 {
     int64_t billionths;

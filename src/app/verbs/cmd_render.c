@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon render: draws a picture of a bone and a tool, without a display.
+ * Implements `osteon render`: draws a picture of a bone and a tool, without a display.
  *
  *   bone --ost_live_channel--> surface voxels --.
  *   bone before (--before) -> colours --+
  *   tool, --pose ---------------------- +--camera--> frame --> legend --> .png
  *   clip plane, ghost, lines -----------'
  *
- * It uses the simulator's renderer, and the picture has the same bytes on every machine.
+ * It uses the simulator's renderer. The picture consists of the same bytes on every machine.
  */
 #include <string.h>
 
@@ -57,7 +57,7 @@ typedef struct drawing {
     double draw_ms;
 } drawing;
 
-/* Parses "x,y,z,qw,qx,qy,qz", the format of a line of a path. */
+/* Parses "x,y,z,qw,qx,qy,qz", the format in which a path's line states a pose. */
 static ost_status parse_pose(const app_state *app, render_args *args, ost_error *err)
 {
     ost_decimal number[7];
@@ -92,7 +92,7 @@ static ost_status check_args(app_state *app, render_args *args, ost_error *err)
     return status == OST_OK ? out_check(app, args->out, "png", err) : status;
 }
 
-/* Adds the tool to the picture. Without --pose its pose is the beginning of the built-in reaming. */
+/* Adds the tool to the picture. Without --pose, the tool is at the beginning of the built-in reaming. */
 static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
 {
     ost_path path = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon segment: divides a CT into bones and writes them as a label map.
+ * Implements `osteon segment`: divides a CT into bones and writes them as a label map.
  */
 #include <math.h>
 #include <osteon/segment.h>
@@ -13,7 +13,7 @@
 
 enum { CUTS_MAX = OPTION_LIST_MAX * 2, SHOWN = 10, THRESHOLD = 120, AIR = -200 };
 
-/* Parses "a,b,..." of `count` decimals, in millimetres. */
+/* Parses "a,b,...", a list of `count` decimals in millimetres. */
 static bool parse_lengths(const char *text, int count, ost_pm *out)
 {
     char copy[256], *at = copy;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon tool: writes a parametric cutting tool as a closed mesh.
+ * Implements `osteon tool`: writes a parametric cutting tool as a closed mesh.
  */
 #include <string.h>
 

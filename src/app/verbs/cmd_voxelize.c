@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon voxelize: makes a tool grid from a mesh (thesis, Alg. 2.1 and section 2.3).
+ * Implements `osteon voxelize`: makes a tool grid from a mesh (thesis, Alg. 2.1 and section 2.3).
  */
 #include <string.h>
 
