@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * motion: plays a tracked hand's motion from a path in text form
- * (io/path_csv.c).
+ * The driver motion: plays a tracked hand's motion from a path in text form (io/path_csv.c).
  *
  *   rows   *  *  *  *  .  .  .  .  *  *  *        . no pose
  *   ticks  ||||||||||||            ||||||||       one pose per tick
  *                      ----------                 OST_HAPTIC_NOT_TRACKED: the tool stays
  *                                 ^ begins lifted; the clutch engages where the tool is
  *
- * The motion is as long as its table, and tracking may be lost at its beginning
- * and end.  Between two rows positions are interpolated linearly and
- * orientations along their arc; tracking is lost before a row that begins
- * lifted (AR-PATH-4, AR-PATH-5).
+ * The motion is as long as its table, and tracking may be lost at its beginning and end. Between
+ * two rows, positions are interpolated linearly and orientations along their arc. Tracking is lost
+ * before a row that begins lifted (AR-PATH-4, AR-PATH-5).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -28,7 +26,7 @@ enum { TICK_NS = 1000000, FILE_NAME = 4096 };
 
 struct haptic_instance {
     ost_path path;   /* owned */
-    size_t row;      /* the last row at or before t_ns, or the first row */
+    size_t row;      /* index of the last row at or before t_ns, or of the first row */
     int64_t t_ns, end_ns;
     haptic_clutch clutch;
 };
@@ -94,14 +92,14 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
     return OST_OK;
 }
 
-/* Interpolates along the shorter arc from a to b. */
+/* Interpolates along the shorter arc from a to b (spherical linear interpolation). */
 static void slerp(const double a[4], const double b[4], double share, double out[4])
 {
     double dot = 0, length = 0;
     for (int i = 0; i < 4; i++)
         dot += a[i] * b[i];
     const double side = dot < 0 ? -1 : 1, angle = acos(fmin(1, fabs(dot)));
-    /* Below a milliradian, arc and chord agree to 1e-7. */
+    /* Below one milliradian, arc and chord agree to 1e-7. */
     const double wa = angle < 1e-3 ? 1 - share : sin((1 - share) * angle) / sin(angle);
     const double wb = angle < 1e-3 ? share : sin(share * angle) / sin(angle);
     for (int i = 0; i < 4; i++) {

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * mouse: follows a target pose that a window's thread sets, a thousand times a
+ * The driver mouse: follows a target pose that a window's thread sets. It runs a thousand times per
  * second.
  *
  *   window, 60 times a second --ost_mouse_input_put--> three buffers --read--> the target pose
  *                                                                  |  low pass, limited step per tick
  *                                                                  '--> the device's pose
  *
- * A mouse jumps by pixels; the device follows with a time constant of 15 ms and
- * never faster than 250 mm and three turns a second, which the pose guard and
- * the sweep can follow.
+ * A mouse jumps by pixels. The device follows with a time constant of 15 ms, at no more than 250 mm
+ * and three turns per second. The pose guard and the sweep can follow such a motion.
  *
- * Forces are displayed and cannot be felt: viewers read them from the live state.
+ * Forces are displayed and cannot be felt. Viewers read them from the live state.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -21,14 +20,14 @@
 #include "haptics/newest.h"
 #include "haptics/workspace.h"
 
-static const double FOLLOW = 0.0645;          /* of the remaining distance, per tick: 1 - exp(-1 ms / 15 ms) */
-static const double STEP_M = 0.25e-3;         /* largest step per tick */
-static const double TURN = 0.0188;            /* largest turn per tick, radians: three turns a second */
+static const double FOLLOW = 0.0645;          /* fraction of the remaining distance per tick: 1 - exp(-1 ms / 15 ms) */
+static const double STEP_M = 0.25e-3;         /* largest step per tick, m */
+static const double TURN = 0.0188;            /* largest turn per tick, radians; three turns per second */
 
 struct ost_mouse_input {
-    newest newest; /* from the window to the device */
+    newest newest; /* passes states from the window to the device */
     ost_haptic_state state[NEWEST_SLOTS];
-    uint32_t lifts[NEWEST_SLOTS], lifted; /* number of lifts up to each state; in total */
+    uint32_t lifts[NEWEST_SLOTS], lifted; /* number of lifts before each state; total number of lifts */
 };
 
 ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err)
@@ -73,7 +72,7 @@ struct haptic_instance {
     double at[3];   /* m */
     double q[4];    /* unit */
     int32_t tool;
-    uint32_t lifts; /* value of the hand's count at the last read */
+    uint32_t lifts; /* number of lifts at the last read */
 };
 
 static void take_pose(const ost_pose *pose, double at[3], double q[4])
@@ -131,7 +130,7 @@ static void approach_position(haptic_instance *m, const double to[3])
 }
 
 /* Rotates the tool toward `to` by the fraction FOLLOW of the angle, at most by TURN, along the
-   shorter arc: q and -q are the same orientation. */
+   shorter arc. q and -q are the same orientation. */
 static void approach_turn(haptic_instance *m, const double to[4])
 {
     double cosine = 0, n = 0;
@@ -155,7 +154,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     double to[3], toward[4];
     take_pose(&input->pose, to, toward);
     if (input->tool != m->tool || lifted) {
-        /* A tool that is taken up or put down elsewhere is at its new pose at once, without intermediate steps. */
+        /* When a tool is exchanged or lifted, it is at its new pose at once, without intermediate steps. */
         memcpy(m->at, to, sizeof m->at);
         memcpy(m->q, toward, sizeof m->q);
         m->tool = input->tool;
@@ -168,7 +167,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     return OST_HAPTIC_FRESH;
 }
 
-/* Viewers read the force from ost_live_channel. */
+/* The device renders no force. Viewers read the force from ost_live_channel. */
 static void mouse_write(haptic_instance *instance, const ost_wrench *wrench)
 {
     (void)instance;

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Passes the newest value from one thread to another, wait-free on both sides.
- * Of three slots, one belongs to the writer, one to the reader, and one is
- * exchanged between them.
+ * Passes the newest value from one thread to another, wait-free on both sides. Of three slots, one
+ * belongs to the writer, one to the reader, and the third one is exchanged between them.
  *
  *   writer: back --exchange--> middle --exchange--> front :reader
  *
- * A value that the reader has not taken before the next one is put is dropped.
+ * A value is dropped if the writer publishes the next one before the reader has taken it.
  */
 #ifndef OST_HAPTICS_NEWEST_H
 #define OST_HAPTICS_NEWEST_H
@@ -17,7 +16,7 @@
 enum { NEWEST_SLOTS = 3, NEWEST_FRESH = 4 };
 
 typedef struct newest {
-    _Atomic unsigned char middle; /* a slot's number, with NEWEST_FRESH set until the reader takes it */
+    _Atomic unsigned char middle; /* index of a slot; NEWEST_FRESH is set until the reader takes the slot */
     unsigned char back;           /* the writer's slot */
     unsigned char front;          /* the reader's slot */
 } newest;
@@ -35,7 +34,7 @@ static inline void newest_put(newest *n)
     n->back = atomic_exchange_explicit(&n->middle, (unsigned char)(n->back | NEWEST_FRESH), memory_order_acq_rel) & 3;
 }
 
-/* Returns true if slot n->front now holds a value that the reader has not seen. */
+/* Takes the newest value. Returns true if slot n->front contains a value that was not yet taken. */
 static inline bool newest_take(newest *n)
 {
     if (!(atomic_load_explicit(&n->middle, memory_order_relaxed) & NEWEST_FRESH))

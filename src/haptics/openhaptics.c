@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * openhaptics: 3D Systems' Touch and Touch X, and the Phantom Omni of the
- * thesis, through the HD interface of OpenHaptics.
+ * The driver openhaptics: 3D Systems' Touch and Touch X, and the Phantom Omni of the thesis,
+ * through the HD interface of OpenHaptics.
  *
  *   vendor's thread, a thousand times a second
  *     frame begins --transform, buttons--> beat: read, tick, write --force--> frame ends
  *
- * A complete tick runs within the vendor's frame, so a force answers the pose of
- * the same millisecond.  Meanwhile the thread that called run waits and checks
- * that the vendor's thread is still running.  Units are millimetres and newtons;
- * x points to the right, y up, z toward the operator.  The device senses six
- * degrees of freedom and renders three.
+ * A complete tick runs within the vendor's frame, so the force is computed from the pose of the
+ * same millisecond. Meanwhile, the thread that called run waits and checks that the vendor's thread
+ * is still running. Units are millimetres and newtons; x points to the right, y up, and z toward
+ * the operator. The device senses six degrees of freedom and renders three.
  */
 #include <errno.h>
 #include <math.h>
@@ -25,7 +24,7 @@
 #include "haptics/vendor.h"
 #include "haptics/workspace.h"
 
-/* The layout of the vendor's HDErrorInfo. */
+/* Has the layout of the vendor's HDErrorInfo. */
 typedef struct hd_error {
     unsigned code;
     int internal;
@@ -94,12 +93,12 @@ struct haptic_instance {
     unsigned device;
     haptic_workspace workspace;
     ost_haptic_limits limits;
-    /* Used by the vendor's thread while it runs. */
+    /* The following fields are used by the vendor's thread while it runs. */
     haptic_beat *beat;
     void *user;
     ost_haptic_state state;
     double force[3];
-    int cooling; /* remaining ticks without force */
+    int cooling; /* number of remaining ticks without force */
     bool lost;
     _Atomic uint64_t frames;
     sem_t over;
@@ -130,8 +129,8 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 }
 
 /*
- * Reads a parameter of the current device. Returns NaN if there is none, after removing its
- * error from the queue.
+ * Reads a parameter of the current device. If the device does not have it, removes the error from
+ * the queue and returns NaN.
  */
 static double nominal(const haptic_instance *h, unsigned what)
 {
@@ -207,8 +206,8 @@ static void openhaptics_write(haptic_instance *h, const ost_wrench *wrench)
 }
 
 /*
- * Handles the device's errors. Warm motors get no force for a second; any error other than that
- * and an exceeded force means that the device is lost.
+ * Handles the device's errors. If the motors are warm, the device renders no force for a second.
+ * Any other error, except an exceeded force, means that the device is lost.
  */
 static void judge(haptic_instance *h)
 {
@@ -249,7 +248,7 @@ static unsigned frame(void *user)
     return more ? HD_CONTINUE : HD_DONE;
 }
 
-/* Waits for the last frame. Returns false if the vendor's thread stopped calling. */
+/* Waits for the last frame. Returns false if the vendor's thread has stopped calling. */
 static bool wait_for(haptic_instance *h)
 {
     for (uint64_t before = 0, now;; before = now) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Parses "key=value,key=value" after a device's name. */
+/* Parses the list "key=value,key=value" that follows a device's name. */
 #include <string.h>
 
 #include "haptics/driver.h"

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Scheduling: tries SCHED_FIFO 80, then SCHED_FIFO as high as the limit allows,
- * then nice -11, then the default; always with the shortest timer slack.
- * Processes and threads created meanwhile get default scheduling
- * (SCHED_RESET_ON_FORK): OpenMP's workers and drivers must not outrank the loop
- * that they serve.
+ * Requests real-time scheduling. It tries SCHED_FIFO 80, then SCHED_FIFO at the highest priority
+ * that the limit allows, then nice -11, then the default, always with the shortest timer slack.
+ * Processes and threads created meanwhile get default scheduling (SCHED_RESET_ON_FORK), because
+ * OpenMP's workers and drivers must not have a higher priority than the loop that uses them.
  *
- * Memory is locked so that no tick waits for a page.  Later allocations are
- * locked only if the limit cannot make an allocation fail because of it.
+ * Memory is locked so that no tick waits for a page. Later allocations are locked only if the limit
+ * on locked memory cannot make them fail.
  *
- * Cores: the loop takes the last one, since interrupts prefer the first.
+ * The loop runs on the last core, because most interrupts are handled by the first cores.
  */
 #include "haptics/realtime.h"
 
@@ -75,7 +74,7 @@ static void lock_memory(realtime_before *before, ost_realtime *out)
         snprintf(out->memory, sizeof out->memory, "not locked: %s (limits.d: memlock unlimited)", strerror(errno));
 }
 
-/* Maps the stack's pages before the first tick. */
+/* Maps the pages of the stack before the first tick. */
 static void touch_stack(void)
 {
     volatile unsigned char stack[STACK];

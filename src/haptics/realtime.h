@@ -12,13 +12,14 @@ typedef struct realtime_before {
     bool scheduled, niced, slack, locked;
     unsigned long slack_ns;
     bool pinned;
-    cpu_set_t cores; /* the affinity before pinning */
+    cpu_set_t cores; /* affinity before pinning */
 } realtime_before;
 
 /*
- * Sets up the calling thread and describes in *out what was obtained. If request is false, requests
- * no priority and no locked memory, and *out says so. If core is negative, the thread is not
- * pinned. realtime_leave, called on the same thread, restores what realtime_enter changed.
+ * Sets up the calling thread and describes the result in *out. If request is false, requests
+ * neither a priority nor locked memory, and *out states this. If core is negative, the thread is
+ * not pinned. realtime_leave must be called on the same thread and restores what realtime_enter
+ * changed.
  */
 void realtime_enter(bool request, int core, realtime_before *before, ost_realtime *out);
 void realtime_leave(const realtime_before *before);

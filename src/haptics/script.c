@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * script and replay: play recorded ticks, one row for each read.  script takes a
- * path, replay the ticks of a session.
+ * The drivers script and replay: play recorded ticks, one row per read. script reads a path, and
+ * replay reads the ticks of a session.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -9,15 +9,15 @@
  *
  *   due 1 - lead: wake, rehearse, wait without sleep until due 1
  *
- *   wake        from when a tick was due to when it began
- *   exec        from there to when the wrench was written
+ *   wake        time from the moment when a tick is due to its beginning
+ *   exec        time from its beginning until the wrench is written
  *   own         the part of exec that the tick itself used (thread_time.h)
- *   completion  from when it was due to when the wrench was written; more than
- *               a period is a missed deadline
+ *   completion  time from the moment when it is due until the wrench is
+ *               written; more than a period is a missed deadline
  *
- * Due times are absolute and never move; the world's clock counts the ticks
- * that were executed.  `osteon bench --suite servo` measures the same loop with
- * a tick that does nothing: the deadlines that the machine alone misses.
+ * Due times are absolute and never move. The world's clock counts the ticks that were executed.
+ * `osteon bench --suite servo` measures the same loop with a tick that does nothing. It shows the
+ * deadlines that are missed because of the machine alone.
  */
 #include <errno.h>
 #include <stdio.h>
@@ -42,7 +42,8 @@ typedef struct servo {
     ost_servo_report *report;
     ost_servo_sample sample;
     int64_t due, wake_ns;
-    thread_time ready, begin; /* measured at the end of the sleep before a tick; at the tick's beginning */
+    /* ready: read at the end of the sleep before a tick; begin: read at the tick's beginning */
+    thread_time ready, begin;
     bool has_pose;
     int ticks_without_sample; /* consecutive ticks without a new pose */
 } servo;
@@ -71,7 +72,7 @@ static bool end_with(servo *s, ost_servo_end end)
     return false;
 }
 
-/* Reads the device's state into the sample. Returns false if the loop ends. */
+/* Reads the device's state into the sample. Returns false if the loop must end. */
 static bool take_pose(servo *s)
 {
     switch (ost_haptic_read(s->device, &s->sample.state)) {
@@ -98,7 +99,7 @@ static bool take_pose(servo *s)
     return end_with(s, OST_SERVO_DEVICE_LOST);
 }
 
-/* Runs the tick that was due at s->due. Returns false if the loop ends. */
+/* Runs the tick that was due at s->due. Returns false if the loop must end. */
 static bool run_loop(servo *s)
 {
     ost_wrench wrench = {{0}, {0}};
@@ -109,7 +110,7 @@ static bool run_loop(servo *s)
     s->sample.wake_ns = ns32(s->wake_ns);
     if (!take_pose(s))
         return false;
-    /* Until a device has its first pose no tick runs; the watchdog limits how long. */
+    /* No tick runs before the device returns its first pose; the watchdog limits this time. */
     if (!s->has_pose && !s->sample.tracking_lost)
         return true;
     const bool more = s->tick(s->user, &s->sample, &wrench);
@@ -132,8 +133,8 @@ static bool run_loop(servo *s)
 }
 
 /*
- * Classifies the misses. Of the rehearsals and the wait after them, only time beyond lead_ns
- * counts as work.
+ * Classifies the misses. The rehearsals and the wait after them count as work only as far as they
+ * exceed lead_ns.
  */
 static void count_missed(servo *s, uint64_t missed)
 {
@@ -148,7 +149,7 @@ static void count_missed(servo *s, uint64_t missed)
     r->missed += missed;
 }
 
-/* Counts the misses of the tick just executed, which was due at s->due, and advances s->due. */
+/* Counts the misses of the tick that was just executed and was due at s->due. Then advances s->due. */
 static void go_on(servo *s)
 {
     const int64_t skipped = skipped_after(s->due, ost_clock_ns(), s->options.period_ns);
@@ -161,10 +162,10 @@ static void go_on(servo *s)
 }
 
 /*
- * After most of a period without work, caches hold less of the tick's data, wide
- * registers are powered down, and a sleeping core has to wake up: together this
- * costs a tick as much again as its work.  The time lead_ns before the tick is
- * therefore spent on as many rehearsals as fit, and on a wait without sleep.
+ * After most of a period without work, caches contain less of the tick's data, wide registers are
+ * powered down, and a sleeping core has to wake up. Together these effects cost about as much time
+ * as the tick's work itself. The time lead_ns before the tick is therefore spent on as many
+ * rehearsals as fit, and on a wait without sleep.
  */
 static void get_ready(servo *s)
 {
@@ -202,8 +203,8 @@ static void run_without_clock(servo *s)
 }
 
 /*
- * Called on the thread of a device with its own clock. The device decides when ticks run;
- * ost_clock_ns measures how late.
+ * Called on the thread of a device with its own clock. The device determines when ticks run, and
+ * ost_clock_ns measures their delay.
  */
 static bool beat(void *user)
 {
@@ -213,14 +214,14 @@ static bool beat(void *user)
         s->due = begin;
     if (!run_loop(s))
         return false;
-    /* A device that runs early resets the schedule: its next tick is due a period after this one. */
+    /* If a device runs early, the schedule is reset: its next tick is due one period after this one. */
     if (begin < s->due)
         s->due = begin;
     go_on(s);
     return true;
 }
 
-/* Returns the time stolen from all cores since boot, in ms, or -1 if the system does not report it. */
+/* Returns the time stolen from all cores since boot, in ms; -1 if the system does not report it. */
 static int64_t stolen_ms(void)
 {
     long long field[8];
@@ -241,7 +242,7 @@ static int64_t stolen_ms(void)
         }
     }
     fclose(file);
-    return count == 8 ? field[7] * 10 : -1; /* in hundredths of a second */
+    return count == 8 ? field[7] * 10 : -1; /* the field is in hundredths of a second */
 }
 
 ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
@@ -276,7 +277,7 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
         run_without_clock(&s);
     else
         run_clock(&s);
-    /* However the loop ended, the device gets no force. */
+    /* When the loop has ended, for whatever reason, the device must render no force. */
     const ost_wrench nothing = {{0}, {0}};
     ost_haptic_write(device, &nothing);
     const int64_t after = stolen_ms();

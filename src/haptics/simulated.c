@@ -1,30 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * sim: a simulated device held by a simulated operator's hand, so that the force
- * loop can be closed without hardware.
+ * The driver sim: a simulated device held by a simulated operator's hand, so that the force loop
+ * can be closed without hardware.
  *
  *   hand's plan --spring, damper--> mass --encoders--> pose
  *                                    ^  '- friction
  *                                    '---- force, one tick late
  *
- * The parameters are a Phantom Omni's and a hand's, from the literature:
+ * The parameters are those of a Phantom Omni and of a hand, from the literature:
  *
  *   mass 60 g (inertia at the tip 45 g and the stylus), viscous 0.2 N s/m,
  *   Coulomb friction 0.26 N (backdrive), encoders 55 um (450 dpi), 3.3 N at most
  *   hand    light 100 N/m 0.5 N s/m   normal 150 N/m 1.5 N s/m   firm 400 N/m 4 N s/m
  *
- * A tick is ten steps of 0.1 ms, velocities first (semi-implicit Euler).
- * Coulomb friction is implicit: it reduces the speed by as much as it can in a
- * step, at most to zero, so that a sticking device stays still.  The stylus has
- * exactly the planned direction; the device senses it and renders no torque.
+ * A tick consists of ten steps of 0.1 ms, which update velocities first (semi-implicit Euler).
+ * Coulomb friction is implicit: it reduces the speed by as much as possible in one step, but not
+ * below zero, so that a sticking device stays still. The stylus has exactly the planned direction.
+ * The device senses this direction and renders no torque.
  *
- * Friction makes such a loop passive up to 2 * 0.26 N / 55 um = 9.5 kN/m
- * (Diolaiti and others 2006); friction=0 is the worst case for which a force law
- * must be stable.
+ * Friction makes such a loop passive up to 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others
+ * 2006). friction=0 is the worst case, in which a force law must still be stable.
  *
- * The code uses only + - * / and sqrt of doubles and a random generator of its
- * own: the same ticks and forces give the same poses everywhere.  Lengths are in
- * metres.
+ * The code uses only + - * / and sqrt of doubles, and its own random generator, so that the same
+ * ticks and forces produce the same poses on every machine. Lengths are in metres.
  */
 #include "core/conditions.h"
 
@@ -123,7 +121,7 @@ static ost_status sim_open(const char *options, const ost_haptic_setup *setup, h
     return OST_OK;
 }
 
-/* Returns a number from -1 to 1 by SplitMix64. */
+/* Returns a pseudo-random number from -1 to 1, computed by SplitMix64. */
 static double noise(haptic_instance *s)
 {
     uint64_t z = (s->random += UINT64_C(0x9e3779b97f4a7c15));
@@ -134,7 +132,7 @@ static double noise(haptic_instance *s)
 }
 
 /*
- * Adds a tremor: noise through a low pass of about 10 Hz. The factor 5 brings its amplitude
+ * Adds a tremor: noise filtered by a low pass of about 10 Hz. The factor 5 brings its amplitude
  * near the requested one.
  */
 static void shake(haptic_instance *s)
@@ -146,7 +144,7 @@ static void shake(haptic_instance *s)
     }
 }
 
-/* Advances one step, with the hand at `to` moving at `speed`. */
+/* Advances by one step. The hand is at `to` and moves with `speed`. */
 static void step(haptic_instance *s, const double to[3], const double speed[3])
 {
     double v[3];
@@ -170,11 +168,11 @@ static ost_pm encoded(double metres)
 
 static ost_haptic_answer sim_read(haptic_instance *s, ost_haptic_state *state)
 {
-    /* After the end of its plan the hand does not move. */
+    /* After the end of its plan, the hand does not move. */
     const size_t last = s->path.count - 1, from = s->next < last ? s->next : last, to = from < last ? from + 1 : last;
     const ost_tick *tick = &s->path.ticks[from];
     double a[3], b[3];
-    /* When a tool is taken up, hand and device are at its new position at once. */
+    /* When a tool is exchanged, hand and device move to the new tool's position at once. */
     const bool taken_up = from > 0 && s->next <= last && tick->tool != s->path.ticks[from - 1].tool;
     position_of(&tick->pose, a);
     position_of(&s->path.ticks[s->path.ticks[to].tool == tick->tool ? to : from].pose, b);
@@ -202,7 +200,7 @@ static void sim_write(haptic_instance *s, const ost_wrench *wrench)
 {
     const double *f = wrench->force_n;
     const double size = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-    /* The force is limited to what the motors can give; one that is not finite counts as zero. */
+    /* The force is limited to the maximum of the motors. A force that is not finite is replaced by zero. */
     const double share = size > FORCE_MAX_N ? FORCE_MAX_N / size : 1;
     for (int a = 0; a < 3; a++)
         s->force[a] = isfinite(size) ? f[a] * share : 0;

@@ -1,19 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * spnav: 3Dconnexion's SpaceMouse and similar devices, through libspnav and
- * spacenavd.
+ * The driver spnav: 3Dconnexion's SpaceMouse and similar devices, through libspnav and spacenavd.
  *
  *   cap pushed by c counts of 350 --> a speed --> integrated tick by tick --> pose
  *
- * The cap sets a speed, not a position: its motion is unlimited, and the cap
- * returns to its centre by itself.  Fully pushed it moves the tool at speed= and
- * turns it at turn=, in proportion below that, and not at all within the dead
- * zone.  x points to the right, y up, and z toward the operator, opposite to
- * libspnav's z.  libspnav reports changes only, so the last values apply until
- * the next event.
+ * The cap sets a speed, not a position, because it returns to its centre by itself. The motion is
+ * therefore unlimited. A fully pushed cap moves the tool at speed= and turns it at turn=. Below
+ * that the speed is proportional, and within the dead zone it is zero. x points to the right, y up,
+ * and z toward the operator, opposite to libspnav's z. libspnav reports only changes, so the last
+ * values apply until the next event.
  *
- * With hold=1 the tool moves only while button 1 is pressed.  The device renders
- * no force.
+ * With hold=1 the tool moves only while button 1 is pressed. The device renders no force.
  */
 #include <math.h>
 #include <poll.h>
@@ -26,7 +23,7 @@
 #include "haptics/vendor.h"
 #include "haptics/workspace.h"
 
-/* The definitions of libspnav; its largest event has 40 bytes. */
+/* These definitions are those of libspnav. Its largest event has 40 bytes. */
 enum { EVENT_MOTION = 1, EVENT_BUTTON = 2, EVENT_DEVICE = 3, DEVICE_REMOVED = 1 };
 typedef union spnav_event {
     int type;
@@ -41,7 +38,7 @@ typedef union spnav_event {
     struct {
         int type, operation, id, kind, usb[2];
     } device;
-    char unused[128]; /* reserve for later versions */
+    char unused[128]; /* space for events of later versions */
 } spnav_event;
 
 typedef struct spnav_calls {
@@ -73,8 +70,8 @@ struct haptic_instance {
     spnav_calls spnav;
     haptic_workspace workspace;
     choice how;
-    int push[6];             /* the last event's values: x y z, about x y z */
-    double at[3], q[4];      /* relative to the start pose, in its frame */
+    int push[6];             /* values of the last event: translation x y z, rotation about x y z */
+    double at[3], q[4];      /* relative to the start pose, in the frame of that pose */
     uint32_t buttons;
     bool lost;
 };
@@ -85,10 +82,10 @@ static bool spnav_usable(char reason[256])
     return vendor_load(&library, &calls, reason);
 }
 
-/* Number of open instances; libspnav has one connection. */
+/* Number of open instances. libspnav supports only one connection. */
 static _Atomic int in_use;
 
-/* Checks that the daemon answers; without it the library has no device. */
+/* Checks that the daemon answers. Without the daemon, the library has no device. */
 static bool spnav_answers(char reason[256])
 {
     spnav_calls calls;
@@ -169,7 +166,7 @@ static void take_event(haptic_instance *s, const spnav_event *e)
     }
 }
 
-/* Maps counts to a speed from -1 to 1. */
+/* Maps counts to a fraction of the full speed, from -1 to 1. */
 static double share_of(int counts)
 {
     const double beyond = fmin(FULL, fabs((double)counts)) - DEAD;
@@ -177,8 +174,8 @@ static double share_of(int counts)
 }
 
 /*
- * Turns by one tick: at most 0.72 degrees about each axis, so the normalized quaternion
- * (1, w / 2) is accurate enough.
+ * Applies the rotation of one tick. It is at most 0.72 degrees about each axis, so the normalized
+ * quaternion (1, w / 2) is accurate enough.
  */
 static void turn_on(double q[4], const double by[3])
 {
@@ -205,7 +202,7 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
     spnav_event event;
     for (int i = 0; i < EVENTS && s->spnav.poll(&event); i++)
         take_event(s, &event);
-    /* libspnav does not report that its daemon ended; the socket does. */
+    /* libspnav does not report the end of its daemon, but the socket does. */
     if (s->lost || daemon.fd < 0 || (poll(&daemon, 1, 0) > 0 && (daemon.revents & (POLLHUP | POLLERR | POLLNVAL))))
         return OST_HAPTIC_LOST;
     const bool moves = !s->how.hold || (s->buttons >> HOLD_BUTTON & 1);

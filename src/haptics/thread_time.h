@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures the processor time that a thread used between two moments, and
- * classifies missed deadlines by it.
+ * Measures the processor time that a thread used between two moments, and classifies missed
+ * deadlines accordingly.
  *
  *   wall time  =  own work  +  time taken away (other threads, the hypervisor)
  *   an interval in which the thread waited voluntarily (slept, waited for a
  *   lock, read a file) counts completely as own work: a tick must not wait
  *
- * Where the kernel accounts for a virtual machine's stolen time separately
- * (Linux with CONFIG_PARAVIRT_TIME_ACCOUNTING), a thread's processor time
- * excludes the time that a hypervisor took.  Elsewhere stolen time counts as own
- * work, so own work is never reported too small.
+ * If the kernel accounts for the stolen time of a virtual machine separately (Linux with
+ * CONFIG_PARAVIRT_TIME_ACCOUNTING), a thread's processor time excludes the time that a hypervisor
+ * took. On other systems, stolen time counts as own work, so own work is never underestimated.
  */
 #ifndef OST_HAPTICS_THREAD_TIME_H
 #define OST_HAPTICS_THREAD_TIME_H
@@ -25,7 +24,7 @@ typedef struct thread_time {
     long waits;
 } thread_time;
 
-/* Reads the calling thread's times since the thread began; takes about a microsecond. */
+/* Reads the times that the calling thread has used since it began. Takes about a microsecond. */
 static inline thread_time thread_time_now(void)
 {
     struct timespec cpu;
@@ -50,10 +49,9 @@ static inline int64_t thread_time_between(const thread_time *from, const thread_
 typedef enum missed_deadline { MISSED_BY_WORK, MISSED_WOKEN_LATE, MISSED_PREEMPTED } missed_deadline;
 
 /*
- * Returns the cause of a missed deadline.  It is the tick's own work if that
- * took more than half a period.  Otherwise it is late wake-up if the loop was
- * woken a period late or more: an idle loop would have missed the deadline too.
- * Otherwise the core was taken away.
+ * Returns the cause of a missed deadline. The cause is the tick's own work if this took more than
+ * half a period. Otherwise it is late wake-up if the loop was woken at least a period late; an idle
+ * loop would then have missed the deadline too. In all other cases, the thread was preempted.
  */
 static inline missed_deadline classify_missed_deadline(int64_t own_ns, int64_t wake_ns, int64_t period_ns)
 {

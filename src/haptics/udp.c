@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * udp: a device on another machine, where osteon bridge runs.
+ * The driver udp: a device on another machine, where osteon bridge runs.
  *
  *   bridge --pose--> thread --newest--> read, in the tick
  *   bridge <--state- thread <--newest-- write, in the tick
  *
- * A separate thread owns the socket: it checks received packets and answers each
- * valid one with the newest state, so the bridge's clock drives the link.  The
- * tick takes no lock, makes no system call and allocates nothing.
+ * A separate thread owns the socket. It checks received packets and answers each valid one with the
+ * newest state, so the bridge's clock drives the link. The tick takes no lock, makes no system call
+ * and allocates no memory.
  *
- * The force on the device is computed at the bridge, from the pose that was
- * answered, the force there and the stiffness along it (bridge.c): the delay of
- * the link is in no feedback loop.  Poses are checked here: one that is farther
- * from the last than a hand could have moved is rejected, and the bridge is
- * requested to take hold again.
+ * The bridge computes the force on the device from the pose that was answered, the force at that
+ * pose, and the stiffness along this force (bridge.c). Therefore no feedback loop contains the
+ * delay of the link. Poses are checked in this driver. A pose is rejected if it is farther from the
+ * last one than a hand could have moved; the bridge is then requested to engage its clutch again.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -42,14 +41,14 @@
 enum {
     PORT = 4707,
     LOST_MS = 5000,
-    OWNER_MS = 1000,     /* after this silence another bridge may take over */
-    PATIENT_TICKS = 4,   /* ticks without a packet during which the last pose is used */
-    BRIDGED_TICKS = 50,  /* longest gap in ticks after which a pose that is near enough is accepted */
-    DRAIN = 64,          /* largest number of packets received between two checks for the end */
+    OWNER_MS = 1000,     /* ms of silence after which another bridge may take over */
+    PATIENT_TICKS = 4,   /* number of ticks without a packet during which the last pose is used */
+    BRIDGED_TICKS = 50,  /* longest gap in ticks after which a sufficiently near pose is accepted */
+    DRAIN = 64,          /* maximum number of packets received between two checks whether the thread must end */
     NAME = 512,
     FAREWELLS = 3
 };
-#define FAR_M 0.004     /* per tick; less than the jump that an operation treats as a fault */
+#define FAR_M 0.004     /* maximum motion per tick in m; less than the jump that an operation treats as a fault */
 #define FAR_RAD 0.7
 
 enum { GOOD, MALFORMED, WRONG_KEY, REPLAYED, LATE, MISSING, OTHERS, AGAIN, COUNTS };
@@ -79,7 +78,7 @@ struct haptic_instance {
     came came[NEWEST_SLOTS];
     goes goes[NEWEST_SLOTS];
     uint32_t stiffness, damping;
-    /* Used by the thread only. */
+    /* The following fields are used by the network thread only. */
     uint64_t simulation, owner, sequence;
     int64_t owner_ns;
     link_window window;
@@ -87,7 +86,7 @@ struct haptic_instance {
     socklen_t peer_size;
     bool has_peer;
     goes answer;
-    /* Used by the tick only. */
+    /* The following fields are used by the tick only. */
     ost_pose given;
     int64_t ticks_without_sample, lost_ticks;
     bool met, tracking_lost, again;
@@ -126,7 +125,7 @@ static void answer(haptic_instance *u, const struct sockaddr_storage *to, sockle
         p.torque_unm[a] = (int32_t)rint(fmax(-1e9, fmin(1e9, g->wrench.torque_nm[a] * 1e6)));
     }
     const size_t length = link_seal(u->key, &p, bytes);
-    /* A state that cannot be sent now is dropped; the next one is newer. */
+    /* A state that cannot be sent now is dropped, because the next one will be newer. */
     if (length && sendto(u->socket, bytes, length, MSG_DONTWAIT | MSG_NOSIGNAL, (const struct sockaddr *)to, size) < 0)
         return;
 }
@@ -191,7 +190,8 @@ static void *run_network(void *user)
             uint8_t bytes[LINK_BUFFER_BYTES];
             struct sockaddr_storage from;
             socklen_t from_size = sizeof from;
-            /* MSG_TRUNC: returns the packet's full length, so that one that is too long is rejected. */
+            /* With MSG_TRUNC, recvfrom returns the packet's full length, so that packets that are too long are
+               rejected. */
             const ssize_t size = recvfrom(u->socket, bytes, sizeof bytes, MSG_DONTWAIT | MSG_TRUNC,
                                           (struct sockaddr *)&from, &from_size);
             if (size < 0)
@@ -312,7 +312,7 @@ static ost_status udp_open(const char *options, const ost_haptic_setup *setup, h
 static void udp_close(haptic_instance *u)
 {
     const uint64_t one = 1;
-    /* Cannot fail: the eventfd's counter is 0. */
+    /* The write cannot fail, because the eventfd's counter is 0. */
     if (write(u->stop, &one, sizeof one) == (ssize_t)sizeof one)
         pthread_join(u->thread, NULL);
     forget(u);
@@ -321,8 +321,8 @@ static void udp_close(haptic_instance *u)
 /* --------------------------------------------------------------- the tick */
 
 /*
- * Moves u->given toward *to, as far as it may go in a tick.  Returns false if no
- * hand could have got there in the time since the last packet.
+ * Moves u->given toward *to, by at most the distance allowed in one tick. Returns false if no hand
+ * could have reached *to in the time since the last packet.
  */
 static bool follow(haptic_instance *u, const ost_pose *to)
 {
@@ -380,7 +380,7 @@ static ost_haptic_answer udp_read(haptic_instance *u, ost_haptic_state *state)
     if (c->flags & LINK_ENDED)
         return OST_HAPTIC_ENDED;
     if (!(c->flags & LINK_SEEN)) {
-        /* The bridge released the tool; it follows the next pose with LINK_SEEN from where it is. */
+        /* The bridge has released the tool. The tool follows the next pose with LINK_SEEN from its current position. */
         u->again = false;
         u->ticks_without_sample = 0;
         return tracking_lost(u);

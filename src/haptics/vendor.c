@@ -42,7 +42,7 @@ bool vendor_load(const vendor_library *library, void *table, char reason[256])
                      library->symbols[i].name);
             return false;
         }
-        /* POSIX: the address of a function fits into an object pointer. */
+        /* POSIX guarantees that the address of a function fits into an object pointer. */
         memcpy((char *)table + library->symbols[i].offset, &symbol, sizeof symbol);
     }
     return true;

@@ -4,8 +4,8 @@
  *
  *   file in the environment variable, else each name in turn --dlopen--> every symbol, or none
  *
- * Building needs nothing of a vendor; the prototypes are this project's own.  A
- * library stays loaded, because some have threads that outlive their devices.
+ * The build needs no files of a vendor, because this project declares the prototypes itself. A
+ * library stays loaded, because some libraries have threads that outlive their devices.
  */
 #ifndef OST_HAPTICS_VENDOR_H
 #define OST_HAPTICS_VENDOR_H
@@ -17,18 +17,18 @@ typedef void vendor_function(void);
 
 typedef struct vendor_symbol {
     const char *name;
-    size_t offset; /* of the pointer in the driver's table of functions */
+    size_t offset; /* offset of the pointer in the driver's table of functions */
 } vendor_symbol;
 
 typedef struct vendor_library {
-    const char *variable;        /* environment variable with a file to load instead */
-    const char *const *names;    /* names passed to dlopen in this order; ends with NULL */
-    const char *product;         /* the product to install, for messages */
+    const char *variable;        /* environment variable that names a file to load instead */
+    const char *const *names;    /* names passed to dlopen, in this order; ends with NULL */
+    const char *product;         /* product to install, named in messages */
     const vendor_symbol *symbols;
     size_t count;
 } vendor_library;
 
-/* Fills the pointers in `table` and returns true; otherwise returns false with the reason. */
+/* Fills the pointers in `table` and returns true. On failure, returns false and writes the reason. */
 bool vendor_load(const vendor_library *library, void *table, char reason[256]);
 
 #endif

@@ -5,9 +5,8 @@
  *   device's frame --axes--> a tool's frame: x right, y up, z toward the operator
  *                  --start, scale--> the bone's frame
  *
- * When the handle is centred and upright, the tool is at `start`.  Pushing the
- * handle away from the operator moves the tool along its own -z, its working
- * direction.
+ * When the handle is centred and upright, the tool is at `start`. Pushing the handle away from the
+ * operator moves the tool along its own -z, its working direction.
  */
 #ifndef OST_HAPTICS_WORKSPACE_H
 #define OST_HAPTICS_WORKSPACE_H
@@ -16,29 +15,29 @@
 
 typedef struct haptic_workspace {
     double at[3];          /* position of start, m */
-    double turn[3][3];     /* [row][column]: device's frame to the bone's frame */
-    /* inverse of the rotation from the device's frame to the tool's when the handle is upright */
+    double turn[3][3];     /* [row][column]: rotates the device's frame into the bone's frame */
+    /* inverse of the rotation from the device's frame to the tool's frame when the handle is upright */
     double identity[3][3];
-    double scale;          /* metres in the bone for a metre of the device */
+    double scale;          /* metres in the bone's frame per metre of the device */
 } haptic_workspace;
 
 /*
- * Makes the mapping. axes[i] is the device's axis (0 x, 1 y, 2 z) that becomes the tool's axis
- * i; together they form a right-handed frame.
+ * Makes the mapping. axes[i] is the device's axis (0 x, 1 y, 2 z) that becomes the tool's axis i.
+ * The axes must form a right-handed frame.
  */
 haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale);
 
 /*
  * Returns the tool's pose for a handle at `position` (m) whose frame[row][column] rotates the
- * handle's frame into the device's. Returns an invalid pose if a value is not finite or is too
- * far away.
+ * handle's frame into the device's frame. Returns an invalid pose if a value is not finite or is
+ * too large.
  */
 ost_pose haptic_workspace_pose(const haptic_workspace *workspace, const double position[3], const double frame[3][3]);
 
-/* Converts metres and w x y z to an integer pose; invalid if a value is not finite or is too far away. */
+/* Converts metres and w x y z to an integer pose. The result is invalid if a value is not finite or is too large. */
 ost_pose haptic_pose_quantise(const double at[3], const double q[4]);
 
-/* Rotates a vector, for example a force or torque, from the bone's frame to the device's. */
+/* Rotates a vector, for example a force or torque, from the bone's frame to the device's frame. */
 void haptic_workspace_vector(const haptic_workspace *workspace, const double bone[3], double device[3]);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The functions of gl.h in a build without libepoxy: OpenGL is never available. */
+/* Implements the functions of gl.h in a build without libepoxy, in which OpenGL is never available. */
 #include "render/gl/gl.h"
 
 const ost_gl_variant ost_gl_ours, ost_gl_thesis;

@@ -72,7 +72,7 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
         gl->wanted[i] = UINT64_MAX;
 }
 
-/* Lists the numbers of a block's points that are in wanted cells and have a face toward the eye. */
+/* Lists the numbers of those points of a block that are in wanted cells and have a face toward the eye. */
 static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first,
                             uint32_t *out)
 {
@@ -90,7 +90,7 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Lists the numbers of a block's bricks; a run stores them in the order of their bits. */
+/* Lists the numbers of a block's bricks in wanted cells. A run stores its bricks in the order of their bits. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;
@@ -102,8 +102,8 @@ static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *ou
     return n;
 }
 
-/* Returns an upper bound of the width in pixels of the block's voxels, by splat_scalar.c's
-   slopes at the frame's corner. */
+/* Returns an upper bound of the width in pixels of the block's voxels, computed with the slopes of
+   splat_scalar.c at the frame's corner. */
 static float largest_voxel(const ost_splat_eye *s, const float base[3])
 {
     const ost_eye *e = &s->eye;

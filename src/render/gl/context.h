@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An OpenGL context without a display, which belongs to the thread that opens
- * it.  A driver's messages are reported as errors.
+ * An OpenGL context without a display. It belongs to the thread that opens it. A driver's messages
+ * are reported as errors.
  *
  *   EGL:  the platform without a surface (Mesa), each device that EGL lists
- *         (NVIDIA, Mesa); the first that is not software, else the first
+ *         (NVIDIA, Mesa); the first one that is not software, else the first one
  */
 #ifndef OST_RENDER_GL_CONTEXT_H
 #define OST_RENDER_GL_CONTEXT_H
@@ -17,18 +17,19 @@
 typedef struct ost_gl_context {
     EGLDisplay display;
     EGLContext context;
-    int version;         /* ten times the version, limited to that of the options */
+    int version;         /* ten times the version; not more than the version in the options */
     bool persistent;     /* buffers can stay mapped (4.4) */
-    bool zero_to_one;    /* clip space depth can be 0 to 1, so it is stored unchanged (4.5) */
+    bool zero_to_one;    /* clip space depth can range from 0 to 1, so it is stored unchanged (4.5) */
     ost_gl_info info;
     char complaint[256]; /* the driver's first message since the last check */
 } ost_gl_context;
 
-/* Opens a context. The struct must not be moved, since the driver's messages are written to it. */
+/* Opens a context. The struct must not be moved, because the driver's messages are written to it. */
 ost_status ost_gl_context_open(ost_gl_context *context, const ost_gl_options *options, ost_error *err);
-void ost_gl_context_close(ost_gl_context *context); /* a zeroed context is valid */
+void ost_gl_context_close(ost_gl_context *context); /* accepts a zero-initialized context */
 
-/* Returns OST_OK if no error occurred since the last check. doing: the action, for the message: "draws 3 things". */
+/* Returns OST_OK if no error has occurred since the last check. doing: the action named in the
+   message: "draws 3 things". */
 ost_status ost_gl_context_check(ost_gl_context *context, const char *doing, ost_error *err);
 
 #endif

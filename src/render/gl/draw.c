@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A frame by OpenGL, object by object:
+ * Draws a frame with OpenGL, object by object:
  *
  *   changed blocks --> pools          (resident.c)
  *   blocks in view, near first        (points/blocks.h)
- *   points turned to the eye          --> list of vertices (choose.c)
- *   G-buffer cleared, points drawn, composite over what is there (pass.c)
+ *   points that face the eye          --> list of vertices (choose.c)
+ *   G-buffer cleared, points drawn, composited over the picture (pass.c)
  *       between two parts of the points: the hidden cells are found (hide.c)
  *
- * The depth is the squared distance of a voxel's centre.  If clip space depth is 0 to 1 (4.5),
- * the stored depth is exact: a power of two times the float that the processor's renderer
- * compares.  In older versions it is rounded to 24 bits of the farthest.
+ * The depth is the squared distance of a voxel's centre. If clip space depth is 0 to 1 (4.5), the
+ * stored depth is exact: it is the float that the processor's renderer compares, multiplied by a
+ * power of two. In older versions it is rounded to 24 bits of the greatest distance.
  */
 #include "core/conditions.h"
 #include "render/gl/insides.h"
@@ -130,7 +130,7 @@ ost_gl_counts ost_gl_counts_get(const ost_gl *gl)
     return gl->did;
 }
 
-/* Waits for the last frame; afterwards the data that it reads may be overwritten. */
+/* Waits for the last frame. Afterwards, the data that the frame used may be overwritten. */
 static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 {
     if (!gl->fence)
@@ -161,7 +161,7 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
     return ost_gl_draw_points(gl, v, l, err);
 }
 
-/* Draws a layer separately, then takes the nearer pixels of it. */
+/* Draws a layer separately, then copies those of its pixels that are nearer than the picture's. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];
@@ -185,7 +185,7 @@ static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, os
     return status;
 }
 
-/* Draws all layers into one G-buffer with a common depth, or a single layer into the picture. */
+/* Draws all layers into one G-buffer with a common depth, or, with OST_GL_FORWARD, into the picture. */
 static ost_status draw_together(ost_gl *gl, const ost_gl_variant *v, int count, ost_error *err)
 {
     const ost_gl_program_key key = {.stage = OST_GL_STAGE_WIDE, .target = v->target};
@@ -226,8 +226,8 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
 }
 
 /*
- * Makes the layers' lists, one after the other, and draws them; gl->blocks holds the blocks of
- * the layer prepared last.
+ * Makes the layers' lists and draws the layers, one after the other. gl->blocks contains the blocks
+ * of the layer prepared last.
  */
 static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_style style, ost_error *err)
 {

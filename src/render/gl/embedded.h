@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The shaders' sources, carried in the library; each part begins with #line. Made by build-aux/source-strings. */
+/* The shaders' sources, embedded in the library by build-aux/source-strings. Each part begins with #line. */
 #ifndef OST_RENDER_GL_EMBEDDED_H
 #define OST_RENDER_GL_EMBEDDED_H
 

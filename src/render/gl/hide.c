@@ -9,8 +9,8 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* the search pays off if at least one cell in WORTH is hidden */
-    PAUSE = 8, /* frames until the next search if the last one did not pay off */
+    WORTH = 8,  /* the search is worth its cost if at least one of WORTH cells is hidden */
+    PAUSE = 8, /* frames until the next search if the last one was not worth its cost */
 };
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)
@@ -45,8 +45,8 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Returns true if a cube of `side` voxels a side about o (from the eye) is behind everything
- * that its pixels show. splat_scalar.c derives the slopes.
+ * Returns true if a cube with edges of `side` voxels about o (relative to the eye) is behind
+ * everything that its pixels show. The slopes are derived in splat_scalar.c.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {
@@ -54,7 +54,7 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     const float half = 0.5f * (float)side + 0.01f, z = ost_eye_dot(e->forward, o),
                 nearest = z - 2 * half * l->eye.reach[2];
     /*
-     * The depth of a point is that of its voxel's centre, the depth of a brick that of the
+     * The depth of a point is that of its voxel's centre; the depth of a brick is that of the
      * middle of its 4^3 voxels.
      */
     const float centres = 0.5f * (float)(side - (l->form == OST_GL_BRICKS ? 4 : 1));
@@ -79,7 +79,7 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     return true;
 }
 
-/* Returns the hidden cells of a block. base: its first voxel relative to the eye. */
+/* Returns the hidden cells of a block. base: the position of its first voxel relative to the eye. */
 static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_gl_run *run, const float base[3])
 {
     enum { CELL = 8 };
@@ -98,7 +98,8 @@ static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_
     return hidden;
 }
 
-/* Computes the greatest depth of each tile. Depths are not negative, so their bits as integers have the same order. */
+/* Computes the greatest depth of each tile. Depths are not negative, so comparing their bits as
+   integers gives the same order. */
 static void find_tiles(const ost_gl_targets *t)
 {
     int32_t column[OST_FRAME_MAX];

@@ -34,7 +34,7 @@ static void attribute(GLuint buffer, ost_gl_form form)
         glVertexAttribIPointer(0, 2, GL_UNSIGNED_INT, 2 * sizeof(uint32_t), NULL);
 }
 
-/* Draws all points of the chosen blocks. */
+/* Draws all points of the selected blocks. */
 static void draw_runs(ost_gl *gl, const ost_gl_layer *l)
 {
     GLsizei n = 0;

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The drawing calls: points into a G-buffer, and the G-buffer into the picture. */
+/* Makes the drawing calls: draws points into a G-buffer, and composites the G-buffer into the picture. */
 #ifndef OST_RENDER_GL_PASS_H
 #define OST_RENDER_GL_PASS_H
 
 #include "render/gl/insides.h"
 
-/* Sets the OpenGL state that is common to all of a frame. */
+/* Sets the OpenGL state that applies to a complete frame. */
 void ost_gl_set_state(const ost_gl *gl);
 void ost_gl_clear_gbuffer(ost_gl_target kind);
 /* Binds the uniforms and textures of layer `number` for the following draw calls. */
 void ost_gl_bind_layer(ost_gl *gl, int number, ost_gl_form form);
-/* Draws the points of the chosen blocks, by the list if there is one. */
+/* Draws the points of the selected blocks: those in the list, or all points if there is no list. */
 ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l, ost_error *err);
 /*
- * Reads the farthest depth of each tile of the G-buffer into gl->targets.farthest.
- * Afterwards the caller must call ost_gl_set_state and bind a framebuffer.
+ * Reads the farthest depth of each tile of the G-buffer into gl->targets.farthest. Afterwards the
+ * caller must call ost_gl_set_state and bind a framebuffer.
  */
 ost_status ost_gl_read_tiles(ost_gl *gl, ost_error *err);
 /* Reads the depth of each pixel of the G-buffer, which must be the bound framebuffer. */
 ost_status ost_gl_read_depths(ost_gl *gl, float *depths, ost_error *err);
-/* Lights the G-buffer into the picture: with first, all pixels; otherwise only those that are nearer. */
+/* Lights the G-buffer and writes it to the picture: all pixels if `first` is set in key, otherwise only nearer ones. */
 ost_status ost_gl_composite(ost_gl *gl, const ost_gl_program_key *key, bool first, ost_error *err);
 
 #endif

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEAST = 64 }; /* granules of the first buffer */
+enum { LEAST = 64 }; /* number of granules of the first buffer */
 
 GLuint ost_gl_buffer_make(const ost_gl_context *context, GLenum target, size_t bytes, void **mapped)
 {
@@ -39,7 +39,7 @@ void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsig
 static void free_buffers(ost_gl_pool *p)
 {
     const GLuint buffers[2] = {p->buffer, p->page_buffer}, textures[2] = {p->texture, p->page_texture};
-    /* Deleting unmaps; 0 is ignored. */
+    /* Deleting a buffer also unmaps it. glDeleteBuffers ignores 0. */
     if (p->buffer || p->page_buffer)
         glDeleteBuffers(2, buffers);
     if (p->texture || p->page_texture)
@@ -65,7 +65,7 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
     GLint limit = 0;
     const uint64_t granules = least > 2 * (uint64_t)p->granules ? least : 2 * (uint64_t)p->granules;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-    /* Vertex numbers are of type GLint. */
+    /* Vertex numbers have the type GLint. */
     if (granules << p->bits > INT32_MAX || (p->format && granules << p->bits > (uint64_t)limit))
         return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) holds at most %d %s; use --renderer points", c->info.driver,
                         p->format ? (int)limit : INT32_MAX, p->what);
@@ -103,7 +103,7 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
     return OST_OK;
 }
 
-/* Returns the start of a run of count free granules at or after `from`; p->granules if there is none. */
+/* Returns the first granule of a run of count free granules at or after `from`; p->granules if there is none. */
 static uint32_t find(const ost_gl_pool *p, uint32_t from, uint32_t count)
 {
     uint32_t run = 0;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An OpenGL buffer that many blocks share, each with a run of granules.
+ * An OpenGL buffer that many blocks share. Each block has a run of granules.
  *
  *   | block 7 . . | block 2 | free | block 0 . . . |      a granule: 2^bits elements
  *   | page | page | page    |      | page | page   |      a page: where the granule's block begins, in voxels
  *
- * A vertex shader finds a vertex's block by the vertex's number: page =
- * number >> bits.  The buffer stays mapped if OpenGL supports that (4.4), and is
- * written through the mapping; otherwise by glBufferSubData.  Data that a frame
- * still reads must not be written: the caller waits for the last frame before.
+ * A vertex shader finds a vertex's block by the vertex's number: page = number >> bits. If OpenGL
+ * supports it (4.4), the buffer stays mapped and is written through the mapping; otherwise it is
+ * written by glBufferSubData. Data that a frame still reads must not be overwritten, so the caller
+ * waits for the last frame before it writes.
  */
 #ifndef OST_RENDER_GL_POOL_H
 #define OST_RENDER_GL_POOL_H
@@ -16,35 +16,35 @@
 #include "render/gl/context.h"
 
 typedef struct ost_gl_pool {
-    const char *what;    /* name of its elements, for messages */
+    const char *what;    /* name of the elements, for messages */
     size_t element;      /* size of an element in bytes */
     unsigned bits;
-    GLenum format;       /* format of its texture; 0: no texture */
-    uint32_t granules, next; /* number of granules; granule at which the search for a free run begins */
+    GLenum format;       /* format of the texture; 0: no texture */
+    uint32_t granules, next; /* number of granules; granule at which the next search for a free run begins */
     uint8_t *used;       /* owned; one entry for each granule */
     GLuint buffer, texture, page_buffer, page_texture;
     void *mapped, *page_mapped;
 } ost_gl_pool;
 
 /*
- * Initializes an empty pool; OpenGL objects are made by the first
- * ost_gl_pool_take.  format: of the texture by which shaders read it, 0: none.
+ * Initializes an empty pool. The first ost_gl_pool_take creates the OpenGL objects. format: format
+ * of the texture by which shaders read the buffer; 0: no texture.
  */
 void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsigned bits, GLenum format);
-/* Frees the pool's memory and OpenGL objects; a zeroed pool is valid. */
+/* Frees the pool's memory and OpenGL objects. Accepts a zero-initialized pool. */
 void ost_gl_pool_free(ost_gl_pool *pool);
 
-/* Reserves a run for count elements; stores its first element and its number of granules. */
+/* Reserves a run for count elements, and stores the number of its first element and its number of granules. */
 ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first,
                             uint32_t *granules, ost_error *err);
 void ost_gl_pool_give(ost_gl_pool *pool, uint32_t first, uint32_t granules);
 void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data, uint32_t count);
-/* Stores the position of the block's first voxel in the pages of a run. */
+/* Stores the position of the block's first voxel in all pages of a run. */
 void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3]);
 
-/* Makes a buffer that the processor writes, mapped if OpenGL supports that; otherwise *mapped is NULL. */
+/* Creates a buffer that the processor writes. It is mapped if OpenGL supports that; otherwise *mapped is NULL. */
 GLuint ost_gl_buffer_make(const ost_gl_context *context, GLenum target, size_t bytes, void **mapped);
-/* Makes a texture by which shaders read a buffer. */
+/* Creates a texture by which shaders read a buffer. */
 GLuint ost_gl_buffer_texture(GLuint buffer, GLenum format);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A program of two shaders, each made of several parts, with macros that are defined before them. */
+/* Compiles a program of two shaders. Each shader consists of several parts, which are preceded by macros. */
 #ifndef OST_RENDER_GL_PROGRAM_H
 #define OST_RENDER_GL_PROGRAM_H
 
@@ -11,11 +11,11 @@ typedef struct ost_gl_source {
     size_t count;
 } ost_gl_source;
 
-enum { OST_GL_EYE = 0 }; /* the uniform block's binding */
+enum { OST_GL_EYE = 0 }; /* binding of the uniform block */
 
 /*
- * Compiles and links a program.  defines: lines of #define.  The samplers named
- * up to NULL get units 0, 1, ...; the inputs get locations 0, 1, ...
+ * Compiles and links a program. defines: lines of #define. The samplers in the list, which ends
+ * with NULL, get the texture units 0, 1, ...; the inputs get the locations 0, 1, ...
  */
 ost_status ost_gl_program_make(ost_gl_context *context, const ost_gl_source *vertex, const ost_gl_source *fragment,
                                const char *defines, const char *const *inputs, const char *const *samplers, GLuint *out,

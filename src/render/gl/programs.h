@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The programs that a variant needs, each compiled at its first use. */
+/* The programs that a variant needs. Each one is compiled at its first use. */
 #ifndef OST_RENDER_GL_PROGRAMS_H
 #define OST_RENDER_GL_PROGRAMS_H
 
@@ -14,7 +14,7 @@ typedef enum ost_gl_stage {
     OST_GL_STAGE_TILES
 } ost_gl_stage;
 
-/* The texture unit of each sampler, the same in every program. */
+/* The texture unit of each sampler; it is the same in every program. */
 typedef enum ost_gl_unit {
     OST_GL_UNIT_PAGES,
     OST_GL_UNIT_POINTS,
@@ -27,7 +27,7 @@ typedef enum ost_gl_unit {
     OST_GL_UNIT_DEPTHS
 } ost_gl_unit;
 
-/* The settings that are defined as macros before a stage's shaders. */
+/* The settings that become macros of a stage's shaders. */
 typedef struct ost_gl_program_key {
     ost_gl_stage stage;
     ost_gl_target target;
@@ -47,7 +47,8 @@ typedef struct ost_gl_programs {
 } ost_gl_programs;
 
 void ost_gl_programs_free(ost_gl_programs *programs);
-/* Makes a program the current one, compiled if necessary. Stores its `first` (above) in *first, which may be NULL. */
+/* Makes a program the current one and compiles it if necessary. Stores its field `first` in *first,
+   which may be NULL. */
 ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key,
                                GLint *first, ost_error *err);
 

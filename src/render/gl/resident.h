@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * OpenGL's copy of a surface: for each block its points and their shades, in the
- * forms that are needed.  A copy is identified by the block's version.
+ * OpenGL's copy of a surface: the points of each block and their shades, in the forms that are
+ * needed. A copy is identified by the block's version.
  *
  *   points   where, look             a surface point (points/surface.h)
  *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; shades: those of
@@ -20,16 +20,16 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_F
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    uint32_t shade_first, shade_granules; /* position and size of the shades; only for bricks */
-    uint64_t bricks[8];   /* the bricks of 4^3 voxels with a point: bit x | y << 3 of word z */
-    uint64_t cells;       /* the cells of 8^3 voxels with a point: bit x | y << 2 | z << 4 */
+    uint32_t shade_first, shade_granules; /* position and size of the shades; used by bricks only */
+    uint64_t bricks[8];   /* bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
+    uint64_t cells;       /* cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
     uint64_t hidden;      /* cells that were hidden at the last search (hide.h) */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
-    const ost_surface *surface; /* compared only, never dereferenced: the versions identify the contents */
-    uint64_t last;              /* number of the last frame that used it */
-    ost_gl_run *run[OST_GL_FORMS]; /* owned; one for every slot */
+    const ost_surface *surface; /* compared only, never dereferenced; the versions identify the contents */
+    uint64_t last;              /* number of the last frame that used this entry */
+    ost_gl_run *run[OST_GL_FORMS]; /* owned; one run for every slot */
     int32_t runs[OST_GL_FORMS];
     int pause;                  /* number of frames until the next search for hidden cells (hide.c) */
     GLuint mesh;
@@ -43,10 +43,10 @@ typedef struct ost_gl_store {
     ost_gl_pool points, bricks, shades, voxels;
     ost_gl_resident resident[OST_GL_RESIDENTS];
     uint64_t frame;
-    uint64_t uploaded; /* bytes since the start of the frame */
+    uint64_t uploaded; /* bytes uploaded since the start of the frame */
 } ost_gl_store;
 
-/* Returns the cell of brick x | y << 3 | z << 6 of a block. */
+/* Returns the cell that contains brick x | y << 3 | z << 6 of a block. */
 static inline uint32_t ost_gl_cell_of_brick(uint32_t brick)
 {
     return (brick >> 1 & 3) | (brick >> 2 & 12) | (brick >> 3 & 48);
@@ -56,7 +56,7 @@ void ost_gl_store_init(ost_gl_store *store);
 void ost_gl_store_free(ost_gl_store *store);
 ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
 
-/* Uploads the present state of the surface in that form. The previous frame must be complete. */
+/* Uploads the present state of the surface in the given form. The previous frame must be complete. */
 ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
                               ost_gl_form form, ost_gl_resident **out, ost_error *err);
 ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,

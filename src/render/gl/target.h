@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The textures that are drawn into.
+ * The textures into which a frame is drawn.
  *
  *   G-buffer   depth; colour, face and depth along forward, or normal and colour as in the thesis
  *   tiles      the farthest depth of each 8 x 8 pixels of the G-buffer (hide.h)
@@ -14,9 +14,9 @@
 #include "render/gl/context.h"
 
 typedef struct ost_gl_targets {
-    int width, height;   /* 0 if nothing has been made */
+    int width, height;   /* 0 if the textures do not exist yet */
     ost_gl_target kind;  /* format of the G-buffer */
-    /* gbuffer is 0 for OST_GL_FORWARD, which draws into the picture */
+    /* gbuffer is 0 for OST_GL_FORWARD, which draws directly into the picture */
     GLuint gbuffer, gbuffer_depth, gbuffer_0, gbuffer_1;
     GLuint tiles, tiles_depth; /* only with OST_GL_COMPACT */
     int across, down;    /* size in tiles */
