@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A letter consists of strokes on a grid: a digit is an x coordinate, a letter a
- * y coordinate.  'd' is the baseline, 'j' the top of a small letter, 'm' the top
- * of a capital.
+ * A letter consists of strokes on a grid. In a point, a digit is an x coordinate and a letter is a
+ * y coordinate. 'd' is the baseline, 'j' the top of a small letter, 'm' the top of a capital.
  *
  *     m  3          "0d3m6d 1g5g"      two strokes of straight lines
  *       / \
  *     g 1---5       ~  a curve from its first point to its last; the points between are control points
  *     d 0   6       @  a closed curve
  *
- * The curves are quadratic B-splines: parabolas between the middles of the
- * control polygon's sides, with its corners as control points.
+ * The curves are quadratic B-splines: parabolas between the middles of the control polygon's sides,
+ * with the polygon's corners as control points.
  */
 #include "render/lettering.h"
 
@@ -29,7 +28,7 @@ enum {
     PIECES = 6,
     CAPITAL = 9
 };
-/* distance between letters; half a stroke's width; both in units of the grid */
+/* distance between letters, and half of a stroke's width, both in units of the grid */
 static const double GAP = 2.7, WEIGHT = 0.62;
 
 typedef struct drawing {
@@ -131,7 +130,9 @@ static const drawing drawings[] = {
 };
 
 typedef struct glyph {
-    int x, y, width, height; /* its picture, relative to the letter's position on the baseline; y down */
+    /* position and size of its picture, relative to the letter's position on the baseline; y points
+       down */
+    int x, y, width, height;
     double advance;
     uint8_t *cover; /* owned; coverage of each pixel, 0 to 255 */
 } glyph;
@@ -207,7 +208,7 @@ static void stroke(outline *o, char kind, double p[POINTS][2], int n)
         add(o, p[i - 1][0], p[i - 1][1], p[i][0], p[i][1]);
 }
 
-/* Traces the strokes; y upward from the baseline, in pixels. */
+/* Traces the strokes in pixels, with y upward from the baseline. */
 static void trace(const drawing *d, double unit, outline *o)
 {
     *o = (outline){.x0 = 1e9, .y0 = 1e9, .x1 = -1e9, .y1 = -1e9};
@@ -248,7 +249,7 @@ static bool draw_glyph(const drawing *d, double unit, glyph *g)
     g->cover = calloc((size_t)g->width, (size_t)g->height);
     if (!g->cover)
         return false;
-    /* The distance is computed only for pixels that a segment may reach. */
+    /* The distance is computed only for pixels that a segment can reach. */
     for (int i = 0; i < o.count; i++) {
         const segment *e = &o.segment[i];
         const int x0 = (int)floor(fmin(e->ax, e->bx) - r - 1) - g->x, x1 = (int)ceil(fmax(e->ax, e->bx) + r + 1) - g->x;
@@ -288,7 +289,7 @@ void ost_lettering_free(ost_lettering *lettering)
     free(lettering);
 }
 
-/* Returns the next letter of a text in UTF-8; NULL at its end. */
+/* Returns the next letter of a UTF-8 text; NULL at its end. */
 static const glyph *next(const ost_lettering *l, const char **text)
 {
     const unsigned char c = (unsigned char)**text;
@@ -316,8 +317,8 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 }
 
 /*
- * Four pixels at once, bit-identical to one by one: a colour's product has 16 bits, since it is
- * at most 255 x 256.
+ * Mixes four pixels at once, bit-identical to mixing them one by one. A colour's product fits into
+ * 16 bits, because it is at most 255 x 256.
  */
 typedef uint32_t four __attribute__((vector_size(16)));
 typedef uint16_t eight __attribute__((vector_size(16)));

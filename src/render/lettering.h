@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Letters over a frame, at any size: strokes of one width with round ends.  For
- * each size they are drawn once into small pictures of pixel coverage.
- * ASCII, the degree sign and the raised three; anything else is left blank.
+ * Draws letters over a frame, at any size. Their strokes have one width and round ends. For each
+ * size, the letters are drawn once into small pictures of pixel coverage. ASCII, the degree sign
+ * and the raised three are supported; all other characters are left blank.
  */
 #ifndef OST_RENDER_LETTERING_H
 #define OST_RENDER_LETTERING_H
@@ -16,19 +16,19 @@
 
 typedef struct ost_lettering ost_lettering;
 
-/* Pixels that are drawn on: 0x..BBGGRR, rows from the top. */
+/* The pixels on which letters are drawn: 0x..BBGGRR, rows from the top. */
 typedef struct ost_sheet {
     uint32_t *pixels;
     int stride, width, height;
-    const ost_cells *written; /* cells that are drawn on are added to it; may be NULL */
+    const ost_cells *written; /* the cells on which something is drawn are added to it; may be NULL */
 } ost_sheet;
 
-/* Makes letters of one size. height: that of a capital letter, in pixels, 5 to 200. */
+/* Makes letters of one size. height: height of a capital letter in pixels, 5 to 200. */
 ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *err);
 void ost_lettering_free(ost_lettering *lettering); /* NULL is allowed */
 
 int ost_lettering_width(const ost_lettering *lettering, const char *text);
-/* Draws a line of text, clipped to the sheet. x: left end, y: baseline. */
+/* Draws a line of text and clips it to the sheet. x: left end; y: baseline. */
 void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text,
                         uint32_t colour);
 

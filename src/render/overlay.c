@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A line is drawn pixel by pixel along its longer side.  The reciprocal of its depth is linear
- * on the picture, so the depth is known at every pixel.  Each step blends the colour into the
- * pixels across the line, each in proportion to its coverage.
+ * Draws a line pixel by pixel along its longer side. The reciprocal of a line's depth is linear in
+ * the picture, so the depth is known at every pixel. Each step blends the colour into the pixels
+ * across the line, in proportion to their coverage.
  */
 #include "render/overlay.h"
 
@@ -24,7 +24,7 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/* greatest depth in voxels below a surface at which a line still counts as in front of it */
+/* greatest depth in voxels below a surface at which a line is still drawn as in front of the surface */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {
@@ -53,8 +53,8 @@ static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, 
 }
 
 /*
- * Reduces from .. to (0 .. 1) to the part where v0 + t dv lies within lo .. hi; returns false if
- * there is none.
+ * Reduces the range from .. to (0 .. 1) to the part in which v0 + t dv lies within lo .. hi.
+ * Returns false if there is no such part.
  */
 static bool narrow(float v0, float dv, float lo, float hi, float *from, float *to)
 {
@@ -67,8 +67,8 @@ static bool narrow(float v0, float dv, float lo, float hi, float *from, float *t
 }
 
 /*
- * Computes the picture's x and y and the reciprocal of depth of both ends; returns false if both
- * are before the near plane.
+ * Computes the picture's x and y and the reciprocal of the depth for both ends. Returns false if
+ * both ends are in front of the near plane.
  */
 static bool project(const ost_eye *e, const float from[3], const float to[3], float out[2][3])
 {
@@ -127,13 +127,13 @@ void ost_overlay_line(const ost_frame *f, const ost_eye *eye, const float from[3
     }
 }
 
-/* Returns the width of a thin line: one pixel in 720 rows. */
+/* Returns the width of a thin line: one pixel per 720 rows. */
 static int thin(const ost_frame *f)
 {
     return f->height < 1080 ? 1 : (f->height + 360) / 720;
 }
 
-/* Draws a box's edges. Bit a of a corner's index i selects the end of axis a. */
+/* Draws the edges of a box. Bit a of a corner's index i selects the end of the box on axis a. */
 static void box(const ost_frame *f, const ost_eye *e, const point3 corner[8], uint32_t colour, unsigned strength,
                 int width)
 {
@@ -234,7 +234,8 @@ static void tool_corners(const ost_overlay_scene *s, point3 corner[8])
     }
 }
 
-/* Computes where the axis-parallel box of the tool meets the bone's box; returns false if it does not. */
+/* Computes the intersection of the bone's box and the axis-parallel box around the tool. Returns
+   false if it is empty. */
 static bool meeting(const ost_overlay_scene *s, float lo[3], float hi[3])
 {
     point3 corner[8];
@@ -298,8 +299,8 @@ static void draw_hits(const ost_frame *f, const ost_eye *e, const ost_overlay_sc
 /* ------------------------------------------------------------------ voxels */
 
 /*
- * Maps a grid at any orientation to the bone's voxels, to draw the edges of its voxels' faces
- * that are turned to the eye.
+ * Maps a grid of any orientation to the bone's voxels. Used to draw the edges of those faces of its
+ * voxels that face the eye.
  */
 typedef struct turned_grid {
     double origin[3], column[3][3]; /* position of the grid's origin and directions of its axes, in the bone's voxels */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Explanatory lines over a frame; lines behind drawn surfaces are faint.
+ * Draws explanatory lines over a frame. Lines behind drawn surfaces are faint.
  *
  *   chunks        the grid of chunks: active ones red, others grey (thesis, Figs. 2.1, 3.1)
- *   boxes         the bone's box, the tool's at its angle, where they meet (Fig. 2.3)
- *   hits          active chunks that the tool's box meets (Figs. 2.3, 3.3); bright where one has just changed
+ *   boxes         the bone's box, the tool's oriented box, and their intersection (Fig. 2.3)
+ *   hits          active chunks that intersect the tool's box (Figs. 2.3, 3.3); bright if one has just changed
  *   tool-voxels   edges of the tool's voxels (Fig. 3.4)
- *   bone-voxels   those of the bone's within the tool's box (Fig. 3.3)
- *   axis          the planned axis, with a tick a millimetre down to the planned depth
+ *   bone-voxels   edges of the bone's voxels within the tool's box (Fig. 3.3)
+ *   axis          the planned axis, with a tick per millimetre down to the planned depth
  */
 #ifndef OST_RENDER_OVERLAY_H
 #define OST_RENDER_OVERLAY_H
@@ -30,23 +30,24 @@ extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* "chunks", ... 
 enum { OST_OVERLAY_CHANGED = 64 };
 
 typedef struct ost_overlay_scene {
-    const ost_surface *bone, *tool; /* borrowed; tool is NULL if there is none */
+    const ost_surface *bone, *tool; /* borrowed; tool is NULL if there is no tool */
     ost_tool_geometry tool_grid;
     ost_pose pose;                  /* the tool's */
-    int chunk;                      /* voxels on a side */
-    int changed;                    /* chunks that have just changed */
+    int chunk;                      /* voxels per side of a chunk */
+    int changed;                    /* number of chunks that have just changed */
     int32_t changed_at[OST_OVERLAY_CHANGED][3];
     bool planned;
     double face_mm[3], inward[3], depth_mm;
 } ost_overlay_scene;
 
-/* Draws overlays on the frame. which: a bit for each overlay. eye: the frame's, in the bone's voxels. */
+/* Draws overlays on the frame. which: one bit for each overlay. eye: the frame's eye, in the bone's voxels. */
 void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *scene);
 
-/* Computes the range of chunks that the tool's box may meet, half-open; empty if there are none. */
+/* Computes the half-open range of chunks that may intersect the tool's box; empty if there are none. */
 void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
 
-/* Draws a line between two positions in the bone's voxels. strength: in 256ths; width: in pixels, at least 1. */
+/* Draws a line between two positions in the bone's voxels. strength: opacity in 256ths; width: in
+   pixels, at least 1. */
 void ost_overlay_line(const ost_frame *frame, const ost_eye *eye, const float from[3], const float to[3],
                       uint32_t colour, unsigned strength, int width);
 

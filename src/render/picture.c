@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The memory of a picture. */
+/* Allocates and frees the memory of a picture. */
 #include <stdlib.h>
 #include <string.h>
 

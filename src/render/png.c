@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pictures as PNG, in memory and on disk, by libpng.
- * A file contains only the pixels, neither a time nor the name of a program, so equal pictures
- * give equal files.  write_file is the only function here that writes to disk; it uses io.
+ * Writes pictures as PNG, in memory and on disk, with libpng. A file contains only pixels, neither
+ * a time nor the name of a program, so equal pictures give equal files. Only write_file writes to
+ * disk; it uses io.
  */
 #include <errno.h>
 #include <setjmp.h>
@@ -29,7 +29,7 @@ static void sink_write(png_structp png, png_bytep data, size_t size)
 {
     sink *s = png_get_io_ptr(png);
     if (size > s->capacity - s->size) {
-        size_t capacity = 2 * s->capacity + size; /* a picture is at most 3 * 2^28 bytes: no overflow */
+        size_t capacity = 2 * s->capacity + size; /* a picture has at most 3 * 2^28 bytes, so this does not overflow */
         uint8_t *bytes = realloc(s->bytes, capacity);
         if (!bytes)
             png_error(png, "no memory");
@@ -46,8 +46,8 @@ static void sink_flush(png_structp png)
 }
 
 /*
- * libpng leaves a failed call by longjmp; everything that is accessed after that is in *s and
- * the caller's frame.
+ * If a call fails, libpng leaves it by longjmp. Everything that is accessed afterwards is in *s or
+ * in the caller's frame.
  */
 static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s,
                          ost_error *err)

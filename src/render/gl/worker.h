@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A thread that owns the context and executes functions for callers, which wait.
+ * A thread that owns the context and executes functions for callers, which wait for the result.
  *
- * A context belongs to one thread, and a thread has only one: the main thread
- * already has a window's context, and EGL cannot make another kind there
- * (libglvnd refuses it).  With the worker, any thread may draw.
+ * A context belongs to one thread, and a thread can have only one. The main thread already has a
+ * window's context, and EGL cannot create a context of another kind there (libglvnd refuses it).
+ * With the worker, any thread can draw.
  */
 #ifndef OST_RENDER_GL_WORKER_H
 #define OST_RENDER_GL_WORKER_H
@@ -16,7 +16,7 @@ typedef ost_status ost_gl_work(void *user, ost_error *err);
 
 ost_status ost_gl_worker_start(ost_gl_worker **out, ost_error *err);
 void ost_gl_worker_stop(ost_gl_worker *worker); /* NULL is allowed */
-/* Executes work on the worker's thread and waits for its result. Must be called by one thread at a time. */
+/* Executes work on the worker's thread and waits for its result. Must be called by only one thread at a time. */
 ost_status ost_gl_worker_do(ost_gl_worker *worker, ost_gl_work *work, void *user, ost_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Selects the blocks of a surface that are in an eye's view, near ones first,
- * for every renderer.
+ * Selects the blocks of a surface that are in view of an eye, near ones first. All renderers use
+ * it.
  *
  *   blocks of the surface --frustum--> those that may be visible --by distance--> order
  */
@@ -12,33 +12,32 @@
 
 typedef struct ost_frame_block {
     int32_t slot;
-    float distance;      /* squared distance of its centre, by which blocks are sorted */
-    uint64_t nearest;    /* lower bound of the keys of its voxels (splat.h) */
-    ost_extent pixels;   /* pixels that it may cover */
-    uint32_t count;      /* number of its points */
+    float distance;      /* squared distance of the block's centre, by which blocks are sorted */
+    uint64_t nearest;    /* lower bound of the keys of the block's voxels (splat.h) */
+    ost_extent pixels;   /* pixels that the block may cover */
+    uint32_t count;      /* number of points of the block */
 } ost_frame_block;
 
 /* Returns OST_ERR_RANGE if the eye is more than 2^15 voxels away from the surface's grid. */
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
 /*
- * Selects and sorts the blocks that may be visible, and computes bases for all
- * slots.  blocks must have room for surface->used entries, bases for 4 floats
- * each.  Stores in *y0 and *y1 the rows that the selected blocks may cover,
- * half-open.
+ * Selects and sorts the blocks that may be visible, and computes bases for all slots. blocks must
+ * have space for surface->used entries, and bases for 4 floats per slot. Stores in *y0 and *y1 the
+ * half-open range of rows that the selected blocks may cover.
  */
 void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases,
                        int32_t *count, int *y0, int *y1);
 
 /*
- * Computes the pixels, half-open, that a cube of `side` voxels a side may cover.
- * middle: its centre, relative to the eye.  Returns false if it is not visible.
+ * Computes the half-open range of pixels that a cube with edges of `side` voxels may cover. middle:
+ * centre of the cube relative to the eye. Returns false if the cube is not visible.
  */
 bool ost_blocks_pixels(const ost_splat_eye *eye, const float middle[3], int side, ost_extent *out);
 
 /*
- * Computes, for each coordinate i on an axis, the faces turned to the eye, as bits
- * of ost_face.  base: coordinate of voxel 0 minus the eye's.
+ * Computes, for each coordinate i on an axis, which faces are turned to the eye, as bits of
+ * ost_face. base: coordinate of voxel 0 minus that of the eye.
  */
 void ost_blocks_turned(float base, int axis, uint8_t turned[OST_BLOCK]);
 

@@ -6,7 +6,7 @@
 #include "core/rotation.h"
 #include "core/vector.h"
 
-/* Near plane in voxels: no detail of the bone is as small. */
+/* Distance of the near plane in voxels. No detail of the bone is that small. */
 static const float NEAR = 0.25f;
 
 ost_status ost_camera_check(const ost_camera *camera, ost_error *err)
@@ -37,7 +37,8 @@ static matrix matrix_of(const ost_pose *pose)
     return out;
 }
 
-/* at: the eye's position in the grid's frame, in picometres; r: rotation from the camera's frame to the grid's. */
+/* Makes an eye. at: position of the eye in the grid's frame, in picometres. r: rotation from the
+   camera's frame to the grid's frame. */
 static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, const double at[3], const matrix *r)
 {
     const double s = (double)grid->spacing.x;
@@ -59,7 +60,7 @@ static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, cons
     return eye;
 }
 
-/* Picometres are below 2^43, so they and their differences are exact in doubles. */
+/* Positions in picometres are below 2^43, so they and their differences are exact in doubles. */
 ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone)
 {
     const matrix r = matrix_of(&camera->pose);

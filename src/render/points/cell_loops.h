@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Loops from voxels to cells of 2^3, in plain C: the same text is compiled for
+ * Contains the loops from voxels to cells of 2^3 voxels, in plain C. The same text is compiled for
  * every instruction set and vectorized by the compiler.
  */
 #ifndef OST_RENDER_CELL_LOOPS_H
@@ -33,7 +33,7 @@ static inline void cell_lines(const uint8_t *restrict left, const uint8_t *restr
     }
 }
 
-/* The loops above as functions of one instruction set. */
+/* Defines the loops above as functions for one instruction set. */
 #define OST_CELLS_DEFINE(SET)                                                                                          \
     void ost_field_cells_##SET(const uint16_t(*below)[OST_FIELD_LINE], const uint16_t(*above)[OST_FIELD_LINE],         \
                                uint8_t *out)                                                                           \

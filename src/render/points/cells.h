@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A part of a picture, as a bit for each cell of 16 x 8 pixels.
+ * A set of cells of a picture, with one bit for each cell of 16 x 8 pixels.
  *
- * Such parts describe the pixels to be drawn again, the pixels to be restored
- * and the pixels that a layer may cover.  They are processed run by run.
+ * Such sets describe the pixels to be redrawn, the pixels to be restored and the pixels that a
+ * layer may cover. They are processed run by run.
  */
 #ifndef OST_RENDER_CELLS_H
 #define OST_RENDER_CELLS_H
@@ -11,7 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 }; /* words: the most of a row, for 8192 pixels */
+/* OST_CELL_WORDS: maximum per row, for 8192 pixels */
+enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 };
 
 typedef struct ost_cells {
     uint64_t *bit; /* owned; `words` for each row of cells */
@@ -19,16 +20,16 @@ typedef struct ost_cells {
     int width, height; /* of the picture */
 } ost_cells;
 
-/* Makes an empty part of a picture of up to 8192 pixels a side. Returns false if there is no memory. */
+/* Makes an empty set for a picture of up to 8192 x 8192 pixels. Returns false if memory is exhausted. */
 bool ost_cells_init(ost_cells *cells, int width, int height);
-/* Frees the memory; zeroed cells are valid. */
+/* Frees the memory. Accepts zero-initialized cells. */
 void ost_cells_free(ost_cells *cells);
 
 void ost_cells_clear(const ost_cells *cells);
 void ost_cells_fill(const ost_cells *cells);
-/* Adds all cells with a pixel x0 <= x < x1, y0 <= y < y1; pixels outside the picture are ignored. */
+/* Adds all cells that contain a pixel with x0 <= x < x1 and y0 <= y < y1. Ignores pixels outside the picture. */
 void ost_cells_add(const ost_cells *cells, int x0, int x1, int y0, int y1);
-/* Adds the cells of another part of a picture of the same size. */
+/* Adds the cells of another set for a picture of the same size. */
 void ost_cells_join(const ost_cells *cells, const ost_cells *other);
 
 static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
@@ -36,7 +37,7 @@ static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
     return cells->bit + (int64_t)row * cells->words;
 }
 
-/* Returns true if the part contains the pixel (x, y), which must be in the picture. */
+/* Returns true if the set contains the cell of the pixel (x, y), which must be in the picture. */
 static inline bool ost_cells_has(const ost_cells *cells, int x, int y)
 {
     const int column = x / OST_CELL_WIDTH;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A clip plane hides one side of the grid.  The side of a voxel is decided in
- * integers: it is shown iff n . v <= d, where v is the voxel's index in the grid.
+ * A clip plane hides one side of the grid. Integers determine the side of a voxel: it is shown if
+ * and only if n . v <= d, where v is the voxel's index in the grid.
  *
  * n is a direction in units of 2^-14: |n| <= 2^14 on each axis, v < 2^14, so n . v < 2^30.
  */
@@ -13,14 +13,15 @@
 enum { OST_CLIP_UNIT = 1 << 14 };
 
 /*
- * Makes a plane through a point in mm; the side to which the normal points is hidden.
- * Returns OST_ERR_RANGE if the normal is not a direction.
+ * Makes a plane through a point in mm. The side to which the normal points is hidden. Returns
+ * OST_ERR_RANGE if the normal is zero or not finite.
  */
 ost_status ost_clip_make(const ost_geometry *geometry, const double at_mm[3], const double normal[3], ost_clip *out,
                          ost_error *err);
-/* Sets the clip plane for later updates; with NULL all is shown. Blocks that do not change are not updated. */
+/* Sets the clip plane for later updates. With NULL, all voxels are shown. Blocks whose shown voxels
+   do not change are not updated. */
 void ost_surface_clip(ost_surface *surface, const ost_clip *clip);
-/* Computes the voxels of a block that are shown. */
+/* Computes which voxels of a block are shown. */
 void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS],
                     uint32_t shown[OST_BLOCK_ROWS]);
 

@@ -166,11 +166,11 @@ static void find_cells(ost_frame_layer *layer)
 }
 
 /*
- * Returns true if a ray may enter a voxel by a face that is not to the air: because the ray
- * begins in a voxel, or because it has passed one that the near plane removes.  The middle of
- * such a voxel is within near + sqrt(3) of the eye along forward, so its corners are within
- * near + 2 sqrt(3).  Along a ray that is up to c times as far, with c = 1 / cosine of the angle
- * to the frame's corner.
+ * Returns true if a ray may enter a voxel through a face that does not adjoin air. This is possible
+ * if the ray begins inside a voxel, or if it has passed through a voxel that the near plane
+ * removes. The middle of such a voxel is within near + sqrt(3) of the eye along forward, so its
+ * corners are within near + 2 sqrt(3). Along a ray, the distance is up to c times greater, where c
+ * = 1 / cosine of the angle to the frame's corner.
  */
 static bool is_within(const ost_surface *surface, const ost_eye *e)
 {
@@ -187,7 +187,7 @@ static bool is_within(const ost_surface *surface, const ost_eye *e)
     return !ost_surface_is_empty(surface, lo, hi);
 }
 
-/* Makes the light; returns true if it is the same as before. */
+/* Computes the light. Returns true if it is equal to the previous one. */
 static bool make_light(const ost_frame *frame, ost_frame_layer *layer, const ost_frame_thing *thing)
 {
     uint32_t colour[OST_PAINTS], face[8];
@@ -242,7 +242,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
         status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
     if (status != OST_OK) {
         for (int i = 0; i < count; i++)
-            frame->layer[i].surface = NULL; /* the surfaces' present contents were never drawn */
+            frame->layer[i].surface = NULL; /* the present contents of the surfaces were not drawn */
         return status;
     }
     frame->layers = count;
@@ -251,8 +251,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
 #pragma omp parallel num_threads(frame->threads)
     {
         /*
-         * With one thread, a block's list is made when the first band draws the block: lists of
-         * hidden blocks are never made.
+         * With one thread, a block's list is made when the first band draws the block, so that no
+         * lists are made for hidden blocks.
          */
         for (int l = 0; l < count && frame->threads > 1; l++)
             ost_layer_make_lists(frame, &frame->layer[l]);

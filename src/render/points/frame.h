@@ -1,32 +1,29 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a frame: surfaces as seen by a camera, into planes (splat.h) that then become colours.
+ * Draws a frame: surfaces as seen by a camera, into planes (splat.h), from which the colours are
+ * computed.
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
- * A second object, such as a tool with its own voxels at another orientation, is
- * drawn the same way into separate planes of a band.  Then the nearer of the
- * two is taken for each pixel.
+ * A second object, such as a tool whose voxels have another orientation, is drawn in the same way
+ * into separate planes of a band. Then the nearer of the two objects is taken for each pixel.
  *
- * A block is skipped if nearer blocks already cover all pixels that it could
- * reach.  For this test the farthest key of each tile of 8 x 8 pixels is stored;
- * it is recomputed only if it is needed and the tile was drawn to since.  The
- * test does not change the picture.
+ * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test,
+ * the farthest key of each tile of 8 x 8 pixels is stored. It is recomputed only if it is needed
+ * and the tile was drawn to since the last computation. The test does not change the picture.
  *
- * After ost_frame_store, unchanged parts are reused.  While the eye and the light
- * do not change:
+ * After ost_frame_store, unchanged parts are reused. While the eye and the light do not change:
  *
  *   blocks whose lists changed --old and new compared entry by entry--> voxels that look different
  *        --cells that these may cover--> drawn again, in the planes of the first object alone
  *   those cells, and cells that other layers covered --copied from these planes--> the frame, and
  *   over it the other layers
  *
- * The picture is bit-identical to one that is drawn from scratch: in a cell that
- * no changed voxel can cover, the nearest voxel is the same as before, and ties
- * between equal distances are broken by the voxel's number, which orders voxels
- * as their positions do.
+ * The picture is bit-identical to one that is drawn completely. In a cell that no changed voxel can
+ * cover, the nearest voxel is the same as before. Ties between equal distances are broken by the
+ * voxel's number, which has the same order as the voxels' positions.
  *
- * The memory is reused from frame to frame: 9 bytes a pixel, 18 after ost_frame_store.
+ * The memory is reused from frame to frame: 9 bytes per pixel, 18 after ost_frame_store.
  */
 #ifndef OST_RENDER_FRAME_H
 #define OST_RENDER_FRAME_H
@@ -37,11 +34,11 @@
 #include "render/points/light.h"
 
 enum {
-    /* rows that a thread draws at once: their keys, at 1280 pixels a row, fit into a second-level cache */
+    /* rows that a thread draws at once; their keys, at 1280 pixels per row, fit into a second-level cache */
     OST_BAND = 64,
 };
 
-/* The farthest key of a tile, or an upper bound of it if stale. */
+/* The farthest key of a tile; if stale is true, an upper bound of this key. */
 typedef struct ost_frame_tile {
     uint64_t farthest;
     bool stale;
@@ -50,57 +47,58 @@ typedef struct ost_frame_tile {
 _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TILE && (int)OST_CELL_WIDTH == OST_LANES,
                "cells are whole tiles");
 
-/* A thread's scratch for drawing a band.  It is small enough to stay in a cache between bands and layers. */
+/* A thread's scratch for drawing a band. It is small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
-    ost_planes over;        /* owned; planes of a layer other than the first; the keys serve the first layer as well */
+    ost_planes over;        /* owned; planes of a layer other than the first; the first layer uses its keys too */
     ost_frame_tile *tiles;  /* owned; rows of tiles_across */
     struct ost_frame_lists *lists; /* owned; scratch for making lists */
 } ost_frame_bench;
 
-/* The list of a block, for the layer's eye. */
+/* The list of a block for the layer's eye. */
 typedef struct ost_frame_list {
-    uint64_t version;       /* version of the block from which it was made */
-    uint32_t count, capacity; /* number of entries, capacity */
-    uint32_t visible_first; /* index at which the next list is stored; the present one is at visible.begin */
+    uint64_t version;       /* version of the block from which the list was made */
+    uint32_t count, capacity; /* number of entries; capacity */
+    uint32_t visible_first; /* index at which the next list will be stored; the present list is at visible.begin */
     int32_t at[3];          /* the block's position, in blocks */
-    bool listed;            /* the list is made; otherwise no voxel of the block is drawn */
-    bool there;             /* the block was within the last frame's view, even if hidden */
+    bool listed;            /* set if the list is made; otherwise no voxel of the block is drawn */
+    bool there;             /* set if the block was in the last frame's view, even if hidden */
 } ost_frame_list;
 
 /* An object that is drawn, and its lists. */
 typedef struct ost_frame_layer {
     const ost_surface *surface; /* borrowed for a frame */
-    ost_frame_block *blocks; /* owned; count of them after the cull */
+    ost_frame_block *blocks; /* owned; `count` blocks after culling */
     int32_t count;
     ost_visible visible;    /* the lists */
     size_t visible_capacity, visible_used;
     ost_frame_list *list;   /* owned; one for each slot */
-    int32_t slots, slot_capacity; /* number of slots in the last frame, capacity */
+    int32_t slots, slot_capacity; /* number of slots in the last frame; capacity */
     float *bases;           /* owned; 4 for each slot */
     ost_splat_eye eye;
     ost_light light;
-    float scale;            /* side of its voxels in voxels of the first object */
-    bool within;            /* the eye is in it or close to it: faces that are not to the air may be visible */
-    bool same;              /* eye and light are those of the previous frame, and frames are kept */
-    int y0, y1;             /* rows that it may cover, half-open */
-    ost_cells cells;        /* cells that it may cover */
+    float scale;            /* side of this layer's voxels in units of the first object's voxels */
+    /* the eye is inside or close to the object, so that faces that do not adjoin air may be visible */
+    bool within;
+    bool same;              /* eye and light are those of the previous frame, and frames are stored */
+    int y0, y1;             /* half-open range of rows that the layer may cover */
+    ost_cells cells;        /* cells that the layer may cover */
 } ost_frame_layer;
 
 enum { OST_FRAME_LAYERS = 4 };
 
 typedef struct ost_frame {
     int width, height;
-    ost_planes planes;      /* owned; key only after ost_frame_store_keys */
-    ost_planes ghost;       /* owned; planes for a ghost; NULL before the first ghost; no keys */
-    ost_planes stored;      /* owned; planes of the first layer alone; NULL before ost_frame_store; no keys */
-    bool is_stored;         /* kept holds the last frame's first layer */
+    ost_planes planes;      /* owned; contains keys only after ost_frame_store_keys */
+    ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
+    ost_planes stored;      /* owned; planes of the first layer alone, without keys; NULL before ost_frame_store */
+    bool is_stored;         /* set if `stored` contains the first layer of the last frame */
     ost_cells part;         /* cells of the first layer that this frame draws again */
-    ost_cells stale;        /* cells to be copied from stored: drawn again, or covered in the previous frame */
-    /* cells whose colours may differ from kept; drawing on the frame adds to it (ost_frame_sheet) */
+    ost_cells stale;        /* cells to be copied from `stored`: drawn again, or covered in the previous frame */
+    /* cells whose colours may differ from `stored`; drawing on the frame adds to it (ost_frame_sheet) */
     ost_cells over;
-    ost_frame_bench *bench; /* owned; scratch of each thread */
+    ost_frame_bench *bench; /* owned; one scratch per thread */
     int tiles_across;
-    uint32_t *blank;        /* owned; a row of background */
+    uint32_t *blank;        /* owned; one row of background */
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;
     int threads;
@@ -114,21 +112,22 @@ typedef struct ost_frame {
 /* An object in front of the camera. */
 typedef struct ost_frame_thing {
     const ost_surface *surface;
-    ost_eye eye;            /* in its voxels; its size is the frame's */
+    ost_eye eye;            /* in the object's voxels; its picture size is that of the frame */
     ost_paint paint;
-    const uint32_t *palette; /* borrowed; if NULL, every voxel has the object's own paint */
+    const uint32_t *palette; /* borrowed; if NULL, every voxel has the paint of the object */
 } ost_frame_thing;
 
 /* Allocates a frame. If threads is 0, all processors are used. */
 ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads,
                           ost_error *err);
-/* Frees the frame's memory; a zeroed frame is valid. */
+/* Frees the frame's memory. Accepts a zero-initialized frame. */
 void ost_frame_free(ost_frame *frame);
 
-/* Stores the keys of the first layer in the planes of later frames; they identify the voxel of each pixel. */
+/* Enables keys of the first layer in the planes of later frames. They identify the voxel of each pixel. */
 ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
-/* Enables redrawing only the parts that differ, for frames in which only some blocks changed since the last one. */
+/* Enables redrawing only the parts that differ. Used for frames in which only some blocks have
+   changed since the last frame. */
 ost_status ost_frame_store(ost_frame *frame, ost_error *err);
 /* Marks all pixels as overwritten by another renderer. */
 void ost_frame_overwritten(ost_frame *frame);
@@ -136,24 +135,24 @@ void ost_frame_overwritten(ost_frame *frame);
 ost_sheet ost_frame_sheet(const ost_frame *frame);
 
 /*
- * Draws count objects into the planes; depth is in voxels of the first object.
- * Returns OST_ERR_RANGE if the eye is more than 2^15 voxels of an object away from it.
+ * Draws count objects into the planes. Depth is in voxels of the first object. Returns
+ * OST_ERR_RANGE if the eye is more than 2^15 voxels away from an object, measured in that object's
+ * voxels.
  */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
 /*
- * Blends one more object over a frame that any renderer has drawn: with weight
- * `share` / 256 where it is in front of other objects, with half of that where
- * it is behind them.  Only colours change.  spacing: the spacing of the first
- * object's voxels, the unit of depth.
+ * Blends one more object over a frame that any renderer has drawn. Its weight is `share` / 256
+ * where it is in front of other objects, and half of that where it is behind them. Only colours
+ * change. spacing: spacing of the first object's voxels, which is the unit of depth.
  */
 ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing,
                                 ost_error *err);
-/* Draws a frame of the bone alone. */
+/* Draws a frame that contains only the bone. */
 ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
 /* Copies the colours of the last frame to the picture, which must have the frame's size. */
 void ost_frame_copy(const ost_frame *frame, ost_picture *picture);
-/* Does the same for colours in a frame's format: red in the lowest byte, stride pixels a row. */
+/* Does the same for colours in a frame's format: red in the lowest byte, stride pixels per row. */
 void ost_colours_copy(const uint32_t *colours, int stride, ost_picture *picture);
 
 #endif

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A band of a frame: blocks that are not hidden are drawn into planes, and the layers' planes are merged. */
+/* Draws a band of a frame: draws the blocks that are not hidden into planes, and merges the layers' planes. */
 #include "core/bits_run.h"
 #include "core/conditions.h"
 #include "render/points/frame_parts.h"
 
 #include <string.h>
 
-/* A band: its rows, y0 <= y < y1, and the scratch of its thread. */
+/* A band: its rows, y0 <= y < y1, and the scratch of the thread that draws it. */
 typedef struct band {
     int y0, y1;
     ost_frame_bench *bench;
 } band;
 
-/* The tiles of a band that a block may cover, half-open; rows are counted from the band's first. */
+/* The half-open range of a band's tiles that a block may cover. Rows are counted from the band's first row. */
 typedef struct tile_range {
     int x0, x1, y0, y1;
 } tile_range;
@@ -25,7 +25,7 @@ static tile_range tiles_of(const ost_frame_block *b, const band *at)
                         (end - at->y0 + OST_TILE - 1) / OST_TILE};
 }
 
-/* Returns true if voxels nearer than key cover all of the tiles. */
+/* Returns true if voxels nearer than key cover all tiles of the range. */
 static bool hidden(const ost_frame *f, const band *at, const ost_planes *planes, tile_range r, uint64_t key)
 {
     for (int y = r.y0; y < r.y1; y++)
@@ -55,10 +55,10 @@ static void drawn(const ost_frame *f, const band *at, tile_range r)
 /* A row of cells of a band. */
 typedef struct cell_row {
     uint64_t bit[OST_CELL_WORDS];
-    int words, y0, y1; /* y0 <= y < y1: its pixels */
+    int words, y0, y1; /* its rows of pixels: y0 <= y < y1 */
 } cell_row;
 
-/* Returns the cells of a row in both of two parts, or those of the first without the second's. */
+/* Returns the cells of a row that are in both a and b; if `without` is true, those in a but not in b. */
 static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, const band *at, int y)
 {
     const uint64_t *x = ost_cells_row(a, y / OST_CELL_HEIGHT), *z = ost_cells_row(b, y / OST_CELL_HEIGHT);
@@ -68,7 +68,7 @@ static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, con
     return row;
 }
 
-/* Finds the next run of columns, in pixels; *to is 0 or the end of the previous run. */
+/* Finds the next run of columns, in pixels. *to must be 0 or the end of the previous run. */
 static bool next_run(const cell_row *row, int *from, int *to)
 {
     int a, b = *to / OST_CELL_WIDTH;
@@ -78,7 +78,7 @@ static bool next_run(const cell_row *row, int *from, int *to)
     return found;
 }
 
-/* Clears the keys that are drawn anew and closes all other tiles. Returns the extent to draw. */
+/* Clears the keys of pixels that are drawn anew, and marks all other tiles as complete. Returns the extent to draw. */
 static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
                         const ost_planes *planes)
 {
@@ -163,13 +163,13 @@ static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
            (((under & 0xff00) * complement + (over & 0xff00) * share) >> 8 & 0xff00);
 }
 
-/* Returns true if a layer covers a pixel of the planes that it was drawn into. */
+/* Returns true if a layer covers a pixel of the planes into which it was drawn. */
 static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, int y)
 {
     return ost_cells_has(&layer->cells, x, y) && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
 }
 
-/* Mixes a ghost, with its outline, into row y, columns first to end - 1; only colours change. */
+/* Blends a ghost with its outline into row y, columns first to end - 1. Only colours change. */
 static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y, int first, int end)
 {
     enum { LINE = 100 };
@@ -197,7 +197,7 @@ void ost_frame_merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer,
         merge_ghost(f, layer, ghost, y, from, to);
 }
 
-/* Returns a band of rows; planes without keys get the keys of the thread's scratch. */
+/* Returns a band of rows. Planes without keys use the keys of the thread's scratch. */
 static band band_of(const ost_frame *f, int number, ost_planes *planes)
 {
     const int y0 = number * f->band;

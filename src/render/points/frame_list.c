@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The lists of a layer: a block's voxels that show a face to the eye, their memory, and what
-   differs from the frame before. */
+/* Makes the lists of a layer: for each block, the voxels that have a face toward the eye. Also
+   manages their memory, and finds the differences from the previous frame. */
 #include "core/conditions.h"
 #include "render/points/frame_parts.h"
 
@@ -52,13 +52,13 @@ static ost_status make_slots(ost_frame_layer *layer, ost_error *err)
     return OST_OK;
 }
 
-/* Returns a capacity of complete vectors, with an eighth to grow. */
+/* Returns a capacity of complete vectors, with one eighth in reserve for growth. */
 static uint32_t padded(uint32_t count)
 {
     return (count + count / 8 + OST_LANES - 1) / OST_LANES * OST_LANES;
 }
 
-/* Allocates the lists' memory anew: all lists are lost. */
+/* Reallocates the lists' memory. All lists are lost. */
 static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
 {
     const ost_surface *s = layer->surface;
@@ -83,7 +83,7 @@ static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
     return out_of_memory(layer, err);
 }
 
-/* Places the list of every block; returns false if the capacity does not suffice. */
+/* Assigns positions to the lists of all blocks. Returns false if the capacity is not sufficient. */
 static bool place_lists(ost_frame_layer *layer)
 {
     const ost_surface *s = layer->surface;
@@ -150,11 +150,11 @@ void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, i
     list->listed = true;
 }
 
-/* Parts of a block that look different: cubes of 4 voxels on a side, a bit each. */
+/* Parts of a block that look different: cubes of 4 voxels per side, with one bit for each. */
 enum { PART = 4, PARTS = OST_BLOCK / PART };
 
 typedef struct parts {
-    uint64_t bit[PARTS]; /* for each z, bit x + 8 y */
+    uint64_t bit[PARTS]; /* bit x + 8 y, for each z */
 } parts;
 
 static void differs(parts *p, uint32_t id)
@@ -162,7 +162,7 @@ static void differs(parts *p, uint32_t id)
     p->bit[(id >> 10 & 31) / PART] |= UINT64_C(1) << ((id & 31) / PART + PARTS * ((id >> 5 & 31) / PART));
 }
 
-/* Makes a list again and marks the parts where the two lists, both in order, differ. */
+/* Makes a list again and marks the parts in which the old and the new list differ. Both lists are sorted. */
 static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *old,
                          parts *out)
 {
@@ -203,9 +203,9 @@ static void add_parts(const ost_cells *cells, const ost_frame_layer *layer, int3
 }
 
 /*
- * Sets frame->part to the cells that changed blocks may cover, before or after the change.  A
- * block that was hidden has no list and adds no cells: the voxels that hid it either still hide
- * it, or have changed, and their cells are then in the part.
+ * Sets frame->part to the cells that changed blocks may cover, before or after the change. A block
+ * that was hidden has no list and adds no cells: the voxels that hid it either still hide it, or
+ * have changed, and then frame->part contains their cells.
  */
 static void find_part(ost_frame *frame, const ost_frame_layer *layer)
 {

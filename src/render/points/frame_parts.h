@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A frame in three parts:
+ * The three parts of drawing a frame:
  *
- *   frame.c        its memory, its objects, the teams of threads
- *   frame_list.c   which voxels of a block show a face to the eye, and where the lists changed since the last frame
- *   frame_band.c   a band of rows: lists into planes, layers over one another
+ *   frame.c        memory, objects, teams of threads
+ *   frame_list.c   which voxels of a block have a face toward the eye, and where the lists have changed
+ *   frame_band.c   a band of rows: draws lists into planes, and merges layers
  */
 #ifndef OST_RENDER_FRAME_PARTS_H
 #define OST_RENDER_FRAME_PARTS_H
@@ -15,7 +15,7 @@
 #include <omp.h>
 #endif
 
-/* The scratch of a thread that makes a list, and the list that it replaces. */
+/* A thread's scratch for making a list, and the list that the new one replaces. */
 typedef struct ost_frame_lists {
     ost_chosen chosen;
     uint32_t tint[OST_BLOCK_POINTS + OST_LANES];
@@ -23,7 +23,7 @@ typedef struct ost_frame_lists {
     uint8_t only[OST_BLOCK_POINTS];
 } ost_frame_lists;
 
-/* Returns the calling thread's number in its team, which is its scratch's index. */
+/* Returns the calling thread's number in its team, which is the index of its scratch. */
 static inline int ost_frame_thread(void)
 {
 #ifdef _OPENMP
@@ -36,32 +36,33 @@ static inline int ost_frame_thread(void)
 /* ---- frame_list.c */
 
 /*
- * Reserves memory for the lists of layer->surface; layer->slots becomes the surface's.
- * layer->same becomes false where lists were lost, or are of other blocks.
+ * Reserves memory for the lists of layer->surface, and sets layer->slots to the surface's number of
+ * slots. Sets layer->same to false if lists were lost or belong to other blocks.
  */
 ost_status ost_layer_reserve(ost_frame_layer *layer, ost_error *err);
 void ost_layer_free(ost_frame_layer *layer);
 /* Makes the list of the block in this slot. */
 void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *with);
-/* Makes the lists that are missing. Called by all threads of a team. */
+/* Makes the missing lists. Must be called by all threads of a team. */
 void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer);
 /* Drops the lists that are not valid for this frame. */
 void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
- * Sets frame->part and frame->stale: the cells of the first layer to draw, and the cells to copy
- * from the stored planes.  Returns the planes to draw into.  The stored planes are drawn
- * completely only in the second of two equal frames, so that a moving eye does not pay for them.
- * Voxel numbers change with a list, so a frame with keys draws all cells again.
+ * Sets frame->part to the cells of the first layer to draw, and frame->stale to the cells to copy
+ * from the stored planes. Returns the planes to draw into. The stored planes are drawn completely
+ * only in the second of two equal frames, so that frames with a moving eye do not have this cost.
+ * Because voxel numbers change with a list, a frame with keys draws all cells again.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 
 /* ---- frame_band.c */
 
-/* Draws a band of all layers. base: planes of the first layer alone, the frame's own unless they are stored. */
+/* Draws a band of all layers. base: planes of the first layer alone; these are the frame's own
+   planes unless they are stored. */
 void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base);
 /* Draws a band of one layer into the ghost's planes. */
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number);
-/* Mixes a row of the ghost's planes into the frame's colours. */
+/* Blends a row of the ghost's planes into the frame's colours. */
 void ost_frame_merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y);
 
 #endif

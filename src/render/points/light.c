@@ -6,7 +6,7 @@
 
 #include "render/points/surface.h"
 
-/* Computes a unit vector from its parts r, u and f along the picture's right, up and inward directions. */
+/* Computes a unit vector from its components r, u and f along the picture's right, up and inward directions. */
 static void toward(const ost_eye *eye, float r, float u, float f, float out[3])
 {
     float square = 0;
@@ -110,7 +110,7 @@ static uint32_t channel(uint32_t full, uint32_t bright, uint32_t gloss)
     return v < 255 ? v : 255;
 }
 
-/* Mixes three eighths of one colour and five eighths of another. */
+/* Mixes three eighths of colour a with five eighths of colour b. */
 static uint32_t mixed(uint32_t a, uint32_t b)
 {
     return (((a & 0xff00ff) * 3 + (b & 0xff00ff) * 5) >> 3 & 0xff00ff) |

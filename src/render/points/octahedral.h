@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Directions in fourteen bits: the octahedron |x| + |y| + |z| = 1 unfolded into
- * a square of 128 x 128 (Cigolle et al. 2014); a direction is within two degrees of
- * the middle of its cell.
+ * Represents directions in fourteen bits: the octahedron |x| + |y| + |z| = 1 is unfolded into a
+ * square of 128 x 128 cells (Cigolle et al. 2014). A direction is within two degrees of the middle
+ * of its cell.
  *
  *      upper half: u = x, v = y             the lower half's corners are
  *      lower half: u = (1 - |y|) sign x     folded outwards
@@ -16,7 +16,7 @@
 
 enum { OST_OCTAHEDRAL_SIDE = 128, OST_OCTAHEDRAL_COUNT = 128 * 128 };
 
-/* Returns the cell of a direction. v need not be a unit vector; the result for a zero vector is +z. */
+/* Returns the cell of a direction. v need not be a unit vector. The result for a zero vector is +z. */
 static inline uint32_t ost_octahedral_of(const float v[3])
 {
     const float sum = (fabsf(v[0]) + fabsf(v[1])) + fabsf(v[2]);

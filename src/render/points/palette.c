@@ -4,7 +4,7 @@
 const char *const ost_tissue_names[OST_TISSUES] = {"cartilage", "cancellous", "cortical", "subchondral plate"};
 const uint32_t ost_tissue_colours[OST_TISSUES] = {0xe8bd6a, 0x2f4fc4, 0xb6b9c6, 0x4fc4ee};
 
-/* Red, green, blue, from light to dark. */
+/* Colours of the scale as red, green, blue, from light to dark. */
 static const uint8_t stops[][3] = {{246, 226, 74}, {143, 207, 90}, {53, 165, 138},
                                    {43, 111, 142}, {59, 58, 125},  {45, 15, 74}};
 enum { STOPS = sizeof stops / sizeof *stops, LAST = OST_SCALE - 1 };

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Colours by number.
+ * Maps numbers to colours.
  *
  *   1 .. 127     a scale, or a colour for each tissue, lit as the surface is
  *   128 .. 255   the tissues again, or the grey window of a CT, without lighting
  *
- * The scale goes from light to dark, so that it is in order for every eye and
- * in print: yellow, green, blue, violet.  Classes differ in lightness as well
- * as in hue.
+ * The scale goes from light to dark, through yellow, green, blue and violet, so that its order is
+ * visible to every eye and in print. Tissues differ in lightness as well as in hue.
  */
 #ifndef OST_RENDER_PALETTE_H
 #define OST_RENDER_PALETTE_H
@@ -24,12 +23,12 @@ typedef enum ost_colouring {
 
 enum {
     OST_PAINTS = 256,
-    OST_PAINT_LIT = 1,      /* the first lit colour and the first flat one */
+    OST_PAINT_LIT = 1,      /* first lit colour; the next constant is the first flat colour */
     OST_PAINT_FLAT = 128,
-    OST_SCALE = 127,        /* steps of a scale, 0 .. 126 */
+    OST_SCALE = 127,        /* number of steps of a scale, 0 .. 126 */
 };
 
-/* A tissue of the bone, by density and position; the first three are the default density classes, soft to hard. */
+/* A tissue of the bone, by density and position. The first three are the default density classes, from soft to hard. */
 typedef enum ost_tissue {
     OST_TISSUE_CARTILAGE,
     OST_TISSUE_CANCELLOUS,
@@ -40,16 +39,16 @@ typedef enum ost_tissue {
 extern const char *const ost_tissue_names[OST_TISSUES];
 extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
 
-/* Densities in HU that the CT's window shows as black and as white; also the ends of the scale of densities. */
+/* Densities in HU that the CT's window shows as black and as white. They are also the ends of the density scale. */
 enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };
 
-/* Return the colour of a step, 0 .. 126, of the scale and of the grey window. */
+/* Return the colour of a step, 0 .. 126, of the scale and of the grey window, respectively. */
 uint32_t ost_scale_colour(int step);
 uint32_t ost_window_grey(int step);
 /* Returns the step of a density in HU, 0 .. 126. */
 int ost_window_step(int density);
 
-/* Fills the palette of a colouring. Colour 0 is not used: it means the object's own paint. */
+/* Fills the palette of a colouring. Colour 0 is not used, because it means the object's own paint. */
 void ost_palette_make(ost_colouring colouring, uint32_t palette[OST_PAINTS]);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One frame of a volume, as a picture. */
+/* Draws one frame of a volume as a picture. */
 #include "render/points/frame.h"
 
 enum { THRESHOLD = 120 };

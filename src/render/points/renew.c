@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Between two frames a tool removes a few dozen voxels of a block and none of
- * its neighbours'.  A shade depends on voxels at most OST_SHADING_REACH away, so
- * most rows of points keep their shades:
+ * Between two frames, a tool removes a few dozen voxels of a block and none of the neighbouring
+ * blocks. A shade depends on voxels at most OST_SHADING_REACH away, so most rows of points keep
+ * their shades:
  *
  *   bits shown --faces--> rows of points; another list? --.
  *   bits that changed --> rows within reach --------------+--> stale rows --shade--> shades
  *   previous shades ------------------------ other rows --'                        '--> contact
- * The shades of a row are computed together.  The contact paint also changes with
- * time, not only where bone is removed, so it is applied to all points each time.
+ *
+ * The shades of a row are computed together. The contact paint also changes with time, not only
+ * where bone is removed, so it is applied to all points each time.
  */
 #include "render/points/renew.h"
 
@@ -80,7 +81,7 @@ static bool find_changed(const ost_surface *s, const ost_surface_block *b, const
     return any != 0;
 }
 
-/* Copies the previous shades of all other rows. */
+/* Copies the previous shades of all rows that are not stale. */
 static void copy_shading(const ost_surface_block *b, ost_shading_scratch *k)
 {
     const uint16_t *begin = k->faces.begin;
@@ -124,7 +125,8 @@ static bool reserve_points(ost_surface_block *b, uint32_t count)
     return points && shades;
 }
 
-/* Renderers identify their copies of lists by this version; an address could be reused by another surface. */
+/* Renderers identify their copies of lists by this version. An address would not suffice, because
+   another surface could reuse it. */
 static _Atomic uint64_t versions;
 
 static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k,
@@ -172,7 +174,7 @@ ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
     if (find_changed(surface, b, points, k))
         status = ost_surface_shade(surface, b, points, k, err);
     if (status == OST_OK) {
-        copy_shading(b, k); /* last, since computing stale rows may overwrite words after their ends */
+        copy_shading(b, k); /* this must be last, because computing stale rows may overwrite words after their ends */
         mark_contact(b, points, k);
         status = take(surface, slot, points, k, err);
     }

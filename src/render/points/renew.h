@@ -6,13 +6,14 @@
 #include "core/isa.h"
 #include "render/points/surface.h"
 
-/* Selects the loops for an instruction set. The default is the best one that OSTEON_ISA allows. */
+/* Selects the loops for an instruction set. The default is the best set that OSTEON_ISA allows. */
 ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err);
 
-/* Recomputes the cells of all blocks that need it. Must precede the first renewal, which reads cells of neighbours. */
+/* Recomputes the cells of all blocks that need it. Must be called before the first renewal, which
+   reads cells of neighbours. */
 ost_status ost_surface_measure_all(ost_surface *surface, ost_error *err);
 
-/* Updates a dirty block. Its record of changes is kept, since its neighbours read it. */
+/* Updates a dirty block. Its record of changes is not cleared, because its neighbours read it. */
 ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err);
 
 #endif

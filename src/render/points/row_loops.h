@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The loops of rows.h over entire rows, in plain C: the same text is compiled
- * for every instruction set, and the compiler vectorizes it over rows.
+ * Contains the loops of rows.h over complete rows, in plain C. The same text is compiled for every
+ * instruction set, and the compiler vectorizes it over rows.
  */
 #ifndef OST_RENDER_ROW_LOOPS_H
 #define OST_RENDER_ROW_LOOPS_H
@@ -16,8 +16,8 @@ static inline void join_rows(const uint32_t *restrict left, const uint32_t *rest
 }
 
 /*
- * Returns the next step of a spread.  Bits have been spread by c = covered so
- * far; OR-ing with copies shifted by step leaves no gap while step <= 2 c + 1.
+ * Returns the next step of a spread. Bits have already been spread by c = covered. OR-ing with
+ * copies shifted by step leaves no gap if step <= 2 c + 1.
  */
 static inline int next_step(int covered, int reach)
 {
@@ -73,7 +73,7 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     }
 }
 
-/* Computes the words behind the six faces of a row's voxels. */
+/* Computes, for each of the six faces, which voxels of a row have a set bit behind this face. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
     const uint32_t own = rim->row[z + 1][y + 1];
@@ -119,7 +119,7 @@ static inline void behind_rows(const ost_rim *restrict rim, const ost_faces *res
         }
 }
 
-/* The loops above as functions of one instruction set. */
+/* Defines the loops above as functions for one instruction set. */
 #define OST_ROWS_DEFINE(SET)                                                                                           \
     void ost_rows_join_##SET(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out,          \
                              int count)                                                                                \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rows of bits of a block and of its neighbours: the input of lists (extract.c)
- * and shades (shading.c).  All are integers, one word a row.
+ * Processes rows of bits of a block and of its neighbours, from which lists (extract.c) and shades
+ * (shading.c) are computed. All rows are integers, one word per row.
  *
  *   words of a block, of six neighbours --faces--> six words for each row: faces to the air
  *                                       --points--> surface points
@@ -14,12 +14,12 @@
 #include "render/points/surface.h"
 
 enum {
-    OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH, /* rows and slices that a shade may depend on */
+    OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH, /* number of rows and slices on which a shade may depend */
     OST_RIM = OST_BLOCK + 2,
     OST_POINT_SLACK = 16,                      /* number of words after the last point that may be overwritten */
 };
 
-/* Rows [z][y], both counted from -OST_SHADING_REACH; a word's bits are x = -16 .. 47. */
+/* Rows indexed by [z][y], both counted from -OST_SHADING_REACH. The bits of a word are x = -16 .. 47. */
 typedef struct ost_rows {
     uint64_t row[OST_SEEN][OST_SEEN];
 } ost_rows;
@@ -31,23 +31,23 @@ typedef struct ost_rim {
 } ost_rim;
 
 typedef struct ost_faces {
-    uint32_t face[6][OST_BLOCK_ROWS]; /* indexed by ost_face: voxels that have this face to the air */
+    uint32_t face[6][OST_BLOCK_ROWS]; /* indexed by ost_face: voxels with air at this face */
     uint32_t any[OST_BLOCK_ROWS];
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of each row's first point */
 } ost_faces;
 
 typedef struct ost_row_kernels {
-    /* out[i]: bits 16 .. 31 of left[i], all of own[i], bits 0 .. 15 of right[i]. */
+    /* Computes out[i] from bits 16 .. 31 of left[i], all of own[i], and bits 0 .. 15 of right[i]. */
     void (*join)(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);
     /*
-     * Sets all voxels up to `reach` away, along each axis, from one that is set.
-     * Afterwards the outer `reach` rows, slices and bits are undefined.
+     * Sets all voxels that are at most `reach` away, along each axis, from a set voxel. Afterwards
+     * the outer `reach` rows, slices and bits are undefined.
      */
     void (*spread)(ost_rows *rows, ost_rows *other, int reach);
     void (*faces)(const ost_rim *rim, ost_faces *out);
-    /* Finds, in each row, the voxels with a face to the air behind which the rim has a set bit. */
+    /* Finds, in each row, the voxels that have a face to the air and behind that face a set bit of the rim. */
     void (*behind)(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);
-    /* Writes faces->begin[OST_BLOCK_ROWS] points, rows ascending. */
+    /* Writes faces->begin[OST_BLOCK_ROWS] points, in ascending order of rows. */
     void (*points)(const ost_faces *faces, uint32_t *points);
 } ost_row_kernels;
 
