@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The smoothing is a sum of nine neighbours on each axis (smooth.h), slice by
+ * The smoothing is a sum over nine neighbours on each axis (smooth.h). It is computed slice by
  * slice, so that all data stays in the first-level cache:
  *
  *            z, y: -5 .. 36      x: -8 .. 39; the first and last few serve only as neighbours
@@ -9,18 +9,16 @@
  *     z     [34][34][48]   0 .. 63 * 625 = 39375, then a sixteenth of it, rounded
  *     x     [34][34][34]   0 .. 2461 * 25 = 61525
  *
- * Only the rows that stale points depend on are computed.  The wide field is the
- * same for cells of 2^3 voxels, from -5 to 20, and is then interpolated to
- * voxels with the weights 3 : 1 (smooth.c).  A block stores its cells, so
- * the neighbours of a block need not be measured again.
+ * Only the rows on which stale points depend are computed. The wide field is computed in the same
+ * way for cells of 2^3 voxels, from -5 to 20, and then interpolated to voxels with the weights 3 :
+ * 1 (smooth.c). A block stores its cells, so the neighbours of a block need not be measured again.
  *
  *    reach: a slope 1, to a cell's middle and on to the next 2, four cells 8
  *
- * The amount of bone in a voxel is none or all of it if only the bits are known.
- * If the CT is known, it is from a quarter to all, by density: a voxel at the
- * border that is half bone has half the density.  Within three voxels of a cut
- * it is all again, since inside the bone the density does not measure the
- * amount of bone.
+ * If only the bits are known, a voxel contains either no bone or 100 % of it. If the CT is known, a
+ * bone voxel contains from a quarter to 100 % of bone, depending on its density: a voxel at the
+ * border that is half bone has half the density. Within three voxels of a cut, bone voxels again
+ * count as 100 % bone, because inside the bone the density does not measure the amount of bone.
  */
 #include "render/points/shading.h"
 
@@ -34,11 +32,11 @@ enum {
     SIDE = OST_BLOCK,
     REACH = OST_FIELD_REACH,
     NEAR = OST_NEAR_REACH,
-    INNER = OST_FIELD_ROWS,     /* rows of the field */
-    LINE = OST_FIELD_LINE, LEFT = 8, /* a row begins at x = -LEFT */
+    INNER = OST_FIELD_ROWS,     /* number of rows of the field */
+    LINE = OST_FIELD_LINE, LEFT = 8, /* x coordinate of the first entry of a row is -LEFT */
     NINE = 9, THREE = 3,
     CELLS = OST_CELLS,
-    ROWS_BEFORE = OST_SHADING_REACH, /* rows of ost_rows before voxel 0 */
+    ROWS_BEFORE = OST_SHADING_REACH, /* number of rows of ost_rows before voxel 0 */
 };
 
 _Static_assert((int)OST_WIDE_REACH + (int)NEAR == (int)OST_SHADING_REACH, "blocks so far from a change are made anew");
@@ -50,7 +48,7 @@ static const uint32_t *recent_of(const ost_surface_block *b) { return b->recent;
 
 /* ------------------------------------------------------------------- field */
 
-/* Computes near. Returns false if no voxel was removed; then near is undefined. */
+/* Computes k->near, the voxels near removed ones. Returns false if no voxel was removed; near is then undefined. */
 static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k)
 {
     uint64_t any = 0;
@@ -64,8 +62,8 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shad
     return any != 0;
 }
 
-/* Returns voxels first to first + LINE - 1 of a row of `size`; values beyond the row are never
-   used, as there is no bone. */
+/* Returns voxels first to first + LINE - 1 of a row of `size`. Values beyond the row are never
+   used, because there is no bone. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)
@@ -76,9 +74,8 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
 }
 
 /*
- * Computes the amounts of bone in rows first to last of slice z, both counted from
- * -REACH.  Densities are read only where they are needed, since each row is far
- * away in memory.
+ * Computes the amounts of bone in rows first to last of slice z, both counted from -REACH. Reads
+ * densities only if they are needed, because the rows are far apart in memory.
  */
 static void measure(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z,
                     int first, int last, uint16_t (*out)[LINE])
@@ -104,7 +101,7 @@ static void measure(const ost_surface *s, const ost_surface_block *b, ost_shadin
 
 /* ------------------------------------------------------------------- cells */
 
-/* Finds the rows of cells that may have changed: bit y of slice z. */
+/* Finds the rows of cells that may have changed: bit y of word z. */
 static void find_unmeasured(const ost_surface *s, const ost_surface_block *b, uint32_t rows[CELLS])
 {
     uint64_t changes[OST_SEEN];
@@ -136,7 +133,7 @@ void ost_surface_measure(const ost_surface *s, ost_surface_block *b, ost_shading
     b->unmeasured = false;
 }
 
-/* The cells of 27 blocks: z, y, x. */
+/* The cells of 27 blocks, indexed by z, y, x. */
 typedef const uint8_t *cells_about[3][3][3];
 
 static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_about out)
@@ -149,7 +146,7 @@ static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_a
     }
 }
 
-/* Finds the needed rows of the field of cells: those on both sides of a needed row of the field. */
+/* Finds the rows of the field of cells on both sides of each needed row of the field. */
 static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER])
 {
     memset(cells, 0, INNER * sizeof *cells);
@@ -161,7 +158,7 @@ static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER
         }
 }
 
-/* Finds the needed rows of the field: bits y + 1 of slices z + 1. */
+/* Finds the rows of the field that stale rows need: bits y + 1 of words z + 1. */
 static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 {
     memset(needed, 0, INNER * sizeof *needed);
@@ -173,7 +170,7 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
     }
 }
 
-/* Finds the range of rows of sums along y that the field needs in slice z, counted from -REACH. */
+/* Finds the range of rows of sums along y that the field needs in slice z. All are counted from -REACH. */
 static void rows_needed(int z, const uint64_t needed[INNER], int *first, int *last)
 {
     uint64_t rows = 0;
@@ -192,7 +189,7 @@ static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_shad
     k->smooth.down((const uint16_t(*)[LINE])k->bone + first, k->y[z % NINE] + first, last - first + 1);
 }
 
-/* Does the same as add_slice for cells. */
+/* Does the same as add_slice, for cells. */
 static void add_cells(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER])
 {
     int first, last;
@@ -213,8 +210,8 @@ static void add_cells(cells_about about, ost_shading_scratch *k, int z, const ui
 }
 
 /*
- * Computes slice z of the wide field.  *made, *smoothed: the slices of cells and
- * of their field before these are done, as far as they are needed.
+ * Computes slice z of the wide field. *made and *smoothed: all needed slices of cells, and of the
+ * field of cells, with a smaller index have already been computed.
  */
 static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER],
                   const uint64_t cells[INNER], int *made, int *smoothed)
@@ -232,7 +229,7 @@ static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64
     k->smooth.finer(both, z % 2, needed[z], &k->wide[z % THREE]);
 }
 
-/* Computes the shades of the points of slice z in stale rows. */
+/* Computes the shades of the points in stale rows of slice z. */
 static void select_slices(const uint32_t *points, ost_shading_scratch *k, int z)
 {
     const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE],
@@ -251,7 +248,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 {
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
-    int made = 0, cells_made = 0, cells_smoothed = 0; /* slices before these are done, as far as they are needed */
+    int made = 0, cells_made = 0, cells_smoothed = 0; /* all needed slices with a smaller index have been computed */
     ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
     const bool cut = s->reference && find_near(s, b, k);
     find_needed(k->stale, needed);
@@ -274,7 +271,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 
 /* ------------------------------------------------------------------- paint */
 
-/* Finds the voxels with a face to the air behind which is a voxel of the set. */
+/* Finds the voxels that have a face to the air and behind this face a voxel of the given set of bits. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
                         uint32_t out[OST_BLOCK_ROWS])
 {
@@ -306,12 +303,13 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
     if (s->any_recent && find_beyond(s, b, recent_of, k, recent))
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] |= recent[row];
-    if (s->clipped) /* a clip plane bares voxels without removing any */
+    if (s->clipped) /* a clip plane bares voxels without removing bone */
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] &= ~k->cap[row];
 }
 
-/* Computes bared. The depth is needed only if a voxel was removed next to the block's points. */
+/* Computes k->bared, the voxels that a tool has bared. The depth is needed only if a voxel was
+   removed next to the block's points. */
 static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_shading_scratch *k, ost_error *err)
 {
     if (!s->reference || s->colouring == OST_COLOUR_BONE) {

@@ -63,9 +63,12 @@ static inline uint16_t between(uint16_t near, uint16_t far)
 }
 
 /*
- *    cell m - 1  |    cell m     |  cell m + 1        Positions 2 m and 2 m + 1 of a field are a quarter and
- *                    o   |   o                        three quarters of the way from cell m to cell m + 1
- *                  3 : 1 | 1 : 3                      (counted from -1, as all rows of a field are).
+ * Positions 2 m and 2 m + 1 of a field are one quarter and three quarters of the way from cell m to
+ * cell m + 1 (counted from -1, as are all rows of a field):
+ *
+ *    cell m - 1  |    cell m     |  cell m + 1
+ *                    o   |   o
+ *                  3 : 1 | 1 : 3
  */
 void ost_field_finer_scalar(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out)
 {
@@ -92,7 +95,7 @@ static inline float size_of(const float v[3])
     return sqrtf((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
 }
 
-/* Returns the weight of the wide slope. */
+/* Returns the weight of the wide slope, from 0 to 1. */
 static inline float share_of(const float fine[3], const float wide[3], float fine_size, float wide_size)
 {
     const float both = fine_size * wide_size, dot = (fine[0] * wide[0] + fine[1] * wide[1]) + fine[2] * wide[2];

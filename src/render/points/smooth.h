@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arithmetic of the field, a smoothed amount of bone, and of the shades that
- * are computed from it (shading.c).
+ * The arithmetic of the field, which is a smoothed amount of bone, and of the shades that are
+ * computed from it (shading.c).
  *
  *   rows of bits, densities --bits, densities--> slice of bone, [42][48]
  *   slice of bone --down--> sums along y, [34][48]
@@ -12,11 +12,10 @@
  *
  *   three slices of the field, three of the wide one, points --shades-> normal, openness
  *
- * A sum has the weights 1 2 3 4 5 4 3 2 1.  All arithmetic has 16 bits: final
- * sums are below 2^16, and arithmetic modulo 2^16 makes an overflow on the way
- * harmless.  So every variant gives the same words: the scalar one adds weighted
- * words; the others obtain the next sum by adding a slope, and the next slope
- * by adding in[i + 10] - 2 in[i + 5] + in[i].
+ * A sum has the weights 1 2 3 4 5 4 3 2 1. All arithmetic has 16 bits: final sums are below 2^16,
+ * and intermediate overflow is harmless in arithmetic modulo 2^16. Therefore all variants compute
+ * the same words. The scalar variant adds weighted words. The others obtain the next sum by adding
+ * a slope, and the next slope by adding in[i + 10] - 2 in[i + 5] + in[i].
  */
 #ifndef OST_RENDER_SMOOTH_H
 #define OST_RENDER_SMOOTH_H
@@ -25,19 +24,21 @@
 #include "render/points/surface.h"
 
 enum {
-    OST_FIELD_REACH = 5,   /* reach of a sum, 4, and one more for a gradient, in voxels */
+    OST_FIELD_REACH = 5,   /* reach of a sum, 4, plus one for a gradient, in voxels */
     OST_WIDE_REACH = 11,   /* reach of the wide field's gradient, in voxels */
-    OST_NEAR_REACH = 3,    /* up to this distance from a cut, a voxel's density is ignored: it is all bone */
-    OST_FIELD_LINE = 48,   /* voxels of a row, from x = -8 */
-    OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH, /* rows of a slice of bone, and slices */
-    OST_FIELD_ROWS = OST_BLOCK + 2, /* after a sum: the block and one voxel on each side */
-    OST_FIELD_ALL = 63,    /* value of a voxel that is all bone */
+    /* up to this distance from a cut, a voxel's density is ignored and the voxel counts as 100 %
+       bone */
+    OST_NEAR_REACH = 3,
+    OST_FIELD_LINE = 48,   /* number of voxels of a row; x begins at -8 */
+    OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH, /* number of rows of a slice of bone, and number of slices */
+    OST_FIELD_ROWS = OST_BLOCK + 2, /* number of rows after a sum: the block and one voxel on each side */
+    OST_FIELD_ALL = 63,    /* value of a voxel that is 100 % bone */
     OST_FIELD_LEAST = 15,  /* least value of a bone voxel */
-    OST_FIELD_DENSE = 768, /* least HU of a voxel that is entirely bone: LEAST + 768 / 16 = ALL */
+    OST_FIELD_DENSE = 768, /* least density in HU of a voxel that is 100 % bone: LEAST + 768 / 16 = ALL */
     OST_FIELD_FULL = 61525, /* approximate value of the field inside bone */
     OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field on a plane */
     OST_FIELD_BY_FACES = 160, /* amount that a face to the air adds to a slope */
-    OST_CELLS = OST_BLOCK / 2, /* cells on a side of a block */
+    OST_CELLS = OST_BLOCK / 2, /* number of cells per side of a block */
     OST_SHADING_SLACK = 16, /* number of words after the last look that may be overwritten */
 };
 
@@ -46,25 +47,25 @@ typedef uint16_t ost_field_slice[OST_FIELD_ROWS][OST_FIELD_LINE];
 typedef struct ost_smooth_kernels {
     /* Writes OST_FIELD_ALL or 0 for each of the bits x = -8 .. 39 of count rows (rows.h). */
     void (*bits)(const uint64_t *rows, int count, uint16_t (*out)[OST_FIELD_LINE]);
-    /* Writes the values of one row from the densities; voxels near a cut are all bone. */
+    /* Writes the values of one row, computed from the densities. Bone voxels near a cut count as 100 % bone. */
     void (*densities)(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]);
-    /* Sums along y: out[i] = 1 in[i] + 2 in[i + 1] + ... + 1 in[i + 8], for count rows i. */
+    /* Computes sums along y: out[i] = 1 in[i] + 2 in[i + 1] + ... + 1 in[i + 8], for count rows i. */
     void (*down)(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);
-    /* Sums along z and x the rows whose bit is set. Entry i of a row is x = i - 1; entries from
-       OST_FIELD_ROWS on are undefined. */
+    /* Computes sums along z and x for the rows whose bit is set. Entry i of a row is x = i - 1. Entries
+       from OST_FIELD_ROWS on are undefined. */
     void (*slice)(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);
-    /* Computes a row of cells from two rows of each of two slices. */
+    /* Computes a row of cells from two rows in each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
                   uint8_t out[OST_CELLS]);
-    /* Joins `count` rows of cells from three blocks into lines. A line begins at x = -8, like a line of bone. */
+    /* Joins `count` rows of cells of three blocks to lines. A line begins at x = -8, like a line of bone. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
     /*
-     * Interpolates the rows whose bit is set (at least one) of a slice between two
-     * slices of cells; the slice is nearer to the second if odd.
+     * Interpolates a slice between two slices of cells, for the rows whose bit is set (at least
+     * one). If odd is true, the slice is nearer to the second slice of cells.
      */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
-    /* Computes the shades of points of one slice, whose field is fine[1]. */
+    /* Computes the shades of points of one slice. fine[1] is the field of this slice. */
     void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3],
                    const ost_field_slice *const wide[3], uint32_t *shades);
 } ost_smooth_kernels;

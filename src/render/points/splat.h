@@ -1,27 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inner loops of a frame: surface points into pixels, and pixels into faces.
+ * The inner loops of a frame: they draw surface points into pixels, and compute faces for pixels.
  *
  *   points of a block --facing--> a list of those that have a face toward the eye
  *          --splat--> the nearest voxel of each pixel: its distance, its number in the list
  *          --resolve--> the face by which the pixel's ray enters, its depth and its colour
  *
- * All floats are IEEE single.  Each operation is rounded once, in the order of
- * splat_scalar.c, and none is fused, so all variants are bit-identical.
- * A pixel belongs to one band, and a band draws blocks in a fixed order, so the
- * result does not depend on the number of threads.
+ * All floats are IEEE single. Each operation is rounded once, in the order of splat_scalar.c, and
+ * no operations are fused, so all variants are bit-identical. A pixel belongs to one band, and a
+ * band draws blocks in a fixed order, so the result does not depend on the number of threads.
  *
- * A pixel stores one word, its key: the squared distance from the eye to the
- * voxel's centre, as the bits of a float, above the voxel's number, which is
- * its block's slot << 15 | its index in that block's list.  The least key is
- * kept, so the result depends neither on the order of the voxels nor on the positions of the
- * lists.  On a regular grid that distance orders voxels along every ray: where a ray goes from
- * voxel A to its neighbour across +x, d_x > 0 and it passes the shared face at x = A_x + 1/2,
- * so (A - E)_x + 1/2 > 0, and the squared distance increases by
- * (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0; the same holds for all axes.
+ * A pixel stores one word, its key. The upper half is the squared distance from the eye to the
+ * voxel's centre, as the bits of a float. The lower half is the voxel's number: its block's slot <<
+ * 15 | its index in that block's list. The least key is stored, so the result depends neither on
+ * the order of the voxels nor on the positions of the lists. On a regular grid, this distance
+ * orders voxels along every ray: if a ray goes from voxel A to its neighbour across +x, then d_x >
+ * 0, and the ray passes the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and the squared
+ * distance increases by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0. The same holds
+ * for all axes.
  *
- * Ranges: the eye is within 2^15 voxels of every voxel, frames have up to 2^13 pixels a side,
- * all lists together fewer than 2^31 entries; an id is slot << 15 | z << 10 | y << 5 | x.
+ * Ranges: the eye is within 2^15 voxels of every voxel; frames have up to 2^13 pixels per side; all
+ * lists together have fewer than 2^31 entries; an id is slot << 15 | z << 10 | y << 5 | x.
  */
 #ifndef OST_RENDER_SPLAT_H
 #define OST_RENDER_SPLAT_H
@@ -33,21 +32,21 @@
 #include "render/points/camera.h"
 #include "render/points/surface.h"
 
-/* Each byte of the key of a pixel without a voxel is OST_EMPTY_BYTE; as a distance, that is beyond all others. */
+/* Each byte of the key of a pixel without a voxel is OST_EMPTY_BYTE. Read as a distance, this is
+   greater than all others. */
 #define OST_EMPTY_BYTE 0x7f
 #define OST_NO_DISTANCE UINT32_C(0x7f7f7f7f)
 enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_SEVERAL = 3 };
 
 /*
- * Planes of pixels.  Rows begin at multiples of stride, which is a multiple of
- * OST_LANES; the planes are 64-byte aligned.  Planes may cover a band only, so
- * that its keys fit into a cache: their first row is row `top` of the frame, and
- * the keys' first row is row key_top.
+ * Planes of pixels. Rows begin at multiples of stride, which is a multiple of OST_LANES. The planes
+ * are 64-byte aligned. Planes may cover only a band, so that its keys fit into a cache: their first
+ * row is row `top` of the frame, and the first row of the keys is row key_top.
  */
 typedef struct ost_planes {
     uint64_t *key;    /* distance << 32 | number; valid where something may have been drawn */
     float *depth;     /* along forward, in voxels; valid for pixels with a face */
-    uint8_t *face;    /* ost_face, OST_NO_FACE where there is no voxel */
+    uint8_t *face;    /* an ost_face; OST_NO_FACE if there is no voxel */
     uint32_t *colour; /* 0xBBGGRR */
     int stride;
     int top, key_top;
@@ -66,19 +65,20 @@ static inline uint64_t *ost_key_row(const ost_planes *planes, int y)
 /* Values that are constant during a frame, computed by ost_splat_prepare. */
 typedef struct ost_splat_eye {
     ost_eye eye;
-    float axis[3][3];     /* focal * forward, right, up: a pixel's ray is [0] + u [1] + v [2] */
-    float wide[3][3];     /* the same, times OST_HALF_WIDE */
+    float axis[3][3];     /* focal * forward, right, up; the ray of a pixel is [0] + u [1] + v [2] */
+    float wide[3][3];     /* axis multiplied by OST_HALF_WIDE */
     float reach[3];       /* half the width of a voxel along right, up, forward */
 } ost_splat_eye;
 
-/* Half a voxel's side; the same, widened to close the cracks that rounding would leave between neighbours. */
+/* Half of a voxel's side. OST_HALF_WIDE is slightly wider, to close the cracks that rounding would
+   leave between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* If the eye is no farther than this from a voxel's middle along an axis, rays to the voxel have
-   both signs on that axis. */
+/* If the eye is no farther than this from a voxel's middle along an axis, the rays to the voxel can
+   have both signs on that axis. */
 #define OST_FACE_HALF 0.501f
 
-/* Pixels x0 <= x < x1, y0 <= y < y1. */
+/* The pixels with x0 <= x < x1 and y0 <= y < y1. */
 typedef struct ost_extent {
     int x0, x1, y0, y1;
 } ost_extent;
@@ -87,61 +87,61 @@ typedef struct ost_extent {
 #define OST_EXTENT_UNKNOWN UINT64_C(0)
 #define OST_EXTENT_NONE UINT64_C(0xffff0000ffff0000)
 
-/* The points of a block that have a face toward the eye; scratch of a thread that makes lists. */
+/* The points of a block that have a face toward the eye. Scratch of a thread that makes lists. */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
-    /* axis of the only face to the air that is turned to the eye, or OST_SEVERAL */
+    /* axis of the only face that is to the air and turned to the eye; OST_SEVERAL if there are several */
     uint8_t only[OST_BLOCK_POINTS + OST_LANES];
 } ost_chosen;
 
 /* The lists of voxels that have a face toward the eye, with their colours. */
 typedef struct ost_visible {
-    /* owned by the frame; tint << 32 | id, so one load yields both. tint: colour in full light of the face */
+    /* owned by the frame; tint << 32 | id, so that one load reads both; tint: colour of the face in full light */
     uint64_t *seen;
     uint8_t *only;              /* owned by the frame; as in ost_chosen */
     /*
-     * The pixels that each OST_LANES entries cover, as made by ost_extent_word, or
-     * OST_EXTENT_UNKNOWN until they have been drawn once.  Every thread computes
-     * the same value, so threads need not wait for each other.
+     * The pixels that each OST_LANES entries cover, made by ost_extent_word; OST_EXTENT_UNKNOWN
+     * until they have been drawn once. Every thread computes the same value, so threads need not
+     * wait for each other.
      */
     _Atomic uint64_t *extent;
     uint32_t *begin;            /* owned by the frame; index at which the list of each slot's block begins */
-    const float *bases;         /* 4 * slot + a: the block's voxel (0, 0, 0) minus the eye */
+    const float *bases;         /* 4 * slot + a: component a of the block's voxel (0, 0, 0) relative to the eye */
     uint32_t light[8];          /* light of a face, in 256ths, at most 256 */
     uint32_t background;
 } ost_visible;
 
 typedef struct ost_splat_kernels {
     /*
-     * Selects the points that have a face toward the eye, in their order.
-     * turned[a][i]: the faces of axis a that are turned to the eye at coordinate
-     * i, as bits of ost_face.  Returns the number of selected points.
+     * Selects the points that have a face toward the eye, and keeps their order. turned[a][i]: the
+     * faces of axis a that are turned to the eye at coordinate i, as bits of ost_face. Returns the
+     * number of selected points.
      */
     uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
                        ost_chosen *out);
     /*
-     * Draws the list of a block into the keys of the pixels in part.  May also write keys
-     * of the same rows outside part; their values are not used.
+     * Draws the list of a block into the keys of the pixels in part. May also write keys outside
+     * part in the same rows; their values are not used.
      */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
                   const ost_planes *planes, const ost_extent *part);
-    /* Computes face, depth and colour of pixels x0 <= x < x1 of a row; x0 and x1 are multiples of OST_LANES. */
+    /* Computes face, depth and colour of the pixels x0 <= x < x1 of a row. x0 and x1 are multiples of OST_LANES. */
     void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
                     int x1);
-    /* Returns the greatest key of up to OST_TILE rows from y on, in the OST_TILE columns from x
-       on, a multiple of OST_TILE. */
+    /* Returns the greatest key in up to OST_TILE rows from y on and OST_TILE columns from x on. x is a
+       multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
-     * Copies the pixels of `from` that are nearer than those of `to`, for
-     * x0 <= x < x1 of row y; at equal depth `to` is kept.  Depths of `from` are
-     * multiplied by scale.  Keys are not changed.  Sets bit x / OST_LANES of
-     * taken for each OST_LANES pixels from x on of which at least one was copied.
+     * Copies those pixels of `from` that are nearer than the pixels of `to`, for x0 <= x < x1 of
+     * row y. At equal depth, `to` is unchanged. Depths of `from` are multiplied by scale. Keys are
+     * not changed. For each OST_LANES pixels from x on, sets bit x / OST_LANES of taken if at least
+     * one pixel was copied.
      */
     void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;
 
 ost_splat_eye ost_splat_prepare(const ost_eye *eye);
-/* Returns the functions for an instruction set, which this machine must have. */
+/* Returns the functions for an instruction set, which this machine must support. */
 ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
 
 #define OST_SPLAT_DECLARE(SET)                                                                                         \
@@ -155,7 +155,7 @@ ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
     void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1,             \
                          uint64_t *taken);
 OST_SPLAT_DECLARE(scalar)
-OST_SPLAT_DECLARE(avx2) /* facing is the scalar one */
+OST_SPLAT_DECLARE(avx2) /* its facing is the scalar function */
 OST_SPLAT_DECLARE(avx512)
 
 static inline uint64_t ost_key(float distance, uint32_t number)
@@ -175,20 +175,20 @@ static inline uint32_t ost_number(uint32_t slot, uint32_t local)
     return slot << OST_LOCAL_BITS | local;
 }
 
-/* Returns the index of a number's entry in the lists. */
+/* Returns the index in the lists of the entry that has this number. */
 static inline uint32_t ost_visible_index(const ost_visible *visible, uint32_t number)
 {
     return visible->begin[number >> OST_LOCAL_BITS] + (number & ((1u << OST_LOCAL_BITS) - 1));
 }
 
-/* Returns the extent as a word; 16 bits suffice, since frames have at most 2^13 pixels a side. */
+/* Returns the extent as a word. 16 bits per coordinate suffice, because frames have at most 2^13 pixels per side. */
 static inline uint64_t ost_extent_word(int x0, int x1, int y0, int y1)
 {
     return (uint64_t)(uint32_t)x0 << 48 | (uint64_t)(uint32_t)x1 << 32 | (uint64_t)(uint32_t)y0 << 16 |
            (uint64_t)(uint32_t)y1;
 }
 
-/* Returns true if the extent is known and has no pixel in common with part. */
+/* Returns true if the extent is known and has no pixels in common with part. */
 static inline bool ost_extent_misses(uint64_t word, const ost_extent *part)
 {
     return word != OST_EXTENT_UNKNOWN && ((int)(word >> 16 & 0xffff) >= part->y1 || (int)(word & 0xffff) <= part->y0 ||

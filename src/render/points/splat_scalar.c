@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One voxel, whose centre is o from the eye:
+ * Draws a voxel whose centre is o, relative to the eye:
  *
  *   in the camera's frame    x = o . right, y = o . up, z = o . forward
  *   tx = x / z               the slope of its centre; of a corner it is within
@@ -11,25 +11,24 @@
  *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a,
  *                            h half a side: the line along d meets the cube about o
  *
- * For a line that meets the cube, d_a has the sign of o_a on each axis with
- * |o_a| > h.  With those signs s the test is six inequalities, linear in the
- * pixel's position, one for each edge of the outline:
+ * For a line that meets the cube, d_a has the sign of o_a on each axis with |o_a| > h. With those
+ * signs s, the test consists of six inequalities that are linear in the pixel's position, one for
+ * each edge of the outline:
  *
  *   h (s_b d_b + s_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
  *
- * On an axis with |o_a| <= h both signs are tried, and a pixel is covered if
- * either passes: the wrong sign makes the test stricter, as s d <= |d|.
+ * On an axis with |o_a| <= h, both signs are tried, and a pixel is covered if either test passes.
+ * The wrong sign makes the test stricter, because s d <= |d|.
  *
- * If only one face of a voxel is to the air and turned to the eye, it suffices
- * to draw that face: a ray that enters by another face turned to the eye comes
- * from the neighbour there, and that voxel or one before it is nearer (frame.c
- * draws the entire voxel if the eye is so close that this does not hold).  The
- * rectangle is that of the face.  Two of the edges of face a run along its
- * borders within the outline: with j the other axis in an edge's sum, they
- * follow by reversing the sign of h s_j d_j in one of the two edges that have it.
+ * If only one face of a voxel is to the air and turned to the eye, it is sufficient to draw that
+ * face. A ray that enters by another face turned to the eye comes from the neighbour at that face,
+ * and this neighbour or a voxel in front of it is nearer (frame.c draws the entire voxel if the eye
+ * is so close that this does not hold). The rectangle is then that of the face. Two of the edges of
+ * face a lie along its borders within the outline. Let j be the other axis in an edge's sum; these
+ * two edges then follow by reversing the sign of h s_j d_j in one of the two edges that contain it.
  *
- * A voxel with a corner that is not beyond the near plane is not drawn, so
- * every line in the test is a ray.
+ * A voxel with a corner that is not beyond the near plane is not drawn, so every line in the test
+ * is a ray.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"
@@ -68,7 +67,7 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
 }
 
 typedef struct rectangle {
-    int x0, x1, y0, y1; /* pixels; x1 and y1 are inclusive */
+    int x0, x1, y0, y1; /* in pixels; x1 and y1 are inclusive */
 } rectangle;
 
 static int within(float v, int lo, int hi)
@@ -87,7 +86,7 @@ static float spread(const float axis[3], float t, const float forward[3], unsign
     return OST_HALF * ((part[0] + part[1]) + part[2]);
 }
 
-/* Computes the pixels that a voxel or its only face may cover. Returns false if there are none. */
+/* Computes the pixels that a voxel, or its only face, may cover. Returns false if there are none. */
 static bool rectangle_of(const ost_splat_eye *s, const float o[3], unsigned only, rectangle *r)
 {
     static const float origin[3];
@@ -115,18 +114,18 @@ static void cross(const float a[3], const float b[3], float out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* An edge of the outline: a + v c + u b is positive inside. */
+/* An edge of the outline: a + v c + u b is positive inside the outline. */
 typedef struct edge {
     float a, b, c;
 } edge;
 
 /*
- * Computes the edges of a voxel's outline.  negative: bit a is set if rays run in the negative
- * direction of axis a.  only: the axis of the only face to draw, or OST_SEVERAL.
+ * Computes the edges of a voxel's outline. negative: bit a is set if rays run in the negative
+ * direction of axis a. only: the axis of the only face to draw, or OST_SEVERAL.
  */
 static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
-    float n[3][3], m[3][3]; /* for each component vector of d: its product o x v, and h s v */
+    float n[3][3], m[3][3]; /* for each component vector v of d: the product o x v, and h s v */
     for (int i = 0; i < 3; i++) {
         cross(o, s->axis[i], n[i]);
         for (int a = 0; a < 3; a++)
@@ -200,7 +199,7 @@ static void widen(ost_extent *e, const rectangle *r)
     e->y1 = r->y1 + 1 > e->y1 ? r->y1 + 1 : e->y1;
 }
 
-/* Draws entries from to to - 1 of a list, which share an extent word. Returns that word. */
+/* Draws the entries from .. to - 1 of a list, which share an extent word. Returns that word. */
 static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from,
                            uint32_t to, const ost_planes *planes, const ost_extent *part)
 {
@@ -238,10 +237,9 @@ void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint
 }
 
 /*
- * Returns the face by which the ray enters the cube: the plane that it crosses
- * last on its way in.  The ray crosses the near plane of axis a at
- * (|o_a| - 1/2) / |d_a|; the greatest of the three is found by comparing
- * products, so that only one division is needed.
+ * Returns the face through which the ray enters the cube: the face's plane is the last one that the
+ * ray crosses on its way in. The ray crosses the near plane of axis a at (|o_a| - 1/2) / |d_a|. The
+ * greatest of the three values is found by comparing products, so that only one division is needed.
  */
 static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *depth)
 {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bone in the form that a renderer draws: blocks of 32^3 voxels as bits,
- * and for each block a list of its surface voxels.
+ * The bone in the form that a renderer draws: blocks of 32^3 voxels as bits, and for each block a
+ * list of its surface voxels.
  *
  *   occupancy words, a row of 32 voxels each --ost_surface_set--> block, dirty
  *   dirty blocks and their six neighbours --ost_surface_update--> surface points
  *
- * A bone of 30 million cells has 1.3 million active voxels and 190,000 surface
- * voxels; no other voxel is visible.  Blocks are counted from voxel (0, 0, 0),
- * independently of the bone's chunk size.
+ * A bone of 30 million cells has 1.3 million active voxels and 190,000 surface voxels. No other
+ * voxels are visible. Blocks are counted from voxel (0, 0, 0), independently of the bone's chunk
+ * size.
  *
- * A surface point is two words, one for its position and one for its look:
+ * A surface point consists of two words, one for its position and one for its look:
  *
  *   where   bits   0..4   5..9   10..14   15..20
  *                   x      y       z      faces to the air: -x +x -y +y -z +z
@@ -20,12 +20,12 @@
  *                                         225 on a plane,              there just
  *                                         less in a pit                now
  *
- * Normal and openness are computed from the bits (shading.h), so a cut is drawn
- * as smoothly as the uncut surface.
+ * Normal and openness are computed from the bits (shading.h), so a cut is drawn as smoothly as the
+ * uncut surface.
  *
  *   occupied: all active voxels --clip plane (clip.h)--> occupancy: those that are shown and listed
  *
- * A surface is used by one thread at a time.  Drawing a frame only reads it.
+ * A surface must be used by only one thread at a time. Drawing a frame only reads it.
  */
 #ifndef OST_RENDER_SURFACE_H
 #define OST_RENDER_SURFACE_H
@@ -33,14 +33,16 @@
 #include <osteon/grid.h>
 
 enum {
-    OST_BLOCK = 32, /* voxels on a side */
-    OST_BLOCK_ROWS = 32 * 32, /* row y + 32 z; bit x of it is voxel (x, y, z) */
+    OST_BLOCK = 32, /* voxels per side */
+    OST_BLOCK_ROWS = 32 * 32, /* rows per block: bit x of row y + 32 z is voxel (x, y, z) */
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points in a block */
-    OST_BLOCKS_MAX = (1 << 17) - 1, /* blocks with a slot: an id has 17 bits for the slot, and one value means "none" */
+    /* maximum number of blocks with a slot: an id has 17 bits for the slot, and one value means
+       "none" */
+    OST_BLOCKS_MAX = (1 << 17) - 1,
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    OST_SHADING_REACH = 14, /* greatest distance, in voxels, of a voxel that a shade depends on (renew.c) */
+    OST_SHADING_REACH = 14, /* greatest distance, in voxels, of a voxel on which a shade depends (renew.c) */
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
 
@@ -48,7 +50,7 @@ typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_
 
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
-    bool dirty;                /* the next update has to process the block, because of: */
+    bool dirty;                /* set if the next update must process the block, for the reasons in the next fields */
     bool unlisted;             /* its list of points may have changed */
     bool remade;               /* all its shades may have changed */
     bool unmeasured;           /* its cells may have changed */
@@ -56,73 +58,76 @@ typedef struct ost_surface_block {
     uint64_t version;          /* version of its lists, unique within the process; 0 before the first */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
-    uint32_t *changed;         /* owned; voxels of whole that changed since the last update; NULL if none */
+    uint32_t *changed;         /* owned; voxels of `occupied` that changed since the last update; NULL if none */
     uint32_t *before;          /* owned; bone voxels of the uncut bone; NULL if the surface has no reference */
-    /* owned; voxels removed since the last ost_surface_age, and in the interval before; NULL if none */
+    /* owned; voxels removed since the last ost_surface_age, and in the interval before it; NULL if none */
     uint32_t *fresh, *recent;
     uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until the first is needed */
-    uint32_t count, capacity;  /* number of points, capacity */
-    uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8]; /* amount of bone in each 2^3 voxels: x, y, z (shading.h) */
-    uint32_t *points, *shades; /* owned; count surface points, rows ascending */
+    uint32_t count, capacity;  /* number of points; capacity */
+    /* amount of bone in each cube of 2^3 voxels, indexed by x, y, z (shading.h) */
+    uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8];
+    uint32_t *points, *shades; /* owned; `count` surface points, in ascending order of rows */
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of the first point of each row */
 } ost_surface_block;
 
-/* A clip plane: a voxel v is shown if n . v <= d (clip.h). */
+/* A clip plane. A voxel v is shown if n . v <= d (clip.h). */
 typedef struct ost_clip {
     int32_t n[3];
     int64_t d;
 } ost_clip;
 
 typedef struct ost_surface {
-    ost_geometry geometry;     /* the bone's; equal spacing on all axes */
-    int32_t blocks[3];         /* size of the grid in blocks; the last ones may lie partly outside */
-    int32_t *slot_of;          /* owned; the slot of each block of the grid, -1 if it has never had an active voxel */
+    ost_geometry geometry;     /* geometry of the bone; the spacing is equal on all axes */
+    int32_t blocks[3];         /* size of the grid in blocks; the last blocks may lie partly outside the grid */
+    /* owned; slot of each block of the grid; -1 if the block has never contained an active voxel */
+    int32_t *slot_of;
     ost_surface_block **slot;  /* owned; `used` entries */
     int32_t used, capacity;
-    uint64_t points;           /* number of points of all blocks, valid after an update */
-    int32_t renewals, *renewed; /* owned; slots whose lists the last update changed, and their number */
+    uint64_t points;           /* total number of points of all blocks; valid after an update */
+    int32_t renewals, *renewed; /* owned; the number of slots whose lists the last update changed, and these slots */
     struct ost_uncut *reference; /* borrowed; NULL if the uncut bone is not known */
     int colouring;             /* an ost_colouring (palette.h) */
     ost_clip clip;
-    bool clipped;              /* clip is in use */
-    bool shows_contact;        /* removed voxels are recorded in fresh */
+    bool clipped;              /* set if clip is in use */
+    bool shows_contact;        /* set if removed voxels are recorded in fresh */
     bool any_fresh, any_recent;
     struct ost_shading_scratch *scratch; /* owned */
 } ost_surface;
 
-/* Makes a surface without an active voxel. Returns OST_ERR_RANGE if the spacing differs between axes. */
+/* Makes a surface without active voxels. Returns OST_ERR_RANGE if the spacing differs between axes. */
 ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, ost_error *err);
-/* Frees the surface's memory; a zeroed surface is valid. */
+/* Frees the surface's memory. Accepts a zero-initialized surface. */
 void ost_surface_free(ost_surface *surface);
 
 /*
- * Replaces the active voxels of the block at[] (in blocks); bits outside the grid must be 0.
- * Returns OST_ERR_RANGE beyond OST_BLOCKS_MAX blocks.
+ * Replaces the active voxels of the block at[] (in blocks). Bits outside the grid must be 0.
+ * Returns OST_ERR_RANGE if there are more than OST_BLOCKS_MAX blocks.
  */
 ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS],
                            ost_error *err);
 /*
- * Does the same from a chunk of n^3 voxels, at[] in chunks: n is 16, 32 or 64, and bit v % 32 of
- * word v / 32 is voxel v = x + n (y + n z).  Allocates nothing for blocks that never had an active voxel.
+ * Does the same for a chunk of n^3 voxels, at[] in chunks. n is 16, 32 or 64, and bit v % 32 of
+ * word v / 32 is voxel v = x + n (y + n z). Allocates no memory for blocks that never contained an
+ * active voxel.
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);
-/* Does the same for all blocks of a volume: a voxel is active if its density is at least the threshold. */
+/* Does the same for all blocks of a volume. A voxel is active if its density is at least the threshold. */
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 
 /*
- * Set the uncut bone, which must have the same grid, and the colouring.
- * The next update recomputes all shades after a change.  The reference is borrowed.
+ * Set the uncut bone, which must have the same grid, and the colouring. If one of them changes, the
+ * next update recomputes all shades. The reference is borrowed.
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
-/* Ages the removed voxels that shows_contact records: fresh ones become recent, recent ones are dropped. */
+/* Ages the removed voxels that shows_contact records: fresh ones become recent, and recent ones are dropped. */
 void ost_surface_age(ost_surface *surface);
 
-/* Recomputes the points and shades that changed since the last update, and lists the changed blocks in renewed. */
+/* Recomputes the points and shades that have changed since the last update, and lists the changed blocks in renewed. */
 ost_status ost_surface_update(ost_surface *surface, ost_error *err);
 
-/* Returns true if none of the voxels lo to hi (inclusive) is shown; voxels outside the grid are not. */
+/* Returns true if none of the voxels lo to hi (inclusive) is shown. Voxels outside the grid are not shown. */
 bool ost_surface_is_empty(const ost_surface *surface, const int32_t lo[3], const int32_t hi[3]);
 
 #endif

@@ -89,8 +89,8 @@ void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_
 }
 
 /*
- * Returns true if a voxel is in the subchondral plate: close to the face, with no bone from
- * PLATE_MM to PLATE_CLEAR_MM outward of it.
+ * Returns true if a voxel is in the subchondral plate: it is close to the face, and there is no
+ * bone from PLATE_MM to PLATE_CLEAR_MM outward of it.
  */
 static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {
@@ -115,7 +115,7 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if a voxel up to two steps away along one of the axes has a density from .. to. */
+/* Returns true if a voxel at most two steps away along one of the axes has a density d with from <= d < to. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
@@ -129,10 +129,10 @@ static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 }
 
 /*
- * Returns the tissue of a voxel by its class, with two corrections for the
- * partial volume effect: a voxel of medium density between hard bone and a soft
- * voxel or air is the edge of hard bone and not cancellous; and a voxel as dense
- * as cartilage is cartilage only at the face, if the face's position is known.
+ * Returns the tissue of a voxel by its class, with two corrections. The first is for the partial
+ * volume effect: a voxel of medium density between hard bone and a soft voxel or air is the edge of
+ * hard bone, not cancellous bone. The second is for cartilage: a voxel of this density is cartilage
+ * only at the face, if the face's position is known.
  */
 static uint32_t tissue_at(const ost_uncut *g, const int32_t at[3], int density)
 {
@@ -151,7 +151,7 @@ uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, co
     switch (colouring) {
     case OST_COLOUR_CLASS: return OST_PAINT_LIT + tissue_at(reference, at, density);
     case OST_COLOUR_DEPTH: return reference->level[depth];
-    /* dense voxels are light */
+    /* dense voxels are drawn light */
     case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density));
     case OST_COLOUR_BONE:
     case OST_COLOUR_COUNT: break;
@@ -191,8 +191,8 @@ static bool empty_cell(const ost_uncut *g, int32_t x, int32_t y, int32_t z)
 }
 
 /*
- * Marks all empty cells that are connected to the grid's border through empty cells.  mark must be
- * zeroed.  Returns false if there is no memory.
+ * Marks all empty cells that are connected to the grid's border through empty cells. mark must be
+ * zero-initialized. Returns false if memory is exhausted.
  */
 static bool flood(const ost_uncut *g, uint8_t *mark)
 {
@@ -239,7 +239,7 @@ static bool flood(const ost_uncut *g, uint8_t *mark)
     return stack != NULL;
 }
 
-/* Marks the neighbours of marked cells in a line of `size` cells, which are `step` apart. */
+/* Marks the neighbours of marked cells in a line of `size` cells, which are `step` elements apart. */
 static void widen(uint8_t *mark, int64_t begin, int64_t step, int32_t size)
 {
     uint8_t before = 0;
@@ -303,7 +303,7 @@ static void outside_words(const ost_uncut *g, const int32_t block[3], uint32_t w
         }
 }
 
-/* Computes the squared distance of each voxel of a row to the nearest set bit of three words. */
+/* Computes the squared distance of each voxel of a row to the nearest set bit in three words. */
 static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[SIDE])
 {
     int since = left ? __builtin_clz(left) : SIDE;
@@ -319,7 +319,8 @@ static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[S
     }
 }
 
-/* Computes the minimum of line[i + k] + k^2 over all |k| < 32; a line has `count` numbers, lines are `count` apart. */
+/* Computes the minimum of line[i + k] + k^2 over all |k| < 32. A line has `count` numbers, and
+   lines are `count` apart. */
 static inline void least(const int16_t *restrict line, int16_t *restrict out, int count)
 {
     for (int i = 0; i < count; i++)

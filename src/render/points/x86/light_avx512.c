@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The functions of light.c for sixteen voxels at a time. */
+/* Contains the functions of light.c for sixteen voxels at a time. */
 #include "core/conditions.h"
 #include "render/points/light.h"
 #include "render/points/surface.h"
@@ -15,7 +15,7 @@ static inline __m512i all(uint32_t v)
     return _mm512_set1_epi32((int)v);
 }
 
-/* Multiplies numbers below 2^15. */
+/* Multiplies numbers that are below 2^15. */
 static inline __m512i times(__m512i a, __m512i b)
 {
     return _mm512_madd_epi16(a, b);
@@ -26,7 +26,7 @@ static inline __m512i channel(__m512i full, __m512i bright, __m512i gloss)
     return _mm512_min_epi32(_mm512_add_epi32(_mm512_srli_epi32(times(full, bright), 8), gloss), all(255));
 }
 
-/* Mixes three eighths of one colour and five eighths of another, in two of three channels. */
+/* Mixes three eighths of one colour with five eighths of another, in two of the three channels. */
 static inline __m512i mixed_part(__m512i colour, uint32_t other, uint32_t mask)
 {
     const __m512i c = _mm512_and_si512(colour, all(mask)), three = _mm512_add_epi32(_mm512_add_epi32(c, c), c);
@@ -53,8 +53,8 @@ void ost_light_tint_avx512(const ost_light *light, const uint32_t *shades, uint3
             continue;
         }
         /*
-         * The gather loads four bytes for each cell's two; the bytes after the last cell belong
-         * to the same struct.
+         * The gather loads four bytes where a cell has two. The bytes after the last cell belong to
+         * the same struct.
          */
         const __m512i cell = _mm512_and_si512(l, all(OST_OCTAHEDRAL_COUNT - 1));
         const __m512i shade = _mm512_and_si512(_mm512_i32gather_epi32(cell, light->shade, 2), all(0xffff));

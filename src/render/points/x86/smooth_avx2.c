@@ -5,7 +5,7 @@
 
 #include <immintrin.h>
 
-/* A line is three registers of sixteen words. */
+/* A line consists of three registers of sixteen words. */
 enum { LINE = OST_FIELD_LINE, SIXTEEN = 16 };
 
 static inline __m256i load(const uint16_t *at)
@@ -23,7 +23,7 @@ static inline __m256i plus(__m256i a, __m256i b)
     return _mm256_add_epi16(a, b);
 }
 
-/* Returns all ones in the lanes whose bit is set. */
+/* Returns all ones in the lanes whose bit in row is set. */
 static inline __m256i lanes_of(uint64_t row)
 {
     const __m256i bit = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384,
@@ -146,7 +146,7 @@ void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint6
     }
 }
 
-/* The same method as in x86/smooth_avx512.c, which gives the reasons. */
+/* The method is that of x86/smooth_avx512.c, where the reasons are given. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)
@@ -205,7 +205,7 @@ static inline __m256i cell(__m256 p)
                             all(OST_OCTAHEDRAL_SIDE - 1));
 }
 
-/* blendv selects by the sign of v[2], which is not -0. */
+/* blendv selects by the sign of v[2], which is never -0. */
 static inline __m256i octahedral(const __m256 v[3])
 {
     const __m256 sum = _mm256_add_ps(_mm256_add_ps(abs_of(v[0]), abs_of(v[1])), abs_of(v[2])),

@@ -5,7 +5,7 @@
 
 #include <immintrin.h>
 
-/* A line is a register of 32 words and half of one. */
+/* A line consists of one and a half registers of 32 words. */
 enum { LINE = OST_FIELD_LINE, FIRST = 32 };
 
 static inline __m512i load(const uint16_t *at)
@@ -161,7 +161,7 @@ static inline __m512 share(const __m512 fine[3], const __m512 wide[3], __m512 fi
     return _mm512_maskz_min_ps(says, _mm512_max_ps(t, one(0)), one(1));
 }
 
-/* Returns 1 - |aside| with the sign of `sign`, which is not -0. */
+/* Returns 1 - |aside| with the sign of `sign`, which is never -0. */
 static inline __m512 folded(__m512 aside, __m512 sign)
 {
     const __m512 away = _mm512_sub_ps(one(1), _mm512_abs_ps(aside));
@@ -176,8 +176,8 @@ static inline __m512i cell(__m512 p)
 }
 
 /*
- * Returns the cell of each direction v.  The components of v are sums v[a] fine + w[a] wide, which
- * are never -0; the sum of their magnitudes is 0 or at least 1.
+ * Returns the cell of each direction v. The components of v are sums v[a] fine + w[a] wide. They
+ * are never -0, and the sum of their magnitudes is 0 or at least 1.
  */
 static inline __m512i octahedral(const __m512 v[3])
 {
@@ -191,9 +191,8 @@ static inline __m512i octahedral(const __m512 v[3])
 }
 
 /*
- * Returns the quotient by OST_FIELD_FULL of numbers of magnitude below 2^26,
- * rounded toward zero as in C.  The float quotient has an error of less than 1,
- * which the remainder corrects.
+ * Returns numbers of magnitude below 2^26 divided by OST_FIELD_FULL and rounded toward zero, as in
+ * C. The float quotient has an error of less than 1, which the remainder corrects.
  */
 static inline __m512i by_full(__m512i v)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The method of splat_avx512.c with eight lanes. AVX2 cannot compress lanes, so facing is the
- * scalar function.
+ * Implements the method of splat_avx512.c with eight lanes. AVX2 cannot compress lanes, so facing
+ * is the scalar function.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -10,7 +10,7 @@
 
 #include <immintrin.h>
 
-enum { EIGHT = 8, SMALL = 4 }; /* SMALL: greatest side of a small rectangle */
+enum { EIGHT = 8, SMALL = 4 }; /* SMALL: greatest side of a small rectangle in pixels */
 
 typedef __m256 lanes;
 typedef struct lanes3 {
@@ -33,7 +33,7 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm256_add_ps(xy, _mm256_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Omits the component along axis a in the lanes single[a]. */
+/* Does not add the component along axis a in the lanes single[a]. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const lanes single[3])
 {
     lanes part[3];
@@ -47,14 +47,14 @@ static inline __m256i within(lanes v, int lo, int hi)
     return _mm256_cvttps_epi32(_mm256_min_ps(_mm256_max_ps(v, all((float)lo)), all((float)hi)));
 }
 
-/* Returns a mask of the first n lanes, n >= 1. */
+/* Returns a mask of the first n lanes; n >= 1. */
 static inline __m256i below(int n)
 {
     return _mm256_cmpgt_epi32(_mm256_set1_epi32(n), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
 }
 
 typedef struct eight {
-    _Alignas(32) float edge[6][3][EIGHT]; /* a, b, c: splat_scalar.c */
+    _Alignas(32) float edge[6][3][EIGHT]; /* coefficients a, b, c of an edge (splat_scalar.c) */
     _Alignas(32) int32_t x0[EIGHT], x1[EIGHT], y0[EIGHT], y1[EIGHT];
     _Alignas(32) uint64_t key[EIGHT];
 } eight;
@@ -99,9 +99,8 @@ static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes 
 }
 
 /*
- * Computes the edges of eight voxels' outlines. negative[a]: the sign bit is set where rays run
- * in the negative direction of axis a. single[a]: all ones where the only face to draw is on
- * axis a.
+ * Computes the edges of eight voxels' outlines. negative[a]: the sign bit is set if rays run in the
+ * negative direction of axis a. single[a]: all ones if the only face to draw is on axis a.
  */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negative[3], const lanes single[3],
                             eight *out)
@@ -114,7 +113,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_first[a] = _mm256_or_ps(_mm256_and_ps(single[c], same), _mm256_andnot_ps(same, single[b]));
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
-    for (int i = 0; i < 3; i++) { /* focal, u, v: a, b, c of an edge */
+    for (int i = 0; i < 3; i++) { /* i = 0, 1, 2: focal, u, v, which give a, b, c of an edge */
         lanes m[3];
         for (int a = 0; a < 3; a++)
             m[a] = _mm256_xor_ps(all(s->wide[i][a]), negative[a]);
@@ -130,7 +129,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
     }
 }
 
-/* Returns the lanes in which none of six values is negative. */
+/* Returns the lanes in which all of the six values are nonnegative. */
 static inline unsigned none_negative(const lanes f[6])
 {
     const lanes first = _mm256_or_ps(_mm256_or_ps(f[0], f[1]), f[2]),
@@ -138,7 +137,7 @@ static inline unsigned none_negative(const lanes f[6])
     return ~bits(_mm256_or_ps(first, second)) & 0xff;
 }
 
-/* Return the distance from the middle of the frame to the middles of the pixels of a column, and of a row. */
+/* Return the distances from the middle of the frame to the middles of the pixels of columns, and of a row. */
 static inline lanes across(const ost_splat_eye *s, __m256i x)
 {
     return _mm256_sub_ps(_mm256_add_ps(_mm256_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -154,8 +153,8 @@ static inline unsigned at_least(__m256i a, int b)
     return greater(a, _mm256_set1_epi32(b - 1));
 }
 
-/* Finds the pixels of voxels `which`, whose rectangles have at most SMALL x SMALL pixels; stored
-   as index << 3 | lane. */
+/* Finds the pixels of the voxels in `which`, whose rectangles have at most SMALL x SMALL pixels. A
+   pixel is stored as index << 3 | lane. */
 static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
 {
     uint32_t covered[EIGHT * SMALL * SMALL], n = 0;
@@ -203,7 +202,7 @@ static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned w
     }
 }
 
-/* Updates four pixels of a row; those with a sign bit in `in` are covered. */
+/* Updates four pixels of a row. A pixel is covered if its lane of `in` has the sign bit set. */
 static inline void write_nearest(uint64_t *row, __m128i in, __m256i key)
 {
     const __m256i mask = _mm256_cvtepi32_epi64(in), was = _mm256_maskload_epi64((const long long *)row, mask);
@@ -266,7 +265,7 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* Draws voxels next to the eye again for each other combination of signs that their rays may have. */
+/* Draws voxels next to the eye again, for each other combination of signs that their rays may have. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
                                unsigned live, eight *r, const ost_planes *planes)
 {
@@ -286,7 +285,7 @@ static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned 
     }
 }
 
-/* Clips rectangles to the rows of part; returns those with pixels there and in its columns. */
+/* Clips rectangles to the rows of part. Returns those that contain pixels in these rows and in part's columns. */
 static inline unsigned into_part(eight *r, unsigned live, const ost_extent *part)
 {
     const __m256i top = _mm256_max_epi32(_mm256_load_si256((const void *)r->y0), _mm256_set1_epi32(part->y0));
@@ -310,7 +309,7 @@ static inline void widen(const eight *r, unsigned live, ost_extent *e)
     }
 }
 
-/* Draws up to eight entries of a list from place on, and extends *extent by their rectangles. */
+/* Draws up to eight entries of a list from offset on, and extends *extent by their rectangles. */
 static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t offset,
                               int count, const ost_planes *planes, const ost_extent *part, ost_extent *extent)
 {
@@ -371,7 +370,7 @@ static inline __m256i lit(__m256i colour, __m256i light)
     return _mm256_or_si256(a, b);
 }
 
-/* Computes the vectors from the eye to the blocks of the pixels' voxels, and the voxels' list indices. */
+/* Computes the vectors from the eye to the blocks that contain the pixels' voxels, and the voxels' list indices. */
 static inline __m256i lookup(const ost_visible *visible, __m256i number, __m256i any, lanes3 *o)
 {
     const __m256i slot = _mm256_srli_epi32(number, OST_LOCAL_BITS);
@@ -410,7 +409,7 @@ static inline lanes3 places(lanes3 o, __m256i id)
     return o;
 }
 
-/* Computes the face by which each pixel's ray enters, and the depth. */
+/* Computes the face through which each pixel's ray enters, and the depth. */
 static inline __m256i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v, lanes *depth)
 {
     lanes near[3], d[3];

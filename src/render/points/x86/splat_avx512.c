@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rectangles and outline edges are computed for sixteen voxels at a time.  Then
- * the voxels that are small on the screen are tested sixteen at once, pixel by
- * pixel of their rectangles; the covered pixels are stored in a list and their
- * keys updated one by one.  Loading a word just stored causes no stall, in
- * contrast to register-wide accesses that overlap.  The other voxels fill
- * sixteen pixels at a time, in two rows or in one.
+ * Computes rectangles and outline edges for sixteen voxels at a time. Then the voxels that are
+ * small on the screen are tested sixteen at once, pixel by pixel of their rectangles. The covered
+ * pixels are stored in a list, and their keys are updated one by one: loading a single word that
+ * was just stored causes no stall, whereas overlapping register-wide accesses do. The other voxels
+ * are filled sixteen pixels at a time, in two rows or in one.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -30,7 +29,7 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm512_add_ps(xy, _mm512_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Omits the component along axis a in the lanes single[a]. */
+/* Does not add the component along axis a in the lanes single[a]. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const __mmask16 single[3])
 {
     lanes part[3];
@@ -56,7 +55,7 @@ static inline lanes down(lanes v)
     return _mm512_roundscale_ps(v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
 }
 
-/* Looks up bytes in 32 bytes that are stored in both halves of `table`. */
+/* Looks up bytes in a table of 32 bytes, which is stored in both halves of `table`. */
 static inline __m512i turned_at(__m512i table, __m512i index)
 {
     return _mm512_permutexvar_epi32(_mm512_and_si512(index, _mm512_set1_epi32(15)), table);
@@ -101,18 +100,18 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
     return n;
 }
 
-enum { SMALL = 4, TALL = 16 }; /* greatest side of a small rectangle; number of rows whose edges are computed at once */
+/* greatest side of a small rectangle in pixels; number of rows whose edges are computed at once */
+enum { SMALL = 4, TALL = 16 };
 
 typedef struct sixteen {
-    _Alignas(64) float edge[6][3][OST_LANES]; /* a, b, c: splat_scalar.c */
+    _Alignas(64) float edge[6][3][OST_LANES]; /* coefficients a, b, c of an edge (splat_scalar.c) */
     _Alignas(64) int32_t x0[OST_LANES], x1[OST_LANES], y0[OST_LANES], y1[OST_LANES];
     _Alignas(64) uint64_t key[OST_LANES];
 } sixteen;
 
 /*
- * Computes the edges of sixteen voxels' outlines. negative[a]: the sign bit is set where rays
- * run in the negative direction of axis a. single[a]: set where the only face to draw is on axis
- * a.
+ * Computes the edges of sixteen voxels' outlines. negative[a]: the sign bit is set if rays run in
+ * the negative direction of axis a. single[a]: set if the only face to draw is on axis a.
  */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i negative[3], const __mmask16 single[3],
                             sixteen *out)
@@ -124,7 +123,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_first[a] = (__mmask16)((single[c] & same) | (single[b] & ~same));
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
-    for (int i = 0; i < 3; i++) { /* focal, u, v: a, b, c of an edge */
+    for (int i = 0; i < 3; i++) { /* i = 0, 1, 2: focal, u, v, which give a, b, c of an edge */
         lanes m[3];
         for (int a = 0; a < 3; a++)
             m[a] = _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(all(s->wide[i][a])), negative[a]));
@@ -141,7 +140,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
     }
 }
 
-/* Returns a vector whose sign bit is set where one of six values is negative. */
+/* Returns a vector whose sign bit is set if at least one of the six values is negative. */
 static inline __m512i any_negative(const lanes f[6])
 {
     __m512i v[6];
@@ -152,7 +151,7 @@ static inline __m512i any_negative(const lanes f[6])
     return _mm512_or_si512(first, second);
 }
 
-/* Return the distance from the middle of the frame to the middles of the pixels of a column, and of a row. */
+/* Return the distances from the middle of the frame to the middles of the pixels of columns, and of a row. */
 static inline lanes across(const ost_splat_eye *s, __m512i x)
 {
     return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -164,8 +163,8 @@ static inline lanes upward(const ost_splat_eye *s, __m512i y)
 }
 
 /*
- * Finds the pixels of voxels `which`, whose rectangles have at most SMALL x SMALL
- * pixels, and stores them as index << 4 | lane: frames have at most 2^26 pixels.
+ * Finds the pixels of the voxels in `which`, whose rectangles have at most SMALL x SMALL pixels. A
+ * pixel is stored as index << 4 | lane; this fits, because frames have at most 2^26 pixels.
  */
 static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which,
                                                  const ost_planes *planes)
@@ -215,14 +214,14 @@ static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const s
     }
 }
 
-/* Updates eight pixels of a row, of which those in `in` are covered. */
+/* Updates eight pixels of a row. The pixels in `in` are covered. */
 static inline void write_nearest(uint64_t *row, __mmask8 in, __m512i key)
 {
     const __mmask8 nearer = _mm512_mask_cmplt_epu64_mask(in, key, _mm512_maskz_loadu_epi64(in, row));
     _mm512_mask_storeu_epi64(row, nearer, key);
 }
 
-/* Fills a rectangle of up to eight columns, two rows at a time: one in the even lanes and one in the odd. */
+/* Fills a rectangle of up to eight columns, two rows at a time: one in the even lanes and one in the odd lanes. */
 static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows,
                                                  float start[6][TALL], const ost_planes *planes)
 {
@@ -246,7 +245,7 @@ static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const s
     }
 }
 
-/* Fills a rectangle sixteen columns at a time, row by row. */
+/* Fills a rectangle row by row, sixteen columns at a time. */
 static __attribute__((noinline)) void fill_rows(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows,
                                                 float start[6][TALL], const ost_planes *planes)
 {
@@ -345,7 +344,7 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* Draws voxels next to the eye again for each other combination of signs that their rays may have. */
+/* Draws voxels next to the eye again, for each other combination of signs that their rays may have. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
                                __mmask16 live, sixteen *r, const ost_planes *planes)
 {
@@ -366,7 +365,7 @@ static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16
     }
 }
 
-/* Clips rectangles to the rows of part; returns those with pixels there and in its columns. */
+/* Clips rectangles to the rows of part. Returns those that contain pixels in these rows and in part's columns. */
 static inline __mmask16 into_part(sixteen *r, __mmask16 live, const ost_extent *part)
 {
     const __m512i top = _mm512_max_epi32(_mm512_load_si512(r->y0), _mm512_set1_epi32(part->y0));
@@ -440,8 +439,8 @@ static inline __m512i lit(__m512i colour, __m512i light)
 }
 
 /*
- * Computes the vectors from the eye to the blocks of the pixels' voxels, and the
- * voxels' list indices.  A register has few blocks, so both are computed block by block.
+ * Computes the vectors from the eye to the blocks that contain the pixels' voxels, and the voxels'
+ * list indices. The voxels of a register are in few blocks, so both are computed block by block.
  */
 static inline __m512i lookup(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
 {
@@ -486,7 +485,7 @@ static inline lanes3 places(lanes3 o, __m512i id)
     return o;
 }
 
-/* Computes the face by which each pixel's ray enters, and the depth. */
+/* Computes the face through which each pixel's ray enters, and the depth. */
 static inline __m512i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v, lanes *depth)
 {
     lanes near[3], d[3];
@@ -529,7 +528,7 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
             lanes3 o;
             const __m512i index = lookup(visible, _mm512_permutex2var_epi32(low, even, high), any, &o);
             /*
-             * Single loads are faster than a gather.  The asm prevents the compiler from
+             * Single loads are faster than a gather. The asm statement prevents the compiler from
              * extracting the indices from the register again.
              */
             _Alignas(64) uint32_t at_list[OST_LANES];
