@@ -1,22 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Three slices in any colours, with scale bar and directions: for ost_picture_slices and for differences. */
+/* Draws three slices in any colours, with scale bar and directions, for ost_picture_slices and for differences. */
 #ifndef OST_RENDER_SLICES_H
 #define OST_RENDER_SLICES_H
 
 #include <osteon/picture.h>
 
-/* Computes the red, green and blue, 0 to 255, of the voxel with that index in the volume. */
+/* Computes red, green and blue, 0 to 255, of the voxel with this index in the volume. */
 typedef void ost_slices_colour(const void *user, size_t voxel, double rgb[3]);
 
 typedef struct ost_slices_paint {
     ost_slices_colour *colour;
     const void *user;
-    bool by_voxel;   /* each pixel has the colour of one voxel; otherwise colours are interpolated between centres */
-    bool unoriented; /* the directions of the axes are not known: none are drawn */
+    /* set: each pixel has the colour of one voxel; otherwise colours are interpolated between
+       centres */
+    bool by_voxel;
+    bool unoriented; /* set: the directions of the axes are not known, and none are drawn */
 } ost_slices_paint;
 
-/* Draws the slices through the voxel at[]. pixels: the longest side of a slice; 0 = 480. Returns
-   OST_ERR_RANGE if at is outside. */
+/* Draws the slices through the voxel at[]. pixels: longest side of a slice; 0 means 480. Returns
+   OST_ERR_RANGE if at is outside the grid. */
 ost_status ost_slices_draw(const ost_geometry *geometry, const int32_t at[3], int pixels, const ost_slices_paint *paint,
                            ost_picture *out, ost_error *err);
 

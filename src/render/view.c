@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A view of a volume as a picture: one frame of a viewer, with marks.
+ * Draws a view of a volume as a picture: one frame of a viewer, with marks.
  *
  *   volume, before --> viewer: surface, uncut surface, colours of depth
  *   direction, extent, or the box of the active voxels --> camera
@@ -17,10 +17,10 @@
 #include "render/views.h"
 
 enum { THRESHOLD = 120, SIDE = 800 };
-/* share of the picture's height or width that the box of the active voxels takes up */
+/* fraction of the picture's height or width that the box of the active voxels fills */
 static const double FILLED = 0.94;
 
-/* The camera's axes, unit vectors in the patient, and the point that it is directed at. */
+/* The camera's axes as unit vectors in the patient, and the point at which the camera is directed. */
 typedef struct aim {
     double right[3], up[3], forward[3], at[3];
     double distance; /* mm */
@@ -43,8 +43,8 @@ static ost_status find_axes(const ost_view_options *o, aim *a, ost_error *err)
     return OST_OK;
 }
 
-/* Directs the camera at the middle of the active voxels' box, from the distance at which all of
-   it is in the picture. */
+/* Directs the camera at the middle of the active voxels' box, from the distance at which the
+   picture contains the complete box. */
 static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim *a)
 {
     const ost_geometry *g = &volume->geometry;
@@ -67,8 +67,8 @@ static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim 
     }
 }
 
-/* Replaces the frame's colours by means of 2 x 2 pixels, in place: a mean is written where its
-   pixels have been read. */
+/* Replaces the frame's colours by means of 2 x 2 pixels, in place. Each mean is written to a
+   position that has already been read. */
 static void halve(ost_sheet *sheet)
 {
     sheet->width /= 2;
@@ -77,7 +77,7 @@ static void halve(ost_sheet *sheet)
         for (int x = 0; x < sheet->width; x++) {
             const uint32_t *from = sheet->pixels + (size_t)(2 * y) * (size_t)sheet->stride + 2 * x;
             const uint32_t four[4] = {from[0], from[1], from[sheet->stride], from[sheet->stride + 1]};
-            uint32_t odd = 0x020002, green = 0x0200; /* rounding: half of four in each channel */
+            uint32_t odd = 0x020002, green = 0x0200; /* for rounding: half of the divisor 4 in each channel */
             for (int i = 0; i < 4; i++) {
                 odd += four[i] & 0xff00ff;
                 green += four[i] & 0x00ff00;
@@ -125,7 +125,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
     const int width = o->width > 0 ? o->width : SIDE, height = o->height > 0 ? o->height : SIDE;
     const int samples = width <= OST_FRAME_MAX / 2 && height <= OST_FRAME_MAX / 2 ? 2 : 1; /* along each axis */
     ost_camera camera = {.width = samples * width, .height = samples * height};
-    ost_volume uncut = before ? *before : *volume; /* borrowed: the viewer must not free its voxels */
+    ost_volume uncut = before ? *before : *volume; /* borrowed, so the viewer must not free its voxels */
     camera.focal_milli = (int32_t)(OST_VIEW_FOCAL * 1000 * camera.height);
     ost_status status = ost_viewer_init(&viewer, &volume->geometry, OST_STYLE_SMOOTH, NULL, o->threads, err);
     if (status == OST_OK && o->tool)
@@ -134,7 +134,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
         status = ost_viewer_set_uncut(&viewer, &uncut, threshold, &classes, NULL, NULL, err);
     if (status == OST_OK && before)
         ost_viewer_set_colouring(&viewer, OST_COLOUR_DEPTH);
-    /* The box is that of the uncut bone, so pictures of it before and after removal show the same part. */
+    /* The box is that of the uncut bone, so that pictures before and after removal show the same part. */
     if (status == OST_OK)
         status = find_axes(o, &a, err);
     if (o->extent_mm > 0) {
@@ -161,7 +161,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
         status = ost_picture_init(out, width, height, err);
     if (status == OST_OK) {
         ost_sheet sheet = ost_frame_sheet(&viewer.frame);
-        sheet.written = NULL; /* the frame is not drawn again */
+        sheet.written = NULL; /* no cells are recorded, because the frame is not drawn again */
         if (samples == 2)
             halve(&sheet);
         if (!o->no_legend)

@@ -35,7 +35,7 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 }
 
 /*
- * Returns the tool's grid as the geometry of a bone: its origin is the middle of the first voxel,
+ * Returns the tool's grid as the geometry of a bone. Its origin is the middle of the first voxel,
  * not the grid's corner. Half a voxel is rounded down to picometres, which is not visible.
  */
 static ost_geometry grid_of(const ost_tool_geometry *t)
@@ -44,7 +44,7 @@ static ost_geometry grid_of(const ost_tool_geometry *t)
     return (ost_geometry){t->dims, {s, s, s}, {t->corner.x + half, t->corner.y + half, t->corner.z + half}};
 }
 
-/* Makes a tool's surface. On an error the surface is empty. */
+/* Makes a tool's surface. If this fails, the surface is empty. */
 static ost_status surface_of(const ost_tool_volume *volume, ost_surface *surface, ost_error *err)
 {
     const ost_geometry g = grid_of(&volume->geometry);
@@ -145,8 +145,8 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
 }
 
 /*
- * Draws by OpenGL.  Returns false if the processor has to draw instead.  A camera that is out of
- * range is an error for both.
+ * Draws with OpenGL. Returns false if the processor must draw instead. If the camera is out of
+ * range, both report the error.
  */
 static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
 {

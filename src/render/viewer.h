@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a running operation as frames: the bone as it is removed, and the tool
- * at its pose.
+ * Draws a running operation as frames: the bone as it is removed, and the tool at its pose.
  *
  *   ost_live_channel --take--> surface of the bone --.
  *   tool volumes ----> surfaces of tools ----+--camera--> frame
@@ -10,8 +9,8 @@
  *   reference (uncut bone) ------> colours of the cut surface
  *   clip plane, ghost, overlays -> drawn with it
  *
- * A viewer is used by one thread at a time.  If it follows no live state, it shows the surfaces
- * that were set.
+ * A viewer must be used by only one thread at a time. If it follows no live state, it shows the
+ * surfaces that were set.
  */
 #ifndef OST_RENDER_VIEWER_H
 #define OST_RENDER_VIEWER_H
@@ -27,7 +26,7 @@
 
 enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
 #define OST_VIEWER_FRESH_NS                                                                                            \
-    INT64_C(150000000) /* in operation time; removed bone is highlighted for one to two such intervals */
+    INT64_C(150000000) /* in operation time; removed bone is highlighted for one to two of these intervals */
 
 typedef struct ost_viewer {
     ost_live_channel *live;      /* borrowed; NULL if the viewer follows no operation */
@@ -38,10 +37,10 @@ typedef struct ost_viewer {
     ost_isa isa;
     int threads;
     ost_style style;
-    ost_paint paint;     /* of the bone; OST_PAINT_BONE after ost_viewer_init */
+    ost_paint paint;     /* paint of the bone; OST_PAINT_BONE after ost_viewer_init */
     ost_frame frame;     /* has the size of the last draw */
     ost_live_state state;
-    bool has_state;      /* the tool is drawn at the pose in state */
+    bool has_state;      /* set if the tool is drawn at the pose in state */
     uint64_t changed;    /* number of chunks taken from live */
     ost_uncut reference; /* valid if has_uncut */
     bool has_uncut;
@@ -54,44 +53,44 @@ typedef struct ost_viewer {
     int64_t aged_ns;
     ost_gl *gl;          /* owned; NULL if the processor draws */
     const ost_gl_variant *variant;
-    char lost[OST_ERROR_TEXT]; /* the reason for which drawing returned to the processor, or "" */
+    char lost[OST_ERROR_TEXT]; /* reason for which the processor draws again; "" if there is none */
 } ost_viewer;
 
-/* Makes a viewer of an empty bone. isa and threads are those of ost_points_options. */
+/* Makes a viewer with an empty bone. isa and threads: see ost_points_options. */
 ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads,
                            ost_error *err);
-void ost_viewer_free(ost_viewer *viewer); /* a zeroed viewer is valid */
+void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer */
 
 /*
- * From the next frame on, draws with OpenGL. If OpenGL fails, drawing returns to the processor, and
- * `lost` holds the reason. Returns OST_ERR_UNAVAILABLE as ost_gl_open does.
+ * Draws with OpenGL from the next frame on. If OpenGL fails, the processor draws again, and `lost`
+ * contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions of ost_gl_open.
  */
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
 
-/* Adds a tool. Tools must be added in the world's order. */
+/* Adds a tool. Tools must be added in the order of the world's tools. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
- * Sets the uncut bone and takes ownership of the volume, as ost_uncut_init does.
- * Must be called before the bone's surface is first set or taken from live.
+ * Sets the uncut bone. Takes ownership of the volume, as ost_uncut_init does. Must be called before
+ * the bone's surface is first set or taken from live.
  */
 ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold,
                                 const ost_density_classes *classes, const ost_pm3 *at, const double *axis,
                                 ost_error *err);
-/* Sets the colouring; all but OST_COLOUR_BONE need a reference. */
+/* Sets the colouring. All colourings except OST_COLOUR_BONE need a reference. */
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
-/* Sets the clip plane; with NULL all of the bone is shown. */
+/* Sets the clip plane. With NULL, the complete bone is shown. */
 void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip);
 /* Sets the ghost, a translucent shape, and its pose. */
 ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volume, const ost_pose *pose,
                                 ost_error *err);
-/* Enables the highlight of places where bone was removed just now. */
+/* Enables highlighting of places where bone was just removed. */
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown);
 
 /* Makes the viewer show the bone of live, which is borrowed. */
 void ost_viewer_follow(ost_viewer *viewer, ost_live_channel *live);
 /* Takes the changes since the last call from live. */
 ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
-/* Draws into viewer->frame, which gets the camera's size; ost_camera_check must have accepted the camera. */
+/* Draws into viewer->frame and gives it the camera's size. The camera must have passed ost_camera_check. */
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "core/vector.h"
 
-static const double STEEPEST = 1.55;            /* radians; limits the elevation so that up remains up */
+static const double STEEPEST = 1.55;            /* in radians; limits the elevation so that the up direction stays up */
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
 
 ost_view_subject ost_view_subject_make(const ost_geometry *g, const ost_pm3 *at, const double *axis, bool left)
@@ -69,8 +69,8 @@ void ost_view_subject_fit(ost_view_subject *s, const ost_volume *volume, int32_t
 }
 
 /*
- * Returns the orbit that looks at `at` from the direction `back`.  LPS: x to the patient's left,
- * y to the back, z up.
+ * Returns the orbit from which the camera sees `at` from the direction `back`. In LPS, x points to
+ * the patient's left, y to the back, and z up.
  */
 static ost_orbit from(const double at[3], const double back[3], double distance)
 {
@@ -95,7 +95,7 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
         double t[3], q[4];
         ost_pose_to_doubles(tool, t, q);
         const double w = q[0], x = q[1], y = q[2], z = q[3];
-        /* The tool cuts toward its -z axis. */
+        /* The tool's working direction is its -z axis. */
         return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z},
                     1.4 * near);
     }
@@ -131,7 +131,7 @@ void ost_orbit_frame(const ost_orbit *o, double right[3], double up[3], double b
 
 void ost_orbit_turn(ost_orbit *o, double dx, double dy, int height)
 {
-    const double a_picture = 2.5; /* radians for a drag over the picture's height */
+    const double a_picture = 2.5; /* radians for a drag over the full height of the picture */
     o->azimuth -= a_picture * dx / height;
     o->elevation = fmax(-STEEPEST, fmin(STEEPEST, o->elevation + a_picture * dy / height));
 }

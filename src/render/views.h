@@ -1,24 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Camera positions by the names that surgeons use, and cameras moved by hand.
+ * Computes camera positions, by the names that surgeons use, and cameras moved by hand.
  *
  *   operator    over the surgeon's shoulder: the face, seen past the tool
  *   en-face     onto the glenoid's face, along its axis
- *   lateral, anterior, posterior, superior   the glenoid from there
- *   medial, inferior   the entire bone from there, since it hides the glenoid
+ *   lateral, anterior, posterior, superior   the glenoid from this side
+ *   medial, inferior   the entire bone from this side, because the bone hides the glenoid
  *   tool        along the tool, from behind
  *   whole       the entire bone, obliquely
  *
- * A camera moved by hand orbits a point: by azimuth and elevation over the
- * horizon (the plane across the body), and by its distance.  The point can be
- * moved sideways.
+ * A camera moved by hand orbits a point. Its position is given by azimuth and elevation over the
+ * horizon (the plane across the body), and by its distance. The point can be moved sideways.
  */
 #ifndef OST_RENDER_VIEWS_H
 #define OST_RENDER_VIEWS_H
 
 #include <osteon/render.h>
 
-/* Focal length of every view for a picture of height 1: 0.5 / tan(45 degrees / 2). */
+/* Focal length of every view, for a picture of height 1: 0.5 / tan(45 degrees / 2). */
 #define OST_VIEW_FOCAL 1.2071067811865475
 
 typedef enum ost_view_name {
@@ -35,41 +34,41 @@ typedef enum ost_view_name {
     OST_VIEW_COUNT
 } ost_view_name;
 
-/* The names, in the order of the enumeration, as the choices of an option. */
+/* The names of the views, in the order of the enumeration, as the choices of an option. */
 #define OST_VIEW_NAMES "operator|en-face|lateral|medial|anterior|posterior|superior|inferior|tool|whole"
 
 /* The objects in view, in the bone's frame and millimetres. */
 typedef struct ost_view_subject {
     double middle[3], size;  /* middle and longest side of the bone, or of its grid */
-    bool has_face;           /* face and inward are known */
-    double face[3], inward[3]; /* the glenoid: its centre; the direction into the bone, a unit vector */
-    bool left;               /* the bone is from the left side of the body */
+    bool has_face;           /* set if face and inward are known */
+    double face[3], inward[3]; /* centre of the glenoid; direction into the bone, a unit vector */
+    bool left;               /* set if the bone is from the left side of the body */
 } ost_view_subject;
 
 typedef struct ost_orbit {
-    double at[3];            /* mm: the point that it orbits */
-    double azimuth, elevation; /* radians; azimuth 0 from the front, growing toward the patient's left */
+    double at[3];            /* point that the camera orbits, in mm */
+    double azimuth, elevation; /* radians; the azimuth is 0 at the front and grows toward the patient's left */
     double distance;         /* mm */
 } ost_orbit;
 
-/* at, axis: position and axis of the glenoid; axis is NULL if they are not known. */
+/* Makes a subject. at and axis: position and axis of the glenoid; axis is NULL if they are not known. */
 ost_view_subject ost_view_subject_make(const ost_geometry *bone, const ost_pm3 *at, const double *axis, bool left);
 
-/* Computes the box lo <= v < hi of the voxels at or above the threshold; lo = hi = the grid's
-   middle if there are none. */
+/* Computes the box lo <= v < hi of the voxels at or above the threshold. If there are none, lo and
+   hi are the middle of the grid. */
 void ost_active_box(const ost_volume *volume, int32_t threshold, int32_t lo[3], int32_t hi[3]);
-/* Sets middle and size from that box, so that views of the entire bone do not depend on the air around it. */
+/* Sets middle and size from this box, so that views of the entire bone do not depend on the surrounding air. */
 void ost_view_subject_fit(ost_view_subject *subject, const ost_volume *volume, int32_t threshold);
 
-/* Returns the orbit of a view. tool: the tool's pose for the view along it; if NULL, the operator's view is used. */
+/* Returns the orbit of a view. tool: pose of the tool for the view along it; if NULL, the operator's view is used. */
 ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, const ost_pose *tool);
 
 /* Turns or moves the orbit by dx, dy pixels of a picture that is `height` pixels high. */
 void ost_orbit_turn(ost_orbit *orbit, double dx, double dy, int height);
 void ost_orbit_shift(ost_orbit *orbit, double dx, double dy, int height);
-void ost_orbit_near(ost_orbit *orbit, double steps); /* one step of a wheel changes the distance by an eighth */
+void ost_orbit_near(ost_orbit *orbit, double steps); /* one step of a wheel changes the distance by one eighth */
 
-/* Computes unit vectors to the right, up and out of the picture toward the viewer. */
+/* Computes unit vectors that point right, up, and out of the picture toward the viewer. */
 void ost_orbit_frame(const ost_orbit *orbit, double right[3], double up[3], double back[3]);
 
 /* Makes the orbit's camera, with a vertical angle of view of 45 degrees. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The functions of window.h in a build without GLFW: no window can be opened. */
+/* Implements the functions of window.h in a build without GLFW, in which no window can be opened. */
 #include "window/window.h"
 
 const char *ost_window_missing(void)

@@ -5,7 +5,7 @@
 
 #include "core/bits_run.h"
 
-/* SLACK: pixels that may be added to save a box */
+/* SLACK: number of pixels that may be added to avoid a further box */
 enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 };
 
 typedef uint32_t four __attribute__((vector_size(16)));
@@ -20,9 +20,9 @@ static uint32_t turned(uint32_t v)
 }
 
 /*
- * Copies the pixels from begin, a multiple of RUN, to end, and extends *r to those that differ.
- * All pixels are written and no branch depends on a comparison, so that memory latency does not
- * stall the loop.
+ * Copies the pixels from begin, a multiple of RUN, to end, and extends *r to include those that
+ * differ. All pixels are written, and no branch depends on a comparison, so that memory latency
+ * does not stall the loop.
  */
 static void copy_row(const uint32_t *from, uint32_t *to, int begin, int end, int ahead_from, int ahead_to, range *r)
 {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * GLFW's callbacks: they queue the user's input and store the window's state.
- * Querying GLFW for the state in every frame would cost a round trip to the X
- * server.
+ * Implements GLFW's callbacks, which queue the user's input and store the window's state. Querying
+ * GLFW for the state in every frame would cost a round trip to the X server.
  */
 #include "core/clock.h"
 #include "window/glfw_window.h"
@@ -59,7 +58,7 @@ static void on_key(GLFWwindow *handle, int key, int scancode, int action, int mo
     ost_window *w = glfwGetWindowUserPointer(handle);
     (void)scancode;
     w->mods = mods_of(mods);
-    /* The event of a modifier's own key has the modifiers from before it. */
+    /* The event of a modifier key contains the modifiers from before the key was pressed or released. */
     if (key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT)
         w->mods = action == GLFW_RELEASE ? w->mods & ~(unsigned)OST_WINDOW_SHIFT : w->mods | OST_WINDOW_SHIFT;
     if (key == GLFW_KEY_LEFT_CONTROL || key == GLFW_KEY_RIGHT_CONTROL)
@@ -77,7 +76,7 @@ static void on_button(GLFWwindow *handle, int button, int action, int mods)
                .kind = OST_WINDOW_BUTTON, .button = button, .pressed = action == GLFW_PRESS, .mods = w->mods});
 }
 
-/* Reduces the picture's size to what OpenGL and the renderer support, with the same aspect ratio. */
+/* Reduces the picture's size to the maximum of OpenGL and the renderer, with the same aspect ratio. */
 static void picture_size(const ost_window *w, int *width, int *height)
 {
     const int most = w->side < OST_WINDOW_SIDE ? w->side : OST_WINDOW_SIDE;
@@ -92,7 +91,7 @@ static void picture_size(const ost_window *w, int *width, int *height)
     *height = *height > 0 ? *height : 1;
 }
 
-/* A window's coordinates and its frame's pixels differ on some systems. */
+/* On some systems, a window's coordinates differ from its frame's pixels. */
 static void on_move(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
@@ -105,7 +104,7 @@ static void on_move(GLFWwindow *handle, double x, double y)
 static void on_wheel(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
-    /* Some systems report a sideways wheel while shift is down. */
+    /* Some systems report a sideways wheel while Shift is down. */
     add(w, (ost_window_event){.kind = OST_WINDOW_WHEEL, .y = y != 0 ? y : x, .mods = w->mods});
 }
 
@@ -151,7 +150,7 @@ static void on_damage(GLFWwindow *handle)
     w->hidden = false;
 }
 
-/* Not every system reports that a window was hidden, so the state is queried. */
+/* Not every system reports that a window is hidden, so the state is queried. */
 static void check_display(ost_window *w)
 {
     const int64_t now = ost_clock_ns();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The window's state with GLFW; private to this folder. */
+/* The window's state with GLFW, private to this folder. */
 #ifndef OST_WINDOW_GLFW_WINDOW_H
 #define OST_WINDOW_GLFW_WINDOW_H
 
@@ -23,26 +23,26 @@ struct ost_window {
     bool spilt; /* the ring overflowed */
     unsigned mods;
     int normal[4]; /* position and size before full screen */
-    /* The values of the last callbacks: */
+    /* The following fields contain the values of the last callbacks. */
     int width, height, frame_width, frame_height;
     double scale;
     bool minimised, hidden, damaged;
     int64_t looked_ns;
     /* OpenGL: */
     int side; /* side of the greatest texture, in pixels */
-    /* extension that reports a driver's reset; MUTE: none */
+    /* extension that reports a driver's reset */
     enum { NO_NOTIFICATION, BY_KHR, BY_ARB } reset_notification;
     int64_t reset_ns[OST_WINDOW_RESETS];
     int resets;
     char title[OST_WINDOW_TITLE], renderer[128], version[64];
 };
 
-/* Returns true if the window and its display exist. Otherwise no function of GLFW may be called any more. */
+/* Returns true if the window and its display exist. Otherwise no function of GLFW may be called. */
 static inline bool ost_window_lives(const ost_window *window)
 {
     return window->handle && ost_x11_state_get() == OST_X11_FINE;
 }
-/* Registers the callbacks and reads the state that they have not reported yet. */
+/* Registers the callbacks, and reads the state that they have not yet reported. */
 void ost_window_listen(ost_window *window);
 
 #endif

@@ -11,7 +11,7 @@
 #include "window/changed.h"
 #include "window/x11.h"
 
-/* -------------------------------------- binary interfaces of libX11 and libxcb */
+/* constants of the binary interfaces of libX11 and libxcb */
 
 enum { Z_PIXMAP = 2, TRUE_COLOR = 4, VISUAL_ID_MASK = 1 };
 
@@ -28,7 +28,7 @@ typedef struct visual_info {
     int colormap_size, bits_per_rgb;
 } visual_info;
 
-/* The beginning of xcb_get_window_attributes_reply_t. */
+/* The first fields of xcb_get_window_attributes_reply_t. */
 typedef struct attributes {
     uint8_t type, backing_store;
     uint16_t sequence;
@@ -56,8 +56,8 @@ typedef struct calls {
 } calls;
 
 /*
- * Finds a function; returns false if there is none.  A missing library's handle is NULL, which
- * is RTLD_DEFAULT: the program is searched, which then lacks the function as well.
+ * Finds a function. Returns false if there is none. The handle of a missing library is NULL, which
+ * equals RTLD_DEFAULT. dlsym then searches the program, which does not contain the function either.
  */
 static bool find(void *library, const char *name, void *function)
 {
@@ -76,8 +76,8 @@ struct ost_shm {
     uint8_t depth;
     uint32_t *pixels; /* owned; shared with the server */
     size_t capacity;  /* capacity in pixels */
-    int width, height; /* size of the picture in the memory and in the window; 0: unknown */
-    bool pending;     /* the last picture's copy is in progress */
+    int width, height; /* size of the picture in the memory and in the window; 0 if unknown */
+    bool pending;     /* set while the last picture is being copied */
     xcb_cookie copied;
 };
 
@@ -100,7 +100,7 @@ static bool load(ost_shm *s)
            find(shm, "xcb_shm_put_image", &x->put);
 }
 
-/* Waits for a reply. Requests are processed in order, so a reply means that all earlier ones are complete. */
+/* Waits for a reply. Requests are processed in order, so a reply means that all earlier requests are complete. */
 static attributes *wait_for(ost_shm *s, xcb_cookie pending)
 {
     void *error = NULL;
@@ -117,8 +117,8 @@ static bool went_well(ost_shm *s, xcb_cookie checked)
 }
 
 /*
- * Returns true if pixels have eight bits of each colour, red in the highest of three bytes, in
- * this machine's byte order.  Sets the depth.
+ * Returns true if pixels have eight bits per colour, with red in the highest of three bytes, in
+ * this machine's byte order. Sets the depth.
  */
 static bool learn_pixels(ost_shm *s)
 {
@@ -150,8 +150,8 @@ static void give_back(ost_shm *s)
 }
 
 /*
- * Reserves memory for count pixels.  The segment is marked for removal at once, so it is freed
- * with its last user even if this process is killed.
+ * Reserves memory for count pixels. The segment is marked for removal at once, so it is freed with
+ * its last user even if this process is killed.
  */
 static bool reserve_memory(ost_shm *s, size_t count)
 {
@@ -233,7 +233,7 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
         shm->pending = false;
         if (!a) {
             lost(shm);
-            ost_x11_lost(OST_X11_NO_WINDOW); /* has no effect if the server was recorded as lost */
+            ost_x11_lost(OST_X11_NO_WINDOW); /* has no effect if the server is already recorded as lost */
             return false;
         }
         free(a);
@@ -254,6 +254,6 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
     }
     shm->copied = shm->x.get_attributes(shm->connection, shm->window);
     shm->pending = true;
-    /* libxcb buffers requests until a reply is awaited or its buffer is full. */
+    /* libxcb buffers requests until the program waits for a reply or the buffer is full. */
     return shm->x.flush(shm->connection) > 0 || lost(shm);
 }

@@ -4,10 +4,10 @@
  *
  *   colours --differences (changed.h)--> shared memory --server copies the boxes--> window
  *
- * A software OpenGL would draw the finished picture once more, pixel by pixel:
- * a third of a frame's time on one core.  The program does not link the X
- * libraries, which GLFW and the driver load; their functions are looked up by
- * name.  If anything is not as expected, OpenGL shows the picture.
+ * A software OpenGL would draw the finished picture again, pixel by pixel, which takes a third of a
+ * frame's time on one core. The program does not link the X libraries, which GLFW and the driver
+ * load. Their functions are looked up by name. If a precondition does not hold, OpenGL shows the
+ * picture instead.
  *
  * All functions must be called on the window's thread.
  */
@@ -22,15 +22,15 @@
 typedef struct ost_shm ost_shm;
 
 /*
- * Returns NULL if the window is not an X11 window, if the server runs on another
- * machine, or if its pixels do not have eight bits each of red, green and blue.
+ * Opens the shared memory. Returns NULL if the window is not an X11 window, if the server runs on
+ * another machine, or if its pixels do not have eight bits each of red, green and blue.
  */
 ost_shm *ost_shm_open(void *glfw_window);
-/* Frees shm; the window may already be destroyed. NULL is allowed. */
+/* Frees shm. The window may already be destroyed. shm may be NULL. */
 void ost_shm_close(ost_shm *shm);
-/* Marks the window's contents as unknown, so that the next picture is copied completely. NULL is allowed. */
+/* Marks the window's contents as unknown, so that the next picture is copied completely. shm may be NULL. */
 void ost_shm_forget(ost_shm *shm);
-/* Shows the picture. Returns false if that failed; all later calls fail as well. */
+/* Shows the picture. Returns false on failure; all later calls then fail as well. */
 bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture);
 
 #endif

@@ -71,7 +71,7 @@ bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int wi
     glPixelStorei(GL_UNPACK_ROW_LENGTH, stride);
     if (width != shown->width || height != shown->height) {
         for (int old = 0; old < 16 && glGetError() != GL_NO_ERROR; old++)
-            ; /* a lost context may report errors without end */
+            ; /* the number of reads is limited, because a lost context may report errors without end */
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
         shown->width = shown->height = 0;
         if (glGetError() != GL_NO_ERROR)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shows pixels in a window as a texture on a triangle that covers it, with the current OpenGL context. */
+/* Shows pixels in a window, as a texture on a triangle that covers the window, with the current OpenGL context. */
 #ifndef OST_WINDOW_SHOWN_H
 #define OST_WINDOW_SHOWN_H
 
@@ -15,7 +15,7 @@ typedef struct ost_shown {
 
 /* Returns false if the driver rejects the program. */
 bool ost_shown_make(ost_shown *shown);
-/* Frees the OpenGL objects; a zeroed struct is valid. */
+/* Frees the OpenGL objects. Accepts a zero-initialized struct. */
 void ost_shown_free(ost_shown *shown);
 /* Draws the pixels into a framebuffer of the given size. Returns false if there is no memory for the texture. */
 bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width,

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * GLFW's window: opening it, presenting pictures, and making it again.
+ * Manages GLFW's window: opens it, presents pictures, and recreates it.
  *
- * Three events end a window during an operation, and none of them may end the program: a
- * driver's reset, after which all OpenGL objects and therefore, with GLFW, the window must be
- * made again; the loss of the X server; and the destruction of the window by another program
- * (x11.h).
+ * Three events end a window during an operation, and none of them may end the program: a driver's
+ * reset, after which all OpenGL objects and therefore, with GLFW, the window must be recreated; the
+ * loss of the X server; and the destruction of the window by another program (x11.h).
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,8 +52,8 @@ static bool is_set(const char *variable)
 }
 
 /*
- * Initializes GLFW if a display is named.  Without a name, libraries such as libwayland may
- * write to standard error.
+ * Initializes GLFW if the environment names a display. Without a display, libraries such as
+ * libwayland may write to standard error.
  */
 static ost_status begin(ost_error *err)
 {
@@ -62,7 +61,7 @@ static ost_status begin(ost_error *err)
     if (!wayland && !is_set("DISPLAY"))
         return ost_fail(err, OST_ERR_UNAVAILABLE,
                         "cannot open a window: DISPLAY is not set; pass --headless to run without a window");
-#ifdef GLFW_PLATFORM /* GLFW 3.4 and later; an earlier build has one platform */
+#ifdef GLFW_PLATFORM /* GLFW 3.4 and later; earlier builds support only one platform */
     if (!wayland)
         glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
@@ -93,8 +92,8 @@ static bool create(ost_window *w, int width, int height, int major, int minor)
 }
 
 /*
- * Creates a window with the newest supported context.  If the driver has none of version 3.3 or
- * later, a window without requirements is opened, whose version the message reports.
+ * Creates a window with the newest supported context. If the driver supports no version from 3.3
+ * on, a window without requirements is opened, and the error message reports its version.
  */
 static ost_status create_newest(ost_window *w, int width, int height, ost_error *err)
 {
@@ -105,7 +104,7 @@ static ost_status create_newest(ost_window *w, int width, int height, ost_error 
         ost_fail(err, OST_ERR_UNAVAILABLE, "cannot open a window: %.300s; pass --headless to run without a window",
                  why);
         if (!create(w, 64, 64, 0, 0) || epoxy_gl_version() >= 33)
-            return OST_ERR_UNAVAILABLE; /* the version is not the reason */
+            return OST_ERR_UNAVAILABLE; /* the version is not the cause */
         return too_old(w, err);
     }
     create(w, 64, 64, 0, 0);
@@ -116,7 +115,7 @@ static void learn(ost_window *w)
 {
     GLint side = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-    w->side = side >= 1024 ? side : 1024; /* the least value that OpenGL 3.3 allows */
+    w->side = side >= 1024 ? side : 1024; /* 1024 is the least value that OpenGL 3.3 allows */
     w->reset_notification = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness") ? BY_KHR
                      : epoxy_has_gl_extension("GL_ARB_robustness")                         ? BY_ARB
                                                                                            : NO_NOTIFICATION;
@@ -158,7 +157,7 @@ ost_status ost_window_open(const char *title, int width, int height, ost_window 
     return OST_OK;
 }
 
-/* Does not call GLFW if the display is gone. */
+/* If the display is gone, no function of GLFW is called. */
 void ost_window_close(ost_window *window)
 {
     if (!window)
@@ -248,7 +247,7 @@ void ost_window_title(ost_window *window, const char *title)
         glfwSetWindowTitle(window->handle, window->title);
 }
 
-/* Makes the window again, at the same position and size, since an OpenGL context belongs to its window. */
+/* Recreates the window at the same position and size, because an OpenGL context belongs to its window. */
 static ost_status restart(ost_window *w, ost_error *err)
 {
     int x, y;
@@ -296,8 +295,8 @@ static bool was_reset(const ost_window *w)
 }
 
 /*
- * Presents the picture by shared memory.  Returns false if OpenGL must present it, as when its
- * size is not the frame's, so that it is scaled.
+ * Presents the picture through shared memory. Returns false if OpenGL must present it, for example
+ * because its size differs from the frame's size and it must be scaled.
  */
 static bool show_by_shm(ost_window *w, const ost_window_picture *picture, bool damaged)
 {

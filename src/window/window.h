@@ -4,11 +4,11 @@
  *
  *   GLFW: the window, keys, mouse        OpenGL 3.3: a texture on a triangle that covers it
  *
- * The pictures are made elsewhere; OpenGL, by a graphics card or in software,
- * shows them on the screen.
+ * Other modules draw the pictures. OpenGL, on a graphics card or in software, shows them on the
+ * screen.
  *
- * There is at most one window.  All functions must be called on the thread that
- * opened it, which must be the program's main thread.
+ * There is at most one window. All functions must be called on the thread that opened it, which
+ * must be the program's main thread.
  */
 #ifndef OST_WINDOW_WINDOW_H
 #define OST_WINDOW_WINDOW_H
@@ -24,14 +24,14 @@ typedef struct ost_window ost_window;
 typedef enum ost_window_event_kind {
     OST_WINDOW_KEY,    /* key, pressed, mods */
     OST_WINDOW_BUTTON, /* button 0 left, 1 right, 2 middle; pressed, mods */
-    OST_WINDOW_MOVE,   /* x, y: the pointer's position, in pixels of the picture */
+    OST_WINDOW_MOVE,   /* x, y: position of the pointer in pixels of the picture */
     OST_WINDOW_WHEEL,  /* y: steps, positive away from the user; mods */
-    OST_WINDOW_RELEASE /* events were lost: all keys and buttons count as released */
+    OST_WINDOW_RELEASE /* events were lost; all keys and buttons count as released */
 } ost_window_event_kind;
 
 enum { OST_WINDOW_SHIFT = 1, OST_WINDOW_CONTROL = 2, OST_WINDOW_ALT = 4 };
 
-/* Printable keys have the code of their capital letter or digit on a US layout.  The codes of other keys: */
+/* The code of a printable key is that of its capital letter or digit on a US layout. Other keys have these codes: */
 enum {
     OST_KEY_ESCAPE = 256,
     OST_KEY_ENTER,
@@ -45,7 +45,7 @@ enum {
     OST_KEY_PAGE_DOWN,
     OST_KEY_PLUS,
     OST_KEY_MINUS,
-    OST_KEY_F1 = 300 /* and on to F12 */
+    OST_KEY_F1 = 300 /* the codes up to F12 follow */
 };
 
 typedef struct ost_window_event {
@@ -57,65 +57,68 @@ typedef struct ost_window_event {
 } ost_window_event;
 
 typedef struct ost_window_info {
-    const char *renderer; /* OpenGL's renderer, for display: "llvmpipe (LLVM 15.0.6, 256 bits)" */
+    const char *renderer; /* OpenGL's renderer as text, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
     const char *version;
-    bool software;        /* OpenGL runs on the processor */
+    bool software;        /* OpenGL is executed by the processor */
     bool robust;          /* the driver reports resets */
     int resets;           /* number of resets after which the window continued with a new context */
 } ost_window_info;
 
-/* Returns NULL if this build has windows; otherwise the reason, and what to do about it. */
+/* Returns NULL if this build supports windows; otherwise the reason why it does not, and a remedy. */
 const char *ost_window_missing(void);
 
 /*
- * Returns OST_ERR_UNAVAILABLE, with the missing part in err: windows in this build, a display, OpenGL 3.3.
- * A context of version 4.4 is tried first, and one that reports a driver's reset if the driver supports that.
+ * Opens a window. Returns OST_ERR_UNAVAILABLE and names the missing part in err: windows in this
+ * build, a display, or OpenGL 3.3. A context of version 4.4 is tried first. If the driver supports
+ * it, the context reports resets of the driver.
  */
 ost_status ost_window_open(const char *title, int width, int height, ost_window **out, ost_error *err);
 void ost_window_close(ost_window *window); /* NULL is allowed */
 ost_window_info ost_window_info_get(const ost_window *window);
 
 /*
- * Returns the size in pixels of the picture to present: the framebuffer's, limited to what can be
- * shown; 0 x 0 while the
- * window is not visible.  scale: ratio of the display's resolution to 96 pixels an inch.
+ * Returns the size in pixels of the picture to present. This is the framebuffer's size, limited to
+ * the greatest size that can be shown; 0 x 0 while the window is not visible. scale: ratio of the
+ * display's resolution to 96 pixels per inch.
  */
 enum { OST_WINDOW_SIDE = 8192 }; /* greatest width and height */
 void ost_window_size(const ost_window *window, int *width, int *height, double *scale);
-/* Returns true if the user asked to close the window, or if its display is gone. */
+/* Returns true if the user requested to close the window, or if its display is gone. */
 bool ost_window_closing(const ost_window *window);
 /* Returns OST_ERR_UNAVAILABLE, with the reason in err, if the window or its display is gone. */
 ost_status ost_window_check(const ost_window *window, ost_error *err);
-/* Switches full screen on the screen that contains most of the window; does nothing without a screen. */
+/* Switches full screen on or off, on the screen that contains most of the window. Does nothing without a screen. */
 void ost_window_full_screen(ost_window *window, bool on);
 bool ost_window_is_full_screen(const ost_window *window);
 void ost_window_title(ost_window *window, const char *title);
-/* Returns true if the system has lost the contents, so that the picture must be presented again. */
+/* Returns true if the system has lost the window's contents, so that the picture must be presented again. */
 bool ost_window_damaged(const ost_window *window);
 
 /*
- * ost_window_poll waits at most timeout_s seconds for an event, with 0 not at all.  Then ost_window_next returns the
- * events in their order, and false when there are no more.
+ * ost_window_poll waits at most timeout_s seconds for an event; with 0 it does not wait.
+ * Afterwards, ost_window_next returns the events in their order, and returns false when there are
+ * no more.
  */
 void ost_window_poll(ost_window *window, double timeout_s);
 bool ost_window_next(ost_window *window, ost_window_event *out);
 
 enum { OST_WINDOW_CELL_WIDTH = 16, OST_WINDOW_CELL_HEIGHT = 8 };
 typedef struct ost_window_picture {
-    const uint32_t *pixels; /* 0x..BBGGRR, rows of stride from the top */
+    const uint32_t *pixels; /* 0x..BBGGRR, in rows of stride pixels, from the top */
     int stride, width, height;
     /*
-     * The cells that may differ from the last presented picture, which had the same size: a bit for each cell of 16 x 8
-     * pixels, in rows of changed_words words.  NULL if any pixel may differ.
+     * The cells that may differ from the last presented picture, which had the same size: one bit
+     * for each cell of 16 x 8 pixels, in rows of changed_words words. NULL if any pixel may differ.
      */
     const uint64_t *changed;
     int changed_words;
 } ost_window_picture;
 
 /*
- * Shows a picture of the size that ost_window_size returned last.  sync: wait for the screen's vertical sync, if it has
- * one.  After a driver's reset a new context is made, and the picture appears with the next call.  Returns
- * OST_ERR_UNAVAILABLE if that fails or resets recur, or if the display is gone: the caller must close the window then.
+ * Shows a picture of the size that ost_window_size returned last. If sync is true and the screen
+ * has vertical sync, waits for it. After a driver's reset, a new context is made, and the picture
+ * appears with the next call. Returns OST_ERR_UNAVAILABLE if no new context can be made, if resets
+ * recur, or if the display is gone. The caller must then close the window.
  */
 ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err);
 
