@@ -46,10 +46,10 @@ typedef struct bridge_report {
      * since it was first held
      */
     uint64_t limps, limp_ticks;
-    uint64_t fault_ticks;           /* ticks in which the device returned no valid pose */
+    uint64_t fault_ticks;           /* number of ticks in which the device returned no valid pose */
     bool met;                       /* a simulation answered */
-    bool busy;                      /* the simulation already has another bridge */
-    bool ended;                     /* the simulation has sent its last packet */
+    bool busy;                      /* set if the simulation already has another bridge */
+    bool ended;                     /* set if the simulation has sent its last packet */
     double peak_n;
     ost_times round_trip;           /* time from sending a pose to receiving the state that answers it */
 } bridge_report;

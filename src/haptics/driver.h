@@ -34,7 +34,8 @@ typedef struct haptic_driver {
     void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL: no text */
     /* NULL: the device reports no limits; *out is zero before the call */
     void (*limits)(haptic_instance *instance, ost_haptic_limits *out);
-    int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]); /* NULL: nothing is counted */
+    /* NULL: the driver counts nothing */
+    int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]);
     /* only with OST_HAPTIC_OWN_CLOCK */
     ost_status (*run)(haptic_instance *instance, haptic_beat *beat, void *user, ost_error *err);
 } haptic_driver;

@@ -60,7 +60,7 @@ typedef struct ost_window_info {
     const char *renderer; /* OpenGL's renderer as text, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
     const char *version;
     bool software;        /* OpenGL is executed by the processor */
-    bool robust;          /* the driver reports resets */
+    bool robust;          /* set if the driver reports resets */
     int resets;           /* number of resets after which the window continued with a new context */
 } ost_window_info;
 

@@ -23,12 +23,12 @@ typedef struct app_state {
     const char *verb;
     bool json, quiet;
     const char *backend; /* value of --backend; default "cpu" */
-    int64_t threads;     /* 0 if not given */
+    int64_t threads;     /* value of --threads; 0 if not given */
     /* set if a campaign started this process: it then uses a separate exit status when resources run
        out (validation/worker.h) */
     bool worker;
     json_t *result;      /* owned by main */
-    /* set if result is complete although the status is an error: --json then prints result before the error message */
+    /* set if result is complete although the status is an error; --json then prints it before the error message */
     bool answered;
 } app_state;
 

@@ -207,7 +207,7 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
     case OPTION_CHOICE:
         return take_choice(app, o, text, err);
     case OPTION_HEADING:
-        break; /* find() does not return a heading */
+        break; /* find() never returns a heading */
     }
     return ost_fail(err, OST_ERR_INTERNAL, "option kind %d", (int)o->kind);
 }

@@ -209,7 +209,7 @@ static void picture(html_page *p, const ost_picture *image, const char *caption)
     ost_error why = {0};
     const ost_status status = ost_picture_encode_png(image, &bytes, &size, &why);
     if (status == OST_ERR_UNAVAILABLE)
-        return; /* built without libpng: the page has its tables and maps */
+        return; /* built without libpng: the page contains only its tables and maps */
     if (status != OST_OK && p->status == OST_OK)
         p->status = ost_fail(p->err, status, "%s", why.text);
     html_print(p, "<figure><img alt=\"%s\" src=\"data:image/png;base64,", caption);

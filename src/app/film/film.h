@@ -24,7 +24,7 @@ enum { FILM_TEXT = 200 };
 typedef struct film_options {
     const char *target, *pipe; /* destination of the video: at most one of the two is set */
     int64_t fps;               /* of the video */
-    bool wait;                 /* waits for the writer when the queue is full, instead of dropping the frame */
+    bool wait;                 /* if the queue is full, waits for the writer instead of dropping the frame */
 } film_options;
 
 typedef struct film_report {
@@ -64,7 +64,7 @@ void film_still(film *f, const uint32_t *pixels, int stride, int width, int heig
 const char *film_message(film *f, char text[FILM_TEXT]);
 uint64_t film_dropped(film *f);
 
-/* Writes all queued frames and repeats the last one until end_ns. Frees f in any case; f and report
+/* Writes all queued frames and repeats the last one until end_ns. Frees f in any case. f and report
    may be NULL. */
 ost_status film_close(film *f, int64_t end_ns, film_report *report, ost_error *err);
 /* Prints the report, and stores it as "video" in the verb's result. */

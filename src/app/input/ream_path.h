@@ -44,7 +44,7 @@ ost_status target_find(const app_state *app, const target_options *options, cons
 ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out,
                        ost_error *err);
 
-/* The number of gaps at which the paths lift a tool, and the number of rows without a pose. */
+/* Counts of the gaps at which the paths lift a tool, and of the rows without a pose. */
 typedef struct ream_gaps {
     size_t gaps, lost_rows;
 } ream_gaps;

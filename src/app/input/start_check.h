@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks before an operation begins, and the count of the voxels removed on the near side of the
- * face (docs/reference/metrics.md).
+ * Checks the setup before an operation begins, and counts the voxels removed on the near side of
+ * the face (docs/reference/metrics.md).
  *
  *   start_check  --warnings, or with --strict an error-->  the operation  -->  start_check_end
  */
@@ -15,12 +15,12 @@
 
 typedef struct start_checked {
     ost_glenoid glenoid;
-    bool known;         /* glenoid is set; otherwise nothing is counted */
-    int64_t near_side;  /* voxels on the near side of the face before the operation; afterwards those removed there */
+    bool known;         /* set if the glenoid is set; otherwise nothing is counted */
+    int64_t near_side;  /* voxels on the near side of the face before the operation; after it, those removed there */
 } start_checked;
 
-/* tools: one for each name; first[i]: the pose at which tool i begins, NULL if it is not used;
-   plan: NULL if there is none. */
+/* The input of start_check. tools has one element for each name. first[i] is the pose at which tool
+   i begins; NULL if it is not used. plan is NULL if there is none. */
 typedef struct start_setup {
     const char *bone_name;
     const ost_bone *bone;
@@ -39,7 +39,7 @@ typedef struct start_setup {
 /* Finds the first pose of each tool of a path. */
 void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX]);
 
-/* Warns of each problem; with strict the first one is an error, OST_ERR_INPUT. */
+/* Warns of each problem. With strict, the first problem is the error OST_ERR_INPUT. */
 ost_status start_check(const app_state *app, const start_setup *setup, start_checked *out, ost_error *err);
 /* Counts the voxels removed on the near side. */
 ost_status start_check_end(start_checked *checked, const ost_bone *bone, ost_error *err);

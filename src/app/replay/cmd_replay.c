@@ -29,9 +29,9 @@ typedef struct replay_args {
 
 /* The end of a session, as recorded and as replayed. */
 typedef struct ending {
-    bool found;     /* the session has its end record */
-    bool complete;  /* the end record and all ticks are in the file */
-    bool compared;  /* all ticks were replayed, so the end is compared too */
+    bool found;     /* set if the file contains the session's end record */
+    bool complete;  /* set if the file contains the end record and all ticks */
+    bool compared;  /* set if all ticks were replayed, so that the end is also compared */
     uint64_t ticks; /* number recorded: from the end record if there is one, else from the last tick that can be read */
     ost_session_end end;
     ost_world_totals totals;

@@ -11,7 +11,7 @@ ost_status sim_appearance_store_uncut(const sim_args *args, simulation *s, ost_e
    not known. */
 ost_status sim_appearance_make(const sim_args *args, simulation *s, const ost_glenoid *glenoid, ost_error *err);
 void sim_appearance_free(sim_show *show);
-/* Computes the camera's position. */
+/* Computes the position of the camera, in mm. */
 void sim_appearance_eye(const sim_show *show, double eye_mm[3]);
 
 #endif

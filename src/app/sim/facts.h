@@ -13,7 +13,7 @@
 #include "app/sim/hud.h"
 #include "app/input/tool_shape.h"
 
-/* The parts that do not change during an operation. */
+/* The parts of the HUD's facts that do not change during an operation. */
 typedef struct sim_scene {
     option_list tools;                /* names of the tools */
     tool_shape shapes[OPTION_LIST_MAX];
@@ -28,8 +28,8 @@ typedef struct sim_scene {
 /* Makes a scene. tools has one element for each name. plan is NULL if there is none. */
 ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone,
                           const ost_metrics_plan *plan, ost_error *err);
-/* Sets the scales of the forces: max_n is the device's maximum, and the hand force is scale times
-   the contact force. */
+/* Sets the scales of the forces. max_n is the device's maximum, and the hand force is the contact
+   force multiplied by scale. */
 void sim_scene_forces(sim_scene *scene, double max_n, double scale);
 /* Implements depth_of of an operation (operation.h): returns the depth of the tool's tip below the
    plan's centre, along the plan's axis, in mm; 0 without a plan. user is a sim_scene. */

@@ -33,8 +33,8 @@ struct sim_hud {
 
 /* Computes the size of a unit in pixels. The HUD is designed for frames 1000 wide and 720 high. On
    larger frames it grows less than the frame, because these are usually viewed from a greater
-   distance. The size is a multiple of 1/16, so that the lettering is not rebuilt for every change
-   of the size by a pixel. */
+   distance. The size is a multiple of 1/16, so that a small change of the frame's size does not
+   rebuild the lettering. */
 static double unit_for(int width, int height, double scale)
 {
     const double dense = fmax(1, scale), available = fmin(height / 720.0, width / 1000.0) / dense;
@@ -111,7 +111,7 @@ static void add_angle(table *t, const char *name, double degrees, const char *mo
     add(t, name, size < 3 ? GREEN : size < 8 ? AMBER : RED, text);
 }
 
-/* Replaces a value that is printed as zero by zero, so that no minus sign is printed. */
+/* Replaces a value that would be printed as zero by zero, so that no minus sign is printed. */
 static double plain(double value)
 {
     return fabs(value) < 0.05 ? 0 : value;

@@ -32,11 +32,11 @@ typedef struct sim_hud_facts {
     /* depth below the native face at which this tool removed bone, and its planned depth; 0 if there is
        no plan for this tool */
     double reached_mm, planned_mm;
-    /* angles in degrees by which the tool's outward axis deviates from the planned one, to
-       posterior and to superior */
+    /* angles in degrees by which the tool's outward axis deviates from the planned axis, toward
+       posterior and superior */
     double back_deg, up_deg;
     bool touching, pedal;
-    const char *fault;    /* NULL if there is none */
+    const char *fault;    /* fault of the device; NULL if there is none */
     bool plain;           /* hides the hint at F1, because there is no keyboard */
     bool timings;         /* the user has requested the times of the servo loop and of frames */
     bool rates;           /* the next five fields are known */
@@ -44,10 +44,10 @@ typedef struct sim_hud_facts {
     uint64_t missed;
     bool recording, help;
     bool filming;         /* a video is being written */
-    uint64_t dropped;     /* frames dropped from the video */
-    const char *message;  /* NULL if there is none */
+    uint64_t dropped;     /* number of frames dropped from the video */
+    const char *message;  /* message to show; NULL if there is none */
     ost_legend legend;    /* explains the colours */
-    double mm_per_pixel;  /* at the camera's target */
+    double mm_per_pixel;  /* scale of the picture at the camera's target */
     /* directions of the picture in the bone's frame, for the letters at its edges; zero if they are not
        shown */
     double right[3], up[3];

@@ -39,7 +39,7 @@ typedef struct sim_show {
     ost_tool_volume ghost_tool; /* volume of the first tool, which the ghost shows */
     frame_times drawn, apart; /* during the operation: time to make a frame; interval between frames */
     int64_t updated_ns;       /* begin of the current frame */
-    int64_t last_ns;          /* begin of the previous frame; 0 if the loop was idle before this frame */
+    int64_t last_ns;          /* begin of the previous frame; 0 if no frame was drawn immediately before this one */
     int64_t end_ns;           /* end of the operation */
     void *thread;             /* NULL if there is none */
     ost_status status;        /* of the thread */

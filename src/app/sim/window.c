@@ -57,7 +57,7 @@ struct sim_window {
     sim_handle now, home;
     sim_camera camera;
     bool lifted;       /* the window has moved the hand elsewhere, and the device has not yet received the new pose */
-    bool key_down[512]; /* keys that are down, by number */
+    bool key_down[512]; /* keys that are down, indexed by key code */
     bool button[3];
     unsigned mods;
     double x, y;       /* position of the pointer */
@@ -70,8 +70,8 @@ struct sim_window {
     sim_hud_facts facts;
     double facts_s;
     sight seen;
-    bool outdated;     /* the HUD has changed */
-    bool follows;      /* the previous frame was presented */
+    bool outdated;     /* set if the HUD has changed */
+    bool follows;      /* set if the previous frame was presented */
     ost_cells changed; /* owned; cells that differ between the last two frames */
     simulation *s;
     ost_status status; /* failure that ended the window; OST_OK if the user ended it */

@@ -95,7 +95,7 @@ ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err)
 typedef struct ost_gl_counts {
     uint64_t points;   /* vertices passed to OpenGL */
     uint64_t uploaded; /* bytes of surface data uploaded */
-    bool bricks;       /* the first object was drawn as bricks */
+    bool bricks;       /* set if the first object was drawn as bricks */
     /* cells of 8^3 voxels of the first object that are in blocks in view and were skipped because
        they are hidden */
     uint32_t hidden;

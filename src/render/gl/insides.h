@@ -19,7 +19,7 @@ typedef struct ost_gl_layer {
     /* in the list: index of the first entry, number of entries drawn as quads, total number of entries */
     uint32_t begin, near, count;
     int32_t blocks;              /* number of selected blocks */
-    /* the list contains the points to draw; otherwise all points of the blocks are drawn */
+    /* set if the list contains the points to draw; otherwise all points of the blocks are drawn */
     bool listed;
     /* scale of a squared distance in the depth buffer, and a bound of its rounding error */
     float depth_scale, depth_slack;

@@ -19,7 +19,8 @@ ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer 
 ost_status ost_gl_read_tiles(ost_gl *gl, ost_error *err);
 /* Reads the depth of each pixel of the G-buffer, which must be the bound framebuffer. */
 ost_status ost_gl_read_depths(ost_gl *gl, float *depths, ost_error *err);
-/* Lights the G-buffer and writes it to the picture: all pixels if `first` is set in key, otherwise only nearer ones. */
+/* Lights the G-buffer and writes it to the picture: all pixels if first is true, otherwise only
+   those that are nearer. */
 ost_status ost_gl_composite(ost_gl *gl, const ost_gl_program_key *key, bool first, ost_error *err);
 
 #endif

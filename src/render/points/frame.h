@@ -64,9 +64,9 @@ typedef struct ost_frame_list {
     bool there;             /* set if the block was in the last frame's view, even if hidden */
 } ost_frame_list;
 
-/* An object that is drawn, and its lists. */
+/* An object to draw, and the lists of its blocks. */
 typedef struct ost_frame_layer {
-    const ost_surface *surface; /* borrowed for a frame */
+    const ost_surface *surface; /* borrowed while a frame is drawn */
     ost_frame_block *blocks; /* owned; `count` blocks after culling */
     int32_t count;
     ost_visible visible;    /* the lists */

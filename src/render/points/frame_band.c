@@ -52,7 +52,7 @@ static void drawn(const ost_frame *f, const band *at, tile_range r)
         }
 }
 
-/* A row of cells of a band. */
+/* A row of cells in a band. */
 typedef struct cell_row {
     uint64_t bit[OST_CELL_WORDS];
     int words, y0, y1; /* its rows of pixels: y0 <= y < y1 */

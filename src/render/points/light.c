@@ -44,7 +44,7 @@ static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d
         mirror *= mirror;
         mirror *= mirror;
         mirror *= mirror;
-        mirror *= mirror; /* to the 16th power */
+        mirror *= mirror; /* the last squaring gives the 16th power */
         const float bright = ((0.20f + 0.17f * sky) + (0.74f * key + 0.20f * fill)) + 0.10f * back;
         const int scaled_bright = (int)(256.0f * bright + 0.5f), added = (int)(gloss * mirror + 0.5f);
         shade[i] = (uint16_t)((scaled_bright < 320 ? scaled_bright : 320) | added << OST_BRIGHT_BITS);

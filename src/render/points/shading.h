@@ -22,7 +22,7 @@
 typedef struct ost_shading_scratch {
     ost_row_kernels rows;
     ost_smooth_kernels smooth;
-    ost_faces faces;             /* faces of the block's shown voxels */
+    ost_faces faces;             /* faces to the air of the block's shown voxels */
     uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed: bit y of word z */
     uint32_t points[OST_BLOCK_POINTS + OST_POINT_SLACK], shades[OST_BLOCK_POINTS + OST_SHADING_SLACK];
     /* voxels bared by the clip plane; bared by a tool; in contact at present */

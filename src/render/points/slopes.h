@@ -27,7 +27,7 @@ enum {
     OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120,
     OST_WIDE_PART = 4,   /* wide values are values of the field divided by this */
     OST_WIDE_LEAST = 120, /* smaller wide slopes are ignored */
-    OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of the maximum */
+    OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of the field's maximum */
 };
 /* Least cosine of the angle between the slopes at which the wide slope is used. If the cosine is 1
    / 10 greater, only the wide slope is used. */

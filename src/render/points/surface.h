@@ -51,10 +51,10 @@ typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
     bool dirty;                /* set if the next update must process the block, for the reasons in the next fields */
-    bool unlisted;             /* its list of points may have changed */
-    bool remade;               /* all its shades may have changed */
-    bool unmeasured;           /* its cells may have changed */
-    bool contact;              /* at least one look has OST_SHADE_CONTACT */
+    bool unlisted;             /* set if its list of points may have changed */
+    bool remade;               /* set if all its shades may have changed */
+    bool unmeasured;           /* set if its cells may have changed */
+    bool contact;              /* set if at least one look has OST_SHADE_CONTACT */
     uint64_t version;          /* version of its lists, unique within the process; 0 before the first */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */

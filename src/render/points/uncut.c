@@ -129,10 +129,10 @@ static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 }
 
 /*
- * Returns the tissue of a voxel by its class, with two corrections. The first is for the partial
- * volume effect: a voxel of medium density between hard bone and a soft voxel or air is the edge of
- * hard bone, not cancellous bone. The second is for cartilage: a voxel of this density is cartilage
- * only at the face, if the face's position is known.
+ * Returns the tissue of a voxel by its class, with two corrections for the partial volume effect. A
+ * voxel of medium density between hard bone and a soft voxel or air is the edge of hard bone, not
+ * cancellous bone. A voxel as dense as cartilage is cartilage only at the face, if the face's
+ * position is known.
  */
 static uint32_t tissue_at(const ost_uncut *g, const int32_t at[3], int density)
 {
