@@ -27,7 +27,7 @@
 enum { BRIDGE_LIMP_MS = 50, BRIDGE_PATIENCE_MS = 5000, BRIDGE_ADDRESS = 128 };
 
 typedef struct bridge_options {
-    const char *to;        /* "host:port", "[address]:port" */
+    const char *to;        /* "host:port" or "[address]:port" */
     const char *key;       /* path of the file that contains the key */
     /* number of ticks; 0: until the device or the simulation ends, or stop_requested() returns true */
     uint64_t ticks;
@@ -47,7 +47,7 @@ typedef struct bridge_report {
      */
     uint64_t limps, limp_ticks;
     uint64_t fault_ticks;           /* number of ticks in which the device returned no valid pose */
-    bool met;                       /* a simulation answered */
+    bool met;                       /* set if a simulation has answered */
     bool busy;                      /* set if the simulation already has another bridge */
     bool ended;                     /* set if the simulation has sent its last packet */
     double peak_n;

@@ -25,7 +25,7 @@ typedef struct haptic_driver {
     uint32_t caps;
     double max_force_n, max_stiffness_n_m;
     ost_button buttons[OST_BUTTONS_MAX]; /* indexed by bit; the list ends before the first entry without a name */
-    bool (*usable)(char reason[256]); /* NULL: always */
+    bool (*usable)(char reason[256]); /* NULL: always usable */
     bool (*answers)(char reason[256]); /* NULL: the device always answers */
     ost_status (*open)(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err);
     void (*close)(haptic_instance *instance);

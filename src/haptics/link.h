@@ -18,7 +18,7 @@
 enum {
     LINK_VERSION = 1,
     LINK_MAC = 32,
-    LINK_POSE_BYTES = 120,  /* hello and pose */
+    LINK_POSE_BYTES = 120,  /* size of a hello or a pose */
     LINK_STATE_BYTES = 144,
     LINK_BUFFER_BYTES = 256, /* size of the receive buffer; any longer packet is invalid */
     LINK_KEY_MIN = 16,

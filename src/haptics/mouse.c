@@ -69,8 +69,8 @@ static const ost_haptic_state *latest(ost_mouse_input *input)
 
 struct haptic_instance {
     ost_mouse_input *input; /* borrowed */
-    double at[3];   /* m */
-    double q[4];    /* unit */
+    double at[3];   /* position in m */
+    double q[4];    /* unit quaternion */
     int32_t tool;
     uint32_t lifts; /* number of lifts at the last read */
 };

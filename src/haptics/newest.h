@@ -17,8 +17,8 @@ enum { NEWEST_SLOTS = 3, NEWEST_FRESH = 4 };
 
 typedef struct newest {
     _Atomic unsigned char middle; /* index of a slot; NEWEST_FRESH is set until the reader takes the slot */
-    unsigned char back;           /* the writer's slot */
-    unsigned char front;          /* the reader's slot */
+    unsigned char back;           /* slot of the writer */
+    unsigned char front;          /* slot of the reader */
 } newest;
 
 static inline void newest_begin(newest *n)

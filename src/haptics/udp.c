@@ -135,7 +135,7 @@ static bool take_pose(haptic_instance *u, const link_packet *p)
 {
     uint64_t missing;
     if (p->simulation != u->simulation) {
-        count(u, REPLAYED, 1); /* from another run */
+        count(u, REPLAYED, 1); /* the packet was sent during another run */
         return false;
     }
     const int64_t now = ost_clock_ns();

@@ -25,14 +25,14 @@ typedef enum ost_overlay {
     OST_OVERLAY_AXIS,
     OST_OVERLAY_COUNT
 } ost_overlay;
-extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* "chunks", ... */
+extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* "chunks", "boxes" and so on */
 
 enum { OST_OVERLAY_CHANGED = 64 };
 
 typedef struct ost_overlay_scene {
     const ost_surface *bone, *tool; /* borrowed; tool is NULL if there is no tool */
     ost_tool_geometry tool_grid;
-    ost_pose pose;                  /* the tool's */
+    ost_pose pose;                  /* pose of the tool */
     int chunk;                      /* voxels per side of a chunk */
     int changed;                    /* number of chunks that have just changed */
     int32_t changed_at[OST_OVERLAY_CHANGED][3];

@@ -19,7 +19,7 @@
 #include "render/points/frame.h"
 
 typedef struct plane {
-    int across, down, through; /* axes */
+    int across, down, through; /* axes of the grid */
     bool down_is_minus;        /* coordinates decrease from row to row */
 } plane;
 

@@ -11,10 +11,10 @@ typedef void ost_slices_colour(const void *user, size_t voxel, double rgb[3]);
 typedef struct ost_slices_paint {
     ost_slices_colour *colour;
     const void *user;
-    /* set: each pixel has the colour of one voxel; otherwise colours are interpolated between
+    /* if true, each pixel has the colour of one voxel; otherwise colours are interpolated between
        centres */
     bool by_voxel;
-    bool unoriented; /* set: the directions of the axes are not known, and none are drawn */
+    bool unoriented; /* if true, the directions of the axes are not known, and none are drawn */
 } ost_slices_paint;
 
 /* Draws the slices through the voxel at[]. pixels: longest side of a slice; 0 means 480. Returns

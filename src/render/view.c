@@ -123,7 +123,8 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
     ost_viewer viewer;
     aim a = {0};
     const int width = o->width > 0 ? o->width : SIDE, height = o->height > 0 ? o->height : SIDE;
-    const int samples = width <= OST_FRAME_MAX / 2 && height <= OST_FRAME_MAX / 2 ? 2 : 1; /* along each axis */
+    /* samples per pixel along each axis */
+    const int samples = width <= OST_FRAME_MAX / 2 && height <= OST_FRAME_MAX / 2 ? 2 : 1;
     ost_camera camera = {.width = samples * width, .height = samples * height};
     ost_volume uncut = before ? *before : *volume; /* borrowed, so the viewer must not free its voxels */
     camera.focal_milli = (int32_t)(OST_VIEW_FOCAL * 1000 * camera.height);

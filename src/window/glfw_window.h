@@ -20,7 +20,7 @@ struct ost_window {
     bool synced, sync_set;
     ost_window_event event[OST_WINDOW_EVENTS]; /* a ring */
     int first, count;
-    bool spilt; /* the ring overflowed */
+    bool spilt; /* set if the ring overflowed */
     unsigned mods;
     int normal[4]; /* position and size before full screen */
     /* The following fields contain the values of the last callbacks. */
@@ -28,7 +28,7 @@ struct ost_window {
     double scale;
     bool minimised, hidden, damaged;
     int64_t looked_ns;
-    /* OpenGL: */
+    /* The following fields depend on the OpenGL context. */
     int side; /* side of the greatest texture, in pixels */
     /* extension that reports a driver's reset */
     enum { NO_NOTIFICATION, BY_KHR, BY_ARB } reset_notification;

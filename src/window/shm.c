@@ -19,7 +19,7 @@ typedef struct xcb_cookie {
     unsigned sequence;
 } xcb_cookie;
 
-/* XVisualInfo. */
+/* Has the layout of XVisualInfo. */
 typedef struct visual_info {
     void *visual;
     unsigned long id;

@@ -39,7 +39,7 @@ ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, c
                        const char *name, const char *file, ost_error *err);
 void debrief_free(debrief *d);
 
-/* debrief_html.c */
+/* Writes the page (html.c). */
 struct verdict;
 ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after,
                         const ost_density_classes *classes, int threshold, const ost_metrics *m,

@@ -23,7 +23,7 @@ enum { QUEUE_CAPACITY = 12, STILLS = 100000 };
 
 typedef struct job {
     bool still;
-    int64_t index; /* in the video */
+    int64_t index; /* index of the frame in the video */
     int width, height;
     uint32_t *pixels; /* owned */
     size_t capacity;
@@ -43,7 +43,7 @@ struct film {
     uint64_t dropped;
     bool news;
     char text[FILM_TEXT];
-    ost_status status; /* of the video */
+    ost_status status; /* status of the video */
     ost_error err;
     /* The following fields are used by the writer thread only. */
     int stills;

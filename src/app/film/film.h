@@ -23,12 +23,12 @@ enum { FILM_TEXT = 200 };
 
 typedef struct film_options {
     const char *target, *pipe; /* destination of the video: at most one of the two is set */
-    int64_t fps;               /* of the video */
+    int64_t fps;               /* frames per second of the video */
     bool wait;                 /* if the queue is full, waits for the writer instead of dropping the frame */
 } film_options;
 
 typedef struct film_report {
-    uint64_t frames;   /* in the video */
+    uint64_t frames;   /* number of frames in the video */
     uint64_t repeated; /* frames among these that repeat the previous frame */
     uint64_t dropped;  /* frames that were drawn but not written */
     int width, height;

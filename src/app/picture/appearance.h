@@ -36,7 +36,7 @@ typedef struct appearance_options {
     option_decimal shift, turn;
     option_list overlays;
     bool no_legend;
-    /* Set by appearance_check: */
+    /* The following fields are set by appearance_check. */
     int clip;               /* a clip_kind */
     double clip_at[3], clip_normal[3]; /* for CLIP_FREE */
     double shift_mm, turn_deg;

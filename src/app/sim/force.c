@@ -26,7 +26,7 @@ ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err
 {
     const uint32_t caps = caps_of(args);
     args->force_params = ost_force_defaults();
-    args->force_params.speed = (double)args->rpm * 0.10471975511965977; /* rad/s */
+    args->force_params.speed = (double)args->rpm * 0.10471975511965977; /* rpm to rad/s */
     args->safety = ost_safety_defaults();
     if (caps & OST_HAPTIC_TORQUE)
         args->force_params.turn_stiffness = TURN_STIFFNESS;

@@ -19,7 +19,7 @@
 #include "render/lettering.h"
 
 typedef struct sim_hud_facts {
-    const char *tool;     /* "reamer" */
+    const char *tool;     /* for example "reamer" */
     const char *device;
     int number, tools;    /* number of the current tool, from 1, and of all tools */
     bool running;         /* at least one tick has run */

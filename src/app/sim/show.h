@@ -42,7 +42,7 @@ typedef struct sim_show {
     int64_t last_ns;          /* begin of the previous frame; 0 if no frame was drawn immediately before this one */
     int64_t end_ns;           /* end of the operation */
     void *thread;             /* NULL if there is none */
-    ost_status status;        /* of the thread */
+    ost_status status;        /* status of the drawing thread */
     ost_error err;
 } sim_show;
 

@@ -454,7 +454,7 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     show->orbit = w->camera.orbit;
     ost_status status = sim_show_update(show, err);
     if (status != OST_OK || width == 0 || height == 0)
-        return status; /* minimized */
+        return status; /* the window is minimized */
     char message[FILM_TEXT];
     if (film_message(w->s->film, message))
         show_message(w, message);

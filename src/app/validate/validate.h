@@ -28,7 +28,7 @@ typedef struct validate_args {
     sign_key *key;  /* key of --sign; NULL if the bundle is not signed */
 } validate_args;
 
-/* ------------------------------------------------------------ validate_run.c */
+/* ------------------------------------------------------------------- run.c */
 
 /* Runs a campaign. from_file contains the cases of --case, or is NULL; the caller owns it. */
 ost_status validate_run(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err);
@@ -42,11 +42,11 @@ ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err);
 /* Implements evidence_sink; user is a bundle. */
 ost_status validate_into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
 
-/* ---------------------------------------------------------- validate_merge.c */
+/* ----------------------------------------------------------------- merge.c */
 
 ost_status validate_merge(app_state *app, const validate_args *args, ost_error *err);
 
-/* ------------------------------------------------------------ validate_print.c */
+/* ----------------------------------------------------------------- print.c */
 
 /* Prints the results of a campaign and returns the verb's status. proof: NULL if there is none. */
 ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary,

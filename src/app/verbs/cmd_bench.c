@@ -292,7 +292,7 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
 {
     ost_backend *backend = NULL;
     tally all = {.rows = 0};
-    static const bench_options every_row; /* without a filter */
+    static const bench_options every_row; /* options without a filter, which select every row */
     /* An unknown or unavailable backend is an error of the command, not of a row. */
     ost_status status = bench_backend(options, options->threads, &backend, err);
     ost_backend_close(backend);

@@ -70,7 +70,7 @@ static ost_status list_devices(const app_state *app, ost_error *err)
     return status;
 }
 
-/* Lists the instruction sets that this machine and this build can run, and the chosen one. */
+/* Lists the instruction sets that this build supports on this machine, and the selected one. */
 static void list_choices(const app_state *app, json_t *row, const ost_backend_settings *settings)
 {
     json_t *array = json_array();

@@ -31,7 +31,7 @@ typedef struct ost_gl_variant {
     bool every_voxel;
     bool frustum;     /* draws only blocks in view */
     bool facing;      /* draws only points that have a face toward the eye */
-    bool order;       /* near blocks first */
+    bool order;       /* draws near blocks first */
     /* draws only cells of 8^3 voxels that are not hidden; needs frustum, no true_depth,
        OST_GL_COMPACT */
     bool occlusion;
@@ -91,7 +91,7 @@ ost_status ost_gl_finish(ost_gl *gl, ost_error *err);
 /* Copies the last picture to a frame of the same size: colour, face and, if requested, depth. Does not change keys. */
 ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err);
 
-/* Counts about the last draw. */
+/* Counts for the last draw. */
 typedef struct ost_gl_counts {
     uint64_t points;   /* vertices passed to OpenGL */
     uint64_t uploaded; /* bytes of surface data uploaded */

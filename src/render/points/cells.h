@@ -17,7 +17,7 @@ enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 };
 typedef struct ost_cells {
     uint64_t *bit; /* owned; `words` for each row of cells */
     int words, across, rows;
-    int width, height; /* of the picture */
+    int width, height; /* size of the picture in pixels */
 } ost_cells;
 
 /* Makes an empty set for a picture of up to 8192 x 8192 pixels. Returns false if memory is exhausted. */

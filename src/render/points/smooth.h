@@ -88,7 +88,7 @@ OST_SMOOTH_DECLARE(scalar)
 OST_SMOOTH_DECLARE(avx2)
 OST_SMOOTH_DECLARE(avx512)
 void ost_field_finer_scalar(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
-/* AVX-512's too */
+/* Also used for AVX-512. */
 void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
 
 #endif

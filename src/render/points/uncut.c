@@ -278,7 +278,7 @@ static ost_status find_outside(ost_uncut *g, ost_error *err)
 enum { WIDE = 3 * SIDE, FAR = OST_DEPTH_FAR };
 
 typedef struct distances {
-    uint32_t outside[3][3][3][ROWS]; /* z, y, x */
+    uint32_t outside[3][3][3][ROWS]; /* indexed by z, y, x */
     int16_t x[WIDE][WIDE][SIDE], y[WIDE][SIDE][SIDE];
 } distances;
 

@@ -24,7 +24,7 @@
 #include "render/points/palette.h"
 #include "render/points/surface.h"
 
-enum { OST_DEPTH_REACH = 32, OST_DEPTH_FAR = OST_DEPTH_REACH * OST_DEPTH_REACH }; /* voxels; squared */
+enum { OST_DEPTH_REACH = 32, OST_DEPTH_FAR = OST_DEPTH_REACH * OST_DEPTH_REACH }; /* in voxels; its square */
 
 typedef struct ost_uncut {
     ost_volume volume;      /* owned */
