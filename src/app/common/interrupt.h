@@ -11,8 +11,8 @@
 
 void interrupt_begin(void);
 void interrupt_end(void);
-/* Returns true if a signal arrived after interrupt_begin, also after interrupt_end. The call is one
-   atomic load and can be made in every tick. */
+/* Returns true if a signal arrived after interrupt_begin; the result stays true after
+   interrupt_end. The call is one atomic load and is cheap enough for every tick. */
 bool interrupt_requested(void);
 
 /* Sets the flag from within the program, for example when the user closes its window. */

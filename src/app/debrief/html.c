@@ -93,7 +93,7 @@ static const char *number(char text[CELL], const char *format, ...)
     return text;
 }
 
-/* Replaces a value that would be printed as zero by zero, so that no minus sign is printed. */
+/* Returns 0 for a value that would be printed as zero, so that no minus sign is printed. */
 static double plain(double value)
 {
     return fabs(value) < 0.05 ? 0 : value;

@@ -111,7 +111,7 @@ static void add_angle(table *t, const char *name, double degrees, const char *mo
     add(t, name, size < 3 ? GREEN : size < 8 ? AMBER : RED, text);
 }
 
-/* Replaces a value that would be printed as zero by zero, so that no minus sign is printed. */
+/* Returns 0 for a value that would be printed as zero, so that no minus sign is printed. */
 static double plain(double value)
 {
     return fabs(value) < 0.05 ? 0 : value;

@@ -111,8 +111,8 @@ static void print_second(const app_state *app, const campaign *c, bool equal)
                format_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
 }
 
-/* Prints whether a plugin computed the steps before the voxels (snapping, sweep, map, boxes, poses)
-   itself or received them from src/core. */
+/* Prints whether a plugin computed the steps that precede the voxels (snapping, sweep, map, boxes,
+   poses) itself, or received them from src/core. */
 static void print_made(const app_state *app, const campaign *c, int s)
 {
     uint64_t made = 0;

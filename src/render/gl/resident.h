@@ -6,7 +6,7 @@
  *   points   where, look             a surface point (points/surface.h)
  *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; shades: those of
  *                                    its points, brick by brick
- *   voxels   a density               all of a block: the thesis' vertices
+ *   voxels   a density               all voxels of a block, which are the vertices of the thesis
  *   mesh     corner, normal          a tool's faces as triangles
  */
 #ifndef OST_RENDER_GL_RESIDENT_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A clip plane hides one side of the grid. Integers determine the side of a voxel: it is shown if
- * and only if n . v <= d, where v is the voxel's index in the grid.
+ * A clip plane hides one side of the grid. The side of a voxel is computed in integers: a voxel is
+ * shown if and only if n . v <= d, where v is its index in the grid.
  *
  * n is a direction in units of 2^-14: |n| <= 2^14 on each axis, v < 2^14, so n . v < 2^30.
  */
