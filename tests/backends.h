@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a test's group on several backends, one after another:
+ * Runs a group of tests on several backends, one after another:
  *
  *   OST_TEST_BACKENDS="ref cpu:isa=avx2,threads=7" tests/ref/test_remove
  *
- * The default is the reference, the cpu backend as in normal use with 2 threads, and its scalar
- * loops with 3; .ci/long runs the full product. The expected values are in the tests, so the
- * grids of all backends are bit-identical.
+ * The default list is: the reference; the cpu backend with its default instruction set and 2
+ * threads; the cpu backend with scalar loops and 3 threads. .ci/long runs all combinations. The
+ * expected values are written in the tests, so a test passes on all backends only if their
+ * grids are bit-identical.
  */
 #ifndef OST_TESTS_BACKENDS_H
 #define OST_TESTS_BACKENDS_H
@@ -15,7 +16,7 @@
 
 #include <osteon/backend.h>
 
-/* Specification of the running group's backend; "ref" before the first group. */
+/* Specification of the backend of the running group; "ref" before the first group. */
 static char test_backend[100] = "ref";
 
 static inline const char *test_backends(void)
@@ -39,7 +40,7 @@ static inline int close_test_backend(void **state)
     return 0;
 }
 
-/* Skips a test that needs a force if a tick cannot read voxels on this backend. */
+/* Skips a test that needs a force if voxels cannot be read during a tick on this backend. */
 static inline void skip_without_samples(ost_backend *backend)
 {
     const ost_geometry one = {{1, 1, 1}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {0, 0, 0}};
@@ -57,7 +58,10 @@ static inline void skip_without_samples(ost_backend *backend)
     assert_ok(status);
 }
 
-/* Copies the next entry of the list to test_backend; *at is NULL before the first. Returns false after the last. */
+/*
+ * Copies the next entry of the list to test_backend. *at must be NULL before the first call. Returns false after the
+ * last entry.
+ */
 static inline bool next_test_backend(const char **at)
 {
     *at = *at ? *at : test_backends();
@@ -77,8 +81,8 @@ static inline bool next_test_backend(const char **at)
 }
 
 /*
- * Returns the number of random trials: n on the first backend, a third of n on each other; n on
- * all with OST_TEST_LONG=1.
+ * Returns the number of random trials: n on the first backend and a third of n on each other
+ * backend, or n on all of them if OST_TEST_LONG=1.
  */
 static inline int test_rounds(int n)
 {
@@ -90,7 +94,7 @@ static inline int test_rounds(int n)
     return all ? n : (n + 2) / 3;
 }
 
-/* Like cmocka_run_group_tests, on each backend. */
+/* Runs cmocka_run_group_tests on each backend and returns the number of failures. */
 #define run_on_backends(tests, set_up, tear_down)                                            \
     __extension__({                                                                          \
         int run_failures = 0;                                                                \

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pictures and videos that are written next to a loop: frames follow the clock, and the last
- * frame is repeated where there is no new one; frames are omitted and counted if the writer is
- * slow; files are complete under names that were free, or absent.
+ * Tests the pictures and videos that are written while a loop runs. Frames follow the clock;
+ * where there is no new frame, the last one is repeated. If the writer is slow, frames are
+ * omitted and counted. A file is either complete, under a name that was free, or absent.
  * Covers: REQ-FILM, REQ-PART-FILES
  */
 #include <dirent.h>
@@ -35,7 +35,7 @@ static const uint32_t *grey(uint32_t level)
     return pixels;
 }
 
-/* Skips tests of pictures without libpng. */
+/* Skips a test of pictures if libpng is missing. */
 static void need_pictures(void)
 {
     uint8_t rgb[3] = {0}, *bytes = NULL;
@@ -76,8 +76,8 @@ static int files_that_contain(const char *where, const char *text)
     return count;
 }
 
-/* Stores the luma of each frame of a .y4m in got, checks that no frame has a chroma, and returns
-   the number of frames. */
+/* Stores the luma of each frame of a .y4m file in got, checks that every frame is grey, and returns the number of
+   frames. */
 static int levels(const char *name, int got[], int capacity)
 {
     char line[128];
@@ -91,7 +91,7 @@ static int levels(const char *name, int got[], int capacity)
         assert_string_equal(line, "FRAME\n");
         assert_int_equal(fread(frame, 1, sizeof frame, in), sizeof frame);
         for (int i = WIDTH * HEIGHT; i < 3 * WIDTH * HEIGHT; i++)
-            assert_int_equal(frame[i], 128); /* a grey has no chroma */
+            assert_int_equal(frame[i], 128); /* neutral chroma, since the frame is grey */
         assert_true(count < capacity);
         got[count++] = frame[0];
     }
@@ -109,12 +109,12 @@ static void a_video_goes_by_the_clock(void **state)
     assert_true(film_is_due(f, 5000000000));
     show(f, 5.00, 0);
     assert_false(film_is_due(f, 5099000000));
-    show(f, 5.05, 255); /* this tenth already has a frame */
+    show(f, 5.05, 255); /* this tenth of a second already has a frame */
     show(f, 5.10, 255);
     show(f, 5.42, 85);
-    assert_int_equal(access("v.y4m", F_OK), -1); /* not before it is complete */
+    assert_int_equal(access("v.y4m", F_OK), -1); /* absent until it is complete */
     assert_ok(film_close(f, 5650000000, &r, &err));
-    /* Black is 16 and white 235. */
+    /* The luma of black is 16, that of white is 235. */
     const int expected[] = {16, 235, 235, 235, 89, 89};
     assert_int_equal(levels("v.y4m", got, 32), 6);
     assert_memory_equal(got, expected, sizeof expected);
@@ -122,7 +122,7 @@ static void a_video_goes_by_the_clock(void **state)
     assert_int_equal(r.repeated, 3);
     assert_int_equal(r.dropped, 0);
     assert_int_equal(r.width, WIDTH);
-    /* Without frames there is no file. */
+    /* Without frames, no file is created. */
     f = made((film_options){.target = "none.y4m", .fps = 10});
     assert_ok(film_close(f, 0, &r, &err));
     assert_int_equal(access("none.y4m", F_OK), -1);
@@ -172,7 +172,7 @@ static void a_folder_of_pictures(void **state)
     assert_int_equal(stat("frames/frame-000000.png", &one), 0);
     assert_int_equal(stat("frames/frame-000002.png", &two), 0);
     assert_int_equal(one.st_size, two.st_size);
-    /* No file is overwritten. */
+    /* No existing file is overwritten. */
     film_options again = {.target = "frames", .fps = 10};
     assert_int_equal(film_open(&again, &f, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "has a video already"));
@@ -183,7 +183,7 @@ static void a_folder_of_pictures(void **state)
     assert_int_equal(film_open(&again, &f, &err), OST_ERR_USAGE);
 }
 
-/* Makes a program ffmpeg in this folder: a shell script in which $last is the last argument. */
+/* Creates an executable named ffmpeg in this folder: a shell script in which $last is the last argument. */
 static void stub_encoder(const char *script)
 {
     FILE *out = fopen("ffmpeg", "w");
@@ -193,7 +193,9 @@ static void stub_encoder(const char *script)
     assert_int_equal(chmod("ffmpeg", 0755), 0);
 }
 
-/* A folder becomes unusable during the recording, here by a name that is taken. */
+/*
+ * Tests that a failure during a recording is reported and ends the recording: the name of the first picture is taken.
+ */
 static void a_failure_is_said_and_ends_it(void **state)
 {
     ost_error err = {0};
@@ -210,7 +212,7 @@ static void a_failure_is_said_and_ends_it(void **state)
     assert_non_null(strstr(text, "frame-000001.png: File exists"));
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "frame-000001.png"));
-    /* An encoder that ends early, one that fails, and one that does not exist. */
+    /* Tests an encoder that ends early, one that fails, and one that does not exist. */
     f = made((film_options){.pipe = "head -c 10 >/dev/null", .fps = 10, .wait = true});
     pause_ms(50);
     for (int i = 0; i < 2000; i++)
@@ -227,7 +229,7 @@ static void a_failure_is_said_and_ends_it(void **state)
     setenv("PATH", "/nowhere", 1);
     assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "install ffmpeg"));
-    /* A folder of that name, and a file that is not executable, are no encoder. */
+    /* A folder named ffmpeg or a file that is not executable is not accepted as the encoder. */
     assert_int_equal(mkdir("folder", 0777), 0);
     assert_int_equal(mkdir("folder/ffmpeg", 0777), 0);
     out = fopen("ffmpeg", "w");
@@ -235,7 +237,7 @@ static void a_failure_is_said_and_ends_it(void **state)
     fclose(out);
     setenv("PATH", "folder:", 1);
     assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
-    /* A working encoder: the output file gets its name when it is complete. */
+    /* With a working encoder, the output file gets its name when it is complete. */
     stub_encoder("cat >\"$last\"; printf 'first\\n\\033]0;title\\007/a/path: bad\\n' >&2; exit ${FILM_FAILS:-0}");
     setenv("PATH", folder, 1);
     f = made(none);
@@ -278,7 +280,7 @@ static void plant_links(void)
     closedir(d);
 }
 
-/* The encoder writes to the file that was opened for it, not to a file that gets its name later. */
+/* The encoder writes to the file that was opened for it, not to a link that replaces that file later. */
 static void an_encoder_follows_no_link(void **state)
 {
     ost_error err = {0};
@@ -314,11 +316,11 @@ static void on_term(int number)
     _exit(128 + number);
 }
 
-/* A signal leaves no unfinished file, neither immediately nor when the encoder ends. */
+/* A signal leaves no unfinished file, neither at once nor after the encoder has ended. */
 static void a_signal_leaves_no_part(void **state)
 {
     (void)state;
-    /* static, like f, so that valgrind reports no leak for memory that is reachable in a killed child */
+    /* static, like f, so that valgrind reports no leak: both are still reachable when the child is killed */
     static char *path;
     path = strdup(getenv("PATH"));
     stub_encoder("cat >\"$last\"");
@@ -352,16 +354,19 @@ static void a_signal_leaves_no_part(void **state)
     free(path);
 }
 
-/* A slow encoder blocks no caller, and memory is bounded; the frames that it gets still follow the clock. */
+/*
+ * A slow encoder does not block the caller, and the memory used is bounded. The frames that it receives still follow
+ * the clock.
+ */
 static void a_slow_writer_holds_nobody_up(void **state)
 {
     ost_error err = {0};
     film_report r;
     struct stat file;
     (void)state;
-    assert_int_equal(mkfifo("gate", 0600), 0); /* exists before the encoder waits at it */
+    assert_int_equal(mkfifo("gate", 0600), 0); /* created first, because the encoder waits for it */
     film *f = made((film_options){.pipe = "read go <gate; cat >slow.y4m", .fps = 10});
-    /* More frames than the pipe and the queue can hold. */
+    /* This is more than the pipe and the queue can hold. */
     enum { MANY = 3000 };
     for (int i = 0; i < MANY; i++)
         show(f, 0.1 * i, 10);
@@ -388,7 +393,7 @@ static void pictures_take_free_names(void **state)
     assert_int_equal(close(open("osteon-002.png", O_WRONLY | O_CREAT, 0666)), 0);
     film *f = made((film_options){.fps = 30, .wait = true});
     assert_false(film_is_due(f, 0));
-    show(f, 0, 10); /* no video is recorded */
+    show(f, 0, 10); /* ignored, since no video is recorded */
     for (int i = 0; i < 3; i++)
         film_still(f, grey(100), WIDTH, WIDTH, HEIGHT);
     assert_ok(film_close(f, 0, NULL, &err));
@@ -428,6 +433,6 @@ int main(void)
         cmocka_unit_test(an_encoder_follows_no_link),    cmocka_unit_test(a_signal_leaves_no_part),
         cmocka_unit_test(a_slow_writer_holds_nobody_up), cmocka_unit_test(pictures_take_free_names),
     };
-    signal(SIGPIPE, SIG_IGN); /* as the program does */
+    signal(SIGPIPE, SIG_IGN); /* as the program osteon does */
     return cmocka_run_group_tests(tests, begin, end);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The request to end: by a signal, of which the second is handled by the previous handler, or
- * by another thread while the loop polls for it, which ThreadSanitizer checks.
+ * Tests the request to end the program. It comes from a signal, or from another thread while
+ * the loop polls for it (checked by ThreadSanitizer). The previous handler handles a second
+ * signal.
  * Covers: REQ-WINDOW
  */
 #include <pthread.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The messages about a recorder in trouble: one when the trouble begins, one when it is over,
- * and none for a healthy disk.
+ * Tests the messages about a recorder that cannot write: one when the trouble begins, one when
+ * it ends, and none while the disk works.
  * Covers: REQ-SESSION-FILE
  */
 #include "harness.h"
@@ -43,7 +43,7 @@ static void nothing_of_a_disk_that_is_well(void **state)
     static const moment m[] = {{100, 0, 0, 0, false, NULL},
                                {200, 100, 75, 0, false, NULL},
                                {5000, 4900, 4875, 0, false, NULL},
-                               /* The disk pauses, and then there is nothing to write for a long time. */
+                               /* The disk pauses; after that there is nothing to write for a long time. */
                                {6900, 6800, 4875, 0, false, NULL},
                                {7000, 6900, 6900, 0, false, NULL},
                                {60000, 6900, 6900, 0, false, NULL}};
@@ -74,7 +74,7 @@ static void a_disk_that_stays_full(void **state)
     ASSERT_SAYS(m);
 }
 
-/* A writer that hangs in a write reports nothing itself. */
+/* A writer that is blocked in a write cannot report this itself. */
 static void a_recorder_that_stands_still(void **state)
 {
     (void)state;

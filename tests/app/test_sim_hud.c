@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The HUD over a frame, at any size and density: all of it is within the frame, nothing
- * overlaps, no text exceeds its panel, and no letter is too small to be read; common sizes show
- * everything.
+ * Tests the HUD for frames of all sizes and pixel densities: all of it is within the frame,
+ * nothing overlaps, no text exceeds its panel, and no letter is too small to be read. Frames of
+ * common sizes show every element.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -140,7 +140,7 @@ static void all_of_it_at_usual_sizes(void **state)
     }
 }
 
-/* Draws the HUD of these facts on a grey frame. */
+/* Draws the HUD with these facts on a grey frame. */
 static void drawn(const sim_hud_facts *f, uint32_t *pixels, int width, int height)
 {
     for (int i = 0; i < width * height; i++)
@@ -164,7 +164,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     f.force_n = 2.4;
     f.force_full_n = 3;
     f.reached_mm = f.planned_mm = 3;
-    /* Zeros have no sign. */
+    /* Zero is displayed without a sign. */
     f.reached_mm = f.back_deg = f.up_deg = f.removed_mm3 = f.contact_n = f.force_n = 0;
     drawn(&f, a, W, H);
     f.reached_mm = f.removed_mm3 = f.contact_n = f.force_n = -0.04;
@@ -179,7 +179,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
         assert_memory_not_equal(a, b, sizeof a);
         *shown[i] = 0;
     }
-    /* The times of loop and frames are displayed on request. */
+    /* The times of the loop and of the frames are displayed on request. */
     const sim_hud_layout with = sim_hud_arrange(hud, W, H, &f);
     f.timings = false;
     const sim_hud_layout without = sim_hud_arrange(hud, W, H, &f);
@@ -190,7 +190,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     f.frame_ms = 99;
     drawn(&f, b, W, H);
     assert_memory_equal(a, b, sizeof a);
-    /* The colour changes where the depth exceeds the plan. */
+    /* The colour changes when the depth exceeds the plan. */
     const uint32_t within_plan = sim_hud_depth_colour(3, 3), beyond = sim_hud_depth_colour(3.1, 3),
                    far = sim_hud_depth_colour(4.1, 3);
     assert_true(within_plan == sim_hud_depth_colour(0, 3) && beyond == sim_hud_depth_colour(4, 3) &&
@@ -201,7 +201,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     hud = NULL;
 }
 
-/* Larger frames have larger letters, and denser ones too; a change of one pixel does not change the letters. */
+/* Letters are larger on larger frames and on displays of higher density; a change of one pixel does not change them. */
 static void letters_grow(void **state)
 {
     ost_error err = {0};
@@ -226,8 +226,8 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 }
 
 /*
- * The result for a pixel does not depend on the number of pixels that are blended at once, or
- * on the first one's alignment, and no other pixel is changed.
+ * Blending a pixel gives the same result for any number of pixels blended at once and for any
+ * alignment of the first pixel; no other pixel is changed.
  */
 static void every_pixel_is_mixed_alone(void **state)
 {
@@ -251,7 +251,7 @@ static void every_pixel_is_mixed_alone(void **state)
     }
 }
 
-/* Letters are the same at every position, and the part outside the frame is not drawn. */
+/* A letter has the same pixels at every position; the part outside the frame is not drawn. */
 static void letters_are_the_same_anywhere(void **state)
 {
     enum { W = 120, H = 24 };
@@ -272,7 +272,7 @@ static void letters_are_the_same_anywhere(void **state)
             for (int x = 0; x < W; x++) {
                 drawn += first[y * W + x] != 0x406080;
                 const int from = x - shift;
-                /* The first letter is clipped at its left edge. */
+                /* The first letter is clipped at the left edge of the frame. */
                 if (from >= 2 && from < W)
                     assert_int_equal(pixels[y * W + x], first[y * W + from]);
             }

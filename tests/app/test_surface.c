@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Surfaces of voxels are closed for any voxels, outward, and enclose the right volume.
+ * Tests that the surface of any set of voxels is closed, faces outward and encloses the right
+ * volume.
  */
 #include "harness.h"
 
@@ -34,7 +35,7 @@ static void assert_closed(const ost_volume *volume, int32_t threshold, ost_surfa
     ost_mesh_free(&mesh);
 }
 
-/* Noise contains all 256 neighbourhoods and their combinations; every density of noise is tested. */
+/* Random voxels contain all 256 neighbourhoods and their combinations; all fill densities are tested. */
 static void noise_is_closed(void **state)
 {
     (void)state;
@@ -54,7 +55,7 @@ static void noise_is_closed(void **state)
     }
 }
 
-/* A ball given by distances: the volume within the surface is that of the ball, to one percent. */
+/* For a ball given by distances, the volume within the surface equals the ball's to within one percent. */
 static void ball_has_its_volume(void **state)
 {
     (void)state;

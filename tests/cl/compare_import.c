@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Compares the import's kernels with the reference: rect grids with their reports, cubic grids, chunks word by word. */
+/*
+ * Compares the kernels of the import with the reference: rect grids and their reports, cubic grids, and chunks (word by
+ * word).
+ */
 #include "cl/machine.h"
 
 #include "core/backend.h"
@@ -34,7 +37,7 @@ static bool before(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* Adds a batch's report as shared.h defines it. */
+/* Adds the report of a batch to a total, as shared.h defines it. */
 static void add_report(ost_scatter_report *to, const ost_cl_scatter_report *part, const ost_sample *samples,
                        size_t count, int64_t first_line)
 {
@@ -93,7 +96,10 @@ static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *s
         assert_int_equal(g->owner[v], 0);
 }
 
-/* Returns a coordinate on the lattice, off it by any amount, outside the grid, or beyond the range of lengths. */
+/*
+ * Returns a coordinate that is on the lattice, off it by a random amount, outside the grid, or beyond the range of
+ * lengths.
+ */
 static int64_t some_coordinate(test_rng *rng, ost_pm origin, ost_pm spacing, int32_t n, bool clean)
 {
     const int64_t at = origin + rng_range(rng, 0, n - 1) * spacing;
@@ -137,7 +143,7 @@ static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
     for (int b = 0; b < batches; b++) {
         const size_t count = (size_t)rng_range(rng, 1, m->small ? 60 : 400);
         ost_sample *samples = zeros(count, sizeof *samples);
-        const int spread = rng_range(rng, 0, 1) ? 32767 : 2; /* few equal densities, or many */
+        const int spread = rng_range(rng, 0, 1) ? 32767 : 2; /* a few distinct densities, or many */
         for (size_t i = 0; i < count; i++) {
             samples[i].x = some_coordinate(rng, g.geometry.origin.x, g.geometry.spacing.x, g.geometry.dims.x, clean);
             samples[i].y = some_coordinate(rng, g.geometry.origin.y, g.geometry.spacing.y, g.geometry.dims.y, clean);
@@ -245,20 +251,20 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
 
 typedef struct pool {
     ost_cl_bone bone;
-    size_t chunks, used, voxels; /* voxels of a chunk */
+    size_t chunks, used, voxels; /* voxels: number per chunk */
     uint32_t *slots, *words;
     int16_t *density;
 } pool;
 
 typedef struct slab {
     int32_t z0, z1, first, weights;
-    int16_t *voxels; /* owned, as is the next */
+    int16_t *voxels; /* owned, as is layers */
     int32_t *layers;
     size_t count, layer_count;
 } slab;
 
-/* Makes a slab of slices z0 <= k < z1 of a grid. With first >= 0 slices that repeat the one before are stored once,
-   with a list. */
+/* Makes a slab of slices z0 <= k < z1 of a grid. If first >= 0, a slice that equals the previous one is not stored
+   again: the slab has a list of slices, which begins at element first. */
 static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
     slab s = {.z0 = z0,
@@ -282,8 +288,8 @@ static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1,
 }
 
 /*
- * Makes a slab with slices of its own, and sets slices z0 <= k < z1 of voxels to
- * their weighted means (AR-CUB-2).
+ * Makes a slab with random slices of its own, and sets slices z0 <= k < z1 of voxels to their
+ * weighted means (AR-CUB-2).
  */
 static slab slab_between(test_rng *rng, int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
@@ -324,7 +330,7 @@ static void chunks_round(machine *m, test_rng *rng)
     const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
-    const int solid = (int)rng_range(rng, 0, 20); /* up to all voxels active where kind is not 0 */
+    const int solid = (int)rng_range(rng, 0, 20); /* share of active voxels (in 21sts) where kind is not 0 */
     int16_t *voxels = zeros(count, 2);
     for (size_t v = 0, left = 0, kind = 0; v < count; v++, left--) {
         if (left == 0) {
@@ -336,11 +342,11 @@ static void chunks_round(machine *m, test_rng *rng)
                                                               : rng_range(rng, -32768, threshold));
     }
     ost_chunk_grid grid;
-    for (int32_t k = 1; k < d.z; k++) /* some slices repeat the one before */
+    for (int32_t k = 1; k < d.z; k++) /* makes some slices equal to the previous one */
         if (rng_range(rng, 0, 2) == 0)
             memcpy(voxels + slice * (size_t)k, voxels + slice * (size_t)(k - 1), slice * 2);
-    /* One slab, or two that meet at any slice; slices in order, or a list that stores equal ones once, or means of
-       two. */
+    /* There is one slab, or there are two that meet at a random slice. A slab stores its slices in order, or a list
+       that stores equal slices once, or means of two slices. */
     const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
     const int how = (int)rng_range(rng, 0, 2);
     const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* unused elements before the list */

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares ost_remove and ost_remove_blocks with the reference: collision, removal,
- * and the same removal again, with the report summed over blocks, and every density
- * and word.  Poses, tools and boxes are random; some lie exactly on voxel borders.
+ * Compares ost_remove and ost_remove_blocks with the reference. Each event is a collision, then
+ * a removal, then the same removal again. The reports, summed over blocks, and every density
+ * and occupancy word are compared. Poses, tools and boxes are random; some lie exactly on voxel
+ * borders.
  */
 #include "cl/machine.h"
 
@@ -12,7 +13,7 @@
 enum { BLOCK = OST_MAP_BLOCK };
 
 typedef struct bone_pool {
-    const ost_chunk_grid *grid; /* the reference's, before the event */
+    const ost_chunk_grid *grid; /* the reference's grid before the event */
     size_t used, voxels;
     uint32_t *slots;
     int16_t *density;
@@ -26,7 +27,7 @@ static void *zeros(size_t count, size_t size)
     return p;
 }
 
-/* Makes a pool with its slots in random order, since a device's slots need not be in the order of the chunks. */
+/* Makes a pool with its slots in random order, because the slots of a device need not be in the order of the chunks. */
 static bone_pool pool_of(const ost_chunk_grid *grid, test_rng *rng)
 {
     bone_pool p = {.grid = grid, .voxels = (size_t)grid->size * (size_t)grid->size * (size_t)grid->size};
@@ -66,13 +67,13 @@ static int32_t clamped(int32_t v, int32_t most)
     return v < 0 ? 0 : v > most ? most : v;
 }
 
-/* The blocks and entries of an event, as shared.h defines them. */
+/* Blocks and entries of an event, as shared.h defines them. */
 typedef struct plan {
     ost_cl_event event;
     ost_cl_block *blocks;
     ost_cl_entry *entries;
     ost_cl_pose *poses;
-    int32_t *chunk; /* chunk of each block */
+    int32_t *chunk; /* chunk index of each block */
     size_t entry_count, pose_count;
 } plan;
 
@@ -101,7 +102,7 @@ static plan plan_event(const bone_pool *p, const ost_removal_event *event, const
         }
         ost_cl_pose_reach(&e.poses[k]);
     }
-    const int64_t turn = rng_range(rng, 0, (int64_t)most - 1); /* blocks in any order */
+    const int64_t turn = rng_range(rng, 0, (int64_t)most - 1); /* blocks begin at a random one */
     for (size_t i = 0; i < most; i++) {
         const int32_t b = (int32_t)((i + (size_t)turn) % most);
         const ost_dims at = {b % bx, b / bx % by, b / bx / by};
@@ -138,7 +139,7 @@ static void plan_free(plan *e)
     free(e->chunk);
 }
 
-/* The cells and windows of a tool, made by the kernels. */
+/* Cells and windows of a tool, computed by the kernels. */
 typedef struct tool_tables {
     uint8_t *cells[2]; /* [0] is the result */
     uint8_t *windows;
@@ -160,7 +161,7 @@ static tool_tables tables_of(machine *m, const uint8_t *classes, ost_dims d)
     t.bytes = (size_t)shape.axis * (size_t)OST_CL_WINDOWS_X(d.x) * (size_t)OST_CL_WINDOWS_Y(d.y) *
               (size_t)OST_CL_WINDOWS_Z(d.z);
     t.windows = zeros(t.bytes, 1);
-    memset(t.windows, 0x55, t.bytes); /* the kernel writes every byte */
+    memset(t.windows, 0x55, t.bytes); /* the kernel must write every byte */
     LAUNCH(m, ost_tool_windows, OST_CL_WINDOWS_Y(d.y), OST_CL_WINDOWS_Z(d.z), OST_CL_WINDOWS_X(d.x) * shape.axis,
            ONE(&shape), BUFFER(classes, voxels), BUFFER(t.windows, t.bytes));
     return t;
@@ -173,7 +174,7 @@ static void tables_free(tool_tables *t)
     free(t->windows);
 }
 
-/* Makes the event's buffer, with its arrays in another order than the backend's. */
+/* Makes the event's buffer, with the arrays in a different order from the backend's. */
 static uint8_t *input_of(plan *e, size_t *bytes)
 {
     const size_t entries = e->entry_count * sizeof *e->entries, poses = e->pose_count * sizeof *e->poses,
@@ -190,7 +191,7 @@ static uint8_t *input_of(plan *e, size_t *bytes)
     return input;
 }
 
-/* Runs one launch, sums its blocks' reports by chunk and compares them with the reference's. */
+/* Runs one launch, sums the reports of its blocks for each chunk and compares the sums with the reference's report. */
 static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tables, const ost_tool_geometry *tool,
                 bool apply, const ost_removal_report *expected)
 {
@@ -273,7 +274,7 @@ static uint8_t *some_classes(test_rng *rng, ost_dims d)
     return classes;
 }
 
-/* Returns a pose anywhere on and around the bone; some are rotated by quarter turns with voxel on voxel. */
+/* Returns a pose on or near the bone. Some poses are rotated by quarter turns, so that voxels coincide. */
 static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
@@ -298,7 +299,7 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 
 static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
 {
-    /* tool voxels in thousandths of a bone voxel */
+    /* edge of a tool voxel in thousandths of a bone voxel's edge */
     static const int64_t shares[] = {3000, 2128, 1064, 1000, 900, 750, 400, 150, 63};
     ost_error err = {0};
     const ost_pm s = 470 * UM;
@@ -329,7 +330,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     for (int k = 0; k < poses; k++) {
         assert_ok(ost_map_make(&pose, &g, &volume.geometry, &scene.maps[k], &err));
         scene.boxes[k] = (ost_voxel_box){.hi = {g.dims.x, g.dims.y, g.dims.z}};
-        if (rng_range(rng, 0, 2) == 0) /* a box that cuts the tool */
+        if (rng_range(rng, 0, 2) == 0) /* this box may cut off a part of the tool */
             for (int a = 0; a < 3; a++) {
                 scene.boxes[k].lo[a] = (int32_t)rng_range(rng, -3, 40);
                 scene.boxes[k].hi[a] = (int32_t)rng_range(rng, scene.boxes[k].lo[a], 75);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Compares the voxelizer's kernels with the reference, the cells' reach with its definition, and the fingerprint
-   with its list. */
+/* Compares the kernels of the voxelizer with the reference, the reach in cells with its definition, and the fingerprint
+   with the list of expected results. */
 #include "cl/machine.h"
 
 #include "cl/fingerprint_expect.h"
@@ -45,7 +45,7 @@ static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Moves all coordinates to the ends of the range; the fraction bits remain. */
+/* Moves all coordinates to the ends of their range; the number of fraction bits is unchanged. */
 static void stretch(ost_snapped_mesh *mesh, test_rng *rng)
 {
     const int32_t n[3] = {mesh->grid.dims.x, mesh->grid.dims.y, mesh->grid.dims.z};
@@ -85,8 +85,8 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
     free(steps);
 }
 
-/* The same by tiles of any size, each with all triangles in a different order; counts are solid, cutting and
-   leaking. */
+/* Voxelizes the mesh in tiles of random size; each list holds all triangles, in its own order. counts: solid, cutting
+   and leaking. */
 static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class,
                            bool over, uint8_t *classes, uint64_t counts[3])
 {
@@ -111,7 +111,7 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     uint64_t *marks = zeros(marks_capacity, 8), *of_tile = zeros(3 * count, 8);
     memset(steps, 0x33, steps_capacity * 4);
     memset(marks, 0x33, marks_capacity * 8);
-    of_tile[2] = over ? counts[2] : 99; /* the kernel adds to it if over, else overwrites it */
+    of_tile[2] = over ? counts[2] : 99; /* the kernel adds to this if over is true, else overwrites it */
     for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;
         for (size_t i = 0; i < n; i++)
@@ -170,7 +170,7 @@ static void voxelize_round(machine *m, test_rng *rng)
     assert_int_equal(cutting, report.cutting_voxels);
 
     uint64_t tiled[3] = {0, 0, 0};
-    memset(found, 0x77, count); /* the kernel writes every byte */
+    memset(found, 0x77, count); /* the kernel must write every byte */
     if (both)
         voxelize_tiles(m, rng, &mesh[1], rule, OST_TOOL_NONCUTTING, false, found, tiled);
     voxelize_tiles(m, rng, &mesh[0], rule, OST_TOOL_CUTTING, both, found, tiled);
@@ -252,7 +252,7 @@ void compare_reach(machine *m, test_rng *rng, int rounds)
 
 /* ----------------------------------------------------------- fingerprint */
 
-/* Returns words that cause carries, and random words. */
+/* Returns a random word, often one that causes carries. */
 static uint64_t some_word(test_rng *rng)
 {
     switch (rng_range(rng, 0, 6)) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An interface to run the kernels of src/cl/kernels: compiled as C, or on a
- * device.  Every launch copies its buffers there and back, which is slow but
- * sufficient for comparisons.
+ * An interface that runs the kernels of src/cl/kernels, either compiled as C or on an OpenCL
+ * device. Every launch copies all buffers to the machine and back, which is slow but sufficient
+ * for comparisons.
  */
 #ifndef OST_TESTS_CL_MACHINE_H
 #define OST_TESTS_CL_MACHINE_H
@@ -48,7 +48,7 @@ enum test_kernel {
     K_COUNT
 };
 
-/* A buffer if bytes > 0, else a 32-bit number. */
+/* A kernel's argument: a buffer if bytes > 0, else a 32-bit number. */
 typedef struct kernel_arg {
     void *data;
     size_t bytes;
@@ -65,15 +65,15 @@ static inline kernel_arg number_arg(int64_t number)
     return (kernel_arg){.number = (uint32_t)number};
 }
 
-/* Arguments for count elements at p, and for one struct. */
+/* Make arguments from count elements at p, and from one struct at p. */
 #define BUFFER(p, count) buffer_arg(p, sizeof *(p) * (size_t)(count))
 #define ONE(p) BUFFER(p, 1)
 
 typedef struct machine machine;
 struct machine {
     char name[200];
-    int rows;   /* OST_ROWS; 256: removal by ost_remove_blocks */
-    bool small; /* small scenes, for a simulator */
+    int rows;   /* value of OST_ROWS; 256 selects ost_remove_blocks */
+    bool small; /* use small scenes, because a simulator is slow */
     bool brief; /* the device ends long loops, so only the kernel set for GPUs is compared (cl/fingerprint.c) */
     void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
 };
@@ -83,16 +83,16 @@ struct machine {
                 sizeof((const kernel_arg[]){__VA_ARGS__}) / sizeof(kernel_arg),                       \
                 (const size_t[3]){(size_t)(x), (size_t)(y), (size_t)(z)})
 
-/* Makes a machine for the kernels as C. Items run in an order derived from the seed, with extra items beyond the
-   range. */
+/* Makes a machine that runs the kernels compiled as C. Items run in an order derived from seed, with extra items beyond
+   the range. */
 machine *machine_as_c(uint64_t seed, int rows);
 
-/* Returns the number of loop turns that an item is allowed, at most OST_CL_TURNS; fails if the loop's result is
-   wrong. */
+/* Returns the number of iterations that a loop of one item may run, at most OST_CL_TURNS. Fails the test if the loop's
+   result is wrong. */
 uint32_t machine_turns(machine *m);
 
-/* Comparisons with the reference; each generates rounds scenes from rng and reports failures under the machine's
-   name. */
+/* Each function generates `rounds` scenes from rng, compares the machine with the reference and reports failures under
+   the machine's name. */
 void compare_scatter(machine *m, test_rng *rng, int rounds);
 void compare_cubic(machine *m, test_rng *rng, int rounds);
 void compare_chunks(machine *m, test_rng *rng, int rounds);

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels compiled as C.  Items are called one after the other in an order
- * that no kernel may rely on: the i-th call runs item i * stride + offset modulo N,
- * with stride coprime to N.  The range is larger than requested, as on a device
- * that rounds it up.  Buffers are copies of exactly their size, so that the
- * address sanitizer detects accesses outside them.
+ * A machine (machine.h) that runs the kernels compiled as C. Items are called one after the
+ * other in an order on which no kernel may rely: the i-th call runs item i * stride + offset
+ * modulo N, with stride coprime to N. The range is larger than requested, as on a device that
+ * rounds it up. Each buffer is a copy of exactly its size, so that the address sanitizer
+ * detects every access outside it.
  */
 #include "cl/machine.h"
 
 #include "cl/opencl_c.h"
 
-/* Variable here, so that one build covers all values; on devices it is a build option. */
+/* A variable here, so that one build covers all values; on devices it is a build option. */
 static int test_rows = 4;
 #define OST_ROWS test_rows
 
@@ -85,7 +85,7 @@ static void run_items(machine *base, enum test_kernel kernel, const kernel_arg *
     test_rows = base->rows;
     uint64_t size[3], all = 1;
     for (int a = 0; a < 3; a++) {
-        /* a dimension of 1 may be unused */
+        /* a dimension of 1 is not extended, since kernels may ignore it */
         size[a] = range[a] + (uint64_t)(range[a] > 1 ? rng_range(&m->rng, 0, 2) : 0);
         all *= size[a];
     }
@@ -121,7 +121,7 @@ static void launch(machine *base, enum test_kernel kernel, const kernel_arg *arg
     run_items(base, kernel, copies, range);
     for (unsigned i = 0; i < count; i++)
         if (args[i].bytes > 0) {
-            memcpy(args[i].data, copies[i].data, args[i].bytes); /* buffers that a kernel only reads are unchanged */
+            memcpy(args[i].data, copies[i].data, args[i].bytes); /* the kernel must not change its inputs */
             free(copies[i].data);
         }
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels on an OpenCL device, without the backend.  They are built from the
- * sources in the tree, with warnings as errors.  A launch creates its buffers,
- * runs, and reads all of them back.
+ * A machine (machine.h) that runs the kernels on an OpenCL device without the backend. The
+ * kernels are built from the sources in the tree, with warnings as errors. A launch creates its
+ * buffers, runs the kernel and reads all buffers back.
  */
 #include "cl/machine_cl.h"
 

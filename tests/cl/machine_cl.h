@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A machine (machine.h) that is an OpenCL device. */
+/* Makes machines (machine.h) that run the kernels on an OpenCL device. */
 #ifndef OST_TESTS_CL_MACHINE_CL_H
 #define OST_TESTS_CL_MACHINE_CL_H
 
@@ -10,12 +10,12 @@
 
 #include "cl/machine.h"
 
-/* group: items of a work group along the first dimension; 0 lets the device choose. */
+/* Makes a machine on the device. group: work-group size in the first dimension, or 0 if the device chooses it. */
 machine *machine_on(cl_device_id device, int rows, size_t group);
 void machine_off(machine *m);
 
-/* Builds the given files of src/cl/kernels, in this order, as one program; on failure the test fails with the build
-   log. */
+/* Builds the given files of src/cl/kernels, in this order, as one program. If the build fails, the test fails and
+   prints the build log. */
 cl_program program_of(cl_context context, cl_device_id device, const char *const *names, unsigned count,
                       const char *options);
 

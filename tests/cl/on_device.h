@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions shared by the tests of the backend cl.  These tests need OpenCL and a
- * device, and are otherwise skipped with the reason.  Binaries are cached in the
- * build folder.  OST_TEST_CL selects the device, OST_TEST_ONLY the tests:
+ * Functions shared by the tests of the backend cl. These tests need OpenCL and a device;
+ * otherwise they are skipped, and the reason is printed. Binaries are cached in the build
+ * folder. OST_TEST_CL selects the device, OST_TEST_ONLY the tests:
  *
  *   OST_TEST_CL=cl:platform=rusticl RUSTICL_ENABLE=llvmpipe tests/cl/test_cl_stages
  *   OST_TEST_ONLY='cache_*' tests/cl/test_cl_open
@@ -20,9 +20,8 @@
 enum { SKIPPED = 77 };
 
 /*
- * Drivers allocate memory until the program's end, and some leak a little.
- * OpenCL objects that osteon does not release would look the same, so they are
- * hidden here too; tests/cl/shim.c counts them.
+ * Drivers keep memory until the program ends, and some leak a little. This suppression would
+ * also hide OpenCL objects that osteon does not release; tests/cl/shim.c counts those.
  */
 #if defined __SANITIZE_ADDRESS__
 const char *__lsan_default_suppressions(void);
@@ -38,14 +37,14 @@ static inline const char *device_spec(void)
     return spec && spec[0] ? spec : "cl";
 }
 
-/* Appends one more option to the device's spec. */
+/* Copies the device's spec to out and appends one option. */
 static inline void spec_with(char *out, size_t size, const char *option)
 {
     const char *spec = device_spec();
     snprintf(out, size, "%s%c%s", spec, strchr(spec, ':') ? ',' : ':', option);
 }
 
-/* Returns 0, or SKIPPED after printing the reason. */
+/* Returns 0 if there is a device; otherwise prints the reason and returns SKIPPED. */
 static inline int device_missing(void)
 {
     char folder[4096];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The part of OpenCL C 1.2 that the kernels of src/cl/kernels need to compile as
- * C11, for the compiler's warnings, sanitizers and a debugger.  A kernel is a
- * function that is called once for every item; test_item is the item's number.
+ * The part of OpenCL C 1.2 that the kernels of src/cl/kernels need to be compiled as C11. This
+ * makes the compiler's warnings, the sanitizers and a debugger available for them. A kernel
+ * becomes a function that is called once for every item; test_item is the item's number.
  */
 #ifndef OST_TESTS_CL_OPENCL_C_H
 #define OST_TESTS_CL_OPENCL_C_H
@@ -27,16 +27,16 @@ static inline size_t get_global_id(uint dimension)
     return test_item[dimension];
 }
 
-/* Reinterpretations of bits. AR-CC-1 defines what narrowing does. */
+/* Reinterpret bits. AR-CC-1 defines the result of narrowing. */
 static inline int as_int(uint x) { return (int)x; }
 static inline uint as_uint(int x) { return (uint)x; }
 static inline long as_long(ulong x) { return (long)x; }
 static inline short as_short(ushort x) { return (short)x; }
 static inline signed char as_char(uchar x) { return (signed char)x; }
 
-/* Vectors are extensions of GCC and clang: operators are those of OpenCL C, and comparisons give 0 or -1. The
-   functions are always inlined. No sanitizer detects overflow in vector lanes: comments in the kernels prove the
-   bounds, and the comparisons include meshes and poses at the ends of the ranges. */
+/* Vectors use the vector extension of GCC and clang: operators are those of OpenCL C, and comparisons give 0 or -1. The
+   functions are always inlined. No sanitizer detects an overflow in a vector's element. Comments in the kernels prove
+   the bounds instead, and the comparisons include meshes and poses at the ends of the ranges. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 typedef uchar uchar8 __attribute__((vector_size(8)));
 typedef short short16 __attribute__((vector_size(32)));
@@ -115,7 +115,7 @@ static inline ulong rotate(ulong x, ulong by)
 #define min(a, b) ((a) < (b) ? (a) : (b))
 #define max(a, b) ((a) > (b) ? (a) : (b))
 
-/* Relaxed, as in OpenCL 1.2, for uint and int. Each returns the old value. */
+/* Relaxed atomic operations on uint and int, as in OpenCL 1.2. Each returns the old value. */
 #define atomic_add(p, x) __atomic_fetch_add(p, x, __ATOMIC_RELAXED)
 #define atomic_sub(p, x) __atomic_fetch_sub(p, x, __ATOMIC_RELAXED)
 #define atomic_inc(p) __atomic_fetch_add(p, 1, __ATOMIC_RELAXED)

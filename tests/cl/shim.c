@@ -60,8 +60,8 @@ static bool refuses(enum shim_call call)
     {                                                                               \
         return refuses(SHIM_##name) ? codes[SHIM_##name] : ost_cl_loader.name arguments; \
     }
-/* Calls with an event as their last parameter also create that object. wait: true if the call returns only after all
-   work. */
+/* Defines a function that may also create an event, its last parameter. wait: true if the call returns only after all
+   work is done. */
 #define ENQUEUE(name, wait, parameters, arguments)                       \
     static cl_int name##_shim parameters                                 \
     {                                                                    \
@@ -78,7 +78,7 @@ static bool refuses(enum shim_call call)
         objects[kind].released += code == CL_SUCCESS;                  \
         return code;                                                   \
     }
-/* The last parameter receives the error code. */
+/* Defines a function that creates an object; its last parameter receives the error code. */
 #define OBJECT(type, name, kind, parameters, arguments)  \
     static type name##_shim parameters             \
     {                                              \
@@ -145,7 +145,7 @@ ENQUEUE(clEnqueueNDRangeKernel, false,
         (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset, const size_t *global,
          const size_t *local, cl_uint count, const cl_event *after, cl_event *event),
         (queue, kernel, dims, offset, global, local, count, after, event))
-/* Waits in every case: a lost device must not access the host's memory after it has reported that it is lost. */
+/* Always waits, because a lost device must not access the host's memory after it has been reported as lost. */
 static cl_int clFinish_shim(cl_command_queue queue)
 {
     const cl_int code = clFinish(queue);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The loader's functions with fault injection: the n-th call of one function
- * fails with a code and, on request, so do all later calls that use the queue, as
- * when a device is lost.  No support by the driver is needed.
+ * The functions of the OpenCL loader with fault injection: the n-th call of one function fails
+ * with a code. On request, all later calls that use the queue fail too, as after the loss of a
+ * device. The driver need not support this.
  */
 #ifndef OST_TESTS_CL_SHIM_H
 #define OST_TESTS_CL_SHIM_H
@@ -33,22 +33,22 @@ enum shim_call {
 extern const char *const shim_names[SHIM_COUNT];
 extern const ost_cl_api shim;
 
-/* Makes the n-th call from now on fail, where 1 is the next. lost: all later calls that use the queue fail too. n =
-   0: none fails. */
+/* Makes the n-th call from now on fail; n = 1 is the next call, n = 0 disables failures. If lost is true, all later
+   calls that use the queue fail too. */
 void shim_fail(enum shim_call call, int n, bool lost);
-/* The same with a lost device, but only calls that wait report it: until then calls succeed without effect. */
+/* Like shim_fail with lost = true, but only calls that wait report the loss; other calls succeed without effect. */
 void shim_fail_late(enum shim_call call, int n);
-/* Returns true if the call has failed. */
+/* Returns true if the selected call has failed. */
 bool shim_failed(void);
-/* The kinds of objects that the backend creates, and how many of each were created and released. */
+/* Kinds of objects that the backend creates. */
 enum shim_object { SHIM_CONTEXT, SHIM_QUEUE, SHIM_PROGRAM, SHIM_KERNEL, SHIM_BUFFER, SHIM_EVENT, SHIM_OBJECTS };
 typedef struct shim_count {
     long created, released;
 } shim_count;
 extern const char *const shim_object_names[SHIM_OBJECTS];
-/* Returns the counts since the program's start. */
+/* Returns the number of objects of this kind created and released since the program's start. */
 shim_count shim_objects(enum shim_object kind);
-/* Returns the number of objects of all kinds that were created and not yet released. */
+/* Returns the number of objects of all kinds that were created and are not yet released. */
 long shim_alive(void);
 bool shim_goes_to_queue(enum shim_call call);
 

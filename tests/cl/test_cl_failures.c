@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Every OpenCL call of a small session fails once, and once more with the device
- * lost from then on.  Each time the following must hold:
+ * Makes every OpenCL call of a small session fail once, and once more with the device lost from
+ * then on. Each time the following must hold:
  *
  *   - the status is not OST_OK, and the message names the device
  *   - there is no crash, and every OpenCL object is released
  *   - a bone whose change failed is unchanged, or every later call reports that it
- *     is lost; it is never in a state between these
- *   - the reference continues from the last completed tick to the same end
+ *     is lost; it is never partly changed
+ *   - the reference continues from the last completed tick to the same final grid
  * Covers: AR-REM-1
  */
 #include "cl/on_device.h"
@@ -19,14 +19,14 @@
 
 enum { EVENTS = 3, CALLS_MAX = 2000 };
 
-/* The inputs of a session and its expected results, from the reference. */
+/* Inputs of a session, and the results expected from it, computed by the reference. */
 typedef struct session {
     ost_geometry g;
     int16_t *voxels;
     ost_snapped_mesh mesh;
     ost_sample samples[50];
     ost_pose poses[EVENTS][4];
-    int16_t *after[EVENTS + 1]; /* contents before the first event and after each */
+    int16_t *after[EVENTS + 1]; /* voxels before the first event and after each event */
     ost_backend *ref;
     ost_tool *ref_tool;
 } session;
@@ -72,8 +72,8 @@ static void free_session(session *s)
     free(s->voxels);
 }
 
-/* Checks that the bone is unchanged or lost, and that the reference continues from the last completed tick to the
-   same end. */
+/* Checks that the bone is unchanged or lost, and that the reference, continuing from the last completed tick, reaches
+   the expected final grid. */
 static void check_failover(const session *s, const ost_bone *bone, int done)
 {
     const size_t bytes = voxel_count(&s->g) * sizeof(int16_t);
@@ -100,7 +100,7 @@ static void check_failover(const session *s, const ost_bone *bone, int done)
     ost_bone_free(other);
 }
 
-/* Checks a bone that had slices 3 to 9 after a failed upload over it. */
+/* Checks a bone that contained slices 3 to 9 before an upload to it failed. */
 static void check_upload(const session *s, const ost_bone *bone)
 {
     const size_t slice = 40 * 36, count = voxel_count(&s->g);
@@ -146,7 +146,7 @@ static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *t
     return status;
 }
 
-/* Runs all stages once; ends at the first failure. */
+/* Runs all stages once; stops at the first failure. */
 static ost_status run_session(const session *s, ost_error *err)
 {
     const ost_geometry flat = {.dims = {10, 5, 1}, .spacing = {500 * UM, 500 * UM, 500 * UM}};
@@ -219,8 +219,9 @@ static ost_status run_session(const session *s, ost_error *err)
     return status;
 }
 
-/* Returns the distance between the calls that are made to fail: 1, but more on a device where all sessions together
-   would take more than a minute (rusticl compiles anew in each). OST_TEST_LONG=1 selects every call. */
+/* Returns the step between the numbers of the calls that are made to fail. The step is 1, but greater on a device where
+   all sessions together would take more than a minute (rusticl compiles anew in each). OST_TEST_LONG=1 selects every
+   call. */
 static int stride_of(const session *s)
 {
     enum { CALLS = 450, SECONDS = 60 };
@@ -239,8 +240,8 @@ static int stride_of(const session *s)
     return stride;
 }
 
-/* Returns true for calls whose failure need not fail the session: queries after which a device is refused or the
-   cache is ignored, and the last wait of a close. */
+/* Returns true for calls whose failure need not fail the session: queries, after which another device is chosen or the
+   cache is ignored, and the final wait when a backend is closed. */
 static bool may_be_overcome(enum shim_call call)
 {
     return call == SHIM_clGetPlatformIDs || call == SHIM_clGetDeviceIDs || call == SHIM_clGetDeviceInfo ||
@@ -292,8 +293,8 @@ static void lost_for_good(void **state)
     every_call(true);
 }
 
-/* Objects that the backend makes once and reuses, a tool's cells and a bone's buffers, are made again if their
-   launch failed late. */
+/* The cells of a tool and the buffers of a bone are created once and reused. They must be created again if the launch
+   that fills them failed, and this was reported only later. */
 static void late(void **state)
 {
     (void)state;

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Memory does not grow over many removal events: the shim counts OpenCL's objects
- * of each kind, and the process' resident size is measured.
+ * Tests that memory does not grow over many removal events. The shim counts OpenCL objects of
+ * each kind, and the resident size of the process is measured.
  *
- *   4,000 events, or 100,000 with OST_TEST_LONG=1.  During the first tenth objects
- *   are created once or grow to their size; after it
- *     - an event releases every object that it creates
- *     - the process' size stays the same within 4 MiB, so that in the long test
- *       42 bytes per event are detected
- *   The bone is filled again when half of it has been removed, by uploads whose
- *   buffers are created and released; its final state is the reference's.
+ * The test runs 4,000 events, or 100,000 with OST_TEST_LONG=1. During the first tenth, objects
+ * are created once or grow to their final size. After it
+ *   - every event releases every object that it creates
+ *   - the size of the process stays the same within 4 MiB, so that the long test
+ *     detects a growth of 42 bytes per event
+ * The bone is filled again, by an upload, when half of it has been removed. These uploads also
+ * create and release buffers. The final state must equal the reference's.
  *
- * Memory that drivers retain is not osteon's (tests/lsan.supp).  OpenCL objects
- * that osteon does not release are detected only by this test.
+ * Memory that a driver retains is suppressed in tests/lsan.supp. OpenCL objects that osteon
+ * does not release are detected only by this test.
  * Covers: REQ-CL-GROWTH
  */
 #include "cl/on_device.h"
@@ -29,7 +29,7 @@ static ost_backend *open_shimmed(void)
     return backend;
 }
 
-/* Compares kind by kind, since one object too many of a kind could hide one too few of another. */
+/* Compares each kind separately, because a surplus of one kind could hide a deficit of another. */
 static void assert_all_released(void)
 {
     for (int kind = 0; kind < SHIM_OBJECTS; kind++) {
@@ -40,7 +40,7 @@ static void assert_all_released(void)
     }
 }
 
-/* Returns the size of the resident pages in KiB; -1 if the system does not report it. */
+/* Returns the resident size of the process in KiB, or -1 if the system does not report it. */
 static long resident_kib(void)
 {
     FILE *file = fopen("/proc/self/statm", "r");
@@ -52,7 +52,7 @@ static long resident_kib(void)
     return got == 2 ? resident * (sysconf(_SC_PAGESIZE) / 1024) : -1;
 }
 
-/* Returns true if resident_kib measures only osteon and its driver. */
+/* Returns true if resident_kib measures only osteon and its driver, not a sanitizer or valgrind. */
 static bool size_tells(void)
 {
 #if defined __SANITIZE_ADDRESS__
@@ -81,7 +81,7 @@ static void opened_and_closed(void **state)
 typedef struct scene {
     ost_geometry g;
     int16_t *voxels;
-    ost_backend *backend[2]; /* [0] the reference, [1] the device */
+    ost_backend *backend[2]; /* [0] on the reference, [1] on the device */
     ost_bone *bone[2];
     ost_tool *tool[2];
     ost_removal_report report[2];
@@ -139,7 +139,7 @@ static void many_events(void **state)
         for (int k = 0; k < count; k++)
             poses[k] = random_pose(&rng, lo, hi);
         const ost_removal_event *event = event_of(s.event, &s.g, s.tool[1], poses, count);
-        for (int k = 0; k < count; k++) /* from the middle to a corner are 4.5 * sqrt(3) < 8 voxels */
+        for (int k = 0; k < count; k++) /* a tool's corner is 4.5 * sqrt(3) < 8 voxels from its middle */
             for (int a = 0; a < 3; a++) {
                 const int32_t at = (int32_t)((a == 0   ? poses[k].t.x
                                               : a == 1 ? poses[k].t.y

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Opening a device: options, devices that are refused because of what they report
- * or compute, a build that fails, and a cache that is damaged, owned by others,
- * invalid or missing.
+ * Tests the opening of a device: options; devices that are refused because of what they report
+ * or compute; a build that fails; and a cache that is damaged, owned by others, invalid or
+ * missing.
  */
 #include "cl/on_device.h"
 
@@ -102,13 +102,13 @@ static void no_such_device(void **state)
     assert_non_null(strstr(err.text, "at most"));
 }
 
-/* ------------------------------------------------- devices that lie or err */
+/* ------------------------------------- devices with wrong answers or errors */
 
 static cl_device_info requested;
 static const void *answer;
 static size_t answer_size;
 
-/* Answers one query as the test defines, all others by the device. */
+/* Answers one query with the test's value; the device answers all others. */
 static cl_int lying_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     if (what != requested)
@@ -148,7 +148,7 @@ static void refused_for_what_it_says(void **state)
     says(CL_DEVICE_OPENCL_C_VERSION, "rubbish", 8, "OpenCL 1.2 is needed");
 }
 
-/* The embedded profile has 64-bit integers only if it reports the extension. */
+/* Reports an embedded profile, which has 64-bit integers only if the device reports the extension. */
 static cl_int embedded_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     const char *text = what == CL_DEVICE_PROFILE ? "EMBEDDED_PROFILE" : what == CL_DEVICE_EXTENSIONS ? answer : NULL;
@@ -214,7 +214,7 @@ static void spec_says_why(const ost_device_info *device, void *user)
     assert_non_null(strstr(device->reason, "has no device"));
 }
 
-/* The loader finds drivers, but these have no devices. */
+/* The loader finds platforms, but these have no devices. */
 static void no_device(void **state)
 {
     (void)state;
@@ -233,7 +233,7 @@ static void no_device(void **state)
 
 static size_t flip_size, flip_at;
 
-/* Flips one bit of one result, as a driver with a wrong compiler would. */
+/* Flips one bit of one result, as if the driver's compiler were wrong. */
 static cl_int flipping_read(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to,
                             cl_uint count, const cl_event *after, cl_event *event)
 {
@@ -249,12 +249,12 @@ static void refused_for_what_it_computes(void **state)
     ost_error err;
     ost_cl_api api = ost_cl_loader;
     api.clEnqueueReadBuffer = flipping_read;
-    flip_size = 100000; /* the fingerprint's results: word 6 of item 500 */
+    flip_size = 100000; /* selects the fingerprint's results: word 6 of item 500 */
     flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "wrong integer result"));
     assert_non_null(strstr(err.text, "(long)int * 100"));
-    flip_size = 1; /* the layout is read first: value 3 of its list */
+    flip_size = 1; /* selects the layout, which is read first: value 3 of its list */
     flip_at = 12;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ost_cl_scatter.count"));
@@ -262,7 +262,9 @@ static void refused_for_what_it_computes(void **state)
 
 static uint32_t turns_given;
 
-/* Simulates a driver that ends loops early; no other read during opening has 8 bytes. */
+/*
+ * Simulates a driver that ends loops early. Only the result of the loop test has 8 bytes, so no other read is changed.
+ */
 static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size,
                                   void *to, cl_uint count, const cl_event *after, cl_event *event)
 {
@@ -275,7 +277,10 @@ static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool
     return code;
 }
 
-/* A device whose loops are long enough for the kernel set for GPUs gets that set; with shorter loops it is refused. */
+/*
+ * A device whose loops run long enough for the GPU kernel set is opened with that set; if they end even earlier, the
+ * device is refused.
+ */
 static void ends_loops(void **state)
 {
     (void)state;
@@ -294,14 +299,14 @@ static void ends_loops(void **state)
     ost_backend_close(backend);
     char named[256];
     snprintf(named, sizeof named, "%s%skernels=cpu", own_options(), own_options()[0] ? "," : "");
-    assert_int_equal(try_open(&api, named, &err), OST_ERR_UNAVAILABLE); /* a set that the user named is not replaced */
+    assert_int_equal(try_open(&api, named, &err), OST_ERR_UNAVAILABLE); /* a set that the user chose is not replaced */
     assert_non_null(strstr(err.text, "too early for kernels=cpu"));
     turns_given = OST_CL_TURNS_LEAST - 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ends a loop after 61503 iterations"));
 }
 
-/* Two backends on one device, open at the same time, use different kernel sets, each with kernels of its own. */
+/* Two backends that are open on one device at the same time use different kernel sets, each with its own kernels. */
 static void both_sets(void **state)
 {
     (void)state;
@@ -327,8 +332,8 @@ static void both_sets(void **state)
         ost_backend_close(backend[i]);
 }
 
-/* An event with more poses than such a device allows is refused before anything has changed; an event with one pose
-   less is performed. */
+/* An event with more poses than a device with limited loops allows is refused before anything changes; an event with
+   one pose less is performed. */
 static void too_many_poses(void **state)
 {
     (void)state;
@@ -340,7 +345,7 @@ static void too_many_poses(void **state)
     turns_given = TURNS;
     assert_ok(ost_cl_open_with(&api, own_options(), &backend, &err));
     backend->ops = &ost_backend_cl;
-    turns_given = 0; /* from here on reads are unchanged */
+    turns_given = 0; /* reads are not changed from here on */
 
     const ost_pm s = OST_PM_PER_MM / 2;
     const ost_geometry g = cubic_geometry(SIDE, SIDE, SIDE, s, (ost_pm3){0, 0, 0});
@@ -452,7 +457,7 @@ static void write_all(const char *path, const unsigned char *bytes, size_t size)
     assert_int_equal(fclose(f), 0);
 }
 
-/* Opens the first device that fits; returns true if its program came from the cache. */
+/* Opens the first suitable device; returns true if its program came from the cache. */
 static bool opened_from_cache(void)
 {
     ost_error err = {0};
@@ -464,7 +469,7 @@ static bool opened_from_cache(void)
     return from_cache;
 }
 
-/* Returns true if the first device that fits is Mesa's. */
+/* Returns true if the first suitable device is one of Mesa's (rusticl). */
 static bool on_rusticl(void)
 {
     ost_error err = {0};
@@ -483,7 +488,7 @@ static void cache_damage(void **state)
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
     assert_non_null(mkdtemp(folder));
     setenv("XDG_CACHE_HOME", folder, 1);
-    setenv("POCL_CACHE_DIR", before, 0); /* PoCL's own cache remains in its place */
+    setenv("POCL_CACHE_DIR", before, 0); /* PoCL's own cache is not moved */
 
     assert_false(opened_from_cache());
     assert_true(opened_from_cache());
@@ -494,7 +499,7 @@ static void cache_damage(void **state)
     assert_non_null(bad);
     assert_true(size > 80);
 
-    /* Where the entry is truncated, and which byte is changed: header, key, checksum, binary. */
+    /* Lengths to which the entry is truncated, and positions of a changed byte in header, key, checksum and binary. */
     const size_t cuts[] = {0, 1, 7, 79, 80, size / 2, size - 1},
                  flips[] = {0, 8, 15, 16, 47, 48, 79, 80, size / 2, size - 1};
     for (size_t i = 0; i < sizeof cuts / sizeof cuts[0]; i++) {
@@ -511,12 +516,12 @@ static void cache_damage(void **state)
     }
     memcpy(bad, good, size);
     bad[size] = 0;
-    write_all(path, bad, size + 1); /* longer than its length field */
+    write_all(path, bad, size + 1); /* longer than its length field says */
     assert_false(opened_from_cache());
 
-    /* An entry whose magic, length, key and checksum are right, but whose binary is invalid, is passed to the
-       driver. Only an attacker would write such an entry. rusticl (Mesa 22.3) aborts the process in its program.rs,
-       where it should return an error. */
+    /* If the binary is invalid but its magic, length, key and checksum are right, it is passed to the driver. Only an
+       attacker would write such an entry. rusticl (Mesa 22.3) then aborts the process in its program.rs instead of
+       returning an error. */
     ost_digest checksum;
     if (on_rusticl())
         printf("# a binary that is rubbish: left out, rusticl panics\n");
@@ -533,7 +538,7 @@ static void cache_damage(void **state)
         assert_true(opened_from_cache());
     }
 
-    /* A folder that cannot be created, and a file in place of the folder. */
+    /* Tests a file in place of the cache's folder, and a folder that cannot be created. */
     setenv("XDG_CACHE_HOME", path, 1);
     assert_false(opened_from_cache());
     setenv("XDG_CACHE_HOME", "/proc/nothing", 1);
@@ -568,7 +573,7 @@ static void cache_of_others(void **state)
     assert_int_equal(info.st_mode & 0777, 0600);
     assert_true(opened_from_cache());
 
-    /* A folder with write permission for group or others is not used and not changed. */
+    /* A folder that its group or others may write to is neither used nor changed. */
     const mode_t open_modes[] = {0770, 0702};
     for (size_t i = 0; i < sizeof open_modes / sizeof open_modes[0]; i++) {
         assert_int_equal(chmod(folder, open_modes[i]), 0);
@@ -578,7 +583,7 @@ static void cache_of_others(void **state)
     assert_int_equal(chmod(folder, 0700), 0);
     assert_true(opened_from_cache());
 
-    /* An entry with write permission for others is replaced by one without. */
+    /* An entry that others may write to is replaced by one that they may not. */
     assert_int_equal(chmod(path, 0620), 0);
     assert_false(opened_from_cache());
     assert_int_equal(stat(path, &info), 0);
@@ -601,7 +606,7 @@ static void cache_of_others(void **state)
     assert_int_equal(rename(elsewhere, folder), 0);
     assert_true(opened_from_cache());
 
-    /* An entry or folder of another user is not used; only root can create one. */
+    /* An entry or folder of another user is not used. Only root can create one for this test. */
     if (geteuid() == 0 && chown(path, 65534, 65534) == 0) {
         assert_false(opened_from_cache());
         assert_true(opened_from_cache());
@@ -626,7 +631,9 @@ static ost_digest key_now(void)
     return cache.key;
 }
 
-/* A driver's settings in the environment change the key; cache folders and other programs' variables do not. */
+/*
+ * The key changes with a driver's settings in the environment, but not with cache folders or other programs' variables.
+ */
 static void key_has_settings(void **state)
 {
     (void)state;
@@ -660,7 +667,7 @@ static void key_has_settings(void **state)
         if (!ost_digest_equal(&now, &before))
             fail_msg("%s counts", do_not[i]);
     }
-    /* The order in which variables were set does not matter. */
+    /* The key does not depend on the order in which the variables were set. */
     setenv("POCL_B", "1", 1);
     setenv("POCL_A", "2", 1);
     const ost_digest first = key_now();

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares every stage of the backend cl with the reference through the public
- * API: grids, bones, tools, digests and reports, byte by byte, with both kernel
- * sets, several work-group sizes, another order of items, and large data in parts.
- * The tests of a kernel set together enter every path that core/paths.h lists.
+ * Compares every stage of the backend cl with the reference through the public API: grids, bones,
+ * tools, digests and reports, byte by byte. The tests use both kernel sets, several work-group
+ * sizes, another order of items, and large data in parts. The tests of a kernel set together enter
+ * every path that core/paths.h lists.
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7,
  * AR-REM-1, AR-REM-2, AR-REM-3,
  * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL, REQ-CL-SETS
@@ -20,10 +20,10 @@ typedef struct pair {
 static const char *const workgroups[] = {NULL, "workgroup=1,order=3", "workgroup=7,staging=1024",
                                          "workgroup=256,staging=20000"};
 
-/* The kernel set of the current group of tests. */
+/* Kernel set of the current group of tests. */
 static const char *set;
 
-/* How often each path of the set was entered. */
+/* Number of times that each path of the set was entered. */
 enum { PATHS = 128 };
 static struct {
     char name[OST_PATH_NAME];
@@ -85,7 +85,10 @@ static void assert_same_grids(const ost_grid *a, const ost_grid *b)
     free(vb);
 }
 
-/* Makes samples at lattice points, some off the lattice by any amount, some outside the grid, many duplicates. */
+/*
+ * Makes random samples: most are at lattice points, some are off the lattice or outside the grid, and many are
+ * duplicates.
+ */
 static void some_samples(test_rng *rng, const ost_geometry *g, ost_sample *samples, size_t count, bool clean)
 {
     const ost_pm origin[3] = {g->origin.x, g->origin.y, g->origin.z},
@@ -224,7 +227,10 @@ static void bones(void **state)
                 ost_grid_free(grid);
             }
             assert_same_bones(bone[0], bone[1], &g);
-            /* Uploads over existing slices add, remove and change chunks, in complete layers and parts of layers. */
+            /*
+             * Uploads that overwrite slices add, remove and change chunks, in complete layers of chunks and in parts of
+             * layers.
+             */
             for (int part = 0; part < 6; part++) {
                 const int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z - 1),
                               count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
@@ -252,8 +258,8 @@ static void bones(void **state)
     }
 }
 
-/* A grid that was resampled along z may share another's voxels: writing to one must not change the other, nor must
-   freeing one. */
+/* A grid that was resampled along z may share voxels with its source. Writing to one or freeing it must not change the
+   other. */
 static void shared(void **state)
 {
     (void)state;
@@ -261,7 +267,7 @@ static void shared(void **state)
     test_rng rng = rng_seeded("shared");
     pair p = open_pair(NULL);
     for (int round = 0; round < 30; round++) {
-        const bool large = round % 5 == 4; /* buffers of a megabyte and more are reused */
+        const bool large = round % 5 == 4; /* buffers of one megabyte or more are reused */
         const ost_pm side = rng_range(&rng, 100, 900) * UM;
         const ost_geometry g = {
             .dims = {(int32_t)rng_range(&rng, 1, large ? 140 : 40),
@@ -330,14 +336,14 @@ static void voxelizer(void **state)
     for (size_t w = 0; w < sizeof workgroups / sizeof workgroups[0]; w++) {
         pair p = open_pair(workgroups[w]);
         for (int round = 0; round < 25; round++) {
-            const int32_t depth = round == 24 ? 200 : 24; /* long triangles: in the lists of many slices */
+            const int32_t depth = round == 24 ? 200 : 24; /* long triangles, which are in the lists of many slices */
             const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24),
                                    (int32_t)rng_range(&rng, round == 24 ? 150 : 2, depth)};
             ost_snapped_mesh mesh = make_closed(&rng, dims, (uint32_t)rng_range(&rng, 3, 8),
                                                 (uint32_t)rng_range(&rng, 3, 8));
             ost_snapped_mesh shaft = make_closed(&rng, dims, 3, 5);
             if (round % 4 == 1)
-                mesh.triangle_count--; /* a hole: rows leak */
+                mesh.triangle_count--; /* makes a hole, so that rows leak */
             const ost_snapped_mesh *other = round % 3 ? &shaft : NULL;
             const ost_fill_rule rule = round % 2 ? OST_FILL_PARITY : OST_FILL_WINDING;
             ost_tool *tool[2];
@@ -357,7 +363,7 @@ static void voxelizer(void **state)
 
 /* --------------------------------------------------------------- events */
 
-/* Makes a tool with balls or random classes, so that cells have many different reaches. */
+/* Makes a tool of balls or of random classes, so that many different values of reach occur. */
 static ost_tool_volume some_tool(test_rng *rng, ost_tool_geometry g)
 {
     ost_error err = {0};
@@ -438,7 +444,7 @@ static void removal(void **state)
     }
 }
 
-/* Everything is removed: all slots return to the pool and are reused. */
+/* When everything is removed, all slots return to the pool and are reused. */
 static void emptied(void **state)
 {
     (void)state;
@@ -483,7 +489,7 @@ static bool all_entered(void)
     return true;
 }
 
-/* Fails if no test launched a kernel, since that kernel was never compared. Must run last. */
+/* Fails if any path of the kernel set was not entered, because that path was never compared. Must run last. */
 static void entered(void **state)
 {
     ost_error err = {0};
@@ -507,7 +513,7 @@ static void entered(void **state)
         assert_int_equal(back[i], 0);
     ost_bone_free(empty);
     close_pair(p);
-    /* The shapes are random, and some need neither a second list nor a second launch. */
+    /* The shapes are random, and some do not need a second list or a second launch, so the tests are repeated. */
     for (int again = 0; again < 10 && !all_entered(); again++) {
         voxelizer(state);
         removal(state);
@@ -522,7 +528,7 @@ static void entered(void **state)
     assert_true(path_count > 30);
 }
 
-/* Opens a backend with the kernel set, so that a device that cannot run it is named and skipped. */
+/* Opens a backend with the kernel set. Returns 0 after printing a message if the device cannot run the set. */
 static int has_set(void)
 {
     ost_error err = {0};

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the kernels on every OpenCL device of this machine with the reference;
- * results are bit-identical for several rows per item and several work-group
- * sizes.  Skipped if there is no device.
+ * Compares the kernels on every OpenCL device of this machine with the reference. The results must be bit-identical for
+ * several values of rows per item and several work-group sizes. The test is skipped if there is no device.
  *
- *   OST_TEST_DEVICE=text   only devices whose name contains it
- *   OST_TEST_ROUNDS=n      n small scenes of each kind, for a simulator:
+ *   OST_TEST_DEVICE=text   tests only devices whose name contains text
+ *   OST_TEST_ROUNDS=n      tests n small scenes of each kind, for a simulator:
  *
  *   OST_TEST_DEVICE=Oclgrind OST_TEST_ROUNDS=2 oclgrind --build-options -cl-opt-disable \
  *       --data-races --uninitialized tests/cl/test_kernels_on_devices
  *
- * (unoptimised, since that simulator lacks llvm.abs and other intrinsics that the optimiser generates)
+ * (Optimisation is off because Oclgrind lacks llvm.abs and other intrinsics that the optimiser generates.)
  *
  * Covers: AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CHK-1, AR-CHK-4, AR-VOX-1..7, AR-MAP-4,
  * AR-REM-1..6, AR-LAW-1, REQ-CL
@@ -42,7 +41,7 @@ static void find_devices(void)
     }
 }
 
-/* Group sizes are fixed, since PoCL compiles a kernel again for every new size. */
+/* Group sizes are fixed, because PoCL compiles a kernel again for every new size. */
 static const struct {
     int rows;
     size_t group;
@@ -87,7 +86,7 @@ static void reach(void **state) { (void)state; on_devices("reach of cells", comp
 static void removal(void **state) { (void)state; on_devices("removal", compare_removal, 16); }
 static void fingerprint(void **state) { (void)state; on_devices("fingerprint", compare_fingerprint, 1); }
 
-/* The float program must build and run; its results are printed for the record. */
+/* The program that computes floats must build and run. Its results are printed but not checked. */
 static void floats(void **state)
 {
     (void)state;
@@ -128,7 +127,7 @@ static void floats(void **state)
 
 int main(void)
 {
-    setenv("RUSTICL_ENABLE", "llvmpipe", 0); /* Mesa's compiler, an independent one, is off by default */
+    setenv("RUSTICL_ENABLE", "llvmpipe", 0); /* off by default; Mesa's compiler is an independent one */
     find_devices();
     if (device_count == 0) {
         printf("no OpenCL device here\n");
