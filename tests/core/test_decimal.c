@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Decimals and picometres are exact.
+ * Tests that the conversions of decimals and floats to integers and picometres are exact.
  * Covers: AR-INT-1, AR-INT-2, AR-LEN-1, AR-LEN-2, AR-LEN-3, AR-LEN-4, AR-LEN-5
  */
 #include "harness.h"
@@ -57,7 +57,7 @@ static void halves_go_to_even(void **state)
     assert_int_equal(ost_ceil_div(-7, 2), -3);
 }
 
-/* Decimals with an integer value are recognized in any notation; the greatest is 2^64 - 1. */
+/* A decimal with an integer value is recognized in any notation; the greatest is 2^64 - 1. */
 static void integers_are_found_by_value(void **state)
 {
     (void)state;
@@ -171,7 +171,10 @@ static void floats_stand_for_their_shortest_decimal(void **state)
     assert_int_equal(value, 488281000);
     assert_true(ost_pm_from_float(-57.34f, &value));
     assert_int_equal(value, INT64_C(-57340000000));
-    /* 431/512 and 101843/512 are floats and have nine places; 0.4882812 is 249.99997/512, and 4.25 has three digits. */
+    /*
+     * 431/512 and 101843/512 are exact floats with nine decimal places; 0.4882812 lies near 249.99997/512, and 4.25 has
+     * three digits.
+     */
     assert_true(ost_pm_from_float(0.841796875f, &value));
     assert_int_equal(value, 841796875);
     assert_true(ost_pm_from_float(0.8417969f, &value));
@@ -196,7 +199,7 @@ static void floats_stand_for_their_shortest_decimal(void **state)
     assert_false(ost_pm_from_binary(8000.1, &value));
 }
 
-/* Printed lengths are exact and as short as possible, so that parsing them gives the same integer. */
+/* A printed length is exact and as short as possible; parsing it gives the same integer. */
 static void format_and_parse_agree(void **state)
 {
     (void)state;
@@ -212,7 +215,7 @@ static void format_and_parse_agree(void **state)
     }
 }
 
-/* Compares scaling by 2^30 with long division, digit by digit. */
+/* Compares scaling by 2^30 with a long division, digit by digit. */
 static void q30_agrees_with_long_division(void **state)
 {
     (void)state;
@@ -224,14 +227,14 @@ static void q30_agrees_with_long_division(void **state)
         ost_decimal d = decimal(text);
         int64_t scaled;
         assert_true(ost_decimal_scale(&d, UINT64_C(1) << 30, &scaled, NULL));
-        /* |scaled * 10^12 - m * 2^30| <= 10^12 / 2, even at equality */
+        /* The error |scaled * 10^12 - m * 2^30| is at most 10^12 / 2; if it is equal, scaled is even. */
         __int128 off = (__int128)scaled * INT64_C(1000000000000) - ((__int128)m << 30);
         off = off < 0 ? -off : off;
         assert_true(off < INT64_C(500000000000) || (off == INT64_C(500000000000) && scaled % 2 == 0));
     }
 }
 
-/* Ties that need 31 places: (k + 1/2) / 2^30 written in full, as they are and with one more digit. */
+/* The ties (k + 1/2) / 2^30 need 31 decimal places. They are tested as they are and with one more digit. */
 static void long_ties_are_decided_exactly(void **state)
 {
     (void)state;
@@ -270,7 +273,9 @@ static void long_ties_are_decided_exactly(void **state)
     assert_false(ost_decimal_scale(&d, 1, &value, &exact));
 }
 
-/* Output of printf in locales whose decimal sign is a comma, an Arabic separator of two bytes, or a point. */
+/*
+ * Converts output of printf from locales whose decimal sign is a comma, an Arabic separator of two bytes, or a point.
+ */
 static void any_decimal_sign_becomes_a_point(void **state)
 {
     (void)state;
@@ -288,7 +293,7 @@ static void any_decimal_sign_becomes_a_point(void **state)
         ost_point_put_back(text);
         assert_string_equal(text, cases[i][1]);
     }
-    /* The locales that this machine has, if any, give the same picometres. */
+    /* All locales installed on this machine give the same picometres. */
     static const char *const locales[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "ps_AF.UTF-8", "fa_IR.UTF-8", "C"};
     for (size_t i = 0; i < sizeof locales / sizeof *locales; i++) {
         if (!setlocale(LC_NUMERIC, locales[i]))
@@ -313,7 +318,7 @@ static void the_ends_of_exponents_and_lengths(void **state)
     assert_int_equal(value, 0);
     text = "1e-10000";
     assert_null(ost_decimal_read(text, text + 8, &d));
-    /* The greatest possible product, 1.8 * 10^37, divided by 10^37. */
+    /* This is the greatest possible product, 1.8 * 10^37, divided by 10^37. */
     text = "999999999999999999e-37";
     assert_non_null(ost_decimal_read(text, text + strlen(text), &d));
     assert_true(ost_decimal_scale(&d, UINT64_MAX, &value, NULL));

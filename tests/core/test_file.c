@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The guarded opening of files accepts only regular files and links to them and does not block;
- * the error of an absent file differs from that of an unreadable one.
+ * Tests that the guarded opening of files accepts only regular files and links to them, and
+ * does not block. The error for an absent file differs from the error for an unreadable one.
  * Covers: REQ-REGULAR-FILES
  */
 #include "harness.h"
@@ -98,7 +98,7 @@ static void within_a_folder_no_link(void **state)
     close(inside);
 }
 
-/* Without a free descriptor a file is reported as unreadable, not as absent. */
+/* If no file descriptor is free, the file is reported as unreadable, not as absent. */
 static void without_descriptors(void **state)
 {
     (void)state;
@@ -138,7 +138,7 @@ static void read_completely(void **state)
     assert_string_equal(bytes, "");
     free(bytes);
 
-    /* A file whose size changes between opening and reading is an error. */
+    /* A file whose size changes between opening and reading is reported as an error. */
     char to[16];
     const char *const later[] = {"three or more", "no"};
     for (int i = 0; i < 2; i++) {

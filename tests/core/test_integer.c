@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests floor, ceiling and RHE against their definitions, in 64 and 128 bits, and compares the
- * divider, which is set up once for many divisions, with them.
+ * Compares floor, ceiling and rounding half to even (RHE) with their definitions in 64 and 128
+ * bits. Also compares the divider, which is set up once for many divisions, with these
+ * functions.
  * Covers: AR-INT-1, AR-INT-2
  */
 #include "harness.h"
 
 #include "core/divider.h"
 
-/* The ties of AR-INT-2, as literals. */
+/* Tests the ties of AR-INT-2 with literal values. */
 static void ties_go_to_the_even_neighbour(void **state)
 {
     (void)state;
@@ -31,7 +32,7 @@ static void ties_go_to_the_even_neighbour(void **state)
     }
 }
 
-/* q is nearest if |n - q d| <= d / 2, and even at equality; q is the floor if 0 <= n - q d < d. */
+/* Checks that q is the RHE quotient: |n - q d| <= d / 2, and q is even at equality. */
 static void assert_nearest(ost_i128 n, ost_i128 d, ost_i128 q)
 {
     const ost_i128 off = n - q * d, away = off < 0 ? -off : off;
@@ -57,7 +58,7 @@ static ost_i128 random_wide(test_rng *rng, int bits)
     return (high * 2 * ((ost_i128)1 << 63) | (ost_i128)rng_next(rng)) >> (127 - bits);
 }
 
-/* Dividends at multiples of the divisor and at halves of it, one unit to either side of these, and random ones. */
+/* Tests dividends at and next to multiples and half multiples of the divisor, and random ones. */
 static void the_divider_divides(void **state)
 {
     (void)state;

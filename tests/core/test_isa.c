@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the selection of a level on simulated machines. Their bits are those of Intel's and
- * AMD's manuals, by leaf, register and number.
+ * Tests the selection of an instruction set level on simulated machines. The bits are those of
+ * Intel's and AMD's manuals, by leaf, register and number.
  */
 #include "harness.h"
 
@@ -50,7 +50,7 @@ static void machines_of_the_manuals(void **state)
                      ost_isa_name(machines[i].level));
 }
 
-/* A set whose registers the system does not save must not be used, whatever the processor supports. */
+/* A level must not be selected if the system does not save its registers, whatever the processor supports. */
 static void unsaved_registers(void **state)
 {
     (void)state;
@@ -74,7 +74,7 @@ static void unsaved_registers(void **state)
     assert_int_equal(ost_isa_decide(&no_xsave), OST_ISA_SCALAR);
 }
 
-/* Each bit that a level requires is necessary: without it a lower level is chosen. */
+/* Every bit that a level requires is necessary: if it is missing, a lower level is selected. */
 static void each_bit_is_needed(void **state)
 {
     (void)state;
@@ -99,8 +99,8 @@ static void each_bit_is_needed(void **state)
 }
 
 /*
- * The best level and every lower level of the same architecture are available. Valid names give
- * levels, invalid ones an error status.
+ * The best level and all lower levels of the same architecture are available. Valid names
+ * select a level; invalid names return an error status.
  */
 static void this_machine(void **state)
 {
@@ -123,7 +123,7 @@ static void this_machine(void **state)
     setenv("OSTEON_ISA", "scalar", 1);
     assert_ok(ost_isa_choose(NULL, &isa, &err));
     assert_int_equal(isa, OST_ISA_SCALAR);
-    /* an explicit argument overrides the environment */
+    /* an explicit argument takes precedence over the environment */
     assert_ok(ost_isa_choose(ost_isa_name(ost_isa_best()), &isa, &err));
     assert_int_equal(isa, ost_isa_best());
     setenv("OSTEON_ISA", "avx3", 1);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bounds, signed volume and open edges of meshes whose values are known by hand. */
+/* Tests bounds, signed volume and open edges of meshes for which these values are computed by hand. */
 #include "harness.h"
 
 #include <osteon/mesh.h>
 
-/* A box of a x b x c mm, outward; each vertex once. */
+/* Makes a box of a x b x c mm with outward triangles; each vertex is stored once. */
 static void make_box(ost_mesh *mesh, int64_t a, int64_t b, int64_t c)
 {
     static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
@@ -65,8 +65,8 @@ static void too_large_is_refused(void **state)
 static void edges_of_four_faces_are_open(void **state)
 {
     /*
-     * The same box twice: each of its 18 edges occurs twice in each direction, which cancels,
-     * and the mesh is no surface.
+     * The mesh contains the same box twice. Each of its 18 edges occurs twice in each
+     * direction, which cancels, although the mesh is not a surface.
      */
     (void)state;
     ost_error err = {0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests a motor's rotation: the phase is exact, the poses are those of the tool, and each row
- * of a path is divided into as many ticks as it needs.
+ * Tests a motor's rotation: the phase is exact, the tool's poses are right, and each row of a
+ * path is divided into as many ticks as it needs.
  *
  * Covers: AR-MOTOR-2, AR-MOTOR-4, AR-MOTOR-7
  */
@@ -14,7 +14,7 @@
 
 static const ost_pose straight = {.qw = OST_Q30_ONE};
 
-/* The example of docs/spec/arithmetic.md, section 11: the second tick, and the same one turn later. */
+/* Tests the example of docs/spec/arithmetic.md, section 11: the second tick, and the same tick one turn later. */
 static void the_worked_example(void **state)
 {
     (void)state;
@@ -34,8 +34,8 @@ static void the_worked_example(void **state)
 }
 
 /*
- * For any device pose and phase the rotation is that of the device times a clockwise one about
- * z, and the inverse restores the device's rotation.
+ * For any device pose and phase, the tool's rotation is the device's rotation times a clockwise
+ * rotation about z; the inverse gives the device's rotation again.
  */
 static void a_pose_is_turned_about_its_own_axis(void **state)
 {
@@ -74,7 +74,7 @@ static void a_pose_is_turned_about_its_own_axis(void **state)
 }
 
 /*
- * The phase does not change while a motor is off or has an unknown speed; times from one end of
+ * The phase does not change while a motor is off or its speed is unknown. Times from one end of
  * int64 to the other do not overflow.
  */
 static void a_phase_is_exact(void **state)
@@ -114,13 +114,13 @@ static void rows_become_ticks(void **state)
     ost_motor motor = {0};
     assert_ok(ost_path_init(&path, 7, &err));
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
-    path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30); /* 3 parts at 200 rpm: U / 3 is more than 2 U / 8 */
-    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms: 7.4 * 10^9, below U / 8 */
+    path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30); /* 3 parts at 200 rpm, since U / 3 exceeds 2 U / 8 */
+    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms are 7.4 * 10^9, less than U / 8 */
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
     path.ticks[3].lifted = true;                /* lifted: one tick for any interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
-    path.ticks[4].tool = 1;                     /* another tool: one tick as well */
-    path.ticks[5] = row(3137, 50, 70);          /* a row with its own speed, as from a session, is unchanged */
+    path.ticks[4].tool = 1;                     /* another tool: also one tick */
+    path.ticks[5] = row(3137, 50, 70);          /* a row with its own speed, as from a session: unchanged */
     path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));
     assert_int_equal(path.count, 9);
@@ -144,8 +144,8 @@ static void rows_become_ticks(void **state)
 }
 
 /*
- * A device that turns by 80 degrees between two rows: the quaternions in between have the
- * length of the two ends.
+ * The device turns by 80 degrees between two rows. The interpolated quaternions must have the
+ * same length as those of the two rows.
  */
 static void hands_between_rows_are_poses(void **state)
 {
@@ -158,7 +158,7 @@ static void hands_between_rows_are_poses(void **state)
     path.ticks[1].pose.qw = (int32_t)(0.766044443 * OST_Q30_ONE);
     path.ticks[1].pose.qx = (int32_t)(0.642787610 * OST_Q30_ONE);
     assert_ok(ost_motor_path(&path, 200, &(ost_motor){0}, &err));
-    assert_int_equal(path.count, 1 + 27); /* 1 s at 200 rpm is 10/3 turns, 26.7 eighths */
+    assert_int_equal(path.count, 1 + 27); /* 1 s at 200 rpm is 10/3 turns, or 26.7 eighths */
     for (size_t i = 0; i < path.count; i++) {
         const ost_pose *p = &path.ticks[i].pose;
         const double q[4] = {p->qw, p->qx, p->qy, p->qz}, n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -174,7 +174,7 @@ static void rows_too_far_apart_are_refused(void **state)
     ost_path path;
     assert_ok(ost_path_init(&path, 2, &err));
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
-    path.ticks[1] = row(153600, OST_RPM_OF_DEVICE, 0); /* 200 rpm for 153.6 s: 512 turns, 4096 parts */
+    path.ticks[1] = row(153600, OST_RPM_OF_DEVICE, 0); /* 153.6 s at 200 rpm are 512 turns, or 4096 parts */
     ost_path same = path;
     assert_int_equal(ost_motor_path(&path, 3001, &(ost_motor){0}, &err), OST_ERR_USAGE);
     assert_int_equal(ost_motor_path(&path, -1, &(ost_motor){0}, &err), OST_ERR_USAGE);
@@ -185,7 +185,7 @@ static void rows_too_far_apart_are_refused(void **state)
     path.ticks[1].pose = (ost_pose){.qx = OST_Q30_ONE};
     assert_int_equal(ost_motor_path(&path, 200, &(ost_motor){0}, &err), OST_ERR_RANGE);
     assert_memory_equal(&path, &same, sizeof path);
-    assert_ok(ost_motor_path(&path, 0, &(ost_motor){0}, &err)); /* motor off: no sweep, no limit */
+    assert_ok(ost_motor_path(&path, 0, &(ost_motor){0}, &err)); /* without a motor there is no sweep and no limit */
     assert_int_equal(path.count, 2);
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
     path.ticks[1] = row(153600, OST_RPM_OF_DEVICE, 0);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reports are summed correctly; density classes are parsed, and invalid ones refused.
+ * Tests that reports are summed correctly, that density classes are parsed, and that invalid
+ * ones are refused.
  * Covers: AR-REM-6, AR-CLS-1, AR-CLS-2
  */
 #include "harness.h"
@@ -41,8 +42,9 @@ static void totals_are_sums(void **state)
 }
 
 /*
- * Class c of the i-th chunk has (i + 1)(c + 1) voxels of density -c. The sums are 6 (c + 1)
- * voxels and -18 (c + 1) c for the densities, 6 * 36 voxels in all.
+ * In chunk i, class c has (i + 1)(c + 1) voxels with a density sum of -3 (i + 1)(c + 1) c. The
+ * sums over three chunks are 6 (c + 1) voxels and a density of -18 (c + 1) c; there are 6 * 36
+ * voxels in total.
  */
 static void every_class_has_its_own_sum(void **state)
 {
@@ -91,7 +93,7 @@ static void classes_are_parsed(void **state)
     assert_string_equal(c.name[2], "cortical");
 }
 
-/* AR-CLS-1: an active voxel has a density of 1 or more, so a class below 1 would always be empty. */
+/* By AR-CLS-1 the density of an active voxel is at least 1, so a class below 1 would always be empty. */
 static void borders_begin_at_one(void **state)
 {
     (void)state;
@@ -111,7 +113,7 @@ static void borders_begin_at_one(void **state)
     assert_int_equal(ost_density_classes_check(&c, &err), OST_ERR_USAGE);
 }
 
-/* Each documented limit is accepted, and one beyond it is refused without changing anything. */
+/* Each documented limit is accepted; a value beyond it is refused without changing anything. */
 static void limits_of_classes_are_where_they_are_said(void **state)
 {
     (void)state;

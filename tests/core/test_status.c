@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Each status has a name, a text and an exit status; an error's text is always a single printable line. */
+/* Tests that each status has a name, a text and an exit status, and that an error's text is a single printable line. */
 #include "harness.h"
 
 #include <osteon/status.h>

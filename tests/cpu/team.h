@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Opens the CPU backend with every instruction set of this machine and several thread counts,
- * together with the reference; threads share an event of any size. Also generates tools of
- * several forms.
+ * Opens the reference and the CPU backend with every instruction set of this machine and
+ * several thread counts. Removal events of any size are divided among the threads. Also
+ * generates tools of several forms.
  */
 #ifndef OST_TESTS_CPU_TEAM_H
 #define OST_TESTS_CPU_TEAM_H
@@ -42,8 +42,8 @@ static inline int open_team(void **state)
 }
 
 /*
- * Returns true if backend i is tested in this turn: for each instruction set one thread count
- * after another; always true with OST_TEST_LONG=1.
+ * Returns true if backend i is tested in this turn. Each turn selects one thread count for
+ * every instruction set; with OST_TEST_LONG=1 the result is always true.
  */
 static inline bool has_turn(int i, int turn)
 {
@@ -67,7 +67,7 @@ typedef enum form { HEMISPHERE, PEG, TOOTHED_SHELL, PLATE, NOISE, SOLID, EMPTY, 
 
 static inline uint8_t form_at(form f, test_rng *rng, const int32_t d[3], int32_t x, int32_t y, int32_t z)
 {
-    /* Twice the distances from the middle, so that they are integers. */
+    /* Distances from the middle are doubled, so that they are integers. */
     const int64_t cx = 2 * x + 1 - d[0], cy = 2 * y + 1 - d[1], r = d[0] < d[1] ? d[0] : d[1];
     const int64_t flat = cx * cx + cy * cy, high = 2 * z + 1;
     switch (f) {

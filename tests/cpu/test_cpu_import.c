@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the import of backend cpu with backend ref, byte by byte, for random grids,
- * spacings, thresholds and chunk sizes, every instruction set of this machine, and 1, 2, 3 and
- * 7 threads.
+ * Compares the import of the backend cpu with that of ref, byte by byte, for random grids, spacings, thresholds and
+ * chunk sizes, with every instruction set of this machine and with 1, 2, 3 and 7 threads.
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-1, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-DIG-2
  */
 #include "harness.h"
@@ -18,7 +17,7 @@
 static const int threads_of[] = {1, 2, 3, 7};
 static const int chunk_of[] = {16, 32, 64};
 
-/* Opens the next combination of instruction set and thread count that this machine supports. */
+/* Opens the backend with the next instruction set and thread count that this machine supports. */
 static ost_backend *open_next(unsigned *turn)
 {
     ost_error err = {0};
@@ -46,7 +45,7 @@ static int16_t *random_voxels(test_rng *rng, int64_t count, int32_t threshold)
 {
     int16_t *voxels = malloc((size_t)count * sizeof *voxels);
     assert_non_null(voxels);
-    /* Runs of arbitrary values, of zeros, and of values about the threshold. */
+    /* The array consists of runs of zeros, of arbitrary values, and of values near the threshold. */
     int kind = 0;
     for (int64_t i = 0, left = 0; i < count; i++, left--) {
         if (left == 0) {
@@ -80,7 +79,7 @@ static void assert_equal_grids(const ost_grid *a, const ost_grid *b)
     free(vb);
 }
 
-/* Compares memory and counts, then the downloaded voxels; the internal layout may differ between backends. */
+/* Compares memory use, counts, downloaded voxels and digests; the internal layout may differ between backends. */
 static void assert_equal_bones(const ost_bone *a, const ost_bone *b)
 {
     ost_error err = {0};
@@ -106,7 +105,7 @@ static void assert_equal_bones(const ost_bone *a, const ost_bone *b)
     free(vb);
 }
 
-/* Chunks made from a grid equal chunks uploaded as its slices, padding and occupancy included. */
+/* Checks that chunks made from a grid equal chunks uploaded as its slices, including padding and occupancy. */
 static void assert_equal_chunks(const ost_bone *made, const ost_grid *cube)
 {
     ost_error err = {0};
@@ -158,7 +157,7 @@ static void rect_to_cubic_to_chunks(void **state)
             assert_ok(ost_grid_create(backends[b], &g, &rect[b], &err));
             assert_ok(ost_grid_upload(rect[b], 0, g.dims.z, voxels, &err));
             assert_ok(ost_rect_to_cubic(rect[b], cubic, rule, &cube[b], &err));
-            /* A later change of the rect grid does not change the cubic grid. */
+            /* Changing the rect grid afterwards must not change the cubic grid. */
             assert_ok(
                 ost_grid_upload(rect[b], 0, 1, voxels + ost_dims_count(g.dims) / g.dims.z * (g.dims.z - 1), &err));
             assert_ok(ost_cubic_to_chunks(cube[b], n, threshold, &bone[b], &err));
@@ -168,13 +167,13 @@ static void rect_to_cubic_to_chunks(void **state)
         assert_equal_bones(bone[0], bone[1]);
         assert_equal_chunks(bone[1], cube[1]);
         for (int b = 0; b < 2; b++) {
-            ost_grid_free(rect[b]); /* the cubic grid remains valid */
+            ost_grid_free(rect[b]); /* the cubic grid must remain valid */
             assert_ok(ost_rect_to_cubic(cube[b], cubic * 2, rule, &again[b], &err));
             ost_bone_free(bone[b]);
             assert_ok(ost_cubic_to_chunks(again[b], n, threshold, &bone[b], &err));
             /*
-             * A slice may be larger than the array of random voxels; what matters is that a
-             * selection is written.
+             * A slice may be larger than the array of random voxels; it is sufficient that some
+             * slices are written.
              */
             int64_t slice = (int64_t)ost_grid_geometry(again[b])->dims.x * ost_grid_geometry(again[b])->dims.y;
             if (slice <= ost_dims_count(g.dims))
@@ -195,8 +194,8 @@ static void rect_to_cubic_to_chunks(void **state)
 }
 
 /*
- * Returns voxels of -1 to 1 of which a few are at the threshold or at the greatest density, so
- * that interpolated means may be active too.
+ * Returns voxels from -1 to 1, except for a few at the threshold or at the greatest density, so
+ * that interpolated means may also be active.
  */
 static int16_t *lonely_voxels(test_rng *rng, int64_t count, int32_t threshold)
 {
@@ -211,9 +210,9 @@ static int16_t *lonely_voxels(test_rng *rng, int64_t count, int32_t threshold)
 }
 
 /*
- * Tests the linear rule along z alone, along two axes and along three, with spacings that are
- * nearly equal or far apart, grids of one voxel along an axis, and few active voxels, so that
- * chunks that may be skipped are next to chunks that may not.
+ * Tests the linear rule along z alone, along two axes and along three. Spacings are nearly
+ * equal or far apart, some grids have one voxel along an axis, and few voxels are active, so
+ * that chunks that may be skipped are next to chunks that may not.
  */
 static void interpolated_to_chunks(void **state)
 {
@@ -282,7 +281,7 @@ static void slabs_over_slabs(void **state)
         for (int i = 0; i < 6; i++) {
             int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z), count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
             int16_t *voxels = random_voxels(&rng, slice * count + 1, threshold);
-            if (i == 4) /* the bone is emptied again */
+            if (i == 4) /* empties the bone again */
                 memset(voxels, 0, (size_t)(slice * count) * sizeof *voxels);
             for (int b = 0; b < 2; b++)
                 assert_ok(ost_bone_upload(bone[b], z0, count, voxels, &err));
@@ -332,8 +331,8 @@ static void samples_to_rect(void **state)
                 for (int a = 0; a < 3; a++) {
                     p[a] = origin[a] + rng_range(&rng, wild ? -1 : 0, dims[a] - !wild) * s[a];
                     /*
-                     * Offsets of half a voxel, 3/8 and 1/8, with one picometre to either side;
-                     * most offsets are 0.
+                     * Most offsets are 0; the others are 1/8, 1/4, 3/8 or 1/2 of a voxel. All
+                     * vary by one picometre to either side.
                      */
                     const int eighths[] = {0, 0, 0, 1, 1, wild ? 4 : 2, wild ? 3 : 1};
                     p[a] += eighths[rng_range(&rng, 0, 6)] * s[a] / 8 * (rng_range(&rng, 0, 1) ? 1 : -1) +
@@ -342,7 +341,7 @@ static void samples_to_rect(void **state)
                 samples[i] = (ost_sample){.x = p[0], .y = p[1], .z = p[2], .density = (int32_t)rng_range(&rng, -3, 3)};
                 if (wild && i % 1000 == 999)
                     samples[i].y = rng_range(&rng, 0, 1) ? INT64_MAX : INT64_MIN;
-                /* sometimes two samples have the same line number */
+                /* two samples may have the same line number */
                 samples[i].line = (uint32_t)(i / (size_t)rng_range(&rng, 1, 2));
             }
             for (int b = 0; b < 2; b++)
@@ -368,7 +367,7 @@ static void samples_to_rect(void **state)
     ost_backend_close(ref);
 }
 
-/* A block in use keeps its content through any order of allocating, freeing and trimming. */
+/* A block keeps its content while it is in use, whatever the order of allocating, freeing and trimming. */
 static void blocks_keep_their_content(void **state)
 {
     (void)state;

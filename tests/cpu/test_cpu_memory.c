@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures the memory of a complete scapula as a bone of the CPU backend. The densities of its
- * active chunks are those that the thesis counts (Table 3.2: 202 chunks of 32^3, 13.2 MB),
- * occupancy adds a sixteenth, and tables and slack may add at most a tenth.
+ * Measures the memory of a complete scapula as a bone of the CPU backend. Its active chunks
+ * have as many densities as the thesis counts (Table 3.2: 202 chunks of 32^3, 13.2 MB).
+ * Occupancy adds a sixteenth of this; tables and unused space may bring the excess to at most a
+ * tenth.
  *
- * The memory is counted twice: by the backend's own account, chunk by chunk, and as the growth
- * of this process's anonymous memory that the system reports.
+ * The memory is measured in two ways: as reported by the backend, chunk by chunk, and as the
+ * growth of this process's anonymous memory, as reported by the system.
  * Covers: REQ-CPU-MEMORY
  */
 #include "harness.h"
@@ -15,7 +16,7 @@
 
 enum { SCAPULA_CHUNKS = 202, CHUNK = 32 };
 
-/* Returns the bytes of anonymous memory in RAM, or -1 if the system does not report them. */
+/* Returns the anonymous memory of the process in RAM in bytes, or -1 if the system does not report it. */
 static int64_t resident(void)
 {
     FILE *status = fopen("/proc/self/status", "r");
@@ -29,7 +30,7 @@ static int64_t resident(void)
     return kib < 0 ? -1 : kib * INT64_C(1024);
 }
 
-/* Returns false under sanitizers, valgrind and emulators, which keep their own data in the same memory. */
+/* Returns false under sanitizers, valgrind and emulators, which store their own data in the same memory. */
 static bool alone_in_memory(void)
 {
 #if defined __SANITIZE_ADDRESS__
@@ -66,7 +67,7 @@ static void a_scapula_is_small(void **state)
     ost_bone_info info;
     assert_ok(ost_phantom_make(OST_PHANTOM_SCAPULA, NULL, &ct, &err));
     assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &small, &err));
-    /* Threads, their stacks and lazily loaded code exist before anything is measured. */
+    /* This starts the threads and loads all code, so that neither is included in the measurement. */
     assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
     ost_bone_free(bone_of(backend, &small));
     ost_backend_close(backend);
@@ -89,14 +90,14 @@ static void a_scapula_is_small(void **state)
     assert_true(info.resident_bytes <= most);
     if (before >= 0 && alone_in_memory()) {
         assert_true(grown <= most);
-        assert_true(grown >= info.chunk_bytes - info.chunk_bytes / 50); /* the measurement sees the chunks */
+        assert_true(grown >= info.chunk_bytes - info.chunk_bytes / 50); /* the measurement must include the chunks */
     }
     ost_bone_free(bone);
     ost_backend_close(backend);
     ost_volume_free(&ct);
 }
 
-/* Slices uploaded without a grid, as from files, have the same bound. */
+/* Slices uploaded without a grid, as from files, need as little memory. */
 static void an_uploaded_bone_too(void **state)
 {
     (void)state;
@@ -107,7 +108,7 @@ static void an_uploaded_bone_too(void **state)
     ost_bone_info info;
     assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err));
     assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
-    ct.geometry.spacing.z = ct.geometry.spacing.x; /* a bone needs equal spacings; the phantom becomes flatter */
+    ct.geometry.spacing.z = ct.geometry.spacing.x; /* a bone needs equal spacings, so the phantom is flattened */
     for (int n = 16; n <= 64; n *= 2) {
         assert_ok(ost_bone_create(backend, &ct.geometry, n, 120, &bone, &err));
         assert_ok(ost_bone_upload(bone, 0, ct.geometry.dims.z, ct.voxels, &err));

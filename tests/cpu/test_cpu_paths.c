@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the thresholds of the CPU backend (src/cpu/share.h). With grain=1 the smallest grids
- * enter every path, on as many threads as requested, and the results equal the reference's.
- * Without it they enter no path, and one event of 2^22 voxels enters the shared removal.
+ * Tests the thresholds from which the CPU backend uses several threads (src/cpu/share.h). With
+ * grain=1 the smallest grids enter every path, on as many threads as requested, and the results
+ * equal the reference's. Without this option they enter no path except the upload; an event of
+ * 2^22 voxels enters the shared removal.
  * Covers: REQ-CPU-PATHS
  */
 #include "ref/scene.h"
@@ -37,7 +38,7 @@ static bool entered(const seen *s, const char *name)
     return false;
 }
 
-/* Runs every stage once. Returns the bone's digest, and in out the backend's path counts. */
+/* Runs every stage once. Returns the bone's digest and stores the backend's path counts in out. */
 static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *out)
 {
     ost_error err = {0};
@@ -59,7 +60,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     for (size_t i = 0; i < count; i++) {
         const int32_t x = (int32_t)(i % (size_t)side), y = (int32_t)(i / (size_t)side % (size_t)side),
                       z = (int32_t)(i / (size_t)side / (size_t)side);
-        voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* few high densities, some in every chunk */
+        voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* a few high densities in every chunk */
         samples[i] = (ost_sample){x * s, y * s, z * s, voxels[i], (uint32_t)i};
     }
     assert_ok(ost_grid_create(backend, &g, &rect, &err));
@@ -73,7 +74,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     assert_ok(ost_bone_digest(bone, NULL, &root, &err));
     assert_ok(ost_bone_digest(copy, NULL, &other, &err));
     assert_memory_equal(&root, &other, sizeof root);
-    /* A tool from the mesh of a burr, and one event over the bone. */
+    /* Voxelizes a burr and runs one event with it. */
     ost_pm3 lo, hi;
     ost_tool_geometry grid;
     assert_ok(ost_tool_make(OST_TOOL_BURR, &(ost_tool_options){.diameter = 12 * s, .length = 30 * s}, &mesh, &err));
@@ -109,7 +110,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     return root;
 }
 
-/* A bone is the same for every order in which threads process its parts. */
+/* The resulting bone does not depend on the order in which threads process its parts. */
 static void no_order_changes_a_bone(void **state)
 {
     (void)state;
@@ -126,7 +127,7 @@ static void no_order_changes_a_bone(void **state)
 static void the_smallest_grain_enters_every_path(void **state)
 {
     (void)state;
-    /* 27 leaves, 125 chunks and 2 layers of 5 rows of them: enough for 7 threads. */
+    /* The grid has 27 leaves, 125 chunks and 2 layers of 5 rows of chunks, which is enough for 7 threads. */
     static const int teams[] = {1, 2, 3, 7};
     seen none, all;
     const ost_digest expected = run_all("ref", SIDE, 16, &none);
@@ -148,7 +149,7 @@ static void the_smallest_grain_enters_every_path(void **state)
     }
 }
 
-/* An upload is shared from 8 slices on, so the 40 slices here are; all other work is too small to be shared. */
+/* An upload is shared among threads from 8 slices on, so the 40 slices here are shared. All other work is too small. */
 static void thresholds_hold_without_it(void **state)
 {
     (void)state;
@@ -160,12 +161,12 @@ static void thresholds_hold_without_it(void **state)
             fail_msg("'%s' was entered", small.name[i]);
 }
 
-/* Each item of a team's work is taken once; no item is taken from empty work. */
+/* Each item of a team's work is processed once; empty work has no items. */
 static void a_team_takes_each_item_once(void **state)
 {
     (void)state;
     enum { ITEMS = 21 };
-    /* In sequence, dealt in blocks, and in 16 orders. */
+    /* The ways are: in sequence, in blocks, and in 16 orders. */
     for (int way = 0; way < 18; way++)
         for (int64_t count = 0; count <= ITEMS; count++)
             for (int64_t block = 0; block <= 8; block++) {
@@ -173,7 +174,7 @@ static void a_team_takes_each_item_once(void **state)
                 int taken[ITEMS + 1] = {0};
                 ost_cpu_sharing_init(&sharing, way > 0, way > 1 ? (uint64_t)way : 0);
                 ost_team team = ost_team_of(&sharing, way > 1 ? 3 : 1, OST_PATH_REMOVAL, INT64_MAX, count, block);
-                if (way > 1) /* the team's three members, one after another */
+                if (way > 1) /* the three members of the team run one after another */
                     for (int m = 0; m < 3; m++) {
                         ost_member me = {.next = m, .stride = 3};
                         for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)
@@ -190,7 +191,7 @@ static void a_team_takes_each_item_once(void **state)
             }
 }
 
-/* 3 x 3 x 3 chunks of 64^3 are 7.1 million voxels, more than 2^22, although the grid has 2.2 million. */
+/* The 3 x 3 x 3 chunks of 64^3 hold 7.1 million voxels, more than 2^22, although the grid has only 2.2 million. */
 static void many_chunks_share_a_removal(void **state)
 {
     (void)state;

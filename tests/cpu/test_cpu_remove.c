@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Compares removal and collision of the CPU backend with the reference, for every instruction
- * set of this machine and several thread counts: voxels, digests and reports are bit-identical.
- * Tools, bones and poses are random and include borderline cases: quarter turns, voxel centres
- * on voxel centres, grids of one voxel, empty tools and bones, and boxes that cut the tool's
- * reach.
+ * set of this machine and several thread counts: voxels, digests and reports must be
+ * bit-identical. Tools, bones and poses are random and include borderline cases: quarter turns,
+ * tool voxel centres exactly on bone voxel centres, grids of one voxel, empty tools and bones,
+ * and boxes smaller than the region that the tool reaches.
  * Covers: AR-MAP-4, AR-MAP-5, AR-REM-1..6, AR-CHK-3, AR-LAW-1
  */
 #include "cpu/team.h"
 
 /* ---------------------------------------------------------------- scenes */
 
-/* Returns a random position on or around the bone; one in three is turned by quarters, with voxel on voxel. */
+/* Returns a random pose on or near the bone. One in three is rotated by quarter turns, so that voxels coincide. */
 static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
@@ -38,8 +38,8 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 }
 
 /*
- * Returns the box of an event: two in three are the complete grid, the others are random and
- * may cut the tool's reach.
+ * Returns the box of an event: the complete grid in two of three cases, else a random box,
+ * which may exclude a part of the tool.
  */
 static ost_voxel_box some_box(test_rng *rng, const ost_geometry *g)
 {
@@ -59,15 +59,15 @@ static int16_t *some_bone(test_rng *rng, const ost_geometry *g)
     if (rng_range(rng, 0, 3) == 0) /* the full range of densities */
         for (size_t i = 0; i < voxel_count(g); i++)
             voxels[i] = (int16_t)rng_range(rng, -32768, 32767);
-    if (rng_range(rng, 0, 3) == 0) /* half of it empty, so that chunks are absent */
+    if (rng_range(rng, 0, 3) == 0) /* the first half is empty, so that chunks are absent */
         memset(voxels, 0, voxel_count(g) / 2 * sizeof *voxels);
     return voxels;
 }
 
 static const ost_pm bone_voxels[] = {470 * UM, 300 * UM, 1000 * UM};
 /*
- * Sizes of tool voxels in thousandths of a bone voxel: all window steps of both edges, and
- * sizes without windows.
+ * Sizes of tool voxels in thousandths of a bone voxel. They cover all steps of both window
+ * edges, and sizes for which no windows are made.
  */
 static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743,
                                       650,  532,  400,  347,  320,  288,  260,  247, 150, 63};
@@ -166,7 +166,7 @@ static void several_poses(void **state)
         same_event(*state, &rng, 6);
 }
 
-/* One bone under a moving tool, so that the results depend on the state that earlier events left. */
+/* Moves a tool through one bone, so that each result depends on the state that earlier events left. */
 static void a_sequence(void **state)
 {
     const team *t = *state;
@@ -220,8 +220,8 @@ static void a_sequence(void **state)
 }
 
 /*
- * Enough chunks for several threads and many batches: a tool that turns through the complete
- * bone, and a change of tools.
+ * Tests enough chunks for several threads and many batches, with a tool that extends through
+ * the entire bone and a change of tools.
  */
 static void many_chunks(void **state)
 {
@@ -287,7 +287,7 @@ static void many_chunks(void **state)
     free(voxels);
 }
 
-/* Slices are uploaded in any order and overlap. */
+/* Uploads slices that overlap, in random order. */
 static void slabs_of_slices(void **state)
 {
     const team *t = *state;

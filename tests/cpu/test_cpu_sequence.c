@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the removal of each tick with the reference, for every instruction set of this
- * machine and several thread counts: after each tick the report and every voxel are equal.
- * These tests examine the state that an event leaves in the bone and in the backend: slow and
- * fast motion, stops, reversals, turns on the spot, sweeps, collisions in between, alternating
- * tools and bones, and bones that are uploaded again. They also test blocks of 16^3 voxels that
- * the tool's grid just meets or just misses.
+ * Compares each tick of a removal with the reference, for every instruction set of this machine
+ * and several thread counts: after each tick the report and every voxel must be equal. These
+ * tests examine the state that an event leaves in the bone and in the backend: slow and fast
+ * motion, stops, reversals, rotation in place, sweeps, collisions in between, alternating tools
+ * and bones, and bones that are uploaded again. They also test blocks of 16^3 voxels that the
+ * tool's grid just overlaps or just misses.
  * Covers: AR-MAP-4, AR-MAP-5, AR-REM-1..6, AR-LAW-1, AR-LAW-2
  */
 #include "cpu/team.h"
@@ -14,7 +14,7 @@
 
 enum { BONES = 2, TOOLS = 3 };
 
-/* The same bones and tools on one backend. */
+/* The bones and tools of a plot, on one backend. */
 typedef struct bench {
     ost_bone *bone[BONES];
     ost_tool *tool[TOOLS];
@@ -38,7 +38,10 @@ static plot make_plot(test_rng *rng)
         p.voxels[b] = random_densities(rng, &p.geometry[b], (int)rng_range(rng, 5, 8));
         p.chunk_size[b] = 16 << rng_range(rng, 0, 2);
     }
-    /* Windows of step 3, of step 1 or none, and of step 2: see src/cpu/remove/shape.h. */
+    /*
+     * The forms are voxelized with windows of step 3, with windows of step 1 or none, and with windows of step 2 (see
+     * src/cpu/remove/shape.h).
+     */
     static const int64_t share[TOOLS][2] = {{1064, 1064}, {750, 400}, {900, 900}};
     for (int t = 0; t < TOOLS; t++)
         p.volume[t] = random_form(rng, s * share[t][rng_range(rng, 0, 1)] / 1000, 40);
@@ -64,7 +67,7 @@ static void close_bench(bench *b)
         ost_tool_free(b->tool[i]);
 }
 
-/* Returns a pose in the middle of a bone, or near it. */
+/* Returns a random pose in a bone or near it. */
 static ost_pose somewhere(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
@@ -76,7 +79,7 @@ static ost_pose somewhere(test_rng *rng, const ost_geometry *g)
     return pose;
 }
 
-/* A tool's motion: a displacement per tick and a change of the quaternion; constant for some ticks. */
+/* Motion of a tool during some ticks: displacement and change of the quaternion per tick. */
 typedef struct motion {
     ost_pm3 way;
     int32_t turn[3];
@@ -92,7 +95,7 @@ static motion some_motion(test_rng *rng)
     return m;
 }
 
-/* Returns the pose one tick later; a quaternion that is too far from unit length is not turned any further. */
+/* Returns the pose one tick later. The rotation stops if the quaternion would be too far from unit length. */
 static ost_pose moved(const ost_pose *from, const motion *m)
 {
     ost_pose to = *from;
@@ -106,7 +109,7 @@ static ost_pose moved(const ost_pose *from, const motion *m)
     return ost_pose_check(&turned, NULL) == OST_OK ? turned : to;
 }
 
-/* The actions of one tick. */
+/* Actions of one tick. */
 typedef struct tick {
     int bone, tool, poses;
     ost_pose pose[4];
@@ -213,9 +216,9 @@ static void random_sequences(void **state)
 }
 
 /*
- * Tests a tool that is solid up to its grid's border, with voxels as large as the bone's,
- * turned by quarters or not at all. It moves along one axis from beyond one side of a block to
- * beyond the other, in steps of one voxel, one picometre more or less.
+ * Tests a solid tool that fills its grid, with voxels as large as the bone's, rotated by
+ * quarter turns or not at all. It moves along one axis from beyond one side of a block to
+ * beyond the other, in steps of one voxel, more or less by one picometre.
  */
 static void borders_of_blocks(void **state)
 {

@@ -2,7 +2,7 @@
 /*
  * Compares voxels (by memcmp) and reports of the CPU backend's voxelizer with the reference's: with
  * every instruction set of this machine, with 1, 2, 3 and 7 threads, with both voxelizers where
- * both are built, under both rules, and for one mesh and for two.
+ * both are built, under both fill rules, and for one mesh and two meshes.
  *
  * Covers: AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7
  */
@@ -17,7 +17,7 @@
 
 /* --------------------------------------------------------------- compare */
 
-/* Compares the bits of one mesh or two, converted to classes. */
+/* Compares the filled bits of one mesh or two with the expected classes. */
 static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cutting,
                          const ost_snapped_mesh *noncutting, ost_fill_rule rule, const uint8_t *expected,
                          const char *what)
@@ -29,7 +29,7 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
     ost_voxelize_report report;
     uint64_t *bits[2] = {aligned_alloc(64, size), aligned_alloc(64, size)};
     assert_true(bits[0] && bits[1]);
-    for (int both = 0; both < 2; both++) { /* without noncutting bits the cutting bits may be filled in place */
+    for (int both = 0; both < 2; both++) { /* without noncutting bits, the cutting bits may be filled in place */
         memset(bits[0], 0x5a, size);
         memset(bits[1], 0x5a, size);
         assert_ok(ost_cpu_voxelize((const cpu_backend *)backend, cutting, noncutting, rule, &report,
@@ -48,7 +48,7 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
     free(bits[1]);
 }
 
-/* With `tiny` tiles have a few rows, and all threads are used for meshes of any size. */
+/* Compares one backend. If `tiny`, tiles have a few rows and all threads are used for meshes of any size. */
 static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cutting,
                         const ost_snapped_mesh *noncutting, ost_fill_rule rule, const uint8_t *expected,
                         const ost_voxelize_report *expected_report, const char *what)
@@ -61,7 +61,7 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
     assert_ok(ost_backend_open(spec, &backend, &err));
     if (tiny)
         ost_cpu_sharing_init(((cpu_backend *)backend)->sharing, 1, 0);
-    for (int again = 0; again < 2; again++) { /* no state of the first call may affect the second */
+    for (int again = 0; again < 2; again++) { /* the first call must not affect the second */
         memset(&report, 0x5a, sizeof report);
         assert_ok(ost_voxelize(backend, cutting, noncutting, rule, &report, &tool, &err));
         assert_ok(ost_tool_download(tool, &volume, &err));
@@ -86,7 +86,7 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
     ost_backend_close(backend);
 }
 
-/* Compares with all options (`all`), or with all instruction sets and one thread. */
+/* Compares all combinations of options if `all`, else all instruction sets with one thread. */
 static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool all, const char *what)
 {
     static const char *const voxelizers[] = {"triangles", "embree"};
@@ -106,7 +106,7 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
                     if (!ost_isa_available((ost_isa)isa))
                         continue;
                     if (v == 1 && !(all && t % 2 == 0) && (ost_isa)isa != ost_isa_best())
-                        continue; /* opening a device of Embree takes longer than all of these grids */
+                        continue; /* opening an Embree device takes longer than these grids */
                     snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d,voxelizer=%s", ost_isa_name((ost_isa)isa),
                              threads[t], voxelizers[v]);
                     if (ost_backend_open(spec, &backend, &err) == OST_ERR_UNAVAILABLE)
@@ -122,8 +122,8 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
 /* ---------------------------------------------------------------- meshes */
 
 /*
- * Returns the number of random meshes: a third of n by default, with a new seed in each run;
- * all n with OST_TEST_LONG=1.
+ * Returns the number of random meshes: a third of n, with a new seed in each run, or n with
+ * OST_TEST_LONG=1.
  */
 static int rounds(int n)
 {
@@ -147,7 +147,10 @@ static void on_centres(ost_snapped_mesh *mesh, test_rng *rng)
             mesh->vertices[i][a] = (int32_t)(rng_range(rng, 0, n[a] - 1) * MAKE_ONE + MAKE_HALF);
 }
 
-/* Returns triangles between arbitrary vertices: open, crossing, degenerate, duplicate. */
+/*
+ * Returns triangles between random vertices. The mesh is open, crosses itself, and has degenerate and duplicate
+ * triangles.
+ */
 static ost_snapped_mesh make_soup(test_rng *rng, ost_dims dims, size_t vertices, size_t triangles)
 {
     ost_snapped_mesh mesh = make_snapped(dims, vertices, triangles);
@@ -160,7 +163,7 @@ static ost_snapped_mesh make_soup(test_rng *rng, ost_dims dims, size_t vertices,
     return mesh;
 }
 
-/* Returns a tube about a (p, q) torus knot, or a sphere-like tube; in voxels, within the grid. */
+/* Returns a tube about a (p, q) torus knot, within a grid of these dimensions. */
 static ost_snapped_mesh make_knot(ost_dims dims, uint32_t along, uint32_t around, double p, double q)
 {
     ost_snapped_mesh mesh = make_snapped(dims, (size_t)along * around, 2 * (size_t)along * around);
@@ -198,7 +201,7 @@ static ost_snapped_mesh make_sphere(ost_dims dims, uint32_t rings, uint32_t sect
         for (uint32_t k = 0; k < sectors; k++) {
             const uint32_t k1 = (k + 1) % sectors, a = i * sectors + k, b = (i + 1) * sectors + k,
                            c = (i + 1) * sectors + k1, d = i * sectors + k1;
-            make_triangle(&mesh, a, b, c); /* at the poles one of the two is degenerate */
+            make_triangle(&mesh, a, b, c); /* at the poles, one of the two is degenerate */
             make_triangle(&mesh, a, c, d);
         }
     return mesh;
@@ -233,7 +236,7 @@ static void closed_meshes_that_cross_themselves(void **state)
     }
 }
 
-/* Many crossings at the same centre: bits are toggled several times, and counts go far beyond one. */
+/* Many triangles cross a row at the same centre, so bits are toggled several times and counts far exceed one. */
 static void piles_of_triangles(void **state)
 {
     (void)state;
@@ -248,7 +251,7 @@ static void piles_of_triangles(void **state)
     }
 }
 
-/* Crossings behind the last centre, with and without words of padding after it. */
+/* Tests crossings beyond the last centre of a row, with and without padding in the row's last word. */
 static void triangles_at_the_far_border(void **state)
 {
     (void)state;
@@ -292,7 +295,7 @@ static void nested_boxes(void **state)
     }
 }
 
-/* Grids of several tiles with triangles within one, across some, and across all. */
+/* Tests grids of several tiles with triangles within one tile, across some, and across all. */
 static void shapes_over_many_tiles(void **state)
 {
     (void)state;
@@ -313,7 +316,7 @@ static void shapes_over_many_tiles(void **state)
     }
 }
 
-/* More triangles than voxels, most of which cross no row. */
+/* The mesh has more triangles than voxels; most triangles cross no row. */
 static void triangles_smaller_than_a_voxel(void **state)
 {
     (void)state;
@@ -322,7 +325,7 @@ static void triangles_smaller_than_a_voxel(void **state)
     ost_snapped_mesh_free(&knot);
 }
 
-/* Two shells less than a voxel apart: both of their crossings lie at one centre. */
+/* Two shells are less than a voxel apart, so that their crossings lie at the same centre. */
 static void shells_closer_than_a_voxel(void **state)
 {
     (void)state;
@@ -349,7 +352,7 @@ static void shells_closer_than_a_voxel(void **state)
     }
 }
 
-/* Every number of fraction bits: coarse lattices have larger triangles for the same extent in units. */
+/* Tests every number of fraction bits. */
 static void every_lattice(void **state)
 {
     (void)state;
@@ -365,7 +368,7 @@ static void every_lattice(void **state)
     }
 }
 
-/* The greatest coordinates: one long row of slices, and one wide slice. */
+/* Tests the greatest coordinates along each axis, and one large slice. */
 static void the_greatest_grids(void **state)
 {
     (void)state;
@@ -391,8 +394,8 @@ static void an_empty_mesh_is_void(void **state)
 }
 
 /*
- * The caller's rounding mode and floating-point traps have no effect on the grid and are
- * unchanged afterwards. Embree sets flush-to-zero and divides by zero.
+ * The caller's rounding mode and floating-point traps do not affect the grid and are the same
+ * after the call. Embree sets flush-to-zero and divides by zero.
  */
 static void floats_are_left_alone(void **state)
 {
@@ -421,7 +424,7 @@ static void floats_are_left_alone(void **state)
             const unsigned int left = __builtin_ia32_stmxcsr();
             __builtin_ia32_ldmxcsr(AT_START);
             assert_ok(status);
-            enum { FLAGS = 0x3f }; /* exceptions raised by the test's own floats, such as an inexact estimate */
+            enum { FLAGS = 0x3f }; /* status flags, which the test's own computations may set */
             assert_int_equal(left & ~(unsigned int)FLAGS, states[s]);
             assert_ok(ost_tool_download(tool, &volume, &err));
             assert_memory_equal(volume.voxels, expected, size);
@@ -436,7 +439,7 @@ static void floats_are_left_alone(void **state)
 #endif
 }
 
-/* The voxelizer "triangles" is always available; a misspelt name is an error. */
+/* The voxelizer "triangles" is always available; an unknown name is an error. */
 static void options(void **state)
 {
     (void)state;

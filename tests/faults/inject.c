@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Fault injection: a library for LD_PRELOAD that lets one call of the process fail.
+ * Fault injection: a library for LD_PRELOAD that makes calls of the process fail.
  *
  *   OST_FAIL_ALLOC=K   the K-th of malloc, calloc, realloc, posix_memalign, aligned_alloc,
  *                      memalign, strdup and all functions of libc that allocate by these
@@ -12,15 +12,15 @@
  *                      without it
  *   OST_FAIL_PATH=TEXT only opens of paths that contain TEXT are counted
  *   OST_FAIL_EXCEPT=A:B  calls made by a file whose name contains A or B are not counted
- *   OST_FAIL_REPORT=FILE  at exit a process adds to FILE "alloc N", "open N" and "read N": the calls counted
+ *   OST_FAIL_REPORT=FILE  at exit a process appends the numbers of counted calls to FILE, as "alloc N",
+ *                      "open N" and "read N"
  *   OST_FAIL_TRACE=1   the stack of the failed call is printed on standard error
  *
- * A call is counted once, on the thread that makes it; K begins with 1, and 0 fails nothing.
- * Allocations by C++ code (operator new) are never counted: an exception through C ends the
- * process, whatever the caller does.  The counts continue in a child that a fork makes, and restart
- * in a program that it executes: the K-th call of each process fails.
+ * Calls of all threads are counted together. K begins at 1; with 0 no call fails. Allocations by C++ code (operator
+ * new) are never counted, because an exception thrown through C code ends the process. The counts continue in a child
+ * that a fork makes, and restart in a program that is executed: the K-th call of each process fails.
  */
-/* The functions below are redefined, so libc's headers may not redirect them. */
+/* The functions below are redefined, so the headers of libc must not redirect them. */
 #undef _FORTIFY_SOURCE
 #undef _FILE_OFFSET_BITS
 #include <dirent.h>
@@ -50,7 +50,7 @@ static bool ready, from, trace;
 static int chosen_errno;
 static char except[TEXT], only_path[TEXT], report_path[TEXT];
 
-/* Return addresses that were classified before: address * 2 + excepted. */
+/* Return addresses already classified, each stored as address * 2 + excepted. */
 static atomic_uintptr_t cache[CACHE];
 
 /* -------------------------------------------------------- the real functions */
@@ -65,7 +65,7 @@ REAL(int, posix_memalign, (void **, size_t, size_t));
 REAL(void *, aligned_alloc, (size_t, size_t));
 REAL(void *, memalign, (size_t, size_t));
 
-/* The loader's functions may allocate before the real ones are found. */
+/* Memory for allocations by the loader before the real functions are found. */
 static _Alignas(16) unsigned char early[EARLY_BYTES];
 static size_t early_used;
 
@@ -110,7 +110,7 @@ static void copy_setting(char to[TEXT], const char *variable)
     snprintf(to, TEXT, "%s", value ? value : "");
 }
 
-/* Returns true if calls of a process with these arguments count (OST_FAIL_IN). */
+/* Returns true if calls of a process with these arguments are counted (OST_FAIL_IN). */
 static bool process_counts(int argc, char **argv)
 {
     const char *wanted = getenv("OST_FAIL_IN");
@@ -135,7 +135,7 @@ __attribute__((constructor)) static void begin(int argc, char **argv)
     copy_setting(only_path, "OST_FAIL_PATH");
     copy_setting(report_path, "OST_FAIL_REPORT");
     void *stack[2];
-    backtrace(stack, 2); /* its first call loads a library */
+    backtrace(stack, 2); /* the first call of backtrace loads a library */
     ready = process_counts(argc, argv);
 }
 
@@ -176,13 +176,16 @@ static bool module_holds(void *address, const char *name)
     return dladdr(address, &info) && info.dli_fname && strstr(info.dli_fname, name);
 }
 
-/* Returns true for libc and its loader, which allocates the local storage of a new thread. */
+/* Returns true if the address is in libc or in the loader, which allocates the thread-local storage of new threads. */
 static bool is_of_libc(void *address)
 {
     return module_holds(address, "libc.so") || module_holds(address, "ld-linux");
 }
 
-/* Returns the first address of the stack that is neither here nor in libc, which allocates for strdup and fopen. */
+/*
+ * Returns the first address of the stack that is neither in this library nor in libc, which allocates in strdup and
+ * fopen.
+ */
 static void *outside_libc(void *caller)
 {
     void *stack[TRACE];
@@ -208,7 +211,7 @@ static bool is_excepted(void *caller)
     return excepted;
 }
 
-/* Counts a call and returns true if it is to fail. */
+/* Counts a call. Returns true if it must fail. */
 static bool fails(int kind, void *caller)
 {
     static _Thread_local bool within;
@@ -328,7 +331,7 @@ static bool read_fails(void *caller)
     return true;
 }
 
-/* A real function is looked up at its call: dlsym does not open files. */
+/* Looks up a real function at each call, since dlsym does not open files. */
 #define LOOK_UP(type, name, parameters) \
     type(*real) parameters;             \
     *(void **)&real = find(#name)

@@ -1,29 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * walk: runs one command repeatedly, each time with another of its calls failing.
+ * walk: runs a command repeatedly; in each run, a different call of the command fails.
  *
  *   walk [--kind alloc|open|read] [--runs N] [--seed S] [--only K] [--in TEXT] [--loose TEXT[:TEXT...]]
  *        [--loose-output] LIBRARY COMMAND ARGUMENT...
  *
- * First the command runs without a fault, in an empty folder. This run gives the number of
- * calls, the expected exit status (0 or 1), the expected files and the expected standard
- * output. Of the output, which holds times, the number of lines and the last two bytes are
- * compared (with --loose-output only the last byte). Then, for N values of K (all of them with
- * N = 0), the command runs in the empty folder with the K-th call failing (inject.c). The run
- * must satisfy:
+ * The first run is without a fault, in an empty folder. It gives the number of calls, the expected exit status (0 or
+ * 1), the expected files and the expected standard output. Because the output contains times, only its number of lines
+ * and its last two bytes are compared (with --loose-output only the last byte). The command then runs again for N
+ * values of K (for all values if N is 0). In each of these runs the folder is empty at first and the K-th call fails
+ * (inject.c). Each run must satisfy:
  *
  *   - the command ends by itself, with the expected status, or 2 or 3;
- *   - with the expected status the folder holds exactly the expected files, with the expected
+ *   - with the expected status, the folder contains exactly the expected files, with the expected
  *     bytes, and standard output is as expected;
- *   - with 2 or 3 an expected file is absent or has the expected bytes, there is no other file,
- *     and standard error holds a line that begins with "osteon".
+ *   - with 2 or 3, each expected file is absent or has the expected bytes, there is no other file,
+ *     and standard error contains a line that begins with "osteon".
  *
- * The bytes of files whose names contain a TEXT of --loose are not compared: they hold times,
- * or are recorded while the operation runs. With --in the K-th call fails only in the processes
- * that OST_FAIL_IN=TEXT selects, otherwise in each process that the command starts.
+ * Files whose names contain a TEXT of --loose may have other bytes, because they contain times or are recorded while
+ * the operation runs. With --in, the K-th call fails only in the processes that OST_FAIL_IN=TEXT selects; otherwise it
+ * fails in each process that the command starts.
  *
- * A failure is reported as one line with K; --only K repeats it and prints the stack of the
- * failed call. Exit status: 0 no failure, 1 failures, 2 the command cannot be walked.
+ * A failure is reported as one line with K; --only K repeats this run and prints the stack of the failed call. Exit
+ * status: 0 no failure, 1 failures, 2 the command cannot be tested in this way.
  */
 #include <dirent.h>
 #include <errno.h>
@@ -129,7 +128,7 @@ static void empty_folder(const char *folder)
 
 /* ---------------------------------------------------------------- one run */
 
-/* Runs the command with the K-th call failing; returns its wait status. */
+/* Runs the command and makes the K-th call fail (none if K is 0). Returns the wait status. */
 static int run(long at, bool trace)
 {
     fflush(stdout);
@@ -163,7 +162,7 @@ static int run(long at, bool trace)
     return status;
 }
 
-/* Returns the greatest number of calls that a process counted, or -1. */
+/* Returns the number of calls in the process that made the most, or -1 if there is no report. */
 static long counted(void)
 {
     char word[16];
@@ -178,8 +177,8 @@ static long counted(void)
     return found;
 }
 
-/* Copies the first line of standard error that begins with "osteon", else the last; returns true
-   if there is such a line. */
+/* Copies the first line of standard error that begins with "osteon", or the last line if there is none. Returns true if
+   there is such a line. */
 static bool message(char text[TEXT])
 {
     char line[TEXT];
@@ -197,7 +196,7 @@ static bool message(char text[TEXT])
     return found;
 }
 
-/* Returns true if the file's name contains a text of --loose. */
+/* Returns true if the name of the file contains a text of --loose. */
 static bool is_loose(const char *name)
 {
     char text[TEXT];
@@ -211,8 +210,8 @@ static bool is_loose(const char *name)
     return false;
 }
 
-/* Compares the folder with the expected files, of which some may be absent unless `complete`.
-   Returns what is wrong, or NULL. */
+/* Compares the folder with the expected files. Unless `complete`, some of them may be absent. Returns a description of
+   the first difference, or NULL. */
 static const char *compare(const folder_state *expected, bool complete, char text[TEXT])
 {
     folder_state now = {.count = 0};
@@ -261,7 +260,7 @@ static void take_output(output *o)
     fclose(in);
 }
 
-/* Returns what is wrong after a run with a fault, or NULL. */
+/* Checks a run with a fault. Returns a description of the error, or NULL. */
 static const char *judge(int status, int expected_status, const folder_state *expected, const output *printed,
                          char text[TEXT])
 {
@@ -366,7 +365,7 @@ int main(int argc, char **argv)
     const bool all = runs == 0 || runs >= calls;
     const long count = only ? 1 : all ? calls : runs;
     for (long r = 0; r < count; r++) {
-        /* One value of each of `runs` equal parts. */
+        /* The calls are divided into `runs` equal parts; one value of each part is chosen at random. */
         const long at = only  ? only
                         : all ? r + 1
                               : (long)((double)calls * (double)r / (double)runs) + 1 +

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * write_software: writes a bundle's lists of software into the current folder, so that a walk
- * can let each of their allocations fail. A failed allocation of Jansson ends the program, as
- * in osteon.
+ * write_software: writes a bundle's lists of software into the current folder, so that walk
+ * (walk.c) can make each of the allocations fail. If an allocation of Jansson fails, the
+ * program ends, as osteon does.
  *
- * Exit status: 0 if both files are written, 2 with a line on standard error if not.
+ * Exit status: 0 if both files were written, otherwise 2 with a line on standard error.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +23,7 @@ static ost_status write_file(void *user, const char *name, const void *bytes, si
     return written ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be written", name);
 }
 
-/* Returns a text of LONG characters, so that the streams of the lists grow several times while it is written. */
+/* Returns a text of LONG characters, so that the streams of the lists grow several times during writing. */
 static const char *long_text(void)
 {
     enum { LONG = 20000 };

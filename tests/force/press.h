@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Test fixtures for forces: the bone into which tools press, and the tools. */
+/* Test fixtures for forces: bones into which tools are pressed, and the tools. */
 #ifndef TESTS_FORCE_PRESS_H
 #define TESTS_FORCE_PRESS_H
 
@@ -12,9 +12,9 @@
 #define MM OST_PM_PER_MM
 #define PI 3.14159265358979323846
 
-enum { REFERENCE_HU = 1705 }; /* 1.95 g/cm3 with the default parameters, to a ten-thousandth */
+enum { REFERENCE_HU = 1705 }; /* 1.95 g/cm3 with the default parameters, to within 1e-4 */
 
-/* Makes a bone of one density in the lowest `solid_layers` layers; the grid's first centre is at 0. */
+/* Makes a bone whose lowest `solid_layers` layers have one density. The centre of the grid's first voxel is at 0. */
 static inline ost_bone *half_space(ost_backend *backend, int32_t nx, int32_t nz, ost_pm s, int32_t solid_layers,
                                    int16_t hu)
 {

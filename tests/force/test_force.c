@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Forces compared with closed forms: a sphere in a plane, planar and
- * hemispherical reaming; a tool's shell compared with its sphere; a tool that
- * does not cut; and a backend's samples of single voxels compared with a download.
+ * Compares forces with closed forms: a sphere in a plane, planar and hemispherical reaming.
+ * Also tests the shell of a spherical tool, a tool that does not cut, and a backend's samples
+ * of single voxels.
  * Covers: REQ-FORCE
  */
 #include "force/press.h"
@@ -15,8 +15,8 @@ static ost_pose at_mm(double x, double y, double z)
 }
 
 /*
- * Fills `points` with points of equal area on the part of a sphere with z below `top` radii, by
- * the golden angle; its centre is the origin.
+ * Fills `points` with points of equal area on the part of a sphere with z below `top` radii,
+ * spaced by the golden angle. The centre of the sphere is the origin.
  */
 static void sphere_points(double radius, double top)
 {
@@ -32,7 +32,7 @@ static void sphere_points(double radius, double top)
     }
 }
 
-/* Sampled densities are those of a download; beyond the grid they are 0. */
+/* Sampled densities equal downloaded ones; beyond the grid they are 0. */
 static void a_sample_is_what_is_there(void **state)
 {
     skip_without_samples(*state);
@@ -67,10 +67,10 @@ static void a_sample_is_what_is_there(void **state)
 }
 
 /*
- * A sphere of radius R pressed to depth h: a point's pressure is k times its depth
- * along its normal, and the sum over the cap is pi k R h^2.  With a layer L the
- * sphere that touches has radius R + L, but areas are those of R: the factor is
- * R^2 / (R + L)^2.
+ * A sphere of radius R is pressed in to a depth h. The pressure at a point is k times its depth
+ * along its normal, and the sum over the cap is pi k R h^2. With a layer L, the sphere that
+ * touches has radius R + L but the areas are those of R, so the force is multiplied by R^2 / (R
+ * + L)^2.
  */
 static void a_sphere_in_a_plane(void **state)
 {
@@ -90,7 +90,7 @@ static void a_sphere_in_a_plane(void **state)
     double sum = 0, across = 0;
     ost_force_result r;
     for (int i = 0; i < PLACES; i++) {
-        /* At a different position relative to the voxels each time. */
+        /* Each position is different relative to the voxels. */
         const double shift = 0.2 * i / PLACES;
         const ost_pose pose = at_mm(10 + 3 * shift, 10 + 7 * shift, (top + radius + layer - deep) * 1e3);
         assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
@@ -107,7 +107,7 @@ static void a_sphere_in_a_plane(void **state)
     ost_bone_free(bone);
 }
 
-/* The sum of the points' stiffness never exceeds the coupling's. */
+/* The summed stiffness of all points never exceeds the coupling's. */
 static void stiffness_is_bounded(void **state)
 {
     skip_without_samples(*state);
@@ -134,8 +134,9 @@ static double speed_of(const ost_pose *before, const ost_force_result *after)
 }
 
 /*
- * A disc pressed in at speed v: p = u v / (mu w r), so F = 2 pi u v (R - r0 / 2) / (mu w),
- * where the speed at r0 = 1 mm is used within r0; the power is u v times the area.
+ * A disc is pressed in at speed v. The pressure is p = u v / (mu w r), so F = 2 pi u v (R - r0
+ * / 2) / (mu w), where the speed at r0 = 1 mm is used within r0. The power is u v times the
+ * area.
  */
 static void planar_reaming(void **state)
 {
@@ -157,7 +158,7 @@ static void planar_reaming(void **state)
     const double u = ost_force_energy(&params, REFERENCE_HU);
     assert_near("energy of reference bone", u, 30e6, 1e-3);
     ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
-    /* Starts on the surface and is pulled down 5 mm: the tool's speed follows the formula. */
+    /* The tool starts on the surface and is pulled down by 5 mm; its speed follows the formula. */
     const ost_pose start = at_mm(15, 15, 24.75), down = at_mm(15, 15, 24.75 - 5);
     ost_force_result r;
     assert_ok(ost_force_step(force, 0, &start, 1e-3, &r, &err));
@@ -174,7 +175,7 @@ static void planar_reaming(void **state)
     assert_near("felt, N", r.force_n[2], params.scale * r.axial_n, 1e-3);
     assert_true(fabs(r.force_n[0]) < 1e-6 * r.axial_n && r.off_axis_n < 1e-6 * r.axial_n);
 
-    /* With the same force, half the density is cut four times as fast. */
+    /* With the same force, bone of half the density is cut four times as fast. */
     ost_bone *soft = half_space(*state, 60, 60, MM / 2, 50, (int16_t)lrint((0.975 - 0.131) / 1.067e-3));
     ost_force *easy = force_of(soft, &params, points, OST_SHELL_MAX);
     ost_force_result s;
@@ -188,8 +189,8 @@ static void planar_reaming(void **state)
 }
 
 /*
- * A hemisphere: F = (2 pi u R v / mu w) (integral of cos^2 from t0 on + R/r0 (1 - cos^3 t0) / 3),
- * sin t0 = r0 / R.
+ * A hemisphere: F = (2 pi u R v / mu w) (integral of cos^2 from t0 to pi/2 + R/r0 (1 - cos^3 t0)
+ * / 3), where sin t0 = r0 / R.
  */
 static void hemispherical_reaming(void **state)
 {
@@ -215,7 +216,7 @@ static void hemispherical_reaming(void **state)
     ost_bone_free(bone);
 }
 
-/* A tool that does not rotate, or has no blade, does not cut: it stops at the bone and slides along it. */
+/* A tool that does not rotate or has no blade does not cut: it stops at the bone and slides along the surface. */
 static void what_does_not_cut_stops(void **state)
 {
     skip_without_samples(*state);
@@ -231,7 +232,7 @@ static void what_does_not_cut_stops(void **state)
         ost_force_result r;
         const double surface_mm = 19.75 + 5;
         for (int i = 0; i < 400; i++) {
-            /* Down to 4 mm inside, then along x. */
+            /* The device moves down to 4 mm below the surface, then along x. */
             const ost_pose pose = at_mm(12 + (i < 200 ? 0 : 0.02 * (i - 200)), 15,
                                         surface_mm + 2 - (i < 200 ? 0.03 * i : 6));
             assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
@@ -240,7 +241,7 @@ static void what_does_not_cut_stops(void **state)
         assert_near("felt 4 mm deep, N", r.force_n[2],
                     params.stiffness * ((double)r.tool.t.z * 1e-12 - (surface_mm - 4) * 1e-3), 0.02);
         assert_true(r.force_n[2] > 0.9);
-        /* The voxels' steps hold a blunt tool back a little. */
+        /* The steps between voxels slow down a blunt tool a little. */
         assert_near("slid by, mm", (double)r.tool.t.x * 1e-9 - 12, 0.02 * 199, 0.4);
         assert_true(r.power_w == 0);
         ost_force_free(force);
@@ -248,7 +249,7 @@ static void what_does_not_cut_stops(void **state)
     ost_bone_free(bone);
 }
 
-/* A hand that passes a plate of 1 mm within a tick does not move the tool through it. */
+/* A device that passes a plate of 1 mm within one tick does not move the tool through it. */
 static void nothing_is_tunnelled_through(void **state)
 {
     skip_without_samples(*state);
@@ -269,8 +270,8 @@ static void nothing_is_tunnelled_through(void **state)
 }
 
 /*
- * With any parameters within their bounds, and at any distance of the device, the contact force
- * is limited to what a hand can press.
+ * With all parameters within their bounds, and at any distance of the device, the contact force
+ * does not exceed what a hand can exert.
  */
 static void no_hand_presses_with_tons(void **state)
 {
@@ -289,7 +290,7 @@ static void no_hand_presses_with_tons(void **state)
             ost_force_result r;
             double most = 0;
             for (int i = 0; i < 400; i++) {
-                /* Down to 15 mm below the surface, at 0.1 m/s. */
+                /* The device moves to 15 mm below the surface at 0.1 m/s. */
                 const ost_pose pose = at_mm(15, 15, 30 - fmin(i * 0.1, 20));
                 assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
                 most = fmax(most, sqrt(r.axial_n * r.axial_n + r.off_axis_n * r.off_axis_n));
@@ -300,7 +301,7 @@ static void no_hand_presses_with_tons(void **state)
         }
     ost_bone_free(bone);
 }
-/* The shell of a ball of voxels has the ball's area, volume and directions. */
+/* The shell of a voxelized ball has the ball's area, volume and normals. */
 
 static void a_shell_is_its_surface(void **state)
 {
