@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The loop closed by force: the simulated device in light, normal and firm
- * hands, with the built-in peg and reamer, pressed into bone and dragged along
- * it, with and without a rotating tool, with and without the device's friction.
- * No combination oscillates: the RMS deviation of the speed from its own mean
- * stays below 10 mm/s; a limit cycle exceeds that.  The same operation without
- * force goes through the bone; a stiffness eight times too high oscillates.
+ * Tests that the force loop is stable. The simulated device, in a light, normal or firm grip,
+ * presses the built-in peg or reamer into bone or drags it along, with and without a rotating
+ * tool and with and without friction in the device. No combination may oscillate: the RMS
+ * deviation of the speed from its own mean stays below 10 mm/s, and a limit cycle exceeds this.
+ * Without force the same operation passes through the bone, and a stiffness that is eight times
+ * too high oscillates.
  *
- * OST_TEST_LONG=1 adds the burr, the instant law, and every hand without friction.
+ * OST_TEST_LONG=1 adds the burr, the instant law, and all grips without friction.
  *
  *   OST_FORCE_CSV=FOLDER   adds the burr, and writes each run as grip-tool-way.csv: t, the hand's
  *                          target for the device, the device's position, the force
@@ -48,7 +48,7 @@ static ost_tool *builtin_tool(ost_backend *backend, ost_tool_kind kind)
     return tool;
 }
 
-/* A block of bone, 60 x 60 x 20 mm of 800 HU at 0.5 mm, with its upper face at z = 0. */
+/* Makes a block of bone, 60 x 60 x 20 mm with 0.5 mm voxels of 800 HU, with its upper face at z = 0. */
 static ost_bone *block(ost_backend *backend)
 {
     const ost_geometry g = cubic_geometry(120, 120, 40, MM / 2,
@@ -62,7 +62,7 @@ static ost_bone *block(ost_backend *backend)
     return bone;
 }
 
-/* A path from 3 mm above to 5 mm inside, then held there or dragged 6 mm along x. */
+/* Returns a path from 3 mm above the bone to 5 mm inside. The tool is then held there or dragged 6 mm along x. */
 static ost_path plan(double lowest_mm, bool drag)
 {
     ost_error err = {0};
@@ -97,9 +97,9 @@ static void served(void *user, uint64_t number, uint32_t exec_ns)
 }
 
 /*
- * Returns, over the last 0.8 s, in mm/s: the RMS difference between the speed
- * averaged over 10 ms and over 200 ms.  An encoder's step is 5.5 mm/s over 10 ms;
- * if the device in its hand oscillates, it does so at 5 to 40 Hz.
+ * Returns the RMS difference, over the last 0.8 s and in mm/s, between the speed averaged over
+ * 10 ms and the speed averaged over 200 ms. One encoder step is 5.5 mm/s over 10 ms; a held
+ * device that oscillates does so at 5 to 40 Hz.
  */
 static double swing(const double at[])
 {
@@ -190,8 +190,8 @@ static void no_hand_swings(void **state)
         for (int k = 0; k < 24; k++) {
             const int grip = k % 3, drag = k / 3 % 2, mode = k / 6 % 2, friction = k / 12;
             /*
-             * Every hand with a real device's friction; without friction, which no device has,
-             * only the least stable hand.
+             * Tests all grips with a real device's friction. Without friction, which every
+             * device has, only the least stable grip is tested.
              */
             if (!all && (mode || (!friction && grip)))
                 continue;
@@ -217,7 +217,7 @@ static void no_hand_swings(void **state)
     assert_int_equal(unstable, 0);
 }
 
-/* Shows that the bound above detects an oscillation. */
+/* Checks that swing and the bound of 10 mm/s detect an oscillation. */
 static void what_is_too_stiff_does_swing(void **state)
 {
     static run r;
@@ -236,7 +236,7 @@ static void what_is_too_stiff_does_swing(void **state)
     ost_tool_free(tool);
 }
 
-/* Dense bone takes time: with the force less is removed than without resistance. */
+/* Because bone resists cutting, the force reduces the number of removed voxels. */
 static void bone_resists(void **state)
 {
     static run r;
@@ -261,7 +261,7 @@ int main(void)
         cmocka_unit_test(what_is_too_stiff_does_swing),
         cmocka_unit_test(bone_resists),
     };
-    /* The floats do not depend on the backend, so one backend is enough. */
+    /* Forces do not depend on the backend, so one backend is sufficient. */
     snprintf(test_backend, sizeof test_backend, "cpu:threads=1");
     return cmocka_run_group_tests(tests, open_test_backend, close_test_backend);
 }

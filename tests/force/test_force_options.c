@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Optional parts of the force: the coupling of the tool's orientation, compared
- * with springs in series and at rest in a closed loop; vibration, compared with
- * its formula; and a file of parameters.
+ * Tests optional parts of the force: the coupling of the tool's orientation, compared with
+ * springs in series and tested for rest in a closed loop; vibration, compared with its formula;
+ * and a file of parameters.
  * Covers: REQ-FORCE
  */
 #include "force/press.h"
@@ -17,17 +17,17 @@ static ost_pose turned_mm(double x, double y, double z, double about_y)
                       .qy = (int32_t)lrint(q[2] * OST_Q30_ONE)};
 }
 
-/* A half space 30 mm wide with voxels of 0.5 mm, below z = 19.75 mm. */
+/* Makes a half space 30 mm wide with voxels of 0.5 mm; its surface is at z = 19.75 mm. */
 static ost_bone *half_space_30mm(ost_backend *backend, int16_t hu)
 {
     return half_space(backend, 60, 60, MM / 2, 40, hu);
 }
 
 /*
- * One blunt point on the bone, at distance r from the tool's axis; the hand moves
- * h down.  The point stays in place, so the tool moves down by x and rotates by a
- * with x = r sin a, and both springs carry the point's force:
- * F = K (h - x), F r cos a = Kr a, and for small angles F = h / (1/K + r^2/Kr).
+ * One blunt point lies on the bone at distance r from the tool's axis, and the hand moves down
+ * by h. Because the point stays in place, the tool moves down by x and rotates by a with x = r
+ * sin a. Both springs carry the point's force: F = K (h - x) and F r cos a = Kr a. For small
+ * angles, F = h / (1/K + r^2/Kr).
  */
 static void a_torque_turns_the_tool(void **state)
 {
@@ -55,7 +55,7 @@ static void a_torque_turns_the_tool(void **state)
     ost_force_free(force);
 
     /*
-     * Without a turn stiffness the tool's orientation is the hand's, and the depth deflects
+     * If the turn stiffness is 0, the tool's orientation is the hand's, and the depth deflects
      * only the first spring.
      */
     params.turn_stiffness = 0;
@@ -71,7 +71,7 @@ static void a_torque_turns_the_tool(void **state)
     ost_bone_free(bone);
 }
 
-/* In air the tool follows the hand through any rotation, including half a turn and more. */
+/* In air the tool follows the hand through any rotation, even beyond half a turn. */
 static void in_air_the_tool_follows(void **state)
 {
     skip_without_samples(*state);
@@ -96,9 +96,9 @@ static void in_air_the_tool_follows(void **state)
 }
 
 /*
- * A handle of 0.15 g m2 that rotates about y, held by a hand of 0.3 N m/rad with
- * its target at 0.2 rad, and a blunt edge on the bone: it comes to rest, with a
- * delay of a tick and encoder steps of 0.5 mrad.
+ * A handle of 0.15 g m2 rotates about y. A hand of 0.3 N m/rad with a target of 0.2 rad holds
+ * it, and a blunt edge rests on the bone. The handle must come to rest although there is a
+ * delay of one tick and the encoder steps are 0.5 mrad.
  */
 static void a_turning_handle_rests(void **state)
 {
@@ -138,8 +138,8 @@ static void a_turning_handle_rests(void **state)
 }
 
 /*
- * Compares two runs along the same path, with and without vibration: their difference follows
- * the formula at every tick.
+ * Compares two runs along the same path, with and without vibration. At every tick, their
+ * difference must equal the formula.
  */
 static void vibration_is_its_formula(void **state)
 {
@@ -189,7 +189,7 @@ static void vibration_is_its_formula(void **state)
         ost_force_free(b);
         ost_bone_free(bone);
     }
-    /* Vibration is off by default, and its frequency is limited by the tick rate. */
+    /* By default vibration is off; its frequency is limited by the tick rate. */
     ost_force_params p = ost_force_defaults();
     assert_true(p.vibration == 0 && p.runout == 0 && p.turn_stiffness == 0);
     p.vibration = 0.1;
@@ -200,7 +200,7 @@ static void vibration_is_its_formula(void **state)
     ost_bone_free(bone);
 }
 
-/* However strong the vibration, the force on the hand stays within saturation and slew. */
+/* Even with the strongest vibration, the force on the hand stays within the limits for saturation and slew. */
 static void vibration_is_within_the_rules(void **state)
 {
     (void)state;
@@ -242,7 +242,7 @@ static void a_file_says_what_is_other(void **state)
     assert_true(f.stiffness == 250 && f.energy == 4.5e7 && s.max_force_n == 2 && s.max_ticks_without_sample == 3 &&
                 s.dead_man == 3 && f.density_per_hu == 0.001067);
     assert_true(f.damping == 0.5 && s.slew_n == 0.3);
-    /* All parameters can be set, printed and read again. */
+    /* Every parameter can be set, printed and read again. */
     FILE *out = fopen(path, "w");
     assert_non_null(out);
     char value[OST_FORCE_VALUE];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Every rule of the safety layer alone, with all others off, so that the removal
- * of a rule makes its test fail.
+ * Tests each rule of the safety layer alone, with all other rules off. If a rule is removed,
+ * its test fails.
  * Covers: REQ-SAFETY
  */
 #include "harness.h"
@@ -61,7 +61,7 @@ static void no_number_is_a_fault(void **state)
         assert_true(f > 0.9);
         assert_int_equal(give(&s, 0, true, 0, none[i], &f), OST_SAFETY_FAULT);
         assert_true(f == 0);
-        /* Afterwards the force increases gradually. */
+        /* After the fault the force increases gradually. */
         assert_int_equal(give(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
         assert_true(f > 0 && f < 0.01);
     }
@@ -104,7 +104,7 @@ static void force_changes_slowly(void **state)
     assert_true(fabs(f + 2) < 1e-6);
 }
 
-/* A torque may change as fast as the force in proportion: 0.3 N of 3 N, so 10 mN m of 0.1 N m. */
+/* Like the force, the torque may change by a tenth of its limit per tick: 0.3 N of 3 N, so 10 mN m of 0.1 N m. */
 static void torque_changes_slowly(void **state)
 {
     (void)state;
@@ -173,8 +173,8 @@ static void a_silent_device_gets_nothing(void **state)
 }
 
 /*
- * A delayed spring generates energy at every stroke, so a mass on it oscillates with growing
- * amplitude. Returns the amplitude after 2 s of 3.
+ * A delayed spring generates energy in every cycle, so a mass on it oscillates with growing
+ * amplitude. Returns the amplitude in the last of 3 s.
  */
 static double swing(double max_damping, uint64_t *damped)
 {
@@ -211,7 +211,7 @@ static void passivity_takes_back_what_was_made(void **state)
     assert_true(free_swing > 20e-3 && held < 4e-3 && damped > 10);
 }
 
-/* A passive wall is not damped. */
+/* A passive wall must not be damped. */
 static void a_passive_wall_is_left_alone(void **state)
 {
     (void)state;
@@ -223,8 +223,8 @@ static void a_passive_wall_is_left_alone(void **state)
     for (int i = 0; i < 1000; i++) {
         const double z = 1e-3 * sin(i * 0.01), next = 1e-3 * sin((i + 1) * 0.01);
         /*
-         * Uses the force at the middle of the step from z to next: exactly the spring's energy,
-         * and a damper.
+         * This is the spring's force at the middle of the step from z to next, which gives
+         * exactly the spring's energy, plus a damper.
          */
         give(&s, z * 1e3, true, 0, -300 * (z + next) / 2 - 0.01 * (next - z) / T, &f);
     }
@@ -232,8 +232,8 @@ static void a_passive_wall_is_left_alone(void **state)
 }
 
 /*
- * A coupling cannot store more than stored_j: 0.1 J put in by the hand must not allow giving
- * back more than stored_j.
+ * A coupling cannot store more than stored_j. Even if the hand puts in 0.1 J, the force must
+ * not return more than stored_j.
  */
 static void no_more_is_given_back_than_was_held(void **state)
 {
@@ -254,7 +254,7 @@ static void no_more_is_given_back_than_was_held(void **state)
     assert_true(s.damped_ticks > 5);
 }
 
-/* The controller's damping does not exceed the limit of the force either. */
+/* The force limit also applies to the damping of the passivity controller. */
 static void the_controller_saturates_too(void **state)
 {
     (void)state;

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Fuzz targets.  Each tests/fuzz/fuzz_X.c defines
+ * Fuzz targets. Each tests/fuzz/fuzz_X.c defines
  *
  *   LLVMFuzzerTestOneInput   runs one input; a defect aborts or triggers a sanitizer
- *   fuzz_seed                the initial inputs, made by code
+ *   fuzz_seed                makes the initial inputs
  *   fuzz_words               words that mutations insert
  *
- * and is built in one of two ways. With --enable-fuzz it links to libFuzzer (for the seeds of
- * its corpus build once without the option, then run `fuzz_X --write-seeds DIR`). Without it,
- * replay.c has a main that runs every seed and a number of seeded mutations in make check:
+ * and is built in one of two ways. With --enable-fuzz it is linked to libFuzzer; to write the
+ * seeds of its corpus, build once without this option and run `fuzz_X --write-seeds DIR`.
+ * Without this option, replay.c contains a main that runs every seed and a number of seeded
+ * mutations in make check:
  *
- *   tests/fuzz/fuzz_text                   seeds, then mutations; prints its seed
- *   OST_TEST_SEED=7 tests/fuzz/fuzz_text   the same inputs again
- *   OST_FUZZ_RUNS=1000000 ...              more mutations
- *   tests/fuzz/fuzz_text FILE...           these inputs, for example those that libFuzzer found
+ *   tests/fuzz/fuzz_text                   runs the seeds, then mutations; prints the random seed
+ *   OST_TEST_SEED=7 tests/fuzz/fuzz_text   repeats the inputs of this random seed
+ *   OST_FUZZ_RUNS=1000000 ...              runs more mutations
+ *   tests/fuzz/fuzz_text FILE...           runs these inputs, for example those that libFuzzer found
  */
 #ifndef OST_TESTS_FUZZ_H
 #define OST_TESTS_FUZZ_H
@@ -27,7 +28,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Writes seed number `index` into bytes (at most capacity) and returns its size; 0 when there are no more. */
+/* Writes seed number `index` to bytes (at most capacity) and returns its size, or 0 if there are no more seeds. */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
 /* Words of the format for mutations; the last entry is NULL. */
@@ -35,14 +36,14 @@ extern const char *const fuzz_words[];
 
 /*
  * Writes the input to a file of this name in a scratch folder and returns its path. The folder
- * is removed at a normal exit. After a crash it still holds the last input; replay has printed
- * its path.
+ * is removed when the program exits normally. After a crash it still contains the last input,
+ * whose path replay has printed.
  */
 const char *fuzz_file(const char *name, const uint8_t *data, size_t size);
-/* Returns the scratch folder, for further files. */
+/* Returns the path of the scratch folder, for further files. */
 const char *fuzz_folder(void);
 
-/* Checks a property that must hold for every input. */
+/* Aborts if a property that must hold for every input does not hold. */
 #define fuzz_require(condition)                                                                              \
     do {                                                                                                     \
         if (!(condition)) {                                                                                  \
@@ -51,7 +52,10 @@ const char *fuzz_folder(void);
         }                                                                                                    \
     } while (0)
 
-/* Checks that a failure has one printable line that names the file, and that a success has no error text. */
+/*
+ * Checks that after a failure the error is one printable line that names the file, and that after a success it is
+ * empty.
+ */
 #define fuzz_require_error(status, err, path)                                                                \
     do {                                                                                                     \
         if ((status) != OST_OK) {                                                                            \

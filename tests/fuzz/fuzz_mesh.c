@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mesh files. The first byte of an input selects the format (s, o, p or 3), the remaining bytes
- * are the file. A mesh that is read must be valid; it is voxelized on a grid of about eight
- * voxels a side.
+ * Reads arbitrary bytes as mesh files. The first byte of an input selects the format (s, o, p
+ * or 3); the remaining bytes are the file. A mesh that is read must be valid. It is voxelized
+ * on a grid of about eight voxels per side.
  */
 #include "fuzz.h"
 

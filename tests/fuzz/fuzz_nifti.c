@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Any bytes as a NIfTI file, a single one or the header of a pair, give an error of one line or
- * a volume within its ranges.
+ * Reads arbitrary bytes as a NIfTI file, either single or the header of a pair. The result must
+ * be an error of one line or a volume within its ranges.
  */
 #include "fuzz.h"
 
@@ -18,7 +18,7 @@ const char *const fuzz_words[] = {"n+1",
                                   "osteon origin_mm: 0 0 0\n",
                                   NULL};
 
-/* Stores `size` little-endian bytes; callers take the offsets from the format's description. */
+/* Stores `size` little-endian bytes. Callers take the offsets from the description of the format. */
 static void put(uint8_t *at, uint64_t bits, size_t size)
 {
     for (size_t i = 0; i < size; i++)
@@ -28,8 +28,8 @@ static void put(uint8_t *at, uint64_t bits, size_t size)
 enum { ONE = 0x3f800000, SEEDS = 5 };
 
 /*
- * Volumes of 2 x 1 x 2 uint8: version 1 without orientation, with qform, with sform and an
- * extension, as a pair's header; version 2.
+ * The seeds are volumes of 2 x 1 x 2 uint8: version 1 without orientation, with qform, with
+ * sform and an extension, and as the header of a pair; and version 2.
  */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {

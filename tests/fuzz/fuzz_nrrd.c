@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Any bytes as a NRRD file give an error of one line, or a volume that is unchanged after
- * writing and reading it again.
+ * Reads arbitrary bytes as a NRRD file. The result must be an error of one line, or a volume
+ * that is unchanged after it has been written and read again.
  */
 #include "fuzz.h"
 
@@ -30,7 +30,7 @@ static const char *const seeds[] = {
      "\x1f\x8b\x08\0\0\0\0\0\0\x03\x4b\x4c\x4a\x06\0\xc2\x41\x24\x35\x03\0\0\0"),
 };
 
-static const size_t gzip_tail = 23; /* size of the last seed's gzip data, which contain NULs */
+static const size_t gzip_tail = 23; /* size of the last seed's gzip data, which contain NUL bytes */
 
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
@@ -45,7 +45,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
     return size;
 }
 
-/* Returns true for grids that a mutated header may declare and that would only take time. */
+/* Returns true if the header declares a grid so large that testing it would only take time. */
 static bool is_large(const char *path)
 {
     ost_geometry g;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Paths and tracked motions: any bytes, compressed or not, give increasing times and unit
- * poses, or one line that names the file.
+ * Reads arbitrary bytes, compressed or not, as paths and tracked motions. The result must have
+ * increasing times and unit quaternions, or be an error of one line that names the file.
  */
 #include "fuzz.h"
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sessions: any bytes give one line that names the file, or their complete part is read twice
- * with the same result, converted to a path, repaired and exported. Each input is used
- * unchanged and with corrected checksums, so that the code behind the checksums is reached too.
+ * Reads arbitrary bytes as sessions. The result must be an error of one line that names the
+ * file, or a session whose complete part gives the same result when it is read twice, and which
+ * can be converted to a path, repaired and exported. Each input is also tested with corrected
+ * checksums, so that the code behind the checksums is reached.
  */
 #include "fuzz.h"
 
@@ -10,7 +11,7 @@
 
 #include "io/session/layout.h"
 
-/* Returns the number of records and stores the number of ticks. */
+/* Returns the number of records and stores the number of ticks in *ticks. */
 static uint64_t count_records(ost_session *session, uint64_t *ticks)
 {
     uint64_t records = 0;
@@ -69,7 +70,7 @@ static void look(const uint8_t *data, size_t size)
     const ost_session_summary *sum = ost_session_summary_of(session);
     const uint64_t records = count_records(session, &ticks);
     fuzz_require(count_records(session, &again) == records && again == ticks);
-    /* Records of an unknown kind are included in the summary's count and skipped by the reader. */
+    /* The summary counts records of unknown kinds; the reader skips them. */
     fuzz_require(ticks == sum->ticks && records <= sum->records && sum->complete_ticks <= ticks);
     fuzz_require(sum->damaged_bytes + sum->cut_bytes <= size && sum->file_bytes == size);
     fuzz_require(strlen(ost_session_missing(session, missing)) < OST_SESSION_MISSING);
@@ -83,7 +84,7 @@ static void look(const uint8_t *data, size_t size)
     ost_session_close(session);
 }
 
-/* Corrects all sizes and checksums, as if the bytes were intended. */
+/* Corrects all sizes and checksums, so that the reader accepts the blocks. */
 static void make_right(uint8_t *p, size_t size)
 {
     uint32_t identity = 0;

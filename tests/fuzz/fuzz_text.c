@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * CT text: any bytes give a geometry within its bounds, or one line that names the file. The
- * grid itself is not made, so that memory is bounded by the samples.
+ * Reads arbitrary bytes as CT text. The result must be a geometry within its bounds, or an
+ * error of one line that names the file. The grid itself is not created, so that the number of
+ * samples limits the memory.
  */
 #include "fuzz.h"
 
@@ -23,7 +24,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (status == OST_OK) {
         fuzz_require(ost_geometry_check(&geometry, "grid", NULL) == OST_OK);
         fuzz_require(summary.fingerprint.rows > 0);
-        /* The second pass reads the same rows. */
+        /* The second pass must read the same rows. */
         ost_text_fingerprint again = {0, 0};
         ost_text_row rows[64];
         size_t count = 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The scratch folder with the inputs for readers that take a path. */
+/* Creates the scratch folder with the inputs for readers that take a path. */
 #include "fuzz.h"
 
 #include <dirent.h>
@@ -29,7 +29,7 @@ static void remove_folder(void)
 const char *fuzz_folder(void)
 {
     if (!folder[0]) {
-        /* Thousands of small files are written each second: in memory if possible. */
+        /* The folder is in memory if possible, because thousands of small files are written per second. */
         const char *base = access("/dev/shm", W_OK) == 0 ? "/dev/shm" : getenv("TMPDIR");
         snprintf(folder, sizeof folder, "%s/osteon-fuzz-XXXXXX", base && *base ? base : "/tmp");
         if (!mkdtemp(folder))

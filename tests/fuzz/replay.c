@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Runs a fuzz target as a plain check program: every seed, then seeded mutations of the seeds.
- * Run k depends only on the printed seed and k.
+ * Run k depends only on k and on the random seed, which is printed.
  *
  *   seed k mod count -> 1 to 6 edits -> LLVMFuzzerTestOneInput
  */
@@ -30,7 +30,7 @@ static size_t below(size_t n)
 static uint8_t input[INPUT_MAX];
 static size_t input_size;
 
-/* Replaces `removed` bytes at `at` by `count` bytes; an insertion that is too long is truncated. */
+/* Replaces `removed` bytes at `at` by `count` bytes; truncates an insertion that is too long. */
 static void splice(size_t at, size_t removed, const uint8_t *bytes, size_t count)
 {
     size_t tail = input_size - at - removed;
@@ -74,11 +74,11 @@ static void edit(void)
         if (capacity)
             input[at] = (uint8_t)next();
         break;
-    case 2: /* insert a character that occurs in text inputs */
+    case 2: /* insert a character that occurs in text formats */
         if (capacity)
             input[at] = (uint8_t) "0123456789+-.eE \t,;#\n\r\0\xff"[below(24)];
         break;
-    case 3: /* cut the end off */
+    case 3: /* truncate the input */
         input_size = at;
         break;
     case 4: /* remove a piece */

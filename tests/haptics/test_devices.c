@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The devices that are always available: the list, errors for wrong specs,
- * scripts and sessions row by row, and the simulated device compared with its
- * own mechanics.
+ * Tests the devices that are always available: the list of devices, errors for wrong specs,
+ * scripts and sessions row by row, and the simulated device compared with the equations of its
+ * mechanics.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -38,7 +38,7 @@ static void the_list(void **state)
     for (int i = 0; i < ost_haptic_count(); i++) {
         assert_ok(ost_haptic_describe(i, &info, &err));
         assert_true(info.name[0] && info.description[0]);
-        /* The first six are always available; each of the others states its reason if it is not. */
+        /* The first six devices are always available; each of the others gives a reason if it is not available. */
         assert_true(i < 6 ? info.available : info.available || info.reason[0]);
         assert_int_equal((info.caps & OST_HAPTIC_FORCE) != 0, info.max_force_n > 0);
     }
@@ -139,13 +139,13 @@ static double read_x_mm(ost_haptic *device)
 {
     ost_haptic_state s;
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
-    /* Positions are multiples of the encoder's step. */
+    /* Positions are multiples of the encoder step. */
     assert_int_equal(s.pose.t.x % (55 * (MM / 1000)), 0);
     assert_int_equal(s.pose.t.y % (55 * (MM / 1000)), 0);
     return ost_pm_to_mm(s.pose.t.x);
 }
 
-/* A constant force against a hand at rest: F = k x, less the friction, in both directions. */
+/* Applies a constant force to a hand at rest. In both directions F = k x, to within the friction. */
 static void a_force_meets_the_hands_spring(void **state)
 {
     (void)state;
@@ -167,7 +167,7 @@ static void a_force_meets_the_hands_spring(void **state)
             assert_true(sign * x > 0);
             /* Friction holds the device at rest. */
             assert_true(read_x_mm(device) == x);
-            /* A force beyond the motors' limit is limited; one that is not finite counts as zero. */
+            /* A force beyond the limit of the motors is clamped; one that is not finite counts as zero. */
             for (int i = 0; i < 2000; i++) {
                 ost_haptic_write(device, &(ost_wrench){{sign * 1e9, 0, 0}, {0}});
                 x = read_x_mm(device);
@@ -183,7 +183,7 @@ static void a_force_meets_the_hands_spring(void **state)
     ost_path_free(&path);
 }
 
-/* A force below the friction moves nothing. */
+/* A force below the friction does not move the device. */
 static void what_sticks_sticks(void **state)
 {
     (void)state;
@@ -198,8 +198,8 @@ static void what_sticks_sticks(void **state)
 }
 
 /*
- * A hand that moves at 50 mm/s is followed, with the lag caused by viscosity and friction: (0.2
- * v + 0.26) / k.
+ * The device follows a hand at 50 mm/s with the lag caused by viscosity and friction: (0.2 v +
+ * 0.26) / k.
  */
 static void it_follows_the_hand(void **state)
 {
@@ -220,8 +220,8 @@ static void it_follows_the_hand(void **state)
 }
 
 /*
- * A wall of stiffness k at x = 0, pressed 3 mm deep. Returns the range of motion that remains
- * after a second, in mm.
+ * Presses the device 3 mm into a wall of stiffness k at x = 0. Returns the range of motion
+ * after the first second, in mm.
  */
 static double unrest(const char *spec, double k)
 {
@@ -243,10 +243,10 @@ static double unrest(const char *spec, double k)
 }
 
 /*
- * The closed loop can oscillate.  Friction brings it to rest at least up to
- * 2 f / (encoder's step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others
- * 2006).  Without friction the damping of the hand decides: a light grip
- * oscillates first.  A range of two encoder steps counts as rest.
+ * The closed loop can oscillate. Friction brings it to rest at least up to 2 f / (encoder step)
+ * = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others 2006). Without friction, stability
+ * depends on the damping of the hand, so a light grip oscillates first. A range of two encoder
+ * steps counts as rest.
  */
 static void stiff_walls_swing_and_soft_ones_rest(void **state)
 {
@@ -256,7 +256,7 @@ static void stiff_walls_swing_and_soft_ones_rest(void **state)
         printf("# wall of %5.0f N/m, without friction: light %6.3f, normal %6.3f, firm %6.3f mm\n", stiffness[i],
                unrest("sim:grip=light,friction=0", stiffness[i]), unrest("sim:friction=0", stiffness[i]),
                unrest("sim:grip=firm,friction=0", stiffness[i]));
-    /* The defaults in the literature for such a device: 300 N/m for a light grip, 400 for a normal one. */
+    /* Default stiffness in the literature for such a device: 300 N/m for a light grip, 400 N/m for a normal one. */
     const double rest_mm = 0.111, swing = 0.3;
     assert_true(unrest("sim:grip=light", 300) <= rest_mm && unrest("sim:grip=light,friction=0", 300) <= rest_mm);
     assert_true(unrest("sim", 400) <= rest_mm && unrest("sim:friction=0", 400) <= rest_mm);
@@ -291,7 +291,7 @@ static void the_same_seed_is_the_same_hand(void **state)
     ost_path_free(&path);
 }
 
-/* Every hand-held device has a button for the motor; those with two have one for the next tool. */
+/* Every hand-held device has a button for the motor; a device with two buttons also has one for the next tool. */
 static void buttons_have_a_table(void **state)
 {
     (void)state;
@@ -324,7 +324,7 @@ static void buttons_have_a_table(void **state)
             continue;
         }
         assert_ok(ost_buttons_parse(&info, text, of, &err));
-        /* by its number; the other buttons keep their actions */
+        /* selects a button by its number; the other buttons keep their actions */
         assert_ok(ost_buttons_parse(&info, "1=clutch", of, &err));
         assert_int_equal(of[0], OST_ACTION_CLUTCH);
         for (int i = 1; i < info.button_count; i++)
@@ -333,7 +333,7 @@ static void buttons_have_a_table(void **state)
         assert_non_null(strstr(err.text, "next-tool"));
         assert_int_equal(ost_buttons_parse(&info, "9=motor", of, &err), OST_ERR_USAGE);
         assert_int_equal(ost_buttons_parse(&info, "lever=motor", of, &err), OST_ERR_USAGE);
-        assert_int_equal(of[0], OST_ACTION_CLUTCH); /* on an error nothing changes */
+        assert_int_equal(of[0], OST_ACTION_CLUTCH); /* an error changes nothing */
     }
 }
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Haply's Inverse3 against a stand-in for the vendor's service: a WebSocket on
- * loopback that records each message and answers it with a state, and fails on
- * request: garbage, a close, an end of file, silence, a frame without end.  No
- * test depends on time; timeouts are long.
+ * Tests Haply's Inverse3 with a stand-in for the vendor's service: a WebSocket on loopback that
+ * records each message and answers it with a state. On request it fails: it sends garbage,
+ * closes the connection, ends the file, sends nothing, or sends a frame without end. No test
+ * depends on time, because timeouts are long.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -31,8 +31,8 @@ typedef struct service {
     int listening, port;
     pthread_t thread;
     fault fault;
-    int fault_at;            /* the number of the answer that fails, from 1 */
-    bool wired;              /* the grip is the wired kind, and rotated */
+    int fault_at;            /* number of the answer that fails, from 1 */
+    bool wired;              /* the grip is the wired one and is rotated */
     _Atomic int x_um;        /* position of the cursor */
     _Atomic bool stop;
     _Atomic int answers;
@@ -81,7 +81,7 @@ static bool shake_hands(service *s, int fd)
     return write(fd, answer, strlen(answer)) == (ssize_t)strlen(answer);
 }
 
-/* Reads a client's text and unmasks it. Returns false if the connection is over. */
+/* Reads and unmasks a text from the client. Returns false when the connection is over. */
 static bool read_text(service *s, int fd, char text[TEXT])
 {
     uint8_t head[2], more[2], mask[4];
@@ -103,7 +103,7 @@ static bool read_text(service *s, int fd, char text[TEXT])
 
 static void write_text(int fd, const char *text)
 {
-    /* Sends in one call: the second of two parts would wait for an acknowledgement of the first. */
+    /* Sends everything in one call, because the second of two parts would wait until the first is acknowledged. */
     char frame[TEXT + 4];
     const size_t size = strlen(text), head = size < 126 ? 2 : 4;
     frame[0] = (char)0x81;
@@ -135,7 +135,7 @@ static void put_state(const service *s, char text[TEXT])
             x, 2 * x, 3 * x);
 }
 
-/* Answers one message. Returns false if the connection is over. */
+/* Answers one message. Returns false when the connection is over. */
 static bool answer(service *s, int fd)
 {
     static const uint8_t endless[10] = {0x81, 127, 0, 0, 1, 0, 0, 0, 0, 0}, closing[4] = {0x88, 2, 0x03, 0xe8};
@@ -155,7 +155,7 @@ static bool answer(service *s, int fd)
     case CLOSE: return write(fd, closing, sizeof closing) < 0;
     case SILENCE: return true;
     case HUGE_FRAME: return write(fd, endless, sizeof endless) > 0 && write(fd, text, strlen(text)) > 0;
-    case LONG_MESSAGE: /* of many fragments, none of them the last */
+    case LONG_MESSAGE: /* sends many fragments, none of them the last */
         memset(long_text, ' ', sizeof long_text);
         for (int i = 0; i < 60; i++) {
             const uint8_t head[4] = {i ? 0x00 : 0x01, 126, sizeof long_text >> 8, sizeof long_text & 0xff};
@@ -238,8 +238,8 @@ static void need(void)
 }
 
 /*
- * Reads every millisecond until the answer is `wanted`; for OST_HAPTIC_FRESH, until the tool is
- * at x, too.
+ * Reads every millisecond until the answer is `wanted`. For OST_HAPTIC_FRESH, also waits until
+ * the tool is at x.
  */
 static void await(ost_haptic *device, ost_haptic_answer wanted, ost_pm x, ost_haptic_state *state)
 {
@@ -257,8 +257,8 @@ static void await(ost_haptic *device, ost_haptic_answer wanted, ost_pm x, ost_ha
 }
 
 /*
- * Moves the cursor and reads the tool's poses before and after. Returns false if the machine
- * was so slow that a drop-out occurred.
+ * Moves the cursor and reads the tool's pose before and after. Returns false if tracking was
+ * lost in between because the machine was too slow.
  */
 static bool try_move(service *s, ost_haptic *device, int from_um, int to_um, ost_pose *from, ost_pose *to)
 {
@@ -271,8 +271,8 @@ static bool try_move(service *s, ost_haptic *device, int from_um, int to_um, ost
         const int begun = atomic_load(&s->answers);
         ost_haptic_state hand = {0};
         /*
-         * The second answer from now on has the new position; the third is sent after the
-         * second was received.
+         * The second answer from now on contains the new position. The third answer is sent
+         * after the second has been received.
          */
         for (int k = 0; k < ANSWER_MS && (atomic_load(&s->answers) < begun + 3 || hand.pose.qw == 0); k++) {
             const ost_haptic_answer got = ost_haptic_read(device, &hand);
@@ -320,17 +320,17 @@ static void poses_in_and_forces_out(void **state)
     atomic_store(&s->x_um, 1000);
     assert_ok(open_at(s, ",scale=200", &device, &err));
     assert_string_equal(s->first, "{\"session\":{\"force_render_full_state\":{}}}");
-    /* When the device is first seen, the tool is at its start. */
+    /* When the device is first tracked, the tool is at its start pose. */
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
     assert_true(hand.pose.t.y == 20 * MM && hand.pose.t.z == 30 * MM && hand.pose.qw == OST_Q30_ONE);
     assert_int_equal(hand.tool, -1);
     assert_int_equal(hand.buttons, 1 | 1 << 2);
-    /* 1 mm right, 2 mm away, 3 mm up, at scale 2: x, -z and y of the tool. */
+    /* The cursor moves 1 mm to the right, 2 mm away and 3 mm up. At scale 2 these are the tool's x, -z and y. */
     ost_pose from, to;
     move(s, device, 1000, 2000, &from, &to);
     assert_true(llabs(to.t.x - from.t.x - 2 * MM) < 1000 && llabs(to.t.z - from.t.z + 4 * MM) < 1000 &&
                 llabs(to.t.y - from.t.y - 6 * MM) < 1000);
-    /* Forces are mapped back in the same way. */
+    /* Forces are mapped to the device by the inverse rotation. */
     ost_haptic_write(device, &(ost_wrench){{1.5, 0.25, -2}, {0}});
     heard(s, "\"device_id\":\"04EA\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":1500000e-6,\"y\":2000000e-6,"
              "\"z\":250000e-6}}}");
@@ -351,8 +351,8 @@ static void the_grip_turns_the_tool(void **state)
     ost_haptic *device;
     ost_haptic_state hand = {0};
     /*
-     * Selects the second device. Its grip is rotated about the service's z, which is up, when
-     * it is first seen; later rotations are relative to that.
+     * Selects the second device. Its grip is already rotated about the service's z, which is
+     * up, when it is first tracked; later rotations are relative to this orientation.
      */
     service *s = begin_service(NONE, 0, true);
     assert_int_equal(open_at(s, ",id=A-2", &device, &err), OST_ERR_UNAVAILABLE);
@@ -363,7 +363,7 @@ static void the_grip_turns_the_tool(void **state)
     assert_ok(open_at(s, ",id=A-1", &device, &err));
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
     assert_true(hand.pose.qw == OST_Q30_ONE && hand.buttons == 1);
-    /* 0.2 rad more about up, the tool's y. */
+    /* The grip rotates by another 0.2 rad about the up axis, which is the tool's y. */
     ost_pose from, to;
     move(s, device, 200000, 300000, &from, &to);
     const double turned = 2 * (asin((double)to.qy / OST_Q30_ONE) - asin((double)from.qy / OST_Q30_ONE));
@@ -373,7 +373,7 @@ static void the_grip_turns_the_tool(void **state)
     end_service(s);
 }
 
-/* Replaces the C library's function: with wake_late set, a thread that was woken continues 100 ms later. */
+/* Replaces the function of the C library: if wake_late is set, a thread continues 100 ms after it was woken. */
 static bool wake_late;
 
 int sem_timedwait(sem_t *sem, const struct timespec *until)
@@ -392,7 +392,7 @@ static void a_service_that_fails(void **state)
     need();
     static const struct {
         fault what;
-        const char *says; /* the message if it fails before the first state */
+        const char *says; /* message if the fault occurs before the first state */
     } cases[] = {
         {CLOSE, "closed the connection"}, {END, "closed the connection"},   {HUGE_FRAME, "offers no device"},
         {LONG_MESSAGE, "too long"},       {GARBAGE, "reports no Inverse3"}, {WRONG, "reports no Inverse3"},
@@ -401,21 +401,24 @@ static void a_service_that_fails(void **state)
     ost_haptic *device;
     ost_haptic_state hand = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        /* Failing from the first answer on: it cannot be opened, and the error states the reason. */
+        /* If the first answer is faulty, the device cannot be opened, and the error states the reason. */
         service *s = begin_service(cases[i].what, 1, false);
         assert_int_equal(open_at(s, "", &device, &err), OST_ERR_UNAVAILABLE);
         assert_null(device);
         if (!strstr(err.text, cases[i].says))
             fail_msg("fault %d: says %s", cases[i].what, err.text);
         end_service(s);
-        /* Failing later: the device is lost. */
+        /* If a later answer is faulty, the device is lost. */
         s = begin_service(cases[i].what, 5, false);
         assert_ok(open_at(s, "", &device, &err));
         await(device, OST_HAPTIC_LOST, 0, &hand);
         ost_haptic_close(device);
         end_service(s);
     }
-    /* Failing after the first state but before ost_haptic_open continues: opened, then lost. */
+    /*
+     * If the fault occurs after the first state but before ost_haptic_open continues, the device is opened and then
+     * lost.
+     */
     service *s = begin_service(CLOSE, 2, false);
     wake_late = true;
     const ost_status opened = open_at(s, "", &device, &err);
@@ -439,7 +442,7 @@ static void silence(void **state)
     service *s = begin_service(SILENCE, 5, false);
     assert_ok(open_at(s, "", &device, &err));
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
-    /* Four ticks are bridged; then tracking is lost, and after half a second the device is. */
+    /* The last pose is used for four ticks, then tracking is lost, and after half a second the device is lost. */
     int without = 0, tracking_lost = 0;
     ost_haptic_answer got;
     while ((got = ost_haptic_read(device, &hand)) != OST_HAPTIC_LOST) {
@@ -453,7 +456,7 @@ static void silence(void **state)
     assert_true(without == 4 && tracking_lost == 496);
     ost_haptic_close(device);
     end_service(s);
-    /* No service listens there any more. */
+    /* No service listens on this port any more. */
     char spec[64];
     s = begin_service(NONE, 0, false);
     const int port = s->port;

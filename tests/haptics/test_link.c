@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Packets of the link, byte for byte: the expected bytes and HMACs were made with
- * Python's struct and hmac, by the table in docs/reference/devices.md.  Also packets that
- * must be refused, keys, sequence numbers, and the plane from which a bridge
- * computes its force, in a closed loop with a delay.
+ * Tests the packets of the link, byte for byte. The expected bytes and HMACs were computed with
+ * Python's struct and hmac from the table in docs/reference/devices.md. Also tests packets that
+ * must be refused, keys, sequence numbers, and the plane from which a bridge computes its
+ * force, in a closed loop with a delay.
  * Covers: REQ-LINK
  */
 #include "harness.h"
@@ -101,8 +101,8 @@ static void nothing_else_passes(void **state)
             assert_int_equal(link_unseal(key, bytes, n, &back), LINK_MALFORMED);
         assert_int_equal(link_unseal(key, bytes, size + 1, &back), LINK_MALFORMED);
         /*
-         * Correctly signed, but invalid: a pose that is no rotation or is beyond 8 m, an
-         * unknown flag or type, an impossible tool.
+         * These packets are signed correctly but invalid: a pose that is not a rotation or is
+         * beyond 8 m, an unknown flag or type, an impossible tool.
          */
         link_packet bad = p;
         bad.pose.qw = 0;
@@ -121,7 +121,7 @@ static void nothing_else_passes(void **state)
     uint8_t bytes[LINK_STATE_BYTES];
     bad.tool = -2;
     assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
-    /* If nobody holds the tool, its pose is not checked. */
+    /* If the tool is not held, its pose is not checked. */
     bad = golden(LINK_POSE);
     bad.flags = 0;
     bad.pose.qw = 0;
@@ -172,7 +172,7 @@ static void which_numbers_came(void **state)
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 68, &lost), LINK_NEW);
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
-    assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED); /* 64 behind: too old to decide */
+    assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED); /* 64 behind the newest: treated as repeated */
     assert_int_equal(link_window_add(&w, 6, &lost), LINK_LATE);
     assert_int_equal(link_window_add(&w, UINT64_MAX, &lost), LINK_NEW);
     assert_int_equal(lost, UINT64_MAX - 69);
@@ -183,7 +183,7 @@ static void which_numbers_came(void **state)
 static void a_plane_presses_and_never_pulls(void **state)
 {
     (void)state;
-    /* 2 N along +z at z = 1 mm, 300 N/m, 0.5 N s/m. */
+    /* The state is 2 N along +z at z = 1 mm, with 300 N/m and 0.5 N s/m. */
     link_packet s = golden(LINK_STATE);
     double f[3];
     s.pose.t = (ost_pm3){0, 0, OST_PM_PER_MM};
@@ -195,7 +195,7 @@ static void a_plane_presses_and_never_pulls(void **state)
     assert_true(fabs(f[2] - 2.6) < 1e-9 && f[0] == 0);
     bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){1, 0, -0.2}, 1000, f); /* inward at 0.2 m/s */
     assert_true(fabs(f[2] - 2.1) < 1e-9);
-    bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* a device that allows 100 N/m */
+    bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* the device allows only 100 N/m */
     assert_true(fabs(f[2] - 2.2) < 1e-9);
     bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f); /* outside the bone */
     assert_true(f[2] == 0);
@@ -205,8 +205,8 @@ static void a_plane_presses_and_never_pulls(void **state)
 }
 
 /*
- * The simulated device, held lightly and without friction, against a wall of 300 N/m whose
- * answers are delayed. Returns the range of motion in the last second, in m.
+ * Presses the simulated device, in a light grip and without friction, against a wall of 300 N/m
+ * whose answers are delayed. Returns the range of motion in the last second, in m.
  */
 static double swing_with(int delay, bool plane)
 {
@@ -218,7 +218,7 @@ static double swing_with(int delay, bool plane)
     link_packet states[LATE_MOST];
     memset(states, 0, sizeof states);
     assert_ok(ost_path_init(&path, TICKS, &err));
-    for (int i = 0; i < TICKS; i++) /* 5 mm into the wall at z = 0, within a second */
+    for (int i = 0; i < TICKS; i++) /* to 5 mm inside the wall at z = 0, within a second */
         path.ticks[i] = (ost_tick){
             .t_ns = (int64_t)i * 1000000,
             .rpm = OST_RPM_ON,
@@ -264,7 +264,7 @@ static void however_late_the_hand_rests(void **state)
         printf("# %d ms late: it swings over %.3f mm\n", delay, with * 1e3);
         assert_true(with < 0.2e-3); /* four encoder steps */
     }
-    /* Without the plane, the same delayed force must make the device oscillate. */
+    /* If the delayed force is used without the plane, the device must oscillate. */
     const double without = swing_with(20, false);
     printf("# 20 ms late, a force as it comes: %.1f mm\n", without * 1e3);
     assert_true(without > 2e-3);

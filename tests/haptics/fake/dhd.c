@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A stand-in for Force Dimension's library with the functions that the driver calls.
- * FAKE_SHORT: the last of them is missing.
+ * A stand-in for Force Dimension's library with the functions that the driver calls. With
+ * FAKE_SHORT defined, one of them is missing.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +23,7 @@ EXPORT int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, 
                                                double gripper, char id);
 EXPORT const char *dhdErrorGetLastStr(void);
 
-/* Reads the environment, for tests of the command. */
+/* Reads settings from the environment, for tests of the osteon command. */
 __attribute__((constructor)) static void read_environment(void)
 {
     const char *type = getenv("FAKE_DHD_TYPE");
@@ -60,7 +60,7 @@ int dhdGetPositionAndOrientationFrame(double *x, double *y, double *z, double ma
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             matrix[i][j] = fake_dhd.column[j][i];
-    return frame % 2; /* 1 means that the pose was requested again too soon */
+    return frame % 2; /* 1 means that the pose has not changed since the last call */
 }
 
 int dhdGetButtonMask(char id)
@@ -84,7 +84,7 @@ int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double 
     memcpy(fake_dhd.torque, (double[3]){tx, ty, tz}, sizeof fake_dhd.torque);
     if (fake_dhd.fail_write_at && fake_dhd.frames >= fake_dhd.fail_write_at)
         return -1;
-    return 2; /* a motor at its limit */
+    return 2; /* 2 means that a motor is at its limit */
 }
 #endif
 

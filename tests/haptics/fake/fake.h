@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stand-ins for the vendors' libraries: each records its calls and fails on
- * request.  A test loads the same file and finds the record by its name.
+ * Stand-ins for the vendors' libraries. Each records its calls and fails on request. A test
+ * loads the same file and finds the record by its name.
  */
 #ifndef OST_TESTS_FAKE_H
 #define OST_TESTS_FAKE_H
@@ -10,24 +10,27 @@
 
 enum { FAKE_CALLS = 4096, FAKE_EVENTS = 64 };
 
-/* Written by the test before a device is opened, except for the atomic members. */
+/*
+ * Record of a stand-in. Before a device is opened, the test writes the settings; it may write the atomic members at any
+ * time.
+ */
 typedef struct fake_note {
     char calls[FAKE_CALLS]; /* one letter per call, in order, until the array is full */
     int count;
     double position[3];     /* in the device's own unit */
-    double column[3][3];    /* of the handle's frame in the device's frame */
+    double column[3][3];    /* axes of the handle in the device's frame */
     double force[3], torque[3]; /* as written last */
     double limit, continuous; /* N, as the library reports them */
     int type;               /* device type that the library reports */
-    double most_force;      /* largest component ever written */
+    double most_force;      /* largest force component written so far */
     int forces_on;
     int buttons;
-    /* 0: never; otherwise the number of the frame */
+    /* numbers of frames; 0: never */
     _Atomic int fail_open, fail_read_at, fail_write_at, warm_at, hang_at, no_number_at;
     _Atomic int frames;
 } fake_note;
 
-/* Events that a test provides, in the library's form: type, then its numbers. */
+/* Events that a test provides, in the library's format: a type, then its numbers. */
 typedef struct fake_feed {
     int event[FAKE_EVENTS][8];
     int count, taken;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A stand-in for OpenHaptics' HD library with the functions that the driver calls, and a thread
- * that calls back a thousand times a second.
+ * that invokes the callback a thousand times per second.
  */
 #include <math.h>
 #include <pthread.h>
@@ -55,8 +55,8 @@ EXPORT void hdStartScheduler(void);
 EXPORT void hdStopScheduler(void);
 
 /*
- * Reads the environment, for tests of the command: the frame from which no pose can be read,
- * and the reported force.
+ * Reads settings from the environment, for tests of the osteon command: the frame at which
+ * reading a pose fails, and the maximum force.
  */
 __attribute__((constructor)) static void read_environment(void)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A stand-in for libspnav with the functions that the driver calls.  Its events
- * come from a feed that the test fills; its socket is one end of a pair whose
- * other end is the daemon.  FAKE_SHORT: the last function is missing.
+ * A stand-in for libspnav with the functions that the driver calls. Its events come from a feed
+ * that the test fills. Its socket is one end of a pair; the other end represents the daemon.
+ * With FAKE_SHORT defined, the last function is missing.
  */
 #include <string.h>
 #include <sys/socket.h>
