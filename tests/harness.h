@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The base of every test: cmocka, a random generator whose seed is printed and can be set, and
- * a scratch folder.
+ * Common base of all tests: cmocka, a random generator whose seed is printed and can be set,
+ * and a scratch folder.
  *
- *   OST_TEST_SEED=123 tests/core/test_length     replays a property test
+ *   OST_TEST_SEED=123 tests/core/test_length     repeats a property test
  */
 #ifndef OST_TESTS_HARNESS_H
 #define OST_TESTS_HARNESS_H
@@ -24,8 +24,8 @@
 #include "rng.h"
 
 /*
- * Returns a generator with the seed from OST_TEST_SEED, else from the clock; prints the seed so
- * that a failure can be replayed.
+ * Returns a generator seeded by OST_TEST_SEED if it is set, else by the clock. Prints the seed
+ * so that a failure can be repeated.
  */
 static inline test_rng rng_seeded(const char *what)
 {
@@ -35,7 +35,7 @@ static inline test_rng rng_seeded(const char *what)
     return (test_rng){seed};
 }
 
-/* Fails the test with the error's own text. */
+/* Fails the test with the text of the error. */
 #define assert_ok(call)                                                                             \
     do {                                                                                            \
         ost_status assert_ok_status = (call);                                                       \

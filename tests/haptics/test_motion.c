@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tracked hand as a device: poses between two rows, the tool's pose during
- * drop-outs and after them, and invalid files.  The motions are generated here,
- * so every pose is known from a formula.
+ * Tests recorded motions of a hand as a device: poses between two rows, the tool's pose during
+ * and after drop-outs, and invalid files. The motions are generated here, so every pose is
+ * given by a formula.
  */
 #include "ref/scene.h"
 
@@ -34,10 +34,10 @@ static int remove_folder(void **state)
 }
 
 /*
- * A body that moves at 0.2 m/s along (0, 1, 0) and rotates about (0, 0, 1) at
- * 2 rad/s, starting at (5, 6, 7) and a quarter turn about x.  It is not tracked
- * before row 20, from row 120 to 219, between rows 300 and 330 (there are no
- * rows), and at the end.
+ * Returns true if the body is tracked in this row. The body moves at 0.2 m/s along (0, 1, 0)
+ * and rotates about (0, 0, 1) at 2 rad/s; it starts at (5, 6, 7), rotated by a quarter turn
+ * about x. It is not tracked before row 20, in rows 120 to 219, between rows 300 and 330 (where
+ * there are no rows), and in the last 10 rows.
  */
 static bool is_seen(int row)
 {
@@ -96,7 +96,7 @@ static double length_of(const double v[3])
 
 static double angle_between(const ost_pose *a, const ost_pose *b)
 {
-    /* Uses the chord: a cosine near 1 loses the precision of small angles. */
+    /* The angle is computed from the chord, because the cosine of a small angle is not precise enough. */
     double apart = 0, together = 0;
     for (int i = 0; i < 4; i++) {
         const double p = (double)(&a->qw)[i] / OST_Q30_ONE, q = (double)(&b->qw)[i] / OST_Q30_ONE;
@@ -126,22 +126,22 @@ static void check_motion(const char *file)
         assert_int_equal(answer, OST_HAPTIC_FRESH);
         assert_int_equal(s.tool, -1);
         if (was_lost || fresh == 0) {
-            /* The clutch engages where the tool is, up to the rounding of a pose. */
+            /* The clutch engages at the tool's pose, to within the rounding of a pose. */
             base = last.pose;
             in_segment = 0;
             assert_true(llabs(s.pose.t.x - base.t.x) <= 2 && llabs(s.pose.t.y - base.t.y) <= 2 &&
                         llabs(s.pose.t.z - base.t.z) <= 2);
             assert_true(angle_between(&s.pose, &base) < 1e-6);
         }
-        /* A tenth of the body's motion, and all of its rotation. */
+        /* The tool performs a tenth of the body's translation and all of its rotation. */
         const double moved[3] = {(double)(s.pose.t.x - base.t.x) * 1e-12, (double)(s.pose.t.y - base.t.y) * 1e-12,
                                  (double)(s.pose.t.z - base.t.z) * 1e-12};
         const double way = 0.1 * 0.2 * in_segment * 1e-3, turned = 2 * in_segment * 1e-3;
         assert_true(fabs(length_of(moved) - way) < 2e-6 * 0.1 + 1e-9);
         assert_true(fabs(angle_between(&s.pose, &base) - turned) < 1e-5);
         /*
-         * Direction: the body's, in its own frame when it was first seen, rotated as the tool
-         * was at the start; the same after the drop-outs.
+         * The direction of the motion is the body's, in the body's frame at the first tracked
+         * row, rotated by the tool's start pose. It is the same after the drop-outs.
          */
         double at[3], q[4];
         body_at(row_time(20), at, q);
@@ -157,8 +157,9 @@ static void check_motion(const char *file)
     }
     ost_haptic_close(device);
     /*
-     * Rows 0 to 399 take 1.3965 s. Untracked: 70 ms at first, 353 from row 119 to 220, 104
-     * between 300 and 330, 35 after row 389.
+     * Rows 0 to 399 take 1.3965 s. The hand is not tracked for 70 ms at the start, for 353 ms
+     * between rows 119 and 220, for 104 ms between rows 300 and 330, and for 35 ms after row
+     * 389.
      */
     assert_int_equal(fresh + tracking_lost, 1 + 1396);
     assert_int_equal(dropouts, 4);
@@ -179,7 +180,7 @@ static void a_hand_as_it_was_seen(void **state)
     assert_int_equal(gzwrite(gz, text, (unsigned)size), (int)size);
     assert_int_equal(gzclose(gz), Z_OK);
     check_motion(packed);
-    /* A truncated file is invalid. */
+    /* A truncated file must be refused. */
     size_t total_bytes;
     char *bytes = scratch_read(packed, &total_bytes);
     const char *cut = scratch_write(folder, "cut.csv.gz", bytes, total_bytes / 2);
@@ -204,14 +205,14 @@ static void with_longer_gaps_allowed(void **state)
     int tracking_lost = 0;
     while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
         tracking_lost += answer == OST_HAPTIC_NOT_TRACKED;
-    /* missing rows are bridged; rows that declare lost tracking are not */
+    /* missing rows are interpolated; rows that declare lost tracking are not */
     assert_int_equal(tracking_lost, 70 + 353 + 35);
     ost_haptic_close(device);
 }
 
 /*
- * A hand at 1 kHz that is 20 mm away from one row to the next: untracked in between, unless
- * jumps that large are allowed; millimetres.
+ * A hand at 1 kHz moves by 20 mm between two rows. It counts as not tracked in between, unless
+ * jumps of this size are allowed. The positions are in millimetres.
  */
 static void a_jump_is_a_gap(void **state)
 {
@@ -363,8 +364,8 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
     assert_true(totals.removed_voxels > 20);
 
     /*
-     * Replayed from the session: the same bone. The drop-outs are recorded as times without
-     * ticks, with a note at the end of each.
+     * Replaying the session must give the same bone. The session records a drop-out as an
+     * interval without ticks and a note at its end.
      */
     ost_session *session;
     assert_ok(ost_session_open(session_name, &session, &err));
@@ -395,7 +396,7 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
         assert_true(ost_step_digest(&step, ost_world_classes(worlds[1])->count) == record.as.tick.digest);
     }
     ost_session_close(session);
-    assert_int_equal(notes, 7); /* the last one does not end */
+    assert_int_equal(notes, 7); /* the last drop-out has no end */
     assert_int_equal(dark, (353 + 104) * 1000000);
     const ost_digest a = digest_of(bones[0]), b = digest_of(bones[1]);
     assert_true(ost_digest_equal(&a, &b));
@@ -406,7 +407,7 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
     ost_tool_free(tool);
 }
 
-/* ------------------------------------- a device that renders, not tracked for a while */
+/* ------------------- a device with force that is not tracked for a while */
 
 static struct haptic_instance {
     int at;
@@ -435,7 +436,7 @@ static ost_haptic_answer blinking_read(haptic_instance *b, ost_haptic_state *sta
     const int t = b->at++;
     if (t >= PRESS && t < PRESS + DARK)
         return OST_HAPTIC_NOT_TRACKED;
-    /* 2 mm into the bone's side, and staying there. */
+    /* The device moves to 2 mm inside the bone's side and stays there. */
     *state = (ost_haptic_state){
         .pose = {.t = {-2 * MM + (t < 200 ? t : 200) * MM / 100, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE}, .tool = -1};
     return OST_HAPTIC_FRESH;

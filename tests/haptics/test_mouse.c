@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The device mouse: a target far away is followed in steps that the operation's
- * pose guard allows, and reached; a tool that is taken up or lifted is at its new
- * pose at once; its pedal is a button; two threads never read a partial state.
+ * Tests the device mouse. A distant target is approached in steps that the operation's pose
+ * guard allows, until it is reached. A tool that is selected or lifted moves to its new pose at
+ * once. The pedal is a button. If two threads use the device, no partial state is read.
  * Covers: REQ-MOUSE
  */
 #include <math.h>
@@ -85,7 +85,7 @@ static void a_tool_taken_up_is_there_at_once(void **state)
     ost_mouse_input_free(input);
 }
 
-/* The pedal is a button: the operation's motor is switched, and the pose is not changed. */
+/* The pedal is a button: it switches the motor of the operation and does not change the pose. */
 static void the_pedal_is_a_button(void **state)
 {
     ost_mouse_input *input;
@@ -105,8 +105,8 @@ static void the_pedal_is_a_button(void **state)
 }
 
 /*
- * A lifted hand is at its new pose at once, and the device reports it in one tick, although the
- * window sets the hand often.
+ * A lifted tool moves to its new pose at once. The device reports "lifted" in exactly one tick,
+ * even if the window sets the state several times before.
  */
 static void a_lifted_hand_is_there_at_once(void **state)
 {
@@ -119,7 +119,7 @@ static void a_lifted_hand_is_there_at_once(void **state)
     home.lifted = true;
     ost_mouse_input_put(input, &home);
     home.lifted = false;
-    ost_mouse_input_put(input, &home); /* before the first read */
+    ost_mouse_input_put(input, &home); /* both are set before the next read */
     ost_haptic_read(device, &now);
     assert_true(now.lifted && distance_mm(&now.pose, &home.pose) < 0.001);
     ost_haptic_read(device, &now);
@@ -147,7 +147,7 @@ static void what_is_wrong_is_said(void **state)
     ost_mouse_input_free(NULL);
 }
 
-/* The position follows from the tool's number, so a partial state would be detected. */
+/* The position is a function of the tool's number, so that a partial state is detected. */
 typedef struct putter {
     ost_mouse_input *input;
     _Atomic bool stop;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An operation: a device changes a world exactly as its path does without a
- * device; input that cannot be a hand's changes nothing; and everything is
- * recorded.
+ * Tests operations: a device changes a world exactly as the same path does without a device;
+ * input that cannot come from a hand changes nothing; everything is recorded.
  * Covers: AR-MOTOR-2, AR-MOTOR-4, AR-MOTOR-5, REQ-OPERATION, REQ-SAFETY, REQ-RECORDER
  */
 #include "ref/scene.h"
@@ -26,7 +25,7 @@ typedef struct fixture {
     ost_world *world;
 } fixture;
 
-/* 40 x 20 x 20 mm of bone at 1 mm and a peg of 2 x 2 x 6 mm. */
+/* Makes a bone of 40 x 20 x 20 mm with 1 mm voxels and a peg of 2 x 2 x 6 mm. */
 static fixture make_fixture(ost_backend *backend)
 {
     ost_error err = {0};
@@ -50,7 +49,7 @@ static void free_fixture(fixture *r)
     ost_bone_free(r->bone);
 }
 
-/* A path into the bone along x, 0.1 mm a tick. */
+/* Returns a path into the bone along x, 0.1 mm per tick. */
 static ost_path into_bone(size_t count)
 {
     ost_error err = {0};
@@ -102,7 +101,7 @@ static void a_script_is_its_path(void **state)
     free_fixture(&by_device);
 }
 
-/* The bone must be equal to that of the path without the faulty rows. */
+/* The bone must equal that of the same path without the faulty rows. */
 static void what_is_no_hands_is_left_out(void **state)
 {
     ost_error err = {0};
@@ -114,7 +113,7 @@ static void what_is_no_hands_is_left_out(void **state)
     } cases[] = {
         /* Away and back. */
         {OST_FAULT_JUMP, 100, 105, {{-100 * MM, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 0},
-        /* Half a turn within a tick, at the same position. */
+        /* Half a turn within one tick, at the same position. */
         {OST_FAULT_TURN, 100, 101, {{-5 * MM + 100 * MM / 10, 10 * MM, 5 * MM}, 0, OST_Q30_ONE, 0, 0}, 0},
         /* Not a rotation. */
         {OST_FAULT_TURN, 50, 60, {{0, 0, 0}, 0, 0, 0, 0}, 0},
@@ -144,12 +143,15 @@ static void what_is_no_hands_is_left_out(void **state)
     }
 }
 
-/* A tool that does not come back stays where it was: from 10 mm on, the bone is unchanged. */
+/*
+ * After a jump from which the tool does not return, the tool stays where it was, so the bone is unchanged from 10 mm
+ * on.
+ */
 static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 {
     fixture r = make_fixture(*state);
     ost_path path = into_bone(60);
-    /* Through the complete bone in one tick: the sweep could span it, but must not. */
+    /* The tool jumps through the entire bone in one tick. A sweep could span this distance, but must not. */
     for (size_t i = 50; i < 60; i++)
         path.ticks[i].pose.t.x = 45 * MM;
     const ost_operation_report done = operate(&r, "script", &path, NULL);
@@ -165,8 +167,8 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 }
 
 /*
- * A tool of rigid points in bone gives a force. A pose that jumps is a fault: the force becomes
- * zero and increases gradually afterwards.
+ * Pressing a tool of rigid points into bone gives a force. A pose that jumps is a fault: the
+ * force becomes zero, and increases gradually afterwards.
  */
 typedef struct felt {
     ost_operation *operation;
@@ -196,10 +198,10 @@ static void a_fault_lets_the_hand_alone(void **state)
     safety.ramp_s = 0.05;
     f = (felt){0};
     ost_path path = into_bone(400);
-    for (size_t i = 0; i < path.count; i++) /* at 4 mm/s into the bone's side, to 2 mm depth */
+    for (size_t i = 0; i < path.count; i++) /* at 4 mm/s into the bone's side, to a depth of 2 mm */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)(i < 200 ? i : 200) * MM / 100;
     path.ticks[300].pose.t.y += 50 * MM;
-    /* A tool that the force has and the world has not: the force is computed and must not be given. */
+    /* This tool exists in the force but not in the world: the force is computed, but must not be output. */
     for (size_t i = 360; i < 370; i++) {
         path.ticks[i].tool = 1;
         path.ticks[i].pose.t.x += (ost_pm)(i - 359) * MM / 10;
@@ -230,8 +232,8 @@ static void a_fault_lets_the_hand_alone(void **state)
 }
 
 /*
- * Every tick is rehearsed, some of them more than once: forces and bone are equal to those of
- * an operation without rehearsals.
+ * Every tick is rehearsed, some ticks more than once. Forces and bone must equal those of an
+ * operation without rehearsals.
  */
 static void a_rehearsal_leaves_no_trace(void **state)
 {
@@ -296,7 +298,7 @@ static void a_session_of_it_does_it_again(void **state)
     assert_ok(ost_session_header_create(&header, &err));
     assert_ok(ost_recorder_open(path_name, header, NULL, &recorder, &err));
     ost_session_header_free(header);
-    /* The first pose, and from there the hand's. */
+    /* The first pose, then the poses of the hand. */
     const ost_operation_report done = operate(&r, "script", &path, recorder);
     assert_int_equal(done.steps, 299);
     assert_ok(ost_recorder_close(recorder, &(ost_session_end){.ticks = done.steps}, &err));
@@ -322,7 +324,7 @@ static void a_session_of_it_does_it_again(void **state)
         assert_ok(ost_world_step(again.world, &t->tick, &step, &err));
         assert_true(ost_step_digest(&step, ost_world_classes(again.world)->count) == t->digest);
         assert_int_equal(t->removed, step.report->total_voxels);
-        /* The world's time advances in the skipped tick as well. */
+        /* Time also advances in the skipped tick. */
         assert_int_equal(t->tick.t_ns, (int64_t)(t->number + (t->number >= 80)) * 1000000);
     }
     assert_int_equal(ticks, 299);
@@ -337,8 +339,8 @@ static void a_session_of_it_does_it_again(void **state)
 }
 
 /*
- * A disk in memory. The test can hold it, which blocks the writer in the middle of a write, or
- * limit its size.
+ * A disk in memory. By locking `held`, the test blocks the writer in the middle of a write; by
+ * setting `full`, it simulates a full disk.
  */
 typedef struct disk {
     unsigned char bytes[1 << 17];
@@ -373,17 +375,17 @@ static int disk_sync(void *user)
 }
 
 /*
- * A disk that does not answer, a blocked writer, a full disk: every tick is
- * executed with the same result, and the recorder reports the records that were
- * not written.  A tick that waited would wait for ever, because the disk is
- * released only after the operation; the alarm ends such a test.
+ * Tests a blocked disk, a blocked disk with a small buffer, and a full disk. Every tick must be
+ * executed with the same result, and the recorder must report the records that were not
+ * written. A tick that waited for the disk would wait for ever, because the disk is released
+ * only after the operation; the alarm then ends the test.
  */
 static void it_does_not_wait_for_its_recorder(void **state)
 {
     static const struct {
         uint32_t capacity;
         bool full;
-        bool all; /* everything is written in the end */
+        bool all; /* all records are written in the end */
     } cases[] = {{1024, false, true}, {64, false, false}, {1024, true, false}};
     enum { TICKS = 200 };
     ost_error err = {0};
@@ -423,7 +425,7 @@ static void it_does_not_wait_for_its_recorder(void **state)
             assert_non_null(strstr(err.text, "the disk is full; 0 records are in the file, 200 are not"));
         else if (!cases[c].all)
             assert_non_null(strstr(err.text, "were lost: the disk was too slow"));
-        /* Two headers, and all records that fit. */
+        /* If the disk is not full, it contains two headers and all records that fit. */
         assert_int_equal(d.size > (now.put + 1) * SESSION_RECORD, !cases[c].full);
         ost_session_header_free(header);
         pthread_mutex_destroy(&d.held);
@@ -435,8 +437,8 @@ static void it_does_not_wait_for_its_recorder(void **state)
 }
 
 /*
- * Executes a tick of an operation: a device that selects no tool, with buttons, and the live
- * state afterwards.
+ * Executes one tick of an operation with a device that selects no tool. Stores the live state
+ * after the tick in *state.
  */
 static void tick_of(ost_operation *o, int64_t t_ms, ost_pose pose, uint32_t buttons, ost_live_channel *live,
                     ost_live_state *state)
@@ -455,8 +457,8 @@ static ost_pose pose_at(ost_pm x, ost_pm y, ost_pm z)
 }
 
 /*
- * With the motor off, a tool in bone removes nothing; with it on, its ticks are those of
- * ost_motor_path; in a late tick it counts as off.
+ * With the motor off, a tool in bone removes nothing. With the motor on, its ticks equal those
+ * of ost_motor_path. A tick that is too late counts as one with the motor off.
  */
 static void a_motor_belongs_to_the_operation(void **state)
 {
@@ -474,7 +476,7 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_ok(ost_operation_create(live_fixture.world, &options, &operation, &err));
     ost_motor motor = {0};
     for (int i = 0; i < 100; i++) {
-        const bool on = i >= 40 && i < 80; /* held from 40 to 59, switched on from 60 to 79 */
+        const bool on = i >= 40 && i < 80; /* button held from 40 to 59, switched on from 60 to 79 */
         const uint32_t buttons = i >= 40 && i < 60 ? 2 : (i >= 60 && i < 65) || (i >= 80 && i < 83) ? 4 : 0;
         ost_tick tick = {.t_ns = (int64_t)i * 1000000, .pose = pose_at(2 * MM + i * MM / 5, 10 * MM, 5 * MM)};
         tick_of(operation, i, tick.pose, i == 60 ? 6 : buttons, live, &s);
@@ -489,13 +491,13 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_true(totals.removed_voxels > 0);
     const ost_digest a = digest_of(live_fixture.bone), b = digest_of(by_hand.bone);
     assert_true(ost_digest_equal(&a, &b));
-    /* At 300 turns a minute an eighth of a turn takes 25 ms. */
+    /* At 300 rpm, an eighth of a turn takes 25 ms. */
     tick_of(operation, 200, pose_at(22 * MM, 10 * MM, 5 * MM), 2, live, &s);
     assert_int_equal(s.rpm, 0);
     tick_of(operation, 225, pose_at(22 * MM, 10 * MM, 5 * MM), 2, live, &s);
     assert_int_equal(s.rpm, 300);
     ost_operation_free(operation);
-    /* With speed 0 the motor is off whatever is held; a speed beyond the limit is refused. */
+    /* A speed beyond the limit is refused. */
     assert_int_equal(ost_operation_create(live_fixture.world, &(ost_operation_options){.rpm = 3001}, &operation, &err),
                      OST_ERR_USAGE);
     ost_live_free(live);
@@ -503,7 +505,7 @@ static void a_motor_belongs_to_the_operation(void **state)
     free_fixture(&by_hand);
 }
 
-/* Next tool, clutch and home, by a button and by a key. */
+/* The actions next tool, clutch and home are tested with buttons and with keys. */
 static void buttons_do_what_their_table_says(void **state)
 {
     ost_error err = {0};
@@ -540,8 +542,9 @@ static void buttons_do_what_their_table_says(void **state)
         assert_int_equal(s.tool, 0);
         assert_int_equal(s.pose.t.x, -10 * MM);
         /*
-         * The device moves 60 mm through the bone and beyond in steps that would be jumps; the
-         * tool stays, and later continues from there.
+         * While the clutch is held, the device moves 60 mm through the bone and beyond, in
+         * steps that would otherwise be jumps. The tool stays in place and later continues from
+         * there.
          */
         for (int i = 0; i < 10; i++, x += 6 * MM)
             TICK(clutch);
@@ -551,7 +554,7 @@ static void buttons_do_what_their_table_says(void **state)
         x += MM;
         TICK(0);
         assert_true(llabs(s.pose.t.x + 9 * MM) <= 1);
-        /* Home, from inside the bone: nothing is removed on the way. */
+        /* The action home moves the tool out of the bone without removing anything on the way. */
         for (int i = 0; i < 20; i++, x += MM)
             TICK(0);
         ost_world_totals before, after;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The servo loop with devices made for these tests: silent, lost, late, and with
- * a clock of their own.  No test compares times; the tests check counts, and that
- * a tick that certainly took too long was detected.
+ * Tests the servo loop with devices made for these tests: devices without samples, lost ones,
+ * late ones, and ones with their own clock. No test compares times. The tests check counts, and
+ * that a tick that is certain to have been too long is detected.
  * Covers: REQ-SERVO
  */
 #include "harness.h"
@@ -15,7 +15,10 @@
 #include "haptics/driver.h"
 #include "haptics/thread_time.h"
 
-/* The device's answers, one letter per read: Fresh, Stale, Unseen, Ended, Lost; the last one repeats. */
+/*
+ * A device with given answers, one letter per read; the last one repeats. F: fresh, S: no sample, U: not tracked, E:
+ * ended, any other letter: lost.
+ */
 static struct haptic_instance {
     const char *answers;
     int reads, writes;
@@ -57,7 +60,7 @@ static void fake_write(haptic_instance *f, const ost_wrench *wrench)
     f->last = *wrench;
 }
 
-/* A device whose own thread calls `beat` until it returns false; run waits for that thread. */
+/* A device with its own thread, which calls `beat` until it returns false. fake_run waits for the thread. */
 typedef struct own_clock {
     haptic_beat *beat;
     void *user;
@@ -119,8 +122,8 @@ static const haptic_driver absent = {.name = "absent", .usable = never, .open = 
 typedef struct seen {
     uint64_t ticks, declared, tracking_lost, done, missed;
     uint64_t stop_at;  /* 0: never */
-    uint64_t sleep_at; /* that tick takes 12 ms */
-    uint64_t rehearsals, rehearsed; /* in total; ticks preceded by at least one */
+    uint64_t sleep_at; /* this tick takes 12 ms */
+    uint64_t rehearsals, rehearsed; /* rehearsals in total; ticks with a rehearsal before them */
     uint64_t rehearsals_before;
     ost_haptic_state last;
     int64_t t_ns;
@@ -153,7 +156,7 @@ static void on_done(void *user, uint64_t number, uint32_t exec_ns)
     (void)exec_ns;
     assert_int_equal(number, s->done);
     s->done++;
-    assert_true(fake.last.force_n[0] == 2); /* the wrench was written before */
+    assert_true(fake.last.force_n[0] == 2); /* the wrench has been written before */
 }
 
 static ost_servo_report report;
@@ -170,7 +173,7 @@ static seen run_with(const haptic_driver *driver, const char *answers, const ost
     assert_int_equal(report.exec.count, s.ticks);
     assert_int_equal(report.wake.count, s.ticks);
     assert_int_equal(report.completion.count, s.ticks);
-    /* However the loop ended, the last force is zero. */
+    /* Whatever the reason for the loop's end, the last force is zero. */
     assert_true(fake.last.force_n[0] == 0);
     assert_int_equal(fake.writes, (int)s.ticks + 1);
     ost_haptic_close(device);
@@ -197,9 +200,9 @@ static void a_loop_ends_as_it_says(void **state)
 static void a_silent_device_gets_no_force(void **state)
 {
     (void)state;
-    alarm(60); /* a loop without its watchdog would not end */
+    alarm(60); /* without its watchdog the loop would not end */
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true};
-    /* Four ticks without a pose are bridged by the last pose; the fifth in a row ends the loop. */
+    /* For up to four ticks without a sample the last pose is used; a fifth in a row ends the loop. */
     seen s = run_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
     assert_int_equal(s.ticks, 12);
     assert_int_equal(s.declared, 8);
@@ -209,7 +212,7 @@ static void a_silent_device_gets_no_force(void **state)
     s = run_with(&polled, "FSSSSS", &fast, (seen){0});
     assert_int_equal(s.ticks, 5);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
-    /* Before a device's first pose no tick runs. */
+    /* No tick runs before the device's first pose. */
     s = run_with(&polled, "S", &fast, (seen){0});
     assert_int_equal(s.ticks, 0);
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
@@ -228,7 +231,7 @@ static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
     assert_int_equal(report.tracking_lost, 11);
     assert_int_equal(report.without_sample, 8);
     assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
-    /* A device may start untracked: time advances, and the tick is marked as having no pose. */
+    /* A device may be untracked at the start: time advances, and ticks are marked as having no pose. */
     s = run_with(&polled, "U", &hundred, (seen){0});
     assert_int_equal(s.tracking_lost, 100);
     assert_int_equal(s.last.pose.qw, 0);
@@ -244,14 +247,14 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
     const ost_servo_options options = {.ticks = 30, .no_realtime = true};
     const seen s = run_with(&timed, "F", &options, (seen){.sleep_at = 10});
     assert_int_equal(s.ticks, 30);
-    /* In 12 ms at least 11 complete periods follow the period of the tick. */
+    /* The tick of 12 ms lasts beyond its own period and for at least 11 complete further periods. */
     assert_true(report.longest_miss >= 11);
     assert_true(report.missed >= 12);
     assert_true(s.missed >= 11);
     assert_true(report.exec.max_ns >= 12000000);
     assert_true(report.completion.max_ns >= 12000000);
     assert_true(ost_times_share_us(&report.exec, 1) >= 12000);
-    /* The tick waited without using the processor; the time is its own work all the same. */
+    /* The tick waited without using the processor; this time counts as its own work nevertheless. */
     assert_true(report.own.max_ns >= 12000000);
     assert_true(report.missed_by_work >= 12);
     assert_int_equal(report.missed_by_work + report.missed_woken_late + report.missed_preempted, report.missed);
@@ -266,15 +269,15 @@ static void who_is_to_blame(void **state)
                       coarse = {.wall_ns = 9000, .cpu_ns = 9700, .waits = 3};
     assert_int_equal(thread_time_between(&from, &taken), 100);
     assert_int_equal(thread_time_between(&from, &waited), 4000);
-    /* processor time and wall time come from different clocks */
+    /* the processor time may exceed the wall time, since they come from different clocks */
     assert_int_equal(thread_time_between(&from, &coarse), 4000);
     assert_int_equal(classify_missed_deadline(501, 0, 1000), MISSED_BY_WORK);
-    assert_int_equal(classify_missed_deadline(501, 5000, 1000), MISSED_BY_WORK); /* in doubt the tick is the cause */
+    assert_int_equal(classify_missed_deadline(501, 5000, 1000), MISSED_BY_WORK); /* in doubt, the tick is the cause */
     assert_int_equal(classify_missed_deadline(500, 1000, 1000), MISSED_WOKEN_LATE);
     assert_int_equal(classify_missed_deadline(500, 999, 1000), MISSED_PREEMPTED);
 }
 
-/* A thread's own work and its waiting, as measured on this machine. */
+/* Tests a thread's processor time and waiting time with measurements on this machine. */
 static void thread_time_is_what_was_used(void **state)
 {
     (void)state;
@@ -309,8 +312,8 @@ static void on_rehearsal(void *user)
 }
 
 /*
- * A loop with a clock rehearses at least once before every tick; a loop called by a device's
- * own thread never does.
+ * A loop with a clock rehearses at least once before every tick. A loop that a device's own
+ * thread calls never rehearses.
  */
 static void every_tick_is_rehearsed(void **state)
 {
@@ -371,8 +374,8 @@ static void the_thread_is_afterwards_as_it_was(void **state)
 
 typedef struct placed {
     int core;   /* of the loop */
-    int away;   /* ticks that ran on another core */
-    bool apart; /* a thread created meanwhile may not run there */
+    int away;   /* number of ticks that ran on another core */
+    bool apart; /* a thread created in the meantime may not run on the core */
 } placed;
 
 static void *where_am_i(void *user)
@@ -393,8 +396,8 @@ static bool on_placed_tick(void *user, const ost_servo_sample *sample, ost_wrenc
 }
 
 /*
- * The loop has a core of its own; a thread created after ost_servo_core_leave does not run
- * there; afterwards the loop's thread may use all cores again.
+ * The loop runs on a core of its own. A thread that is created after ost_servo_core_leave does
+ * not run on this core. After the loop, its thread may run on all other cores again.
  */
 static void the_loop_has_a_core_of_its_own(void **state)
 {
@@ -421,7 +424,7 @@ static void the_loop_has_a_core_of_its_own(void **state)
     assert_int_equal(sched_getaffinity(0, sizeof set, &set), 0);
     assert_false(CPU_ISSET(p.core, &set));
     printf("# on %s\n", report.realtime.core);
-    /* A core that does not exist does not prevent the loop from running. */
+    /* The loop also runs if the requested core does not exist. */
     const ost_servo_options elsewhere = {
         .ticks = 2, .no_clock = true, .no_realtime = true, .pinned = true, .core = CPU_SETSIZE};
     assert_ok(ost_servo_run(device, &elsewhere, on_placed_tick, NULL, &p, &report, &err));
@@ -429,7 +432,7 @@ static void the_loop_has_a_core_of_its_own(void **state)
     assert_false(ost_servo_core_leave(-1));
     ost_haptic_close(device);
     assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
-    /* If there is only one core, none is reserved. */
+    /* If there is only one core, it is not reserved. */
     CPU_ZERO(&set);
     CPU_SET(p.core, &set);
     assert_int_equal(sched_setaffinity(0, sizeof set, &set), 0);

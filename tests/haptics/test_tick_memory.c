@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tick allocates no memory and makes no system calls except those for times.
- * This covers the loop, the operation, the step of the world and the recorder,
- * with a tool in contact that reaches chunk after chunk.
+ * Tests that a tick allocates no memory and makes no system calls except those for times. This
+ * covers the loop, the operation, the step of the world and the recorder, with a tool in
+ * contact that enters one chunk after another.
  *
- * malloc and related functions are replaced here and count while a tick runs;
- * that requires glibc and no sanitizer, elsewhere the test is skipped.  System
- * calls are detected by a Linux filter (seccomp) in a separate process, which
- * ends at the first call that is not allowed.
+ * malloc and related functions are replaced by functions that count calls while a tick runs.
+ * This requires glibc and no sanitizer; otherwise the test is skipped. System calls are
+ * detected by a Linux filter (seccomp) in a separate process, which ends at the first call that
+ * is not allowed.
  * Covers: REQ-SERVO
  */
 #include "ref/scene.h"
@@ -98,7 +98,7 @@ static void watched_done(void *operation, uint64_t number, uint32_t exec_ns)
     watching = false;
 }
 
-/* A tool that moves into the bone, across the borders of its chunks, and rotates a little. */
+/* A scene in which a tool moves into the bone, across chunk borders, and rotates slightly. */
 enum { TICKS = 400 };
 typedef struct scene {
     ost_bone *bone;
@@ -137,7 +137,7 @@ static scene make_scene(ost_backend *backend)
     return s;
 }
 
-/* Starts the recorder and with it its thread. */
+/* Starts the recorder and its thread, the device and the operation. */
 static void begin(scene *s)
 {
     ost_error err = {0};
@@ -190,7 +190,7 @@ static void a_tick_allocates_nothing(void **state)
     ost_world_totals_get(s.world, &totals);
     assert_true(totals.removed_voxels > 10000 && done.touching_ticks > 300);
     assert_int_equal(counted, 0);
-    /* Checks that the counter counts. */
+    /* Checks that allocations are counted. */
     watching = true;
     void *volatile some = calloc(1, 100);
     watching = false;
@@ -213,7 +213,10 @@ static void print_and_end(int number, siginfo_t *info, void *context)
     _exit(REFUSED);
 }
 
-/* Allows the clocks, the thread's processor usage, and the calls that report a refused one. */
+/*
+ * Installs a filter that allows only the clocks, the query of processor usage, and the calls needed to report a refused
+ * call.
+ */
 static bool begin_filter(void)
 {
     struct sock_filter rules[] = {
@@ -252,7 +255,7 @@ static bool calling_tick(void *operation, const ost_servo_sample *sample, ost_wr
     return getppid() > 0 && go_on;
 }
 
-/* Runs the ticks under the filter in a new process, and returns its exit status. */
+/* Runs the ticks in a new process under the filter and returns its exit status. */
 static int status_of(scene *s, ost_servo_tick *tick)
 {
     fflush(NULL);
@@ -281,7 +284,7 @@ static void a_tick_calls_the_system_for_times_alone(void **state)
     if (status == NO_FILTER)
         skip();
     assert_int_equal(status, 0);
-    /* Checks that the filter detects a call. */
+    /* Checks that the filter detects a system call. */
     assert_int_equal(status_of(&s, calling_tick), REFUSED);
     begin(&s);
     free_scene(&s);

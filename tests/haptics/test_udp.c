@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The device udp and the bridge over loopback, at ports that the system selects:
- * packets that are accepted, and those that are dropped and counted; silence;
- * poses that no hand reaches; two bridges at once.  Tests wait for answers; none
- * depends on time.
+ * Tests the device udp and the bridge over loopback, on ports that the system selects: packets
+ * that are accepted, packets that are dropped and counted, silence, poses that no hand can
+ * reach, and two bridges at once. The tests wait for answers; none depends on time.
  * Covers: REQ-LINK
  */
 #include "harness.h"
@@ -76,7 +75,7 @@ static uint64_t counted(const ost_haptic *device, const char *name)
     return 0;
 }
 
-/* Waits until the named count reaches the value. */
+/* Waits until the count of this name reaches the value. */
 static void await_count(const ost_haptic *device, const char *name, uint64_t value)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
@@ -115,7 +114,7 @@ static link_packet answer(int s)
     return p;
 }
 
-/* A bridge simulated by the test. */
+/* A bridge, simulated by the test. */
 typedef struct client {
     int socket;
     link_packet pose;
@@ -152,7 +151,7 @@ static void poses_in_and_states_out(void **state)
     char where[64];
     ost_haptic_state hand;
     ost_haptic *device = listen_at(where, "");
-    /* No bridge yet: the device waits. */
+    /* While there is no bridge, tracking is lost. */
     for (int i = 0; i < 20; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     client c = greet(where, 77);
@@ -170,11 +169,11 @@ static void poses_in_and_states_out(void **state)
                 s.torque_unm[2] == 500000);
     assert_true(s.stiffness == 300000 && s.damping == 500 && s.flags == 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
-    /* The bridge's last packet. */
+    /* This is the last packet of the bridge. */
     send_pose_packet(&c, MM, LINK_ENDED);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_ENDED);
     ost_haptic_close(device);
-    assert_true(answer(c.socket).flags & LINK_ENDED); /* the simulation's last packet */
+    assert_true(answer(c.socket).flags & LINK_ENDED); /* last packet of the simulation */
     close(c.socket);
 }
 
@@ -195,13 +194,13 @@ static void what_is_dropped_is_counted(void **state)
     p.sequence = 100;
     send_sealed(c.socket, other, &p);
     await_count(device, "wrong_key", 1);
-    /* A repeated packet; then one for another run of the simulation. */
+    /* A repeated packet, then a packet for another run of the simulation. */
     send_sealed(c.socket, key, &c.pose);
     await_count(device, "replayed", 1);
     p.simulation++;
     send_sealed(c.socket, key, &p);
     await_count(device, "replayed", 2);
-    /* Two packets in the wrong order: the newer one is used, and one between them is missing. */
+    /* Two packets arrive in the wrong order. The newer one is used, and one packet between them is missing. */
     p = c.pose;
     p.sequence = c.pose.sequence + 3;
     p.pose.t.x = MM + 300;
@@ -215,8 +214,8 @@ static void what_is_dropped_is_counted(void **state)
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(hand.pose.t.x == MM + 300);
     /*
-     * Truncated, empty, a state, too long; then a flood of noise in which valid packets must be
-     * accepted.
+     * Sends truncated packets, an empty one, a state and one that is too long. Then sends
+     * noise, during which valid packets must still be accepted.
      */
     uint8_t bytes[2000];
     const size_t size = link_seal(key, &p, bytes);
@@ -237,7 +236,7 @@ static void what_is_dropped_is_counted(void **state)
             link_encode(&p, bytes);
         if (send(c.socket, bytes, n, 0) < 0)
             assert_int_equal(errno, ENOBUFS);
-        if (i % 50 == 0) { /* not more than a socket buffers */
+        if (i % 50 == 0) { /* not more packets than a socket buffers */
             c.pose.sequence = 1000 + (uint64_t)i;
             send_pose_packet(&c, MM + i, LINK_SEEN);
             assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -262,8 +261,8 @@ static void silence_is_declared_and_then_the_device_is_lost(void **state)
     for (int i = 0; i < 16; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     /*
-     * After 20 ticks of silence the hand is 20 mm farther: it could have moved there, and the
-     * tool follows in steps below a jump.
+     * After 20 ticks of silence the hand is 20 mm farther away. It could have moved there in
+     * this time, so the tool follows, in steps that are not jumps.
      */
     send_pose_packet(&c, MM + 20 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -290,7 +289,7 @@ static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
     send_pose_packet(&c, 50 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     ost_haptic_write(device, &(ost_wrench){{0}, {0}});
-    /* Until the bridge releases the tool, none of its poses is accepted, not even a near one. */
+    /* Until the bridge releases the tool, all of its poses are rejected, even near ones. */
     link_packet s = send_pose_packet(&c, MM, LINK_SEEN);
     assert_true((s.flags & LINK_AGAIN) && s.pose.t.x == MM);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
@@ -300,7 +299,7 @@ static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
     s = send_pose_packet(&c, MM + 5, LINK_SEEN);
     assert_int_equal(s.flags, 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
-    /* A rotation that no hand makes is rejected as well. */
+    /* A rotation that is impossible for a hand is also rejected. */
     c.pose.pose.qw = 0;
     c.pose.pose.qx = OST_Q30_ONE;
     send_pose_packet(&c, MM + 5, LINK_SEEN);
@@ -319,8 +318,8 @@ static void one_bridge_at_a_time(void **state)
     client a = greet(where, 1);
     send_pose_packet(&a, MM, LINK_SEEN);
     /*
-     * Within a second of the first bridge's last packet, a second one is refused. On a slow
-     * machine that second may have passed; then it is accepted.
+     * For a second after the first bridge's last packet, a second bridge is refused. On a slow
+     * machine this second may have passed, and then the second bridge is accepted.
      */
     const int s = connect_to(where);
     send_sealed(s, key, &(link_packet){.type = LINK_HELLO, .bridge = 2, .sequence = 1, .tool = -1});
@@ -380,8 +379,8 @@ typedef struct stand_in {
     int socket;
     pthread_t thread;
     char to[64];
-    int silent_from, silent_to; /* numbers of the poses that are not answered */
-    int end_at;                 /* the pose at which it reports its end */
+    int silent_from, silent_to; /* range of pose numbers without an answer */
+    int end_at;                 /* number of the pose at which it reports its end */
     _Atomic bool stop;
     int poses, seen, let_go, jumps;
 } stand_in;
@@ -410,8 +409,8 @@ static void *stand_in_serves(void *user)
             if (p.flags & LINK_SEEN) {
                 const int64_t way = llabs(p.pose.t.z - last.t.z);
                 /*
-                 * A hand that holds the tool moves 100 pm in a ns, also while this thread waits
-                 * for a processor.
+                 * While a hand holds the tool, it moves by at most 100 pm per ns, also while
+                 * this thread waits for a processor.
                  */
                 s->jumps += way > 2 * MM + (tracked ? (p.t_ns - last_ns) * 100 : 0);
                 last_ns = p.t_ns;
@@ -473,7 +472,7 @@ static ost_haptic *a_hand(ost_path *path)
     ost_error err = {0};
     ost_haptic *device;
     assert_ok(ost_path_init(path, 100000, &err));
-    for (size_t i = 0; i < path->count; i++) /* 0.1 m/s down, from far away */
+    for (size_t i = 0; i < path->count; i++) /* at 0.1 m/s down, from far away */
         path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
                                     .rpm = OST_RPM_ON,
                                     .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};
@@ -527,8 +526,8 @@ static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(voi
     assert_true(report.limps >= 1);
     assert_true(report.limp_ticks >= 100);
     /*
-     * While there are no states the bridge reports that nobody holds the tool; later the tool
-     * continues where it was, although the device moved 40 mm.
+     * While no states arrive, the bridge reports that the tool is not held. Afterwards the tool
+     * continues from its position, although the device has moved 40 mm.
      */
     assert_true(s->let_go >= 100);
     assert_int_equal(s->jumps, 0);
@@ -541,7 +540,7 @@ static void where_nobody_answers(void **state)
     ost_error err = {0};
     stand_in *s = stand();
     start(s);
-    /* The stand-in drops packets signed with another key. */
+    /* The stand-in drops packets that were signed with another key. */
     assert_int_equal(cross(s->to, other_file, 0, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "no simulation answers at 127.0.0.1"));
     assert_int_equal(cross("nowhere", key_file, 10, &err), OST_ERR_USAGE);

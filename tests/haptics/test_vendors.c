@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Drivers of vendors' devices against stand-ins for the vendors' libraries: the
- * calls and their order; frames and forces computed by hand; the loop's results
- * with a library that is absent or lacks a function, and with a device that is
- * absent, goes away, gets warm, hangs or returns no number; the limits that
- * devices report; and an operation whose motor and tools are switched by a
- * device's buttons.
+ * Tests the drivers of vendors' devices with stand-ins for the vendors' libraries: the calls
+ * and their order; frames and forces computed by hand; the loop's results if a library is
+ * absent or lacks a function, and if a device is absent, is unplugged, overheats, hangs or
+ * returns NaN; the limits that devices report; and an operation whose motor and tools are
+ * switched by buttons of a device.
  */
 #include "ref/scene.h"
 
@@ -23,7 +22,7 @@
 #define HD "OSTEON_OPENHAPTICS_LIBRARY"
 #define SPNAV "OSTEON_SPNAV_LIBRARY"
 
-/* Returns the file of a stand-in, relative to the folder of make check. */
+/* Returns the path of a stand-in in the build folder of make check. */
 static const char *fake_file(const char *name)
 {
     static char path[4096];
@@ -33,8 +32,8 @@ static const char *fake_file(const char *name)
 }
 
 /*
- * Replaces the vendor's library by the stand-in and returns its cleared record. Skips the test
- * if there are no shared objects.
+ * Replaces the vendor's library with the stand-in and returns the stand-in's record, cleared.
+ * Skips the test if shared objects were not built.
  */
 static fake_note *take_place(const char *variable, const char *name, const char *note_name)
 {
@@ -95,7 +94,7 @@ static void absent_and_short_libraries(void **state)
 
 static ost_haptic_setup at_start(void)
 {
-    /* The tool's axis is the bone's x: a quarter turn about y takes its z there. */
+    /* A quarter turn about y rotates the tool's axis z to the bone's x. */
     const int32_t c = 759250125;
     return (ost_haptic_setup){.start = {.t = {10 * MM, 20 * MM, 30 * MM}, .qw = c, .qy = c}};
 }
@@ -115,8 +114,9 @@ static void dhd_frames_and_forces(void **state)
         assert_true(abs((&s.pose.qw)[i] - (&setup.start.qw)[i]) <= 2);
     assert_int_equal(s.tool, -1);
     /*
-     * 1 mm away from the operator (x -1), 2 mm to the right (y), 3 mm up (z): the
-     * tool's z, x and y.  The tool's x is the bone's -z, its y y, its z x.
+     * The device moves 1 mm away from the operator (-x), 2 mm to the right (y) and 3 mm up (z).
+     * These are the tool's z, x and y. The tool's x is the bone's -z, its y is the bone's y,
+     * and its z is the bone's x.
      */
     note->position[0] = -0.001;
     note->position[1] = 0.002;
@@ -126,7 +126,7 @@ static void dhd_frames_and_forces(void **state)
     assert_true(llabs(s.pose.t.x - (10 - 2) * MM) < 100 && llabs(s.pose.t.y - (20 + 6) * MM) < 100 &&
                 llabs(s.pose.t.z - (30 - 4) * MM) < 100);
     assert_int_equal(s.buttons, 5);
-    /* A force along the bone's x pulls the device toward the operator. */
+    /* A force along the bone's x pulls the device towards the operator. */
     const ost_wrench wrench = {{1, 2, 3}, {0.1, 0.2, 0.3}};
     ost_haptic_write(device, &wrench);
     assert_true(fabs(note->force[0] - 1) < 1e-8 && fabs(note->force[1] + 3) < 1e-8 && fabs(note->force[2] - 2) < 1e-8);
@@ -147,7 +147,7 @@ static void dhd_turns(void **state)
     ost_haptic *device;
     ost_haptic_state s;
     assert_ok(ost_haptic_open("dhd", &setup, &device, &err));
-    /* A quarter turn of the handle about the device's x, which is the tool's z. */
+    /* The handle rotates by a quarter turn about the device's x, which is the tool's z. */
     static const double turned[3][3] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
     memcpy(note->column, turned, sizeof turned);
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
@@ -169,7 +169,7 @@ static void dhd_fails(void **state)
     note->fail_open = 0;
     assert_int_equal(ost_haptic_open("dhd:scale=0", NULL, &device, &err), OST_ERR_USAGE);
     assert_int_equal(ost_haptic_open("dhd:size=3", NULL, &device, &err), OST_ERR_USAGE);
-    /* Not a number: an invalid pose; the device continues. */
+    /* NaN gives an invalid pose in one tick, and the device continues. */
     note->no_number_at = 2;
     note->fail_read_at = 4;
     assert_ok(ost_haptic_open("dhd", NULL, &device, &err));
@@ -179,7 +179,7 @@ static void dhd_fails(void **state)
     }
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
-    /* A force that cannot be written: the device is lost at the next tick. */
+    /* If a force cannot be written, the device is lost at the next tick. */
     note = take_place(DHD, "fake_dhd", "fake_dhd");
     note->fail_write_at = 1;
     assert_ok(ost_haptic_open("dhd", NULL, &device, &err));
@@ -236,7 +236,7 @@ static void openhaptics_frames(void **state)
     assert_true(s.last.pose.t.x == MM && s.last.pose.t.z == -4 * MM && s.last.pose.qw == OST_Q30_ONE);
     assert_string_equal(note->calls, "is<m(f)m(f)m(f)>ud");
     assert_true(note->most_force > 1.49 && note->most_force < 1.51);
-    /* In the frame that ends the loop the force is zero. */
+    /* In the frame that ends the loop, the force is zero. */
     assert_true(note->force[0] == 0 && note->force[1] == 0 && note->force[2] == 0);
 }
 
@@ -257,13 +257,13 @@ static void openhaptics_fails(void **state)
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
     assert_int_equal(s.ticks, 3);
     assert_true(note->force[0] == 0);
-    /* Warm from its first frame: poses, but no force within these ticks. */
+    /* The device is too warm from its first frame on: it returns poses, but outputs no force within these ticks. */
     note = take_place(HD, "fake_hd", "fake_hd");
     note->warm_at = 1;
     assert_ok(run(&s, 20, &report, &err));
     assert_int_equal(s.ticks, 20);
     assert_true(note->most_force == 0);
-    /* Not a number: an invalid pose for that tick. */
+    /* NaN gives an invalid pose in one tick. */
     note = take_place(HD, "fake_hd", "fake_hd");
     note->no_number_at = 2;
     assert_ok(run(&s, 5, &report, &err));
@@ -304,8 +304,8 @@ static void openhaptics_reports_its_limits(void **state)
         const ost_haptic_limits l = limits_of("openhaptics");
         assert_int_equal(ost_haptic_limits_usable(&l), cases[i].usable);
         /*
-         * A negative force represents a parameter that the library does not have: the error is
-         * not the device's.
+         * A negative force stands for a parameter that the library does not have. This error
+         * must not be attributed to the device.
          */
         if (cases[i].usable)
             assert_true(l.force_n == cases[i].force && l.continuous_n == cases[i].continuous && l.torque_nm == 0);
@@ -323,7 +323,7 @@ static void openhaptics_reports_its_limits(void **state)
 static void dhd_has_the_limits_of_its_type(void **state)
 {
     (void)state;
-    /* DHD_DEVICE_... of the SDK, and the vendors' data sheets. */
+    /* The types are those of the SDK (DHD_DEVICE_...), the limits those of the vendors' data sheets. */
     static const struct {
         int type;
         double force, torque;
@@ -364,7 +364,7 @@ typedef struct course {
     ost_live_channel *live;
     ost_world *world;
     fake_note *note;
-    double *along, step; /* the device's coordinate along the bone's x, and 0.1 mm in its unit */
+    double *along, step; /* the device's coordinate for the bone's x; 0.1 mm in its unit */
     int tick;
     uint64_t removed[TICKS];
     ost_live_state seen[TICKS];
@@ -377,8 +377,8 @@ static int held_at(int tick)
 }
 
 /*
- * Each tick is a millisecond of the course, however late the machine is; then sets the position
- * for the next one.
+ * Runs a tick of the course as one millisecond, however late the machine is, and sets the
+ * position for the next tick.
  */
 static bool follow_course(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
@@ -400,8 +400,8 @@ static bool follow_course(void *user, const ost_servo_sample *sample, ost_wrench
 }
 
 /*
- * Through 40 mm of bone along x with the device's own buttons: motor off, on, off, the next
- * tool, and on again.
+ * Moves through 40 mm of bone along x and presses the device's own buttons: motor off, on, off,
+ * next tool, motor on.
  */
 static void operate_by_buttons(const char *name, fake_note *note, double *along, double step)
 {
@@ -441,7 +441,7 @@ static void operate_by_buttons(const char *name, fake_note *note, double *along,
         assert_int_equal(c.seen[i].rpm, held_at(i) == 1 ? 200 : 0);
         assert_int_equal(c.seen[i].tool, i >= TOOL_FROM);
     }
-    assert_int_equal(c.removed[MOTOR_FROM - 1], 0); /* 3 mm deep in bone by then */
+    assert_int_equal(c.removed[MOTOR_FROM - 1], 0); /* the tool is already 3 mm deep */
     assert_true(c.removed[MOTOR_TO - 1] > 10);
     assert_int_equal(c.removed[SECOND_FROM - 1], c.removed[MOTOR_TO - 1]);
     assert_true(c.removed[SECOND_TO - 1] > c.removed[MOTOR_TO - 1] + 10);
@@ -458,9 +458,9 @@ static void buttons_of_devices_switch_motor_and_tool(void **state)
 {
     (void)state;
     fake_note *note = take_place(HD, "fake_hd", "fake_hd");
-    operate_by_buttons("openhaptics", note, &note->position[0], 0.1); /* mm to the right, the tool's x */
+    operate_by_buttons("openhaptics", note, &note->position[0], 0.1); /* in mm to the right, the tool's x */
     note = take_place(DHD, "fake_dhd", "fake_dhd");
-    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* m to the right */
+    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* in m to the right */
 }
 
 /* ------------------------------------------------------------------- spnav */
@@ -492,7 +492,7 @@ static void spnav_moves_while_it_is_pushed(void **state)
     (void)state;
     fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     fake_feed *feed = feed_of();
-    const ost_haptic_setup setup = at_start(); /* the tool's x is the bone's -z, its y y, its z x */
+    const ost_haptic_setup setup = at_start(); /* the tool's x is the bone's -z, its y the bone's y, its z x */
     ost_error err = {0};
     ost_haptic *device;
     ost_haptic_state s;
@@ -501,26 +501,26 @@ static void spnav_moves_while_it_is_pushed(void **state)
     assert_memory_equal(&s.pose.t, &setup.start.t, sizeof s.pose.t);
     assert_int_equal(s.tool, -1);
     /*
-     * Pushed away (libspnav's z) beyond the full deflection: 10 mm/s along the tool's -z. One
-     * event is enough for all following ticks.
+     * The device is pushed away from the operator (libspnav's z) beyond its full deflection, so
+     * the tool moves at 10 mm/s along its -z. One event is sufficient for all following ticks.
      */
     put_event(feed, 1, 5, -9, 500, 0, 0, 0);
     read_on(device, 1000, &s);
     assert_true(llabs(s.pose.t.x - 0) < 1000 && s.pose.t.y == 20 * MM && s.pose.t.z == 30 * MM);
-    /* Half of the range beyond the dead zone to the left: 5 mm/s. */
+    /* A push to the left by half of the range beyond the dead zone moves the tool at 5 mm/s. */
     put_event(feed, 1, -180, 0, 0, 0, 0, 0);
     read_on(device, 200, &s);
     assert_true(llabs(s.pose.t.z - 31 * MM) < 1000 && llabs(s.pose.t.x) < 1000);
-    /* After release it does not move. */
+    /* After release the tool does not move. */
     put_event(feed, 1, 0, 0, 0, 0, 0, 0);
     read_on(device, 100, &s);
     assert_true(llabs(s.pose.t.z - 31 * MM) < 1000);
-    /* Rotated about its y for a second: a quarter turn more about the bone's y. */
+    /* A rotation about the device's y for one second adds a quarter turn about the bone's y. */
     put_event(feed, 1, 0, 0, 0, 0, 350, 0);
     read_on(device, 1000, &s);
     assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 &&
                 abs(s.pose.qz) < 1 << 10);
-    /* Buttons are reported while they are pressed; 32 at most. */
+    /* Buttons are reported while they are pressed, at most 32. */
     put_event(feed, 1, 0, 0, 0, 0, 0, 0);
     put_event(feed, 2, 1, 1, 0, 0, 0, 0);
     put_event(feed, 2, 1, 5, 0, 0, 0, 0);
@@ -550,7 +550,7 @@ static void spnav_only_while_held_and_lost(void **state)
     assert_string_equal(note->calls, "oc");
     note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     assert_ok(ost_haptic_open("spnav:hold=1", &setup, &device, &err));
-    /* Listing the devices leaves its one connection untouched. */
+    /* Listing the devices does not affect the only connection. */
     assert_ok(ost_haptic_describe(spnav, &info, &err));
     assert_true(info.available);
     assert_string_equal(note->calls, "o");
@@ -576,7 +576,7 @@ static void spnav_only_while_held_and_lost(void **state)
     read_on(device, 2, &s);
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
-    /* The daemon does not run. */
+    /* The daemon is not running. */
     note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     note->fail_open = 1;
     assert_int_equal(ost_haptic_open("spnav", &setup, &device, &err), OST_ERR_UNAVAILABLE);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * CT texts for tests, made by plain code that shares nothing with the library's writer:
- * positions are rounded half up, and densities follow a formula that never gives equal
- * neighbouring layers.
+ * Makes CT texts by plain code that shares nothing with the library's writer: positions are
+ * rounded half up, and densities follow a formula that gives neighbouring layers different
+ * values.
  */
 #ifndef OST_TESTS_CT_TEXT_H
 #define OST_TESTS_CT_TEXT_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A scratch folder for tests that read and write files; removed together with its files.
- * Include after harness.h.
+ * A scratch folder for tests that read and write files. The folder is removed together with its
+ * files. Include this file after harness.h.
  */
 #ifndef OST_TESTS_IO_SCRATCH_H
 #define OST_TESTS_IO_SCRATCH_H
@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Creates a folder under TMPDIR and returns its name, which scratch_remove frees. */
+/* Creates a folder under TMPDIR and returns its path, which scratch_remove frees. */
 static inline char *scratch_folder(void)
 {
     const char *base = getenv("TMPDIR");
@@ -22,7 +22,7 @@ static inline char *scratch_folder(void)
     return folder;
 }
 
-/* Returns the number of files in it, hidden ones included. */
+/* Returns the number of files in the folder, including hidden ones. */
 static inline int scratch_count(const char *folder)
 {
     int count = 0;
@@ -46,7 +46,7 @@ static inline void scratch_remove(char *folder)
     free(folder);
 }
 
-/* Returns the complete file with a terminating NUL; owned by the caller. */
+/* Returns the content of the file with a terminating NUL; the caller frees it. */
 static inline char *scratch_read(const char *path, size_t *size)
 {
     FILE *file = fopen(path, "rb");
@@ -66,8 +66,8 @@ static inline char *scratch_read(const char *path, size_t *size)
 }
 
 /*
- * Writes a file with these bytes at folder/name; the returned path is in a static buffer, valid
- * until the next call.
+ * Writes a file with these bytes to folder/name. The returned path is in a static buffer and
+ * valid until the next call.
  */
 static inline const char *scratch_write(const char *folder, const char *name, const void *bytes, size_t size)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * NIfTI headers made byte by byte from the offsets in the format's description
+ * Makes NIfTI headers byte by byte from the offsets in the description of the format
  * (nifti.nimh.nih.gov), in either byte order, without libnifti and without osteon's writer.
  */
 #ifndef OST_TESTS_NIFTI_FILES_H
@@ -14,7 +14,7 @@ typedef struct nifti_spec {
     int64_t dim[8];
     int datatype, bitpix;
     double pixdim[4];
-    double vox_offset; /* 0: directly after the header */
+    double vox_offset; /* 0: the data follow the header directly */
     double slope, inter;
     int units;
     int qform_code, sform_code;
@@ -76,7 +76,7 @@ static inline size_t nifti_header(const nifti_spec *s, unsigned char header[540]
     return size;
 }
 
-/* A volume of 2 x 2 x 2 uint8 voxels of 1 mm, without orientation. */
+/* Returns a volume of 2 x 2 x 2 uint8 voxels of 1 mm, without orientation. */
 static inline nifti_spec nifti_plain(int version)
 {
     return (nifti_spec){.version = version,
@@ -86,7 +86,7 @@ static inline nifti_spec nifti_plain(int version)
                         .pixdim = {1, 1, 1, 1}};
 }
 
-/* Writes the header, four zero bytes and the data; compressed if the name ends in .gz. */
+/* Writes the header, four zero bytes and the data. The file is compressed if its name ends in .gz. */
 static inline void write_nifti(const char *name, const nifti_spec *s, const void *data, size_t size)
 {
     static bytes plain, packed;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Broken volumes: each gives one line that names the file and the error, and leaves no memory
- * or file behind. Valid files are cut at every byte, and fields are replaced one at a time.
+ * Tests broken volumes: the error for each is one line that names the file and the defect, and
+ * no memory or file is left. Valid files are truncated at every byte, and fields are replaced
+ * one at a time.
  *
  * Covers: AR-GRID-3, AR-FILE-4
  */
@@ -13,7 +14,7 @@ static const char good_fields[] =
     "type: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: raw\nendian: little\n";
 static const char sixteen[] = "\1\0\2\0\3\0\4\0\5\0\6\0\7\0\10\0";
 
-/* Writes the valid header with `field` replaced by line (or omitted if line is ""). */
+/* Writes the valid header with `field` replaced by line, or omitted if line is "". */
 static void write_replaced(const char *field, const char *line, const void *data, size_t size)
 {
     static bytes file;
@@ -128,7 +129,7 @@ static void nrrd_fields(void **state)
         {"#", "data file: LIST x\nb\n", "LIST", OST_ERR_INPUT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        /* After a list's header every line is a file name, so no data may follow. */
+        /* After the header of a list every line is a file name, so no data follow. */
         write_replaced(cases[i].field, cases[i].line, sixteen, strstr(cases[i].line, "LIST") ? 0 : 16);
         assert_refused(at("b.nrrd"), NULL, cases[i].status, cases[i].words);
     }
@@ -165,7 +166,7 @@ static void nrrd_starts(void **state)
     assert_refused(at("pipe.nrrd"), NULL, OST_ERR_IO, "is a pipe or a device");
 }
 
-/* A header without an end must be refused at the size limit, not at the end of memory. */
+/* A header without an end must be refused at the size limit for headers, not when memory is exhausted. */
 static void a_header_without_end(void **state)
 {
     (void)state;
@@ -178,7 +179,7 @@ static void a_header_without_end(void **state)
     assert_refused(at("long.nrrd"), NULL, OST_ERR_INPUT, "longer than 4194304 bytes");
 }
 
-/* Every shorter file is refused with an error of its own, and so is a file with one byte more. */
+/* Every truncation of a file, and the file with one more byte, must be refused with its own error. */
 static void cut_everywhere(const char *name, const bytes *good)
 {
     static bytes cut;
@@ -232,8 +233,8 @@ static void files_cut_at_every_byte(void **state)
 }
 
 /*
- * Flipping any one bit of compressed data is detected, by deflate or by the checksum, except
- * for the bits that pad deflate's last byte.
+ * A flip of any bit of compressed data must be detected, by deflate or by the checksum, except
+ * in the padding bits of deflate's last byte.
  */
 static void packed_bits_turned(void **state)
 {
@@ -265,7 +266,7 @@ static void packed_bits_turned(void **state)
     assert_true(padding < 8);
 }
 
-/* A header that declares 137 GB and a file of a few bytes: refused before any allocation. */
+/* A header that declares 137 GB in a file of a few bytes must be refused before any allocation. */
 static void small_files_with_huge_sizes(void **state)
 {
     (void)state;
@@ -419,8 +420,8 @@ static void nifti_fields(void **state)
 }
 
 /*
- * Extensions decide nothing, so a broken chain of them is no error; the values of osteon's own
- * keys must be valid.
+ * Extensions do not affect the result, so a broken chain of them is no error. Only the values
+ * of osteon's own keys must be valid.
  */
 static void nifti_extensions(void **state)
 {
@@ -464,7 +465,7 @@ static void nifti_extensions(void **state)
             continue;
         }
         assert_ok(ost_volume_read_header(at("e.nii"), NULL, &meta, NULL, &err));
-        assert_int_equal(meta.count, cases[i].metas + 1); /* plus the fact that the orientation was assumed */
+        assert_int_equal(meta.count, cases[i].metas + 1); /* also the fact that the orientation was assumed */
         ost_volume v;
         assert_ok(ost_volume_read(at("e.nii"), NULL, &v, NULL, &err));
         ost_volume_free(&v);

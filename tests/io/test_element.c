@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the conversion of elements to densities. Plain floats are compared with the compiler's
- * rint in its default mode, another implementation of the same rule; scaled values are compared
- * with long double wherever that is exact.
+ * Tests the conversion of file elements to densities. Plain floats are compared with the
+ * compiler's rint in its default mode, which is another implementation of the same rule. Scaled
+ * values are compared with long double wherever that is exact.
  *
  * Covers: AR-FILE-4
  */
@@ -112,8 +112,8 @@ static void nan_and_infinity_are_never_densities(void **state)
 }
 
 /*
- * int32 * float32 + float32: a product of 31 + 24 bits and a sum, exact in long double's 64
- * bits if the exponents are close.
+ * int32 * float32 + float32 is a product of 31 + 24 bits and a sum. It is exact in the 64 bits
+ * of long double if the exponents are close.
  */
 static void scaling_is_exact(void **state)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a file to a bone: no layer is lost or doubled, every format gives the same bone, every
- * invalid file is refused, and memory is bounded by the grid.
+ * Tests the way from a file to a bone: no layer is lost or doubled, every format gives the same bone, every invalid
+ * file is refused, and memory is bounded by the size of the grid.
  *
  * Covers: REQ-CT-BIG, AR-GRID-5, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
  */
@@ -43,7 +43,7 @@ static const char *in_folder(const char *name)
 
 /* ---------------------------------------------------------- no layer is lost */
 
-/* Makes the rect grid of a text by the two passes only. */
+/* Makes the rect grid of a text by the two passes alone. */
 static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **voxels, ost_scatter_report *report,
                           ost_error *err)
 {
@@ -75,7 +75,7 @@ static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **vo
     return status;
 }
 
-/* Spacings for which the thesis' import leaves up to 29 % of the layers empty and doubles as many. */
+/* Tests spacings for which the import of the thesis leaves up to 29 % of the layers empty and doubles as many. */
 static void no_layer_is_empty_or_doubled(void **state)
 {
     (void)state;
@@ -113,7 +113,7 @@ static void no_layer_is_empty_or_doubled(void **state)
                                         "spacing %lld origin %lld decimals %d: voxel (%d, %d, %d) has %d, expected %d",
                                         (long long)spacings[s], (long long)origins[o], decimals, i, j, k, *v,
                                         ct_density(i, j, k));
-                    /* The exact spacing, where four decimals determine it. */
+                    /* The spacing must be exact if four decimals determine it. */
                     if (decimals == 6 || spacings[s] % 100000 == 0) {
                         assert_true(g.spacing.x == spacings[s]);
                         assert_true(g.spacing.y == spacings[s]);
@@ -215,7 +215,7 @@ static void a_written_bone_reads_back_the_same(void **state)
         if (n == 1 && status == OST_ERR_UNAVAILABLE)
             continue;
         assert_int_equal(status, OST_OK);
-        /* Without a given threshold the bone's own one is used. */
+        /* If no threshold is given, the bone's own one is used. */
         assert_ok(import(in_folder(names[n]), &(ost_import_options){.digests = true}, &again, &err));
         assert_same_stage(&first, &again, "chunks");
         assert_string_equal(ost_meta_get(&again.meta, OST_META_THRESHOLD), "333");
@@ -263,7 +263,7 @@ static void the_result_tells_all(void **state)
         assert_true(result.stages[i].has_digest);
         assert_true(result.stages[i].time_ms >= 0);
     }
-    /* Records of 32 bytes in the file's order, hashed here at once. */
+    /* The samples are hashed here in a single call, as records of 32 bytes in the order of the file. */
     struct {
         int64_t x, y, z;
         int32_t density;
@@ -284,9 +284,9 @@ static void the_result_tells_all(void **state)
     assert_ok(ost_bone_info_get(bone, &info, &err));
     assert_int_equal(info.chunk_size, 16);
     /*
-     * Five cubic layers at t = 0 (clamped), 0.205, 0.675, 1 and 1 (clamped) between the two
-     * layers: 200 above 0 gives 200, 159 and 65; 0 below 3000 gives 0, 615, 2025, 3000 and
-     * 3000; of 120 only the last two are active.
+     * Five cubic layers lie at t = 0 (clamped), 0.205, 0.675, 1 and 1 (clamped) between the two
+     * layers. 200 above 0 gives 200, 159 and 65; 0 below 3000 gives 0, 615, 2025, 3000 and
+     * 3000; of 120, only the last two voxels are active.
      */
     assert_int_equal(info.active_voxels, 2 + 4 + 2);
     assert_string_equal(ost_meta_get(&result.meta, OST_META_RESAMPLE), "linear");
@@ -305,7 +305,7 @@ static ost_resample rule_of(const char *path, const ost_import_options *options,
     return result.resample;
 }
 
-/* Two labels, 200 and 300: their mean would be a third label. */
+/* There are two labels, 200 and 300; their mean would be a third label. */
 static void labels_take_the_nearest(void **state)
 {
     (void)state;
@@ -338,7 +338,7 @@ static void labels_take_the_nearest(void **state)
         return; /* built without libnifti */
     assert_ok(status);
     assert_int_equal(rule_of(path, NULL, "linear"), OST_RESAMPLE_LINEAR);
-    /* intent_code: int16 at byte 68 of a NIfTI-1 header; NIFTI_INTENT_LABEL is 1002 = 0x03ea. */
+    /* intent_code is the int16 at byte 68 of a NIfTI-1 header; NIFTI_INTENT_LABEL is 1002 = 0x03ea. */
     static const unsigned char label[2] = {0xea, 0x03};
     FILE *file = fopen(path, "r+b");
     assert_non_null(file);
@@ -349,7 +349,7 @@ static void labels_take_the_nearest(void **state)
     assert_int_equal(rule_of(path, &linear, "linear"), OST_RESAMPLE_LINEAR);
 }
 
-/* If a bone is imported without changing its voxels, the facts about its CT are preserved. */
+/* If a bone is imported without changing its voxels, the facts about its CT must be preserved. */
 static void a_kept_bone_keeps_its_rule(void **state)
 {
     (void)state;
@@ -441,7 +441,7 @@ static void positions_off_the_lattice(void **state)
                "refused.txt:4: y = 1.376 lies 0.376 voxels off the lattice of 1 mm from 0 mm; expected at most 3/8"));
 }
 
-/* A text of a few samples that are far apart is refused before memory for the grid between them is allocated. */
+/* A text of a few samples that are far apart must be refused before memory for the grid between them is allocated. */
 static void sparse_texts_are_refused(void **state)
 {
     (void)state;
@@ -498,7 +498,7 @@ static void a_crop_is_a_part_of_the_whole(void **state)
     }
 }
 
-/* AR-GRID-5: the complete grid must be valid too, in a text as in a volume. */
+/* By AR-GRID-5 the complete grid must be valid too, in a text as in a volume. */
 static void the_rest_of_a_crop_is_checked(void **state)
 {
     (void)state;
@@ -529,8 +529,8 @@ static void the_rest_of_a_crop_is_checked(void **state)
 /* ------------------------------------------------------- progress, cancel, change */
 
 typedef struct watcher {
-    const char *path;        /* changed at the start of the second pass */
-    const char *cancel;      /* stage at which to cancel */
+    const char *path;        /* file that is changed at the start of the second pass */
+    const char *cancel;      /* stage at which the import is cancelled */
     double last_share;
     int calls;
 } watcher;
@@ -625,8 +625,8 @@ static void other_files_are_refused(void **state)
 #define MEMORY_OPTION "--import-within-bounds"
 
 /*
- * Returns the peak memory of this process in KiB, or -1; ru_maxrss would include the memory of
- * the process before exec.
+ * Returns the peak memory of this process in KiB, or -1. ru_maxrss is not used, because it
+ * includes the memory before exec.
  */
 static long peak_kib(void)
 {
@@ -644,7 +644,7 @@ static long peak_kib(void)
 
 enum { BOUNDED = 0, UNREADABLE = 1, GREW = 2, UNKNOWN = 77 };
 
-/* Runs in the second process: imports the text and returns an exit status that says if the peak was bounded. */
+/* Runs in the second process: imports the text and returns an exit status that tells if the peak was bounded. */
 static int import_within_bounds(const char *spec, const char *path)
 {
     ost_error err = {0};
@@ -664,19 +664,19 @@ static int import_within_bounds(const char *spec, const char *path)
 }
 
 /*
- * 20 MB of text for a grid of 50^3 voxels, each given eight times: the peak must be the few
- * hundred kilobytes of the grid and the buffers, whatever the size of the file. The test runs
- * in a new process: this one has held more memory, and after a fork without exec OpenMP would
- * wait for threads that only the parent has.
+ * The test imports 20 MB of text for a grid of 50^3 voxels, each given eight times. The peak
+ * must be a few hundred kilobytes, for the grid and the buffers, whatever the size of the file.
+ * The import runs in a new process for two reasons: this process has already used more memory,
+ * and after a fork without exec OpenMP would wait for threads that exist only in the parent.
  */
 static void memory_is_bounded_by_the_grid(void **state)
 {
     (void)state;
 #if defined __SANITIZE_ADDRESS__
-    skip(); /* the sanitizer's own memory would be measured */
+    skip(); /* the measurement would include the sanitizer's own memory */
 #endif
     if (strncmp(test_backend, "cl", 2) == 0)
-        skip(); /* the memory of the driver's compiler would be measured */
+        skip(); /* the measurement would include the driver's compiler */
     const char *path = in_folder("large.txt");
     FILE *file = fopen(path, "w");
     assert_non_null(file);
@@ -701,7 +701,7 @@ static void memory_is_bounded_by_the_grid(void **state)
     assert_int_equal(WEXITSTATUS(ended), BOUNDED);
 }
 
-/* 2^36 voxels of bone take 137 GB; refused at once if the machine has less. */
+/* A bone of 2^36 voxels takes 137 GB and must be refused at once if the machine has less memory. */
 static void a_bone_beyond_the_memory_is_refused(void **state)
 {
     (void)state;

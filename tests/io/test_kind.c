@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Kinds of files: determined by the content, or by the name if the content is not conclusive. */
+/* Tests that the kind of a file is determined by its content, or by its name if the content is not conclusive. */
 #include "harness.h"
 
 #include <zlib.h>
@@ -36,7 +36,7 @@ static void by_content(void **state)
         {"a.csv", "# note\r0,0,0,0,1,0,0,0\r", OST_FILE_PATH_CSV},
         {"a", "one two three\n", OST_FILE_UNKNOWN},
         {"a", "", OST_FILE_UNKNOWN},
-        /* by name if the content is not conclusive, so that the format's reader reports the error */
+        /* The name is used if the content is not conclusive, so that the reader of this format reports the error. */
         {"a.TXT", "junk", OST_FILE_CT_TEXT},
         {"a.csv", "junk", OST_FILE_PATH_CSV},
         {"a", "\x89OSTSES\n", OST_FILE_SESSION},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Landmarks from 3D Slicer's files and CSVs: the same four points in every
- * format and coordinate system, what is refused, and random damage.
+ * Tests landmarks from files of 3D Slicer and CSV files: the same four points in every format
+ * and coordinate system, files that must be refused, and random damage.
  * Covers: REQ-LANDMARKS
  */
 #include "volume_files.h"
@@ -48,7 +48,7 @@ static void put_json(bytes *b, const char *system, bool ras)
     }
 }
 
-/* Writes rows: `before`, label and coordinates in either order, `after`. */
+/* Writes rows of `before`, label and coordinates (or coordinates and label), and `after`. */
 static void put_rows(bytes *b, bool ras, const char *before, const char *after, bool label_last, const char *end)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -199,7 +199,7 @@ static void what_is_refused(void **state)
     assert_int_not_equal(ost_landmarks_read(at("absent"), &all, &err), OST_OK);
 }
 
-/* Bytes changed, removed or duplicated at random give points or one line of text, never a crash. */
+/* Randomly changed, removed or duplicated bytes must give either points or a one-line error, never a crash. */
 static void damage(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lattice of a CT text: common spacings written with few and many digits, and a property
- * test against a plain search.
+ * Tests the lattice of a CT text: common spacings written with few and with many digits, and a
+ * property test against a plain search.
  *
  * Covers: AR-CT-3, AR-CT-7
  */
@@ -26,7 +26,7 @@ static int64_t unit_of(int places)
     return unit;
 }
 
-/* Rounds half to even, as printf does. */
+/* Rounds value to a multiple of unit, half to even, as printf does. */
 static ost_pm rounded(ost_pm value, int64_t unit)
 {
     ost_pm magnitude = value < 0 ? -value : value, units = magnitude / unit, remainder = magnitude % unit;
@@ -39,7 +39,10 @@ static uint32_t units_bit(int places)
     return 1u << (places + OST_LATTICE_UNIT_PLACES);
 }
 
-/* Fills layers origin + step * spacing for each step for which keep(step) is true, rounded to `places` digits. */
+/*
+ * Fills the axis with layers origin + step * spacing for each step for which keep(step) is true, rounded to `places`
+ * digits.
+ */
 static void fill(axis_text *a, ost_pm origin, ost_pm spacing, int count, int places, bool (*keep)(int))
 {
     size_t n = 0;
@@ -67,7 +70,7 @@ static ost_status find_one(const axis_text *a, ost_pm *spacing, ost_error *err)
 static void spacings_of_the_field(void **state)
 {
     (void)state;
-    /* Expected is the spacing itself, if its layers and digits distinguish it from shorter decimals. */
+    /* The spacing itself is expected if its layers and digits distinguish it from shorter decimals. */
     static const struct {
         ost_pm spacing, origin;
         int count, places;
@@ -91,7 +94,7 @@ static void spacings_of_the_field(void **state)
         {700000000, 100000000, 33, 1},
         {976562500, -125000000000, 512, 6},
         {32000000, 17000, 1000, 9},
-        {1000000, 0, 50, 3}, /* the least spacing, equal to the unit of its digits */
+        {1000000, 0, 50, 3}, /* the least spacing, equal to the unit of its last digit */
     };
     static axis_text a;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -105,8 +108,8 @@ static void spacings_of_the_field(void **state)
 }
 
 /*
- * The numbers of docs/spec/arithmetic.md, AR-CT-3: four places do not show 0.48828125 directly, but
- * 60 layers determine it.
+ * Tests the numbers of docs/spec/arithmetic.md, AR-CT-3: four places cannot represent 0.48828125,
+ * but 60 layers determine it.
  */
 static void few_digits_many_layers(void **state)
 {
@@ -141,7 +144,7 @@ static void layers_may_be_absent(void **state)
     assert_true(found == 488281250);
 }
 
-/* "0", "0.47", "0.94", "4.7": trailing zeros are omitted. */
+/* Trailing zeros are omitted: "0", "0.47", "0.94", "4.7". */
 static void trailing_zeros_may_be_dropped(void **state)
 {
     (void)state;
@@ -152,7 +155,7 @@ static void trailing_zeros_may_be_dropped(void **state)
     a.axis.units = units_bit(0) | units_bit(1) | units_bit(2);
     assert_ok(find_one(&a, &found, &err));
     assert_true(found == 470000000);
-    /* Six significant digits, as %g prints them: fewer places from 100 on. */
+    /* With six significant digits, as printed by %g, values from 100 on have fewer places. */
     fill(&a, 0, 488281250, 400, 6, NULL);
     for (size_t i = 0; i < a.axis.count; i++)
         a.value[i] = rounded((ost_pm)i * 488281250, unit_of(a.value[i] >= 100000000000  ? 3
@@ -162,11 +165,11 @@ static void trailing_zeros_may_be_dropped(void **state)
     a.axis.units = units_bit(0) | units_bit(1) | units_bit(2) | units_bit(3) | units_bit(4) | units_bit(5) |
                    units_bit(6);
     assert_ok(find_one(&a, &found, &err));
-    /* Three places over 400 layers leave an uncertainty of 10^6 / 400 pm. */
+    /* With three places, 400 layers leave an uncertainty of 10^6 / 400 pm. */
     assert_true(found >= 488281250 - 2500 && found <= 488281250 + 2500);
 }
 
-/* A third of a millimetre has no finite decimal: the result is the nearest picometre. */
+/* A third of a millimetre is not a finite decimal, so the result is the nearest picometre. */
 static void spacings_without_end(void **state)
 {
     (void)state;
@@ -187,7 +190,7 @@ static void axes_share_a_spacing(void **state)
     (void)state;
     static axis_text x, y, z;
     ost_error err = {0};
-    /* Ten layers with six digits are consistent with 0.4882812; 256 are not. */
+    /* Ten layers with six digits are consistent with 0.4882812; 256 layers are not. */
     fill(&x, 0, 488281250, 256, 6, NULL);
     fill(&y, 0, 488281250, 10, 6, NULL);
     fill(&z, 0, 1000000000, 30, 6, NULL);
@@ -200,7 +203,7 @@ static void axes_share_a_spacing(void **state)
     assert_true(found[0] == 488281250);
     assert_true(found[1] == 488281250);
     assert_true(found[2] == 1000000000);
-    /* An axis without a determined spacing does not adopt another axis' spacing that only fits by chance. */
+    /* An axis whose spacing is not determined must not adopt the spacing of another axis if it only fits by chance. */
     fill(&z, 0, 500000000, 3, 1, NULL);
     fill(&x, 0, 470000000, 256, 4, NULL);
     fill(&y, 0, 470000000, 256, 4, NULL);
@@ -231,7 +234,7 @@ static void what_cannot_be_found_is_asked_for(void **state)
         "ct.txt:2: x = 0.47 is not a whole number of steps from the lowest; the smallest step is 0.37 mm, from 14.2 "
         "(lines 31 and 32); give the spacing (--spacing)");
 
-    /* 1.3 mm without digits: 0 1 3 4 5 6 8 ... must not be read as 1 mm with absent layers. */
+    /* 1.3 mm without decimals gives 0 1 3 4 5 6 8 ..., which must not be read as 1 mm with absent layers. */
     fill(&a, 0, 1300000000, 50, 0, NULL);
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_INPUT);
     assert_non_null(strstr(err.text, "--spacing"));
@@ -249,8 +252,8 @@ static void what_cannot_be_found_is_asked_for(void **state)
 }
 
 /*
- * The plain search: the feasible spacings from all pairs, then one digit after another. It is
- * exact in 128 bits and has nothing in common with the bisection.
+ * The plain search determines the feasible spacings from all pairs, then chooses one digit
+ * after another. It is exact in 128 bits and shares nothing with the bisection in the library.
  */
 static ost_pm plain_search(const axis_text *a, int64_t u)
 {
@@ -276,7 +279,7 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
                 best_off = off;
             }
         }
-        if (best == 0) /* the interval is on one side only */
+        if (best == 0) /* the interval lies on one side of it only */
             best = first > near ? first : last;
         return best;
     }
@@ -284,9 +287,9 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
 }
 
 /*
- * The first eight layers are present: each narrows the spacing, and after the eighth the number
- * of absent layers in a gap is unambiguous. With fewer layers a spacing near the least is
- * ambiguous and refused.
+ * The first eight layers are present. Each of them narrows the spacing, and after the eighth
+ * the number of absent layers in a gap is unambiguous. With fewer layers, a spacing near the
+ * least is ambiguous and refused.
  */
 static uint64_t keep_mask;
 static bool by_mask(int i)
@@ -304,7 +307,10 @@ static void the_same_as_a_plain_search(void **state)
         int places = (int)rng_range(&rng, 2, 9);
         int64_t unit = unit_of(places);
         int digits = (int)rng_range(&rng, 1, 9);
-        /* At least eight units, so that the steps are certain; few digits as in files of scanners, or many. */
+        /*
+         * The spacing is at least eight units, so that the steps are certain. There are few digits, as in the files of
+         * scanners, or many.
+         */
         int64_t least = 8 * unit > OST_SPACING_MIN ? 8 * unit : OST_SPACING_MIN;
         ost_pm spacing = rounded(rng_range(&rng, least, least * 20 < 2000000000 ? 2000000000 : least * 20),
                                  unit_of(digits));
@@ -316,7 +322,7 @@ static void the_same_as_a_plain_search(void **state)
         ost_error err = {0};
         ost_pm found, expected = plain_search(&a, unit);
         assert_ok(find_one(&a, &found, &err));
-        if (expected == 0) /* no decimal of nine digits fits: the error is at most one picometre per step */
+        if (expected == 0) /* no decimal of nine digits fits, so the error is at most one picometre per step */
             continue;
         found_some++;
         if (found != expected)
