@@ -500,14 +500,23 @@ static void a_bridge_holds_and_presses(void **state)
     ost_error err = {0};
     stand_in *s = stand();
     start(s);
-    assert_ok(cross(s->to, key_file, 1000, &err));
-    assert_true(report.met && !report.ended);
-    assert_int_equal(report.loop.ticks, 1000);
-    assert_int_equal(report.loop.end, OST_SERVO_TICKS);
-    assert_string_equal(report.to, s->to);
-    assert_true(report.peak_n > 0.5 && report.peak_n <= 3);
-    assert_true(report.states > 0 && report.round_trip.count > 0);
-    assert_int_equal(report.bad, 0);
+    /*
+     * The safety layer lets the force rise slowly after each gap in the states. On a busy machine gaps are frequent, so
+     * one run of 1 s may be too short for the force to rise.
+     */
+    for (int runs = 0; runs < 20; runs++) {
+        assert_ok(cross(s->to, key_file, 1000, &err));
+        assert_true(report.met && !report.ended);
+        assert_int_equal(report.loop.ticks, 1000);
+        assert_int_equal(report.loop.end, OST_SERVO_TICKS);
+        assert_string_equal(report.to, s->to);
+        assert_true(report.states > 0 && report.round_trip.count > 0);
+        assert_int_equal(report.bad, 0);
+        assert_true(report.peak_n <= 3);
+        if (report.peak_n > 0.5)
+            break;
+    }
+    assert_true(report.peak_n > 0.5);
     leave(s);
 }
 
