@@ -14,7 +14,7 @@
 . "$source_folder/tests/faults/lib.sh"
 
 make_inputs
-sample 6
+sample 2
 ream="--bone $in/bone.nrrd --tool $in/reamer.nrrd --path builtin:glenoid-ream --rate 100 --threads 2"
 
 walk_over -- phantom glenoid --spacing 1.5 --out o.nrrd
@@ -47,10 +47,10 @@ for file in ct.txt ct.nii.gz bone.nrrd reamer.nrrd peg.ply today.session; do
 done
 walk_over -- info "$in/today.session" --repair o.session
 walk_over --loose-output -- devices --json
-runs=2
+runs=1
 [ -z "${OST_TEST_LONG:-}" ] || runs=200
 walk_over --loose bundle -- validate --cpu-only --only mesh --jobs 1 --out bundle
-sample 6
+sample 2
 walk_over -- compare cpu --only import/0
 walk_over -- validate --export-cases cases --only import/0
 # A row that cannot run is reported, and the other rows run.

@@ -41,19 +41,19 @@ LD_PRELOAD=$library OST_FAIL_PATH=trace OST_FAIL_OPEN=1 "$osteon" validate --wor
 status=$?
 [ $status -eq 4 ] || fail "a worker that can open no trace: status $status: $(cat err)"
 
-sample 4
+sample 2
 for worker in ref "$one"; do
     for kind in alloc open read; do
         walk_campaign $kind "$worker" --only import/0
     done
 done
-runs=2
+runs=1
 [ -z "${OST_TEST_LONG:-}" ] || runs=100
 for kind in alloc open read; do
     walk_campaign $kind --quiet --only import/0
 done
 echo '{"osteon_case": 1, "id": "mesh/0", "tier": "smoke", "seed": "1"}' >case.json
-sample 2
+sample 1
 walk_campaign open "$one" --case "$scratch/case.json"
 walk_campaign read "$one" --case "$scratch/case.json"
 finish

@@ -17,7 +17,7 @@ done
 walk_over --kind read -- verify "$scratch/bundle"
 
 make_inputs
-sample 2
+sample 1
 
 # each ARGUMENT...: walks a command whose opens fail with EMFILE and with EIO
 each() {
