@@ -84,8 +84,8 @@ many=$(cat launches)
 echo "# $many launches"
 [ "$many" -gt 100 ] || fail "$many launches are too few for a tick to fail"
 
-# The device fails in the first ticks, in the middle, and in the last ones.
-for percent in 20 50 80 97; do
+# The device fails in one of the first ticks and in one of the last.
+for percent in 20 97; do
     FAIL_AT=$((many * percent / 100))
     export FAIL_AT
     run 0 $ream --out failing.nrrd --backend cl --json
