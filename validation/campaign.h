@@ -13,8 +13,8 @@
  *   batch 1         ref | ...                       then its traces are deleted
  *
  * A backend whose process crashes is started again with the case after the one
- * in which it crashed. After a failure or a timeout it is not started again: its
- * remaining cases get the same verdict.
+ * in which it crashed. After a failure or a timeout it is not started again, and
+ * its remaining cases get the same verdict.
  */
 #ifndef OST_VALIDATION_CAMPAIGN_H
 #define OST_VALIDATION_CAMPAIGN_H
@@ -34,7 +34,7 @@ typedef enum case_verdict {
     CASE_EQUAL,
     CASE_DIFFERS,
     CASE_FAILED,  /* a stage failed on this backend but not on the reference; text has the error line */
-    CASE_CRASHED, /* ended by a signal other than SIGKILL; SIGKILL comes from outside and ends the campaign */
+    CASE_CRASHED, /* ended by a signal other than SIGKILL; a SIGKILL from outside ends the campaign instead */
     CASE_LATE,
     CASE_NOT_RUN, /* the backend is not available here */
     CASE_VERDICTS
@@ -46,30 +46,30 @@ typedef struct case_result {
     case_verdict verdict;
     compare_difference difference; /* valid for CASE_DIFFERS */
     margins *margins;              /* owned; for CASE_DIFFERS; NULL if not measured */
-    uint32_t own_steps;            /* number of records of stages snap and steps that the backend made itself */
+    uint32_t own_steps;            /* number of records of the stages snap and steps that the backend made itself */
     finding *found;                /* owned; for CASE_DIFFERS; NULL if there is no further information */
     char text[200];
     ost_digest made; /* SHA-256 of the digest lines of this backend's results (digests_of_case); valid if has_made */
-    bool has_made;   /* true if its trace has the case: the verdict is equal, differs or failed */
-    double seconds;  /* time of the backend in this case, including the making of its input; 0 if not measured */
+    bool has_made;   /* true if its trace contains the case: the verdict is equal, differs or failed */
+    double seconds;  /* running time of the backend in this case, including the making of its input; 0: not measured */
     char *lines;     /* owned; the digest lines; NULL if they equal the reference's or has_made is false */
 } case_result;
 
 struct campaign;
 typedef struct campaign_options {
-    const char *program;  /* this program's file */
+    const char *program;  /* path of this program's file */
     int jobs;             /* maximum number of concurrent workers; 0: the number of cores that this process may use */
     double limit_s;       /* time limit in seconds for a backend's complete run */
-    bool apart;           /* every stage gets the reference's input (perform_apart); dumps are then not allowed */
+    bool apart;           /* true: every stage gets the reference's input (perform_apart); dumps are not allowed */
     void (*show)(void *user, const char *what, double share); /* may be NULL */
     void *user;
-    /* Called for each difference while both traces exist, in the order of the backends and cases of a batch; c->results
-       has the difference. May be NULL. */
+    /* Called for each difference while both traces exist, in the order of the backends and cases of a batch. The
+       difference is in c->results. May be NULL. */
     void (*differs)(void *keeper, const struct campaign *c, int case_index, int subject_index, const trace *got,
                     compare_range in_got);
     void *keeper;
-    /* Called when cases [first, first + count) are judged; the reference's trace of them is freed afterwards.
-       May be NULL. */
+    /* Called when cases [first, first + count) have been judged; the reference's trace of these cases is freed
+       afterwards. May be NULL. */
     ost_status (*done)(void *keeper, const struct campaign *c, int first, int count, ost_error *err);
     void *done_keeper;
 } campaign_options;
@@ -79,18 +79,18 @@ typedef struct campaign {
     const subject_list *subjects;
     case_result *results; /* owned; [case * subjects + subject]; those of the reference record whether it ran */
     trace reference;       /* trace of the batch that is judged; empty outside of the callbacks differs and done */
-    char **lines;          /* owned; for each case in that trace its digest lines (digests_of_case), else NULL */
+    char **lines;          /* owned; digest lines (digests_of_case) of each case in that trace; NULL for other cases */
     compare_range *ranges; /* owned; for each case its range in that trace; count 0 if the case is not in this batch */
-    path_list *paths;      /* owned; per subject the paths recorded by those of its workers that ended regularly */
+    path_list *paths;      /* owned; for each subject, the paths recorded by its workers that ended regularly */
     time_t begun;
     double *seconds;       /* owned; for each subject, the sum of the running times of its workers */
-    int jobs;              /* workers at a time */
+    int jobs;              /* maximum number of concurrent workers */
     uint64_t trace_bytes;  /* maximum size of the traces on the disk at one time */
-    uint64_t records, bytes; /* records and bytes compared, over all backends */
+    uint64_t records, bytes; /* numbers of records and bytes compared, over all backends */
     uint64_t stage_records[TRACE_STAGES]; /* number of records of the reference for each stage */
-    int counts[CASE_VERDICTS]; /* number of each verdict over all backends but the reference */
-    int refused;               /* number of cases that the reference refused; their verdict for it is CASE_FAILED */
-    int shown;                 /* equal results of other backends in cases that the reference did not refuse */
+    int counts[CASE_VERDICTS]; /* number of each verdict over all backends except the reference */
+    int refused;               /* number of cases that the reference refused; its verdict for them is CASE_FAILED */
+    int shown;                 /* number of equal results, in cases that the reference did not refuse */
 } campaign;
 
 ost_status campaign_run(const plan *p, const subject_list *subjects, const campaign_options *options, campaign *out,
@@ -100,8 +100,8 @@ void campaign_free(campaign *c);
 /* Returns the number of cores that this process may use. */
 int campaign_cores(void);
 
-/* Returns true if every available backend is equal in every case, at least one of them in a case that the reference did
-   not refuse. */
+/* Returns true if every available backend is equal to the reference in every case, and at least one backend is equal
+   in a case that the reference did not refuse. */
 bool campaign_equal(const campaign *c);
 
 #endif

@@ -15,55 +15,55 @@
 #include "validation/campaign.h"
 #include "validation/verdict.h"
 
-/* A worker's trace with at least one difference; it is freed with its batch. */
+/* A worker's trace that has at least one difference. It is freed with its batch. */
 typedef struct stored_trace {
     int subject_index, from, judged;
     trace got;
     struct stored_trace *next;
 } stored_trace;
 
-/* The cases of a batch that a backend has yet to complete. */
+/* The cases of a batch that a backend has not completed yet. */
 typedef struct task {
     int from; /* next case; equal to the batch's end when all are done */
     bool running;
 } task;
 
 typedef struct batch {
-    int first, end; /* cases */
+    int first, end; /* range of cases; end is exclusive */
     bool open, ready; /* open: the batch was begun; ready: its reference is done */
     trace reference;
-    int given;         /* with options->apart the descriptor of that trace, for the other backends' workers; else -1 */
+    int given;         /* with options->apart, the descriptor of that trace for the other backends' workers; else -1 */
     task *tasks;      /* owned; one per subject */
     stored_trace *stored_traces;
 } batch;
 
 typedef struct slot {
     worker w;
-    int batch, subject_index, trace; /* trace: the descriptor of its trace */
+    int batch, subject_index, trace; /* trace: descriptor of the worker's trace */
 } slot;
 
-enum { ALIVE = 2 }; /* open batches at a time: the one that is compared, and the next one, whose reference runs */
+enum { ALIVE = 2 }; /* maximum number of open batches: the one being compared, and the next, whose reference runs */
 
 /* The state of one run. */
 typedef struct runner {
     campaign *c;
     const campaign_options *o;
-    int batches, begun, done; /* numbers of batches; those in [done, begun) are open */
+    int batches, begun, done; /* counts of batches: all, begun, done; batches [done, begun) are open */
     batch alive[ALIVE];       /* batch n has index n % ALIVE */
     int *ends;                /* owned; end (exclusive case index) of each batch */
     bool *gone;               /* owned; for each backend, true if it failed permanently and gets no further worker */
-    case_result *last_words;  /* owned; for each such backend the result that its remaining cases get */
+    case_result *last_words;  /* owned; for each such backend, the result that its remaining cases get */
     slot slots[WORKERS_MAX];
-    int running, finished;    /* running: workers; finished: pairs of case and backend */
+    int running, finished;    /* running: number of workers; finished: number of pairs of case and backend */
 } runner;
 
 /* ---- campaign_batch.c */
 
-/* Returns the batch of this number, which must be in [done, begun). */
+/* Returns the batch with this number, which must be in [done, begun). */
 batch *batch_of(runner *r, int number);
 /* Opens the next batch and creates its tasks. Cases of backends that are not available are judged as not run. */
 ost_status batch_begin(runner *r, ost_error *err);
-/* Takes ownership of a trace in which cases of a backend differ, and leaves *got empty. */
+/* Takes ownership of a backend's trace that has differing cases, and leaves *got empty. */
 ost_status batch_store_trace(batch *b, int subject_index, int from, int judged, trace *got, ost_error *err);
 /* Returns true if every task of an open batch is done. */
 bool batch_is_done(const runner *r, const batch *b);
@@ -80,13 +80,14 @@ ost_status runner_ended(runner *r, int which, const worker_result *end, ost_erro
 
 /* ---- campaign_results.c */
 
-/* Enters the results of the reference. Fails if the reference did not finish, since nothing can be compared then. */
+/* Enters the results of the reference. Fails if the reference did not finish, because nothing can be compared then. */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
 /* Enters the verdicts of the cases in a backend's trace. If its worker ended prematurely, also enters the verdict of
    the case in which it ended. */
 ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end,
                               ost_error *err);
-/* Judges cases [from, until) of a backend's trace; *judged receives the number of them that the trace has complete. */
+/* Judges cases [from, until) of a backend's trace. *judged receives the number of these cases that are complete in the
+   trace. */
 ost_status results_judge(runner *r, const batch *b, int subject_index, const trace *got, int from, int until,
                          int *judged, bool *differs, ost_error *err);
 
@@ -94,7 +95,7 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
 
 /* Returns the folder of a subject that is a dump, NULL for any other subject. */
 const char *dump_of(const campaign *c, int subject_index);
-/* Checks that every dump was made of this campaign's cases. */
+/* Checks that every dump was made from this campaign's cases. */
 ost_status dumps_check(const campaign *c, ost_error *err);
 /* Enters the verdicts of a batch from a dump, which needs no worker. */
 ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *err);

@@ -6,9 +6,9 @@
  *   difference: stage, item, word or voxel, and both values
  *
  * The first difference is the first in the order of the stages. Later ones may
- * be its consequences and are not counted separately.  A leaf that only one side
- * changed at a tick is compared with its previous state on the other side, which
- * an earlier record holds.
+ * be its consequences and are not counted separately.  If only one side changed a
+ * leaf at a tick, the leaf is compared with its state in the latest earlier
+ * record of the other side.
  */
 #ifndef OST_VALIDATION_COMPARE_H
 #define OST_VALIDATION_COMPARE_H
@@ -19,7 +19,7 @@ typedef enum compare_kind {
     COMPARE_EQUAL,
     COMPARE_VOXEL,   /* voxels differ */
     COMPARE_WORD,    /* only reported words differ */
-    COMPARE_SHAPE,   /* another record, additional records, or blocks without a counterpart */
+    COMPARE_SHAPE,   /* a record of another kind, additional records, or blocks without a counterpart */
     COMPARE_MISSING  /* the other trace has no such record */
 } compare_kind;
 
@@ -30,15 +30,15 @@ typedef struct compare_difference {
     size_t word;           /* for COMPARE_WORD: index of the first word that differs */
     uint64_t line_words;   /* words in a chunk's line of this record's report; 0 if the report has no lines */
     uint64_t word_ref, word_got;
-    int32_t voxel[3];      /* for COMPARE_VOXEL: the first in x-fastest order over the entire grid */
+    int32_t voxel[3];      /* for COMPARE_VOXEL: first differing voxel in x-fastest order over the entire grid */
     int32_t voxel_ref, voxel_got;
-    uint64_t voxels;       /* number that differ in this record; at a tick, in leaves that it changed on either side */
+    uint64_t voxels;       /* differing voxels in this record; at a tick, in the leaves that changed on either side */
     uint64_t records;      /* number of records of this case that were compared, including this one */
     bool words_too;        /* for COMPARE_VOXEL: true if the report differs as well */
     int64_t chunk;         /* chunk of the bone whose line in the report differs first; -1 if no chunk's line differs */
 } compare_difference;
 
-/* Range of a case's records in a trace; count is 0 if there are none. */
+/* Range of a case's records in a trace; count is 0 if the case has no records. */
 typedef struct compare_range {
     size_t first, count;
 } compare_range;
@@ -47,8 +47,8 @@ compare_range compare_find(const trace *t, uint32_t case_index);
 /* Compares only record `at` of both ranges. The result is COMPARE_EQUAL if at least one of them has no such record. */
 void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
                        compare_difference *out);
-/* Finds the records of a case from *at on, and sets *at to their end if there are any. *at is 0 for the first case; the
-   cases must be passed in the trace's order. */
+/* Finds the records of a case, searching from *at, and sets *at to the end of these records if there are any. *at is 0
+   for the first case. The cases must be passed in the trace's order. */
 compare_range compare_next(const trace *t, size_t *at, uint32_t case_index);
 void compare_case(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                   compare_difference *out);

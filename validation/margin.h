@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Computes how close a decision was, for every voxel that another program
- * decided differently from the reference.  This gives the statement "only
- * rounding at borders" a number.
+ * decided differently from the reference.  This quantifies the statement "only
+ * rounding at borders".
  *
  *        void | solid        u   position of the point as the reference computes
  *         u   |              it, an integer in units of 2^-20 of a voxel
@@ -10,7 +10,7 @@
  *          m  |              the other result would be right, measured along the
  *                            axis on which it is largest (Chebyshev distance)
  *
- *   stage   the point, and its border                              unit
+ *   stage   the point; its border                                  unit
  *   rect    a sample on the lattice; half-way to the next voxel    2^-20 voxel of the CT
  *   cubic   i cubic / rect; the next layer with the other's value  2^-20 voxel of the CT
  *   chunks  a density; the threshold, where the two are equal      on the border
@@ -39,11 +39,11 @@ enum {
 typedef struct margin_stage {
     uint64_t records; /* number of records compared */
     uint64_t reports; /* number of these records whose report differs */
-    uint64_t voxels;  /* number of voxels that differ: the sum of the next five members */
+    uint64_t voxels;  /* number of voxels that differ; the sum of the next five members */
     uint64_t decided; /* number of voxels that have a margin */
     uint64_t inherited, below_threshold, unexplained, unmeasured;
     uint64_t bins[MARGIN_BINS];
-    uint64_t max; /* greatest margin of the decided voxels; max_item and max_voxel are its record and its voxel */
+    uint64_t max; /* greatest margin of the decided voxels; max_item and max_voxel identify its record and voxel */
     uint32_t max_item;
     int32_t max_voxel[3];
 } margin_stage;
@@ -52,18 +52,18 @@ typedef struct margins {
     margin_stage of[TRACE_STAGES];
 } margins;
 
-/* Computes the margins of one case from both traces of it. apart: the other backend got the reference's input at
-   every stage (perform_apart), so no difference is inherited. */
+/* Computes the margins of one case from its two traces. If apart is true, the other backend got the reference's input
+   at every stage (perform_apart), so no difference is inherited. */
 ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                       bool apart, margins *out, ost_error *err);
 
-/* Adds the counts of b to those of a; the maximum of a becomes that of both. */
+/* Adds the counts of b to those of a. The maximum of a becomes the maximum of both. */
 void margins_add(margins *a, const margins *b);
 
 /* Returns [{"stage", "voxels", ..., "max", "bins"}] without the stages that have no difference. The caller owns it. */
 json_t *margins_json(const margins *m);
 
-/* Returns the unit of a stage's margins as text, as in "0.000123 of a tool voxel". */
+/* Returns the unit of a stage's margins as text, such as "tool voxel". */
 const char *margin_unit(trace_stage stage);
 
 #endif

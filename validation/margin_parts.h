@@ -23,17 +23,18 @@ typedef struct margin_walk {
     trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
     ost_dims dims;
     int16_t *bone[2];
-    int64_t event_tick; /* tick where the next sweep begins: the last with an event or its motor off; -1: none */
+    int64_t event_tick; /* tick at which the next sweep begins: the last one with an event or motor off; -1: none */
 } margin_walk;
 
-/* Each function takes the records of one stage and item of both sides; a is the reference's grid, b the other's. */
+/* Each function takes the records of one stage and item of both sides; a is the reference's, b the other backend's. */
 ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err);
 void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const trace_block_view *b);
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err);
 
-/* margin_decided counts a differing voxel with its margin; margin_other counts one without, in *why, a count of m. */
+/* Count one differing voxel: margin_decided a voxel with a margin, margin_other a voxel without one. *why is the member
+   of m in which margin_other counts the voxel. */
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3]);
 void margin_other(margin_stage *m, uint64_t *why);
 

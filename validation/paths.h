@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which paths of a backend a campaign entered (core/paths.h), summed over its
- * workers.
+ * Counts how often a campaign entered each path of a backend (core/paths.h),
+ * summed over the backend's workers.
  *
  *   worker: backend --paths_write--> the end record of its trace
  *   parent: the end record --paths_add--> path_list of the backend
  *
- * The end record has a count for each path as its words and the path's name as
- * a block of bytes.
+ * For each path the end record has the count as a word and the name as a block
+ * of bytes.
  */
 #ifndef OST_VALIDATION_PATHS_H
 #define OST_VALIDATION_PATHS_H
@@ -29,9 +29,9 @@ typedef struct path_list {
     path_count *paths; /* owned; in the order in which the backend lists them */
 } path_list;
 
-/* Adds a count and a name for each of the backend's paths to the record that is being written. */
+/* Adds the count and the name of each of the backend's paths to the record that is being written. */
 void paths_write(const ost_backend *backend, trace_writer *w);
-/* Adds the counts of an end record; a record without paths, or one that is not well formed, adds none. Fails only with
+/* Adds the counts of an end record. A record that has no paths or is not well formed adds nothing. Fails only with
    OST_ERR_MEMORY. */
 ost_status paths_add(path_list *list, const trace_record *end, ost_error *err);
 /* Makes an object {"path": count} of the paths that were entered, and a list of the others; the caller owns both. */

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Runs every stage of one case on one backend and writes the results into the
- * trace.  Only perform*.c call the stages of a backend under test.
+ * trace.  Only the files perform*.c call the stages of a backend under test.
  *
  *   samples --ct_to_rect--> rect --rect_to_cubic--> cubic --cubic_to_chunks--> bone
  *   snapped mesh --voxelize--> tool             tick --ost_world_step--> report, changed leaves
  *
- * A stage that fails writes TRACE_FAILED with its status and ends the case:
- * two backends must also refuse alike.
+ * A stage that fails writes TRACE_FAILED with its status and ends the case,
+ * because two backends must also refuse the same inputs with the same status.
  *
- * perform_apart does not propagate a difference: the result of a stage is
- * recorded and replaced by the reference's before the next stage.
+ * perform_apart does not propagate a difference: it records the result of each
+ * stage and replaces it by the reference's before the next stage.
  *
  *   given rect --rect_to_cubic--> cubic   given cubic --cubic_to_chunks--> bone
  *   given tool, bone as the reference had it before the tick --ost_world_step--> report, changed leaves
@@ -21,27 +21,28 @@
 #include "validation/scene.h"
 #include "validation/trace.h"
 
-/* Greatest number of voxels for which the bone is downloaded completely after every tick (perform_tick.c). */
+/* Greatest number of voxels of a bone that is downloaded completely after every tick (perform_tick.c). */
 enum { PERFORM_ALL_VOXELS = 1 << 18 };
 
-/* Called for every record that was written; the parameter may be NULL. */
+/* Called after each record is written. A watch passed to perform may be NULL. */
 typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 
-/* Fails only if the trace cannot be written or memory is exhausted; *why receives the error line of a failed stage and
-   must not be NULL. */
+/* Runs a case. Fails only if the trace cannot be written or memory is exhausted. *why receives the error line of a
+   failed stage; why must not be NULL. */
 ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch,
                    void *user, ost_error *why, ost_error *err);
 
 /*
- * Does the same with the second implementation's steps in place of those of
+ * Runs a case with the steps of the second implementation in place of those of
  * src/core and src/sim (steps_make.h): snapped meshes, ticks of a motor, events,
- * poses and maps.  For a case that would take too long only the steps of the
- * ticks are made.
+ * poses and maps.  If a case would take too long, only the steps of its ticks
+ * are made.
  */
 ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why,
                           ost_error *err);
 
-/* given: the reference's trace; it must have this case complete. */
+/* Runs a case with the reference's results as the input of each stage. given: the reference's trace, which must
+   contain this case completely. */
 ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given,
                          ost_error *why, ost_error *err);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One case on one backend while it runs. Each stage has a file, listed here in
- * the order in which the stages run.
+ * The state of one case that runs on one backend. Each stage has a file. The
+ * stages run in the order of this list.
  *
- *   perform_before.c   another CT and another bone, before the case's own
+ *   perform_before.c   another CT and another bone, before those of the case
  *   perform_import.c   samples -> rect -> cubic -> chunks
- *   perform_sample.c   densities and occupancy of the bone; a second bone of its slices
+ *   perform_sample.c   densities and occupancy of the bone; a second bone made from its slices
  *   perform_tool.c     snapped meshes -> the tools' voxels
  *   perform_tick.c     ticks -> poses and maps, reports, changed leaves
  *   perform_record.c   records that several stages write
@@ -30,12 +30,12 @@ typedef struct performer {
     ost_tool *tools[SCENE_TOOLS_MAX];
     ost_tool_geometry grids[SCENE_TOOLS_MAX]; /* the grids of these tools */
     ost_world *world;
-    ost_geometry geometry; /* the bone's, from which the maps are computed */
-    ost_dims dims;         /* the bone's, as the backend returns them */
+    ost_geometry geometry; /* the bone's geometry, from which the maps are computed */
+    ost_dims dims;         /* the bone's dims, as returned by the backend */
     int16_t *was, *is;    /* the bone as last recorded, and as downloaded */
     ost_removal_report collided, removed;
     bool second;          /* true: the second implementation makes the steps, and there is no world */
-    bool light;           /* only if second: true if the steps of the ticks alone are made */
+    bool light;           /* only if second; true if only the steps of the ticks are made */
     ost_path path;        /* the ticks; freed by the performer if own_path is true */
     bool own_path;
     steps_history history; /* only if second */
@@ -43,16 +43,16 @@ typedef struct performer {
     ost_map *made_maps;
     ost_map *maps;         /* owned; only if second: the maps of one event; capacity OST_SWEEP_MAX */
     ost_voxel_box *boxes;
-    ost_step_result range; /* only if second: boxes_meet, and the range of chunks that the event must cover */
+    ost_step_result range; /* only if second; boxes_meet, and the range of chunks that the event must cover */
     perform_watch *watch;
     void *user;
-    const trace *given; /* only for perform_apart: the reference's trace; else NULL */
+    const trace *given; /* the reference's trace for perform_apart, else NULL */
     compare_range in_given;
-    bool refused;       /* true if the CT has a rejected or a conflicting sample: the case ends with its report */
-    int16_t *right;     /* only for perform_apart: the reference's bone */
+    bool refused;       /* true if the CT has a rejected or conflicting sample; the case ends with the scatter report */
+    int16_t *right;     /* only for perform_apart; the reference's bone */
 } performer;
 
-/* Returns true for a case without a bone, of which only the steps of the ticks are made. */
+/* Returns true if the case has ticks but no bone, so that only the steps of the ticks are made. */
 static inline bool perform_is_of_steps(const scene *s)
 {
     return !s->sample_count && s->path.count;
@@ -72,27 +72,28 @@ ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, os
 ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err);
 /* Writes counts of chunks and voxels into the open record. */
 void perform_record_counts(performer *p, const ost_bone_info *info);
-/* Writes the digest of a bone into the open record: it is a result like any other. */
+/* Writes the digest of a bone into the open record, where it is compared as a result. */
 void perform_record_digest(performer *p, const ost_digest *root);
-/* Writes a record of the complete bone, which becomes p->was. The digest is the backend's own, or, if p->second is
-   true, that of the second implementation. */
+/* Writes a record of the complete bone and copies the bone to p->was. The digest is the second implementation's if
+   p->second is true, else the backend's own. */
 ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
 
-/* ---- perform_apart.c: each does nothing unless p->given is set */
+/* ---- perform_apart.c: these functions do nothing if p->given is NULL */
 
-/* Overwrites a grid with the reference's of this stage. */
+/* Overwrites a grid with the reference's grid of this stage. */
 ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *grid, ost_error *err);
 /* Overwrites the imported bone with the reference's. */
 ost_status perform_give_bone(performer *p, ost_error *err);
 /* Replaces tool i by the reference's. */
 ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
-/* Overwrites slices [z0, z1) of the bone, fetched after tick i, with the reference's: a difference ends with its
-   tick. */
+/* Overwrites slices [z0, z1) of the bone, downloaded after tick i, with the reference's, so that a difference does not
+   affect later ticks. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
 
-/* ---- perform_before.c: records nothing; not called if there is a watch, which numbers the backend's calls */
+/* ---- perform_before.c: these functions record nothing. They are not called with a watch, because a watch counts the
+        backend's calls. */
 
-/* Scatters the case's first samples into a grid of another lattice. */
+/* Scatters the case's first samples into a grid with a different lattice. */
 ost_status perform_other_lattice(performer *p, ost_error *err);
 /* Collides tool i with a bone whose voxels have another size. */
 ost_status perform_other_bone(performer *p, int i, ost_error *err);
@@ -101,7 +102,8 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
 /* Imports the CT into p->bone; sets p->refused if a sample was rejected or conflicts with another. */
 ost_status perform_import(performer *p, ost_error *err);
-/* Samples the bone: at time 0 as it was imported (items 0 and 1), at time 1 at the end (items 2 and 3). */
+/* Samples the bone: after the import if time is 0 (items 0 and 1), at the end of the case if time is 1 (items 2
+   and 3). */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err);
 /* Uploads the bone's slices into a second bone, in parts. */
 ost_status perform_upload(performer *p, ost_error *err);
@@ -111,9 +113,9 @@ ost_status perform_tool(performer *p, int i, ost_error *err);
 ost_status perform_begin_ticks(performer *p, ost_error *err);
 /* Runs tick i and records its steps, its event and the leaves that changed. */
 ost_status perform_tick(performer *p, size_t i, ost_error *err);
-/* Makes only the steps of tick i; its sweep begins at the previous tick if that has the same tool. */
+/* Makes only the steps of tick i. Its sweep begins at the previous tick if that tick has the same tool. */
 ost_status perform_steps(performer *p, size_t i, ost_error *err);
-/* Collides the pose of tick i over the complete grid: no box excludes a voxel, and nothing may change. */
+/* Collides the pose of tick i with the complete grid. No box excludes a voxel, and no voxel may change. */
 ost_status perform_collide(performer *p, size_t i, ost_error *err);
 
 #endif

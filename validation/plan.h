@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The ordered list of the cases of a campaign, which tier, seed and shard fix
- * before anything runs.  The list is part of the protocol, and the SHA-256 of
- * its text is part of the evidence.
+ * The ordered list of the cases of a campaign.  It depends only on tier, seed and
+ * shard, and is made before any case runs.  The list is part of the protocol, and
+ * the SHA-256 of its text is part of the evidence.
  *
  *   tier, seed, shard I/N --plan_make--> cases "family/number"
  *
  *   import/N     a random CT as samples in any order: scatter, resampling,
  *                chunks (Algs. 2.3-2.6); lattices, duplicates, thresholds
- *   mesh/N       tools from simple to hostile: closed, open, slivers, covers
- *                twice, not cutting; by winding and parity (Alg. 2.1, section 2.3)
- *   poses/N      unrelated poses, on borders and quarter turns among them (Algs. 2.8-2.10)
+ *   mesh/N       tools from simple to degenerate: closed, open, slivers, solids that
+ *                occur twice, parts that do not cut; by winding and parity (Alg. 2.1, section 2.3)
+ *   poses/N      unrelated poses, including poses on borders and quarter turns (Algs. 2.8-2.10)
  *   sweep/N      fast motion: many poses per event
  *   session/N    slow cutting for many ticks, with changes of tool
  *   operation/N  the built-in peg hole and reaming on a phantom's glenoid
- *   steps/N      only sweep, map, motor and snapping: ties, ends of the range; no voxel
+ *   steps/N      only sweep, map, motor and snapping, without voxels: ties, ends of the range
  *   reach/N      situations that need a certain size or position: a sparse bone of
  *                more than 2^22 voxels, a tool wider than 512, rods, slices, far
  *                origins, samples that are refused, a gap between the parts of a tool
- *   static/N     the thesis' static events; only if requested by name
+ *   static/N     the static events of the thesis; only if requested by name
  *   user/N       the user's own files (user_store.h), numbered from 1; after all others
  */
 #ifndef OST_VALIDATION_PLAN_H
@@ -41,7 +41,7 @@ typedef enum plan_family {
     PLAN_STEPS,
     PLAN_REACH,
     PLAN_STATIC, /* only if requested by name: the static events of Tables 3.3 to 3.5 */
-    PLAN_SMALL, /* part of no plan: scenes of a few milliseconds that contain every stage, for sensitivity.h */
+    PLAN_SMALL, /* not in a plan: scenes that run for a few milliseconds and contain every stage (sensitivity.h) */
     PLAN_USER,  /* cases of the user's own files */
     PLAN_FAMILIES
 } plan_family;
@@ -49,7 +49,7 @@ typedef enum plan_family {
 struct scene_cut;  /* locate/cut.h */
 struct user_store; /* user_store.h */
 
-/* The user's own cases: their number and their contents. Without a store only their names exist. */
+/* The user's own cases: their number and their contents. Without a store only their names are available. */
 typedef struct plan_user {
     int count;
     const struct user_store *store; /* borrowed; NULL: the cases cannot be made */
@@ -59,10 +59,10 @@ enum { PLAN_ID = 32 };
 typedef struct plan_case {
     plan_family family;
     int number;       /* number within the family, counted from 0; from 1 in PLAN_USER */
-    plan_tier tier;   /* larger tiers have larger cases */
+    plan_tier tier;   /* tier of the campaign; larger tiers have larger cases */
     uint64_t seed;    /* seed of the campaign */
     char id[PLAN_ID]; /* "session/3" */
-    struct scene_cut *cut; /* the part of the case that is run, NULL: all; owned by the plan if it came from a file */
+    struct scene_cut *cut; /* part of the case that is run; NULL: all of it; owned by the plan if read from a file */
     const struct user_store *store; /* for PLAN_USER; borrowed */
 } plan_case;
 
@@ -70,11 +70,11 @@ typedef struct plan {
     plan_tier tier;
     uint64_t seed;
     int shard, shards; /* 1 <= shard <= shards */
-    const char *only;  /* as given to plan_make, borrowed */
+    const char *only;  /* as passed to plan_make; borrowed */
     const char *file;  /* file from which the cases were read (locate/case_file.h), borrowed; NULL: the tier's cases */
     const struct user_store *user; /* the user's own cases, borrowed; NULL if there are none */
     int count;
-    plan_case *cases; /* owned; case k of the complete list belongs to shard 1 + k mod shards */
+    plan_case *cases; /* owned; cases of this shard; case k of the complete list is in shard 1 + k mod shards */
     int total;        /* number of cases of all shards together */
 } plan;
 
@@ -83,8 +83,8 @@ const char *plan_family_name(plan_family family);
 /* Returns one line of text that describes the family. */
 const char *plan_family_about(plan_family family);
 
-/* Makes the plan of one shard. only: NULL, or a prefix: cases whose id does not begin with it are omitted. user:
-   NULL for none. */
+/* Makes the plan of one shard. If `only` is not NULL, cases whose id does not begin with it are omitted. user is NULL
+   if there are no cases of the user. */
 ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user,
                      plan *out, ost_error *err);
 void plan_free(plan *p);
@@ -92,8 +92,8 @@ void plan_free(plan *p);
 /* Makes the case with this id. Returns false if the tier has no such case. */
 bool plan_find(plan_tier tier, uint64_t seed, const char *id, const plan_user *user, plan_case *out);
 
-/* Returns an estimate of the size of a case's trace in bytes. It is based on measurements; generated cases stay well
-   below it. */
+/* Returns an estimate of the size of a case's trace in bytes, which is based on measurements. The traces of generated
+   cases are considerably smaller. */
 uint64_t plan_trace_bytes(const plan_case *c);
 
 #endif

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * AR-CUB along one axis, for the explanation of differences: the rect voxels
- * that a cubic voxel is computed from, and the division that selects them.
+ * from which a cubic voxel is computed, and the division that selects them.
  *
  *   linear    t = ((2i + 1) c - s) / (2s), clamped; voxel floor(t), and the next with weight RHE(2^15 (t - floor(t)))
- *   nearest   floor((2i + 1) c / (2s)), at most the last
+ *   nearest   floor((2i + 1) c / (2s)), limited to the last voxel
  *   thesis    floor(i c / s)
  */
 #ifndef OST_VALIDATION_RESAMPLE_H
@@ -19,11 +19,11 @@ enum { RESAMPLE_ONE = 1 << 15 };
 typedef struct resample_tap {
     int64_t top, bottom; /* numerator and denominator of the quotient before it is clamped; bottom > 0 */
     int64_t index;
-    int64_t weight; /* weight of voxel index + 1 in units of 1 / RESAMPLE_ONE; 0: that voxel is not read */
+    int64_t weight; /* weight of voxel index + 1 in units of 1 / RESAMPLE_ONE; 0: this voxel is not read */
 } resample_tap;
 
-/* Returns the source of cubic voxel i in a row of n rect voxels. i < 2^14, cubic and rect below 2^37, so top is
-   below 2^52. */
+/* Returns the source of cubic voxel i in a row of n rect voxels. i is below 2^14 and the spacings cubic and rect are
+   below 2^37, so top is below 2^52. */
 static inline resample_tap resample_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
     resample_tap tap = {.top = (2 * i + 1) * cubic, .bottom = 2 * rect};
@@ -56,8 +56,8 @@ static inline ost_pm resample_again(ost_pm cubic)
     return cubic * 7 / 5;
 }
 
-/* Finds one of the eight rect voxels around a cubic voxel's centre: if bit a of corner is set, the next one along
-   axis a. Returns its weight in units of 2^-45. */
+/* Finds one of the eight rect voxels around a cubic voxel's centre. If bit a of corner is set, this is the next voxel
+   along axis a. Returns the weight of the voxel in units of 2^-45. */
 static inline int64_t resample_corner(const resample_tap tap[3], int corner, int64_t at[3])
 {
     int64_t weight = 1;

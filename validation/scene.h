@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inputs of a case, equal for every backend: integers, made only from the
- * case's name and the campaign's seed.
+ * The inputs of a case, which are equal for every backend.  They are integers and
+ * depend only on the case's name and the campaign's seed.
  *
  *   plan_case --scene_make--> samples, snapped meshes, ticks
  *
  * Files and the floats of meshes and phantoms are converted to these integers
- * before any backend runs; the integers are hashed as the case's input.
+ * before any backend runs.  The digest of the input is computed from the integers.
  */
 #ifndef OST_VALIDATION_SCENE_H
 #define OST_VALIDATION_SCENE_H
@@ -24,11 +24,11 @@ typedef struct scene_tool {
     ost_snapped_mesh cutting, noncutting; /* noncutting has no triangles if the tool has no such part */
     ost_fill_rule rule;
     ost_mesh raw[2]; /* both meshes before snapping; without triangles if not known, as in a case that was cut */
-    bool grid_given; /* true: the grid is given instead of computed from the meshes (AR-TOOL-2) */
+    bool grid_given; /* true: the grid is given and not computed from the meshes (AR-TOOL-2) */
 } scene_tool;
 
 typedef struct scene {
-    /* The CT. Without samples none of the stages up to chunks runs. */
+    /* The CT. If there are no samples, the stages up to chunks do not run. */
     ost_geometry rect;
     ost_sample *samples; /* owned unless lent; in the order in which they are scattered */
     bool lent;           /* true: the samples are borrowed from user_store.h and must not be changed */
@@ -36,7 +36,7 @@ typedef struct scene {
     ost_duplicates duplicates;
     ost_pm cubic;
     ost_resample resample;
-    /* slices per call if a CT with one sample per lattice point is uploaded; 0: it is sent as samples */
+    /* slices per call if a CT with one sample per lattice point is uploaded as slices; 0: it is passed as samples */
     int32_t slices;
     int chunk_size;
     int32_t threshold;
@@ -48,12 +48,12 @@ typedef struct scene {
        and only the steps (steps_record.h) are computed. */
     ost_world_options world;
     ost_path path;
-    /* poses of the hand from which path was computed with a motor of handle_rpm; empty without a motor */
+    /* poses of the handle, from which path was computed with a motor speed of handle_rpm; empty without a motor */
     ost_path handle_path;
     int32_t handle_rpm;
-    int collide_every; /* n: the backend also collides before every n-th tick; 0: never */
+    int collide_every; /* the backend also collides before each tick whose number is a multiple of this; 0: never */
 
-    ost_digest digest; /* digest of the members above if scene_digest was called; it goes into the trace */
+    ost_digest digest; /* digest of the members above if scene_digest was called; recorded in the trace */
 } scene;
 
 ost_status scene_make(const plan_case *c, scene *out, ost_error *err);
@@ -63,7 +63,8 @@ void scene_tool_free(scene_tool *tool);
    s->handle_path and sets s->path to the tool's poses. */
 ost_status scene_turn(scene *s, int32_t rpm, ost_error *err);
 
-/* Computes the SHA-256 of all members, field by field in a fixed form; the evidence names it as the case's input. */
+/* Computes the SHA-256 of all members, field by field in a fixed form. The evidence records it as the digest of the
+   case's input. */
 ost_status scene_digest(const scene *s, ost_digest *out, ost_error *err);
 
 #endif
