@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Temporary files and folders of traces, under TMPDIR or /tmp.  A trace that
- * only this process reads has no name, so that it disappears however the
- * process ends:
+ * Temporary files and folders for traces, under TMPDIR or /tmp.  The file of a
+ * trace that only this process reads has no name, so that the system deletes it
+ * however the process ends:
  *
- *   scratch_file --> descriptor --scratch_name--> "/proc/self/fd/5", to open it by
+ *   scratch_file --> descriptor --scratch_name--> "/proc/self/fd/5", by which it can be opened
  */
 #ifndef OST_VALIDATION_SCRATCH_H
 #define OST_VALIDATION_SCRATCH_H
@@ -16,16 +16,17 @@
 enum { SCRATCH_PATH = 512 };
 
 ost_status scratch_make(char path[SCRATCH_PATH], ost_error *err);
-/* Removes a folder made by scratch_make, which must be empty. "" is allowed and does nothing. */
+/* Removes an empty folder made by scratch_make. Does nothing if path is "". */
 void scratch_remove(const char *path);
 
 enum { SCRATCH_NAME = 40 };
 /* Creates a file without a name. The caller closes the descriptor, which deletes the file. */
 ost_status scratch_file(int *fd, ost_error *err);
-/* Writes a path by which the file can be opened; valid as long as the descriptor is open. */
+/* Writes a path by which the file can be opened. The path is valid as long as the descriptor is open. */
 void scratch_name(int fd, char name[SCRATCH_NAME]);
 
-/* Returns OST_ERR_IO if fewer than `bytes` are free; the error line names the folder, the free and the needed size. */
+/* Returns OST_ERR_IO if fewer than `bytes` bytes are free. The error line contains the folder, the free size and the
+   required size. */
 ost_status scratch_check_space(uint64_t bytes, ost_error *err);
 
 #endif

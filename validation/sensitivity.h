@@ -1,26 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures whether the campaign would have found an error.  Mistakes that a
- * port can make are made deliberately, one at a time, at random positions and
- * rates, and the results are compared by the code that compares backends.
+ * Measures whether the campaign would have found an error.  Mistakes that a port
+ * could contain are made deliberately, one at a time, at random positions and
+ * rates, and the code that compares backends compares the results.
  *
  *   small scene --reference--> trace ----------------.
- *        |------dense, right--> trace --compare--> equal, or a false alarm
- *        '------dense, with a mistake--> trace --compare--> found, where
+ *        |------dense, correct--> trace --compare--> equal, or a false alarm
+ *        '------dense, with a mistake--> trace --compare--> detected or not, and the position
  *
  * The dense backend runs every stage a second time without the mistake
  * (dense/deviation.h). Each injection therefore records whether the mistake was
  * made at all (triggered), and which voxel or line of a report it changed first.
  *
- *   changed    a result that a backend returns became a different one
+ *   changed    the mistake changed a result that the backend returns
  *   detected   the comparison found a difference
- *   located    it named the record (stage; tool or tick) and the voxel, or the
- *              chunk's line in the report, in which the mistake first showed
- *   survived   made, and nothing changed; the kind's table lists when this can happen
+ *   located    the comparison named the record (stage; tool or tick) and the voxel,
+ *              or the chunk's line in the report, that the mistake changed first
+ *   survived   the mistake was made, but no result changed; the table of kinds
+ *              lists when this can happen
  *
- * The mistakes are made in validation/dense and in no backend, so this tests
- * the comparison.  Kinds that change nothing in the first pass are made
- * everywhere in four more scenes; kinds that still change nothing are reported.
+ * The mistakes are made in validation/dense and in no backend under test, so this
+ * tests the comparison.  Kinds that change nothing in the first pass are made
+ * everywhere in four more scenes.  Kinds that change nothing there either are
+ * reported.
  */
 #ifndef OST_VALIDATION_SENSITIVITY_H
 #define OST_VALIDATION_SENSITIVITY_H
@@ -31,11 +33,11 @@
 
 typedef struct sensitivity_counts {
     uint64_t injected, triggered, changed, detected, located, survived;
-    uint64_t not_detected, not_located; /* numbers among `changed`; each is a defect of the comparison */
+    uint64_t not_detected, not_located; /* counts of changed results; each of them is a defect of the comparison */
 } sensitivity_counts;
 
-/* The patterns of a kind's differences, one class for differences in the report alone, and one for differences
-   without grids to compare. */
+/* The number of classes of differences: the patterns, one class for differences only in the report, and one for
+   differences without grids to compare. */
 enum { SENSITIVITY_CLASSES = PATTERNS + 2 };
 const char *sensitivity_class_name(int class);
 
@@ -43,21 +45,22 @@ typedef struct sensitivity {
     uint64_t seed;
     sensitivity_counts all, of[DEVIATION_KINDS];
     uint64_t classes[DEVIATION_KINDS][SENSITIVITY_CLASSES];
-    int kinds_changed, kinds_noticed; /* kinds of which a mistake changed a result; those found and located each time */
+    int kinds_changed, kinds_noticed; /* kinds that changed a result; those of them detected and located each time */
     uint64_t clean_runs, false_alarms;
     char first_problem[300]; /* the first miss or false alarm, with the command that repeats it */
 } sensitivity;
 
-/* Returns the number of injections of a tier in the first pass. The smoke tier makes each kind once, everywhere. */
+/* Returns the number of injections of a tier in the first pass. In the smoke tier each kind is made once, in every
+   unit. */
 uint64_t sensitivity_injections(plan_tier tier);
 
-/* Runs on `jobs` threads; the result does not depend on their number. show may be NULL; only one thread calls it at
-   a time. */
+/* Runs all injections on `jobs` threads. The result does not depend on the number of threads. show may be NULL; only
+   one thread calls it at a time. */
 ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                            void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
                            ost_error *err);
 
-/* Makes this mistake alone, in the scene with this number. */
+/* Makes only this mistake, in the scene with this number. */
 ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err);
 
 #endif

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The steps before the voxels, as records of a trace. They are made by src/core,
- * by the second implementation of it (dense/steps.h), or by a plugin.
+ * by its second implementation (dense/steps.h), or by a plugin.
  *
- *   snap   a tool: for each of its two meshes 15 words, the grid, f, counts and
- *          the digest of AR-DIG-7; then the cutting mesh's vertices, one a word
- *   steps  a tick: 11 words, whether it is refused or an event, how many poses,
- *          time, speed and pose after the motor's turn; then for each pose of
- *          the event 61 words: the pose, the map's integers (AR-MAP), the bases
- *          of three blocks, and the box that the broad phase computes
+ *   snap   one tool: for each of its two meshes 15 words (the grid, f, counts and
+ *          the digest of AR-DIG-7); then the cutting mesh's vertices, one per word
+ *   steps  one tick: 11 words (whether it is refused or an event, the number of
+ *          poses, time, speed, and the pose after the motor's rotation); then 61
+ *          words for each pose of the event: the pose, the map's integers
+ *          (AR-MAP), the bases of three blocks, and the box of the broad phase
  */
 #ifndef OST_VALIDATION_STEPS_RECORD_H
 #define OST_VALIDATION_STEPS_RECORD_H
@@ -18,29 +18,29 @@
 
 #include "validation/trace.h"
 
-/* One pose of an event and everything that is computed from it. */
+/* One pose of an event and all values computed from it. */
 typedef struct steps_pose {
     ost_pose pose;
     ost_map map;
-    bool near[3];        /* for each of the blocks of steps_blocks, true if it is near (AR-MAP-5) */
+    bool near[3];        /* for each block of steps_blocks, true if it is near (AR-MAP-5) */
     int32_t base[3][3];  /* bases of the near blocks; 0 for the others */
     bool reaches;        /* true if a voxel can be inside the tool's grid */
-    ost_voxel_box box;   /* empty if no voxel can be */
+    ost_voxel_box box;   /* box of these voxels; empty if there are none */
 } steps_pose;
 
-/* Returns the first voxels of the blocks whose bases are recorded: the grid's first, its middle and its last block. */
+/* Returns the first voxels of the three blocks whose bases are recorded: the grid's first, middle and last block. */
 void steps_blocks(ost_dims bone, int32_t first[3][3]);
 
-/* Computes AR-DIG-7 without src/core's function for it. */
+/* Computes the digest of AR-DIG-7 without the function of src/core. */
 ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
-/* Computes the digest of a bone by AR-DIG-2 to AR-DIG-5 without src/core's functions for it. g: the bone's grid,
-   voxels: its densities, x fastest. */
+/* Computes the digest of a bone by AR-DIG-2 to AR-DIG-5 without the functions of src/core. g is the bone's grid;
+   voxels are its densities, x fastest. */
 ost_status steps_bone_digest(const ost_geometry *g, int32_t threshold, const int16_t *voxels, ost_digest *out,
                              ost_error *err);
 
-/* Adds the words of a snap record. second: the digest is computed by steps_mesh_digest. parts[1] has no triangles if
-   there is no second mesh. parts is NULL if the meshes before snapping are not known. */
+/* Adds the words of a snap record. If second is true, the digest is computed by steps_mesh_digest. parts[1] has no
+   triangles if there is no second mesh. parts is NULL if the meshes before snapping are not known. */
 ost_status steps_put_snap(trace_writer *w, bool second, const ost_snapped_mesh *parts, ost_error *err);
 void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, const ost_tick *tick);
 void steps_put_pose(trace_writer *w, const steps_pose *p);

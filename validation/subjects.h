@@ -3,16 +3,17 @@
  * The subjects of a campaign: the reference, and every way in which this
  * machine can run the other backends, as strings that ost_backend_open takes.
  *
- *   cpu   each instruction set that is available, with 1 thread and with 2, 3
- *         and 7 threads that divide even the smallest work (grain=1; smoke: one
- *         of the three for each set, all three among the sets); the best set
- *         with 3 threads and the default thresholds; the voxelizer by Embree if
- *         it was compiled in
- *   cl    each device that is not refused, with both kernel sets, and with
- *         large data in parts (smoke: the set for GPUs in parts, the other not)
- *   plugin:FILE.so   a plugin, if it is named; it is first opened in a separate
- *                    process, since its code may do anything
- *   dump:DIR         the dump of another program, if it is named
+ *   cpu   each available instruction set, with 1 thread and with 2, 3 and 7
+ *         threads that divide even the smallest work (grain=1; smoke: one of the
+ *         three counts for each set, and all three counts among the sets); the
+ *         best set with 3 threads and the default thresholds; the voxelizer by
+ *         Embree if it was compiled in
+ *   cl    each device that is not refused, with both kernel sets, and with large
+ *         data in parts (smoke: in parts only with the set for GPUs, not in parts
+ *         with the other set)
+ *   plugin:FILE.so   a plugin, if the user names it; it is first opened in a
+ *                    separate process, because its code may do anything
+ *   dump:DIR         the dump of another program, if the user names it
  *
  * Subjects that cannot run are listed with the reason, because a report must
  * name what it does not cover.
@@ -30,30 +31,30 @@ enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];
     char what[SUBJECT_REASON]; /* description: device and driver, instruction set */
-    char device[64];           /* OpenCL device as ost_backend_devices lists it, however it was chosen; "" if none */
+    char device[64];           /* OpenCL device as listed by ost_backend_devices, however it was chosen; "" if none */
     bool available;
-    char reason[SUBJECT_REASON]; /* the reason if it is not available */
+    char reason[SUBJECT_REASON]; /* the reason if the subject is not available */
 } subject;
 
 typedef struct subject_list {
     int count;
     subject *subjects; /* owned; the reference first */
-    bool opencl;       /* at least one OpenCL device is among them */
+    bool opencl;       /* true if at least one of them is an OpenCL device */
     char no_opencl[SUBJECT_REASON]; /* the reason if there is none */
 } subject_list;
 
-/* Finds the subjects. wanted is NULL for all subjects of the tier, or specs separated by semicolons, as in
-   "cpu:isa=avx2;cl:device=0", in which "cpu" and "cl" alone mean all subjects of that backend. */
+/* Finds the subjects. wanted is NULL for all subjects of the tier, or a list of specs separated by semicolons, as in
+   "cpu:isa=avx2;cl:device=0". The specs "cpu" and "cl" alone mean all subjects of that backend. */
 ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err);
 void subjects_free(subject_list *list);
 
-/* Returns the name of an instruction set of the backend cpu; NULL after the last. */
+/* Returns the name of instruction set `isa` of the backend cpu; NULL after the last. */
 const char *subjects_isa(int isa);
-/* Adds the subjects of the backend cpu for a processor with the instruction sets `here`, as subjects_find lists
-   them. */
+/* Adds the subjects of the backend cpu for a processor with the instruction sets `here`, in the order of
+   subjects_find. */
 ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, ost_error *err);
-/* Returns the options, after the device's name and a comma, of the n-th subject of each usable OpenCL device in a tier;
-   NULL after the last. */
+/* Returns the options of the n-th subject of each usable OpenCL device in a tier; NULL after the last. In a spec the
+   options follow the device's name and a comma. */
 const char *subjects_cl_options(plan_tier tier, int n);
 
 #endif

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs the tests that requirements name, for osteon validate --with-suite.
+ * Runs the tests that the requirements name, for osteon validate --with-suite.
  *
  *   FOLDER/tests/run-test PATH --exit status, output--> suite.json (bundle/suite.h)
  *
- * make writes tests/run-test into the build folder; any folder that has such a
- * program can be a suite.  Each test runs in a process group of its own, with
- * /dev/null as its input, for a limited time and with a limited output.  Only
- * the size, the SHA-256 and the last line of the output are recorded.
+ * make writes tests/run-test into the build folder.  Any folder that has such a
+ * program can be a suite.  Each test runs in its own process group, with /dev/null
+ * as its input.  Its running time and the size of its output are limited.  Only the
+ * size, the SHA-256 and the last line of the output are recorded.
  */
 #ifndef OST_VALIDATION_SUITE_RUN_H
 #define OST_VALIDATION_SUITE_RUN_H
@@ -18,12 +18,12 @@
 typedef struct suite_options {
     const char *folder, *requirements; /* requirements: the text of requirements.csv */
     int64_t limit_s;                   /* time limit of each test in seconds */
-    int jobs;                          /* number of tests that run at the same time */
+    int jobs;                          /* maximum number of concurrent tests */
     void (*show)(void *user, const char *what, double share);
     void *user;
 } suite_options;
 
-/* Returns OST_ERR_INPUT, with the reason, if the folder has no program tests/run-test. */
+/* Returns OST_ERR_INPUT and sets the reason if the folder has no program tests/run-test. */
 ost_status suite_find(const char *folder, ost_error *err);
 
 /* Runs the tests. *out receives the content of suite.json; the caller owns the reference. */

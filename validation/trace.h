@@ -13,12 +13,14 @@
  *          u64 count, count blocks                   voxels
  *   block  i32 lo[3], i32 dims[3], u32 voxel bytes, u32 0, the voxels, x fastest
  *
- * all little-endian.  item is the number of the tool or tick.  trace_word_name
- * names the words of each stage, for the description of a difference.
+ * All numbers are little-endian.  item is the number of the tool or tick.
+ * trace_word_name returns the names of the words, for the description of a
+ * difference.
  *
  * A tick's blocks are the leaves of 32^3 voxels that changed since the last
- * record of the bone; so equal records up to a tick mean equal bones at that
- * tick.  Traces are files: the results of a backend up to a crash are preserved.
+ * record of the bone.  If all records up to a tick are equal, the bones at that
+ * tick are therefore equal.  Traces are files, so that the results of a backend
+ * are preserved if it crashes.
  */
 #ifndef OST_VALIDATION_TRACE_H
 #define OST_VALIDATION_TRACE_H
@@ -31,29 +33,30 @@ typedef enum trace_stage {
     TRACE_CASE,    /* words: the input's SHA-256, which shows that all backends got the same input */
     TRACE_RECT,
     TRACE_CUBIC,
-    TRACE_RESAMPLE, /* the cubic grid, resampled once more; nothing depends on it */
+    TRACE_RESAMPLE, /* the cubic grid, resampled once more; no later stage uses it */
     TRACE_CHUNKS,
     TRACE_SNAP,    /* words: a tool's grid and its meshes' vertices on it (steps_record.h) */
     TRACE_TOOL,
     TRACE_COLLIDE,
-    TRACE_STEPS,   /* words: which poses a tick's event has, and the map of each (steps_record.h) */
+    TRACE_STEPS,   /* words: the poses of a tick's event and the map of each pose (steps_record.h) */
     TRACE_TICK,
-    TRACE_SAMPLE,  /* words: densities of single voxels (even items), a hash of each chunk's occupancy (odd ones) */
-    TRACE_UPLOAD,  /* a second bone, uploaded in slices of the first */
+    TRACE_SAMPLE,  /* words: densities of single voxels (even items), a hash of each chunk's occupancy (odd items) */
+    TRACE_UPLOAD,  /* a second bone, uploaded as slices of the first */
     TRACE_FINAL,
-    TRACE_FAILED,  /* words: the status; a block of bytes: the error line; the case ended there */
-    TRACE_END,     /* the list is complete; paths.h describes its words; preceded by one of item TRACE_TIMES */
+    TRACE_FAILED,  /* a stage failed and ended the case; words: the status; a block of bytes: the error line */
+    TRACE_END,     /* end of the list; paths.h describes its words; preceded by an end record with item TRACE_TIMES */
     TRACE_STAGES
 } trace_stage;
 
 enum { TRACE_TIMES = 1 }; /* item of an end record whose words are the microseconds of each case of the list */
 
 const char *trace_stage_name(trace_stage stage);
-/* Returns the number of words of a report before its chunks' lines; the last of them is the number of lines. Returns 0
-   if the stage has no such report. */
+/* Returns the number of words of a report before the lines of its chunks. The last of these words is the number of
+   lines. Returns 0 if the stage has no such report. */
 size_t trace_report_head(trace_stage stage);
-/* Returns the name of a word: "active voxels"; in a chunk's line of line_words words (0: not known) "voxels of class 2
-   in a chunk"; "report word 7" for a word without a name. The name may be written to text. */
+/* Returns the name of a word, such as "active voxels", or "voxels of class 2 in a chunk" for a word in a chunk's line,
+   or "report word 7" for a word without a name. line_words is the number of words in a chunk's line; 0 if it is not
+   known. The name may be written to text. */
 enum { TRACE_WORD = 48 };
 const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words, char text[TRACE_WORD]);
 
@@ -66,10 +69,12 @@ ost_status trace_create(const char *path, trace_writer **out, ost_error *err);
 /* Writes the remaining bytes and closes the file. Returns OST_ERR_IO if any bytes could not be written. */
 ost_status trace_close(trace_writer *w, ost_error *err);
 
-/* Write a record, in this order: trace_begin, trace_word per word, trace_block per block, trace_end. */
+/* These functions write a record. They are called in this order: trace_begin, trace_word for each word, trace_block
+   for each block, trace_end. */
 void trace_begin(trace_writer *w, trace_stage stage, uint32_t case_index, uint32_t item);
 void trace_word(trace_writer *w, uint64_t value);
-/* Returns a buffer for the block's voxels, which the caller fills before the next call; NULL if memory is exhausted. */
+/* Returns a buffer for the block's voxels; NULL if memory is exhausted. The caller fills the buffer before the next
+   call. */
 void *trace_block(trace_writer *w, const int32_t lo[3], ost_dims dims, uint32_t voxel_bytes);
 ost_status trace_end(trace_writer *w, ost_error *err);
 
@@ -79,20 +84,21 @@ void trace_flags(trace_writer *w, uint64_t flags);
 /* ------------------------------------------------------------------ reading */
 
 /*
- * A dump (dump.h) may be incomplete: its trace gets the reference's records for
- * the missing data. The flags mark these records, and they are not compared.
+ * A dump (dump.h) may be incomplete. For missing data its trace gets records of
+ * the reference, which are marked by flags and are not compared.
  */
-/* TRACE_MADE: the backend made the record itself; it was not passed to it. */
+/* TRACE_MADE: the backend computed the contents of the record itself and did not receive them. */
 enum { TRACE_STAND_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
 
 /*
  * docs/spec/arithmetic.md prescribes no box and no range of chunks (AR-REM-5).  In a
- * record with TRACE_BOUNDS these words are the least box (TRACE_STEPS) or range
- * of chunks (TRACE_TICK) that must be covered; compare.c then compares them by
+ * record with TRACE_BOUNDS these words are the smallest box (TRACE_STEPS) or range
+ * of chunks (TRACE_TICK) that must be covered.  compare.c compares them by
  * trace_word_holds.
  */
 bool trace_word_is_bound(trace_stage stage, size_t word);
-/* Returns true if word i of the record's words `is` covers that of `least`, or, where it is no bound, equals it. */
+/* Returns true if the word with this index in `is` covers the bound in `least`. If the word is not a bound, returns
+   true if both words are equal. */
 bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const uint8_t *least);
 
 typedef struct trace_block_view {
@@ -114,10 +120,10 @@ typedef struct trace {
     size_t size;
     size_t count;
     trace_record *records; /* owned */
-    bool complete;         /* true if TRACE_END is the last record and nothing follows it */
+    bool complete;         /* true if the last record is TRACE_END and no bytes follow it */
 } trace;
 
-/* Maps and indexes a trace. A file that ends within a record is read up to that record. */
+/* Maps a trace and builds the index of its records. If the file ends within a record, that record is ignored. */
 ost_status trace_open(const char *path, trace *out, ost_error *err);
 void trace_free(trace *t);
 
@@ -129,7 +135,8 @@ static inline uint64_t trace_word_at(const uint8_t *words, uint64_t index)
     memcpy(&word, words + 8 * index, sizeof word);
     return word;
 }
-/* Finds the next block: *at is 0 at first. Returns false after the last block, or if the body is not well formed. */
+/* Finds the next block. The caller sets *at to 0 before the first call. Returns false after the last block, or if the
+   body is not well formed. */
 bool trace_next_block(const trace_record *r, size_t *at, trace_block_view *out);
 
 #endif

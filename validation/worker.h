@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a backend in a process of its own.  A driver may install signal handlers,
- * change the rounding of floats, crash or hang; only its own process is affected,
- * and all results up to then are in its trace.
+ * Runs a backend in a separate process.  A driver may install signal handlers,
+ * change the rounding of floats, crash or hang.  Only its own process is affected,
+ * and all results up to that point are in its trace.
  *
  *   worker_start --exec--> osteon validate --worker SPEC --trace FILE ... --worker_run--> trace
  *        |                                                                         |
- *   worker_wait_any: how it ended <------------------------------------------------'
+ *   worker_wait_any: way in which it ended <---------------------------------------'
  *
- * A worker ends when its parent ends, for whatever reason.
+ * A worker ends when its parent ends for any reason.
  */
 #ifndef OST_VALIDATION_WORKER_H
 #define OST_VALIDATION_WORKER_H
@@ -18,15 +18,15 @@
 
 #include "validation/plan.h"
 
-/* Called in the worker. Runs cases [from, to) of the plan on the backend of this spec; writes a line to stderr for
-   each stage that fails. If given is not NULL, it is the reference's trace of these cases, and its grids are the input
-   of every stage (perform_apart); otherwise the input of a stage is the result of the previous one. */
+/* Called in the worker. Runs cases [from, to) of the plan on the backend of this spec, and writes a line to stderr for
+   each stage that fails. If given is not NULL, it is the path of the reference's trace of these cases, whose grids are
+   the input of every stage (perform_apart). Otherwise the input of a stage is the result of the previous stage. */
 ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given,
                       ost_error *err);
 
 typedef enum worker_end {
     WORKER_DONE,
-    WORKER_FAILED,  /* exit status other than 0; text has its last line */
+    WORKER_FAILED,  /* exit status other than 0; text is the last line that it wrote to stderr */
     WORKER_CRASHED, /* ended by a signal */
     WORKER_LATE     /* killed because its time limit had passed */
 } worker_end;
@@ -42,12 +42,13 @@ typedef struct worker {
     pid_t pid;
     int stderr_fd;   /* read end of a pipe from its stderr */
     double begun, limit_s;
-    bool complete;   /* true if the line in text has ended */
+    bool complete;   /* true if the line in text is complete */
     size_t used;
     char text[512];  /* the last line that it wrote to stderr, cut off after 511 bytes */
 } worker;
 
-/* Exit status of a worker that could not get memory, a descriptor or a file; it allows no verdict on the backend. */
+/* Exit status of a worker that could not allocate memory or open a descriptor or a file. It allows no verdict on the
+   backend. */
 enum { WORKER_EXIT_RESOURCES = 4 };
 enum { WORKERS_MAX = 128 }; /* maximum number of workers in one call of worker_wait_any */
 enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors: its trace, the user's cases (user_store.h) */
@@ -55,12 +56,13 @@ enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors: its tra
 /* Writes the path of this program's own file, for argv[0]. */
 ost_status worker_program(char path[], size_t size, ost_error *err);
 /* Starts a worker. argv ends with NULL; argv[0] is the program's file. trace_fd and user_fd become the worker's
-   descriptors WORKER_TRACE and WORKER_USER; -1 for none. worker_wait_any kills the worker after limit_s seconds. */
+   descriptors WORKER_TRACE and WORKER_USER; -1 means none. worker_wait_any kills the worker after limit_s seconds. */
 ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double limit_s, worker *out, ost_error *err);
-/* Waits until one of the workers ends or exceeds its limit; *which receives its index. The others continue. */
+/* Waits until one of the workers ends or exceeds its time limit. *which receives its index. The other workers
+   continue. */
 ost_status worker_wait_any(worker *const workers[], int count, int *which, worker_result *out, ost_error *err);
 ost_status worker_wait(worker *w, worker_result *out, ost_error *err);
-/* Kills the worker and waits for its end. */
+/* Kills the worker and waits until it has ended. */
 void worker_stop(worker *w);
 
 #endif
