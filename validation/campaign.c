@@ -7,8 +7,8 @@
 
 #include "validation/scratch.h"
 
-/* Returns true if a worker of this backend is running. There is at most one at a time, so that the remaining time of
-   the backend is defined and a device has only one user. */
+/* Returns true if a worker of this backend is running. At most one runs at a time, so that the backend's remaining
+   time is well defined and only one process uses a device. */
 static bool busy(const runner *r, int subject_index)
 {
     for (int i = 0; i < r->running; i++)
@@ -28,7 +28,7 @@ static bool choose(runner *r, int *number, int *subject_index)
     }
     for (*number = r->done; *number < r->begun; ++*number) {
         const batch *b = batch_of(r, *number);
-        /* Devices are last in the list and take longest, so they are started first. */
+        /* Devices are last in the list and take the longest time, so they are started first. */
         for (*subject_index = r->c->subjects->count - 1; b->ready && *subject_index > 0; --*subject_index)
             if (b->tasks[*subject_index].from < b->end && !b->tasks[*subject_index].running && !busy(r, *subject_index))
                 return true;
@@ -36,7 +36,7 @@ static bool choose(runner *r, int *number, int *subject_index)
     return false;
 }
 
-/* A batch has as many cases as are expected to fill BATCH_BYTES with their traces, and at least one. */
+/* A batch has as many cases as fit into BATCH_BYTES by the estimated size of their traces, and at least one. */
 enum { BATCH_BYTES = 128 << 20 };
 static uint64_t cut_batches(runner *r)
 {
@@ -112,7 +112,7 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu results", cells);
     if (status == OST_OK)
         status = dumps_check(out, err);
-    if (status == OST_OK) /* the traces of all workers, those of the references, and a reserve */
+    if (status == OST_OK) /* space for the traces of all workers and of the references, and a reserve */
         status = scratch_check_space(cut_batches(&r) * (uint64_t)(out->jobs + ALIVE), err);
     if (status == OST_OK)
         status = run_all(&r, err);

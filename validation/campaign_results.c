@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the results of a campaign from the trace and the end of each worker. */
+/* Computes the results of a campaign from the trace of each worker and the way in which the worker ended. */
 #include "validation/campaign_parts.h"
 
 #include <stdlib.h>
@@ -7,8 +7,8 @@
 
 #include "validation/bundle/digests.h"
 
-/* Stores the digest of a backend's results of case i, computed from its own trace, and the digest's lines if they
-   differ from the reference's. */
+/* Stores the digest of a backend's results of case i, computed from its own trace. Also stores the digest lines if
+   they differ from the reference's. */
 static ost_status store_digests(runner *r, int i, int subject_index, const trace *got, ost_error *err)
 {
     case_result *one = verdict_of(r->c, i, subject_index);
@@ -23,7 +23,7 @@ static ost_status store_digests(runner *r, int i, int subject_index, const trace
     return OST_OK;
 }
 
-/* Stores the times of the cases from `from` on, which are in the second to last record of a complete trace. */
+/* Stores the times of the cases from `from` on. They are in the second to last record of a complete trace. */
 static void store_seconds(const runner *r, int subject_index, const trace *got, int from)
 {
     uint64_t count;
@@ -46,7 +46,7 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
     return status;
 }
 
-/* Gives all remaining cases of a backend in a batch the verdict of its permanent failure. */
+/* Sets the results of all remaining cases of a backend in a batch to that of its permanent failure. */
 static void give_up(runner *r, batch *b, int subject_index)
 {
     for (; b->tasks[subject_index].from < b->end; b->tasks[subject_index].from++, r->finished++)
@@ -111,7 +111,7 @@ ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got
     verdict_of_end(end, one);
     t->from++;
     r->finished++;
-    if (end->end != WORKER_CRASHED) { /* no time is left, or the backend would fail again */
+    if (end->end != WORKER_CRASHED) { /* no time remains, or the backend would fail again */
         r->gone[subject_index] = true;
         r->last_words[subject_index] = *one;
         for (int n = r->done; n < r->begun; n++)

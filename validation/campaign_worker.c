@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Workers of a campaign: their command lines and their traces. */
+/* The workers of a campaign: their command lines and their traces. */
 #include "validation/campaign_parts.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@
 #include "validation/scratch.h"
 #include "validation/user_store.h"
 
-enum { CAMPAIGN_WORDS = 24 }; /* arguments of a worker's command line */
+enum { CAMPAIGN_WORDS = 24 }; /* maximum number of arguments of a worker's command line */
 
 ost_status runner_start(runner *r, int number, int subject_index, ost_error *err)
 {
@@ -80,10 +80,10 @@ static void count_bytes(runner *r)
 }
 
 /*
- * Fails if the worker could not get memory, a descriptor or a file: it computed nothing, so its end
- * allows no verdict on the backend. The same holds for SIGKILL. This program sends it only to a
- * worker that exceeded its time (WORKER_LATE), so any other SIGKILL came from outside, usually from
- * the kernel when memory was exhausted.
+ * Fails if the worker could not allocate memory or open a descriptor or a file. Such a worker
+ * computed nothing, so its end allows no verdict on the backend. The same applies to SIGKILL. This
+ * program sends it only to a worker that exceeded its time limit (WORKER_LATE), so any other SIGKILL
+ * came from outside, usually from the kernel when memory was exhausted.
  */
 static ost_status resources_left(const char *spec, const worker_result *end, ost_error *err)
 {
@@ -101,7 +101,7 @@ static ost_status resources_left(const char *spec, const worker_result *end, ost
                     end->text);
 }
 
-/* Fails if the disk is full, which must not be counted as a difference. */
+/* Fails if the disk is full, because a full disk must not be counted as a difference. */
 static ost_status check_space_left(const worker_result *end, ost_error *err)
 {
     static const int full[] = {ENOSPC, EDQUOT, EFBIG};

@@ -45,8 +45,8 @@ static bool before(const int32_t a[3], const int32_t b[3])
     return a[2] != b[2] ? a[2] < b[2] : a[1] != b[1] ? a[1] < b[1] : a[0] < b[0];
 }
 
-/* Counts the differing voxels of two blocks with equal position and size; out->voxel becomes the first of the
-   record. */
+/* Counts the differing voxels of two blocks with equal position and size. out->voxel becomes the first differing voxel
+   of the record. */
 static void compare_block(const trace_block_view *a, const trace_block_view *b, compare_difference *out)
 {
     const size_t count = (size_t)ost_dims_count(a->dims), wide = (size_t)a->dims.x, high = (size_t)a->dims.y;
@@ -69,7 +69,7 @@ static void compare_block(const trace_block_view *a, const trace_block_view *b, 
     }
 }
 
-/* Compares the positions of two leaves in x-fastest order, which is the order of a tick's blocks. */
+/* Compares the positions of two leaves in x-fastest order, the order of a tick's blocks. */
 static int order(const trace_block_view *a, const trace_block_view *b)
 {
     for (int axis = 2; axis >= 0; axis--)
@@ -104,7 +104,7 @@ static bool cut_leaf(const trace_block_view *block, const trace_block_view *loca
     return true;
 }
 
-/* Finds the contents of a leaf before record `at` of a case: those in the latest earlier record that contains it. */
+/* Finds the contents of a leaf before record `at` of a case, in the latest earlier record that contains the leaf. */
 static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *location,
                         uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
@@ -151,8 +151,8 @@ static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *
     return paired;
 }
 
-/* Returns the number of words in a chunk's line of a report: the chunk's number and two words per class. 0 if the
-   report has no lines. */
+/* Returns the number of words in a chunk's line of a report: the chunk's number and two words per class. Returns 0 if
+   the report has no lines. */
 static uint64_t words_of_line(const trace_record *r, const uint8_t *words, uint64_t count)
 {
     const uint64_t head = trace_report_head(r->stage),
@@ -176,7 +176,8 @@ static bool compare_words(const trace_record *ref, const trace_record *got, comp
     if (!trace_words(ref, &n, &a) || !trace_words(got, &m, &b))
         return true;
     out->line_words = words_of_line(ref, a, n);
-    /* The first differing word of the report is shown; the first in a chunk's line gives the chunk. */
+    /* out->word is the first differing word of the report. The first differing word in a chunk's line gives the
+       chunk. */
     for (; i < n && i < m; i++) {
         if (trace_word_at(a, i) == trace_word_at(b, i) ||
             (got->flags & TRACE_BOUNDS && trace_word_holds(ref->stage, (size_t)i, a, b)))
@@ -217,7 +218,7 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
     }
     const bool words = compare_words(a, b, out), paired = compare_blocks(ref, in_ref, got, in_got, at, out);
     out->words_too = words;
-    if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS) /* the bytes differ only in bounds */
+    if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS) /* only words that are bounds differ */
         return;
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of the stages of the import: the position of a sample, the choice of a layer, and the threshold. */
+/* Margins of the import stages: the position of a sample, the choice of a layer, and the threshold. */
 #include "validation/margin_parts.h"
 
 #include <stdlib.h>
@@ -9,13 +9,13 @@
 
 /* ------------------------------------------------------------------- rect */
 
-/* A voxel of the rect grid that differs, and the least movement of samples that would give the other backend's
-   value. */
+/* A voxel of the rect grid that differs, and the smallest distances by which samples would have to move to give the
+   other backend's value. */
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    int64_t leave; /* greatest distance that a sample in the voxel would have to move to leave it; -1: no such sample */
-    int64_t enter; /* least distance that a sample would have to move to enter it; -1: no such sample */
+    int64_t leave; /* greatest distance by which a sample in the voxel must move to leave it; -1: no such sample */
+    int64_t enter; /* smallest distance by which a sample must move to enter the voxel; -1: no such sample */
 } moved;
 
 static int compare_moved(const void *a, const void *b)
@@ -24,7 +24,7 @@ static int compare_moved(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Returns floor(2^20 n / d); 0 <= n <= 2 d, d < 2^37. */
+/* Returns floor(2^20 n / d), where 0 <= n <= 2 d and d < 2^37. */
 static int64_t share_of(int64_t n, int64_t d)
 {
     return (int64_t)((ost_i128)n * MARGIN_ONE / d);
@@ -105,7 +105,7 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
 
 /* ------------------------------------------------------------------ cubic */
 
-/* The source along one axis, and the distances of the quotient from the neighbouring sources below and above. */
+/* The source along one axis, and the distances from the quotient to the neighbouring sources below and above. */
 typedef struct source {
     resample_tap tap;
     int64_t down, up;
@@ -120,7 +120,7 @@ static source source_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
     return x;
 }
 
-/* Returns the sum that the rule linear rounds, in 2^-45 of a density: |sum| <= 2^60. */
+/* Returns the sum that the rule linear rounds, in units of 2^-45 of a density; |sum| <= 2^60. */
 static int64_t weighted_sum(const trace_block_view *rect, const source s[3])
 {
     const resample_tap tap[3] = {s[0].tap, s[1].tap, s[2].tap};
@@ -134,8 +134,8 @@ static int64_t weighted_sum(const trace_block_view *rect, const source s[3])
     return sum;
 }
 
-/* Returns the distance of the mean from the interval that rounds to `got`, in MARGIN_ONE of a density. |sum - got
-   2^45| < 2^61. */
+/* Returns the distance of the mean from the interval that rounds to `got`, in units of 1 / MARGIN_ONE of a density.
+   |sum - got 2^45| < 2^61. */
 static int64_t rounding_gap(int64_t sum, int32_t got)
 {
     const int64_t one = INT64_C(1) << 45, off = sum > got * one ? sum - got * one : got * one - sum;
@@ -211,7 +211,7 @@ void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_
             margin_other(m, &m->inherited);
         else if (right == 0 && got == density)
             margin_other(m, &m->below_threshold);
-        else if (density == w->s->threshold && got == 0) { /* explained by a comparison with > where the rule has >= */
+        else if (density == w->s->threshold && got == 0) { /* the other backend may compare with > instead of >= */
             const int32_t at[3] = {(int32_t)(i % (size_t)d.x), (int32_t)(i / (size_t)d.x % (size_t)d.y),
                                    (int32_t)(i / ((size_t)d.x * (size_t)d.y))};
             margin_decided(m, 0, 0, at);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Counts of voxels that differ. */
+/* Counts the voxels that differ. */
 #include "validation/margin_parts.h"
 
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3])

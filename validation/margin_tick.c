@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of events: the distance of a voxel's position in the tool to a tool voxel of the other kind, over the
-   event's poses. */
+/* Margins of events: the distance between a bone voxel's position in the tool and a tool voxel of the other kind, over
+   the event's poses. */
 #include "validation/margin_parts.h"
 
 #include <stdlib.h>
@@ -28,11 +28,11 @@ static int64_t gap_to(int64_t u, int64_t cell, int64_t step)
 }
 
 /*
- * Returns the Chebyshev distance from u to the nearest voxel that is cutting, or
- * to the nearest that is not; -1 if there is none.  The search goes through rings
- * of voxels around u's own: a voxel in ring r is at most r away and one in ring
- * r + 1 at least r, so the first ring that contains such a voxel contains the
- * nearest.
+ * Returns the Chebyshev distance from u to the nearest tool voxel that is cutting,
+ * or, if `cutting` is false, to the nearest one that is not; -1 if there is none.
+ * The search visits rings of voxels around the voxel of u.  A voxel in ring r is at
+ * most r away and a voxel in ring r + 1 at least r, so the first ring that contains
+ * such a voxel contains the nearest one.
  */
 static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cutting)
 {
@@ -50,7 +50,7 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
         first = 0;
     for (int64_t r = first; r <= last + 1; r++) {
         int64_t best = -1, lo[3], hi[3];
-        for (int a = 0; a < 3; a++) { /* voxels outside the grid are void; one layer of them is enough */
+        for (int a = 0; a < 3; a++) { /* voxels outside the grid are void; one layer of them is sufficient */
             lo[a] = -r < -cell[a] - 1 ? -cell[a] - 1 : -r;
             hi[a] = r > dims[a] - cell[a] ? dims[a] - cell[a] : r;
         }
@@ -73,7 +73,7 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
     return -1;
 }
 
-/* Maps a voxel by AR-MAP; outside of the blocks that can meet the tool, by the exact map. */
+/* Maps a voxel by AR-MAP, or by the exact map if the voxel is outside the blocks that can meet the tool. */
 static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
 {
     int32_t base[3];
@@ -92,7 +92,7 @@ static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
     }
 }
 
-/* Returns the `poses` maps of this tick's event; NULL if the tick has no event or memory is exhausted. */
+/* Returns an array of the `poses` maps of this tick's event; NULL if the tick has no event or memory is exhausted. */
 static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
 {
     const ost_tick *now = &w->s->path.ticks[tick];
@@ -113,7 +113,7 @@ static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
     return maps;
 }
 
-/* Counts one voxel that is equal before this tick and differs after it. */
+/* Counts one voxel that is equal on both sides before this tick and differs after it. */
 static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint64_t poses, const int32_t at[3],
                         bool ref_removed, bool got_removed)
 {
@@ -131,8 +131,8 @@ static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint
         mapped(&maps[k], at, u);
         cell_of(u, c);
         their_answer = their_answer || is_cutting(theirs, c);
-        /* For a removed voxel every pose that cut it would have to miss; for a kept one the nearest pose would have
-           to cut it. */
+        /* To change the result of a removed voxel, every pose that cut it would have to miss it. For a voxel that was
+           not removed, the nearest pose would have to cut it. */
         if (ref_removed && is_cutting(tool, c)) {
             const int64_t out = nearest(tool, u, false);
             margin = out > margin ? out : margin;
@@ -162,8 +162,8 @@ static bool fits(const trace_block_view *b, ost_dims d)
            b->lo[1] + b->dims.y <= d.y && b->lo[2] + b->dims.z <= d.z;
 }
 
-/* Counts the voxels of a record that begin to differ at this tick. There are two passes, since both sides' state
-   before the tick is needed. */
+/* Counts the voxels of a record that begin to differ at this tick. There are two passes, because the second pass
+   requires the state of both sides before the tick. */
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err)
 {
     const uint32_t tick = a->item;
@@ -211,8 +211,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
     for (size_t i = 0; i < count; i++) {
         const size_t at = changes[i].at;
         const int16_t *was = changes[i].value;
-        /* If both sides changed a voxel it has two entries: the first has both old values, the second has the new
-           value of side 0 and is skipped unless both old values were equal to it. */
+        /* A voxel that both sides changed has two entries. The first entry has the old values of both sides. The
+           second has the new value of side 0 and is skipped unless this equals the old value of side 1. */
         if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
             continue;
         int32_t position_at[3];

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of tools: the exact distance of a voxel's centre from the surface. */
+/* Margins of tools: the exact distance of a voxel's centre from the mesh. */
 #include "validation/margin_parts.h"
 
 #include "core/integer.h"
 
-/* Limit of distance computations between a voxel's centre and a triangle; the remaining voxels of the record are not
-   measured. */
+/* Maximum number of distance computations between a voxel's centre and a triangle. Voxels of the record beyond this
+   limit are not measured. */
 enum { TRIANGLE_TESTS = 200 * 1000 * 1000 };
 
 typedef struct vector {
@@ -28,12 +28,12 @@ static vector cross(vector a, vector b)
 }
 
 /*
- * Squared distances as fractions of 128-bit integers.  Coordinates are twice
+ * A squared distance as a fraction of 128-bit integers.  Coordinates are twice
  * those of the lattice, so that voxel centres have integer coordinates: |c| <=
  * 2^21, differences 2^22, cross products 2^45, their squares 2^92.  The plane's
  * (n . p)^2 <= 2^136 would not fit.  The squared distance to a plane is therefore
- * computed only for |n . p| < 2^63, which suffices for triangles of this size;
- * beyond that the distance to the edges is used.
+ * computed only for |n . p| < 2^63, which is sufficient for triangles of this size.
+ * For larger values the distance to the edges is used.
  */
 typedef struct fraction {
     unsigned __int128 top, bottom;
@@ -99,7 +99,7 @@ static uint64_t square_root(unsigned __int128 x)
     return (uint64_t)root;
 }
 
-/* Returns floor(2^20 sqrt(f) / 2^bits). The quotient is extended by 2 (20 - bits) bits, one by one. */
+/* Returns floor(2^20 sqrt(f) / 2^bits). The quotient is extended by 2 (20 - bits) bits, one bit at a time. */
 static uint64_t in_voxels(fraction f, int bits)
 {
     unsigned __int128 q = f.top / f.bottom, r = f.top % f.bottom;

@@ -27,7 +27,7 @@ void paths_write(const ost_backend *backend, trace_writer *w)
     ost_backend_paths(backend, write_name, w);
 }
 
-/* Adds to the count of the path with this name, which is appended if it is new. */
+/* Adds `entered` to the count of the path with this name. Appends the path if it is not in the list. */
 static ost_status add_one(path_list *list, const char *name, uint64_t entered, ost_error *err)
 {
     int i = 0;

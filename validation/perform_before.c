@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The work that a process did before a case must not change the case's results.
- * Before the import some of the case's samples are scattered into a grid of
- * another lattice, and before the ticks each tool collides with a bone of other
- * voxels.  No result of this is recorded; state that a backend retains by
- * mistake changes the records of the case.
+ * Work that a process did before a case must not change the case's results.
+ * Before the import some of the case's samples are scattered into a grid with a
+ * different lattice.  Before the ticks each tool collides with a bone whose voxels
+ * have a different size.  The results of this work are not recorded.  If a backend
+ * retains state by mistake, the records of the case change.
  */
 #include "validation/perform_parts.h"
 
@@ -13,7 +13,7 @@ enum { LATTICE_SIDE = 7, LATTICE_SAMPLES = 64, BONE_SIDE = 16, BONE_DENSITY = 32
 /* Larger tools are skipped: preparing one for a bone takes tens of milliseconds. */
 #define TOOL_VOXELS ((int64_t)1 << 18)
 
-/* Returns an origin two voxels before the CT's, or two behind it at the end of the range. */
+/* Returns an origin two voxels below the CT's, or two above it if the lower one would exceed the range of lengths. */
 static ost_pm other_origin(ost_pm origin, ost_pm spacing)
 {
     return origin - 2 * spacing < -OST_LENGTH_MAX ? origin + 2 * spacing : origin - 2 * spacing;
@@ -33,7 +33,7 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
     ost_grid *grid = NULL;
     if (s->slices)
         return OST_OK;
-    for (size_t i = 0; i < n; i++) /* in reverse order: the last sample is the one with which the case begins */
+    for (size_t i = 0; i < n; i++) /* in reverse order, so that the last sample is the first one of the case */
         samples[i] = s->samples[n - 1 - i];
     ost_status status = ost_grid_create(p->backend, &other, &grid, err);
     if (status == OST_OK)
@@ -75,7 +75,7 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err)
     if (status == OST_OK)
         status = meet(p, i, bone, &geometry, err);
     ost_bone_free(bone);
-    if (status == OST_ERR_UNAVAILABLE) { /* a plugin may lack the upload of a bone */
+    if (status == OST_ERR_UNAVAILABLE) { /* a plugin need not implement the upload of a bone */
         *err = (ost_error){0};
         status = OST_OK;
     }

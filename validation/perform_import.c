@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The import of a case: samples or slices, rect grid, cubic grid, chunks. */
+/* The import of a case: samples or slices -> rect grid -> cubic grid -> chunks. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -16,7 +16,7 @@ static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err
     return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK; /* else trace_end fails */
 }
 
-/* Uploads the samples, one per voxel and on the lattice, as slices: s->slices per call. */
+/* Uploads the samples, which are one per voxel and on the lattice, as slices. Each call uploads s->slices slices. */
 static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
 {
     const scene *s = p->s;
@@ -40,7 +40,7 @@ static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
     return status;
 }
 
-/* Writes a record of dims, spacing and voxels of a cubic grid. */
+/* Writes a record with the dims, the spacing and the voxels of a cubic grid. */
 static ost_status record_cubic(performer *p, trace_stage stage, const ost_grid *grid, ost_error *err)
 {
     const ost_geometry *g = ost_grid_geometry(grid);
@@ -87,7 +87,7 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-/* Writes to the rect grid, which must not change the cubic grid that was made of it. Records nothing. */
+/* Writes to the rect grid, which must not change the cubic grid made from it. Records nothing. */
 static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
 {
     const scene *s = p->s;
@@ -99,8 +99,8 @@ static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
     return ost_ct_to_rect(rect, &one, 1, 1, OST_DUPLICATES_LAST, &ignored, err);
 }
 
-/* Returns true if the bone is made first: a backend may keep a cubic grid as a list of slices until it is
-   downloaded. */
+/* Returns true if the bone is made before the cubic grid is downloaded, because a backend may store the grid as a list
+   of slices until then. */
 static bool before_the_download(const performer *p)
 {
     return !p->given && !p->watch;
@@ -113,8 +113,8 @@ static ost_status make_bone(performer *p, const ost_grid *cubic, ost_error *err)
 
 /*
  * Returns true if the cubic grid is resampled once more, to voxels of 7/5 of its
- * size.  Large grids are left out for time, and those for which the result might
- * reach beyond the range of lengths (AR-LEN-1).
+ * voxel size.  Large grids are excluded to save time.  Grids whose result might
+ * exceed the range of lengths (AR-LEN-1) are excluded, too.
  */
 static bool is_resampled_again(const performer *p, const ost_grid *cubic)
 {
@@ -127,7 +127,7 @@ static bool is_resampled_again(const performer *p, const ost_grid *cubic)
     return is;
 }
 
-/* Resamples the cubic grid by the case's rule. Leaves *out NULL if the case has no such grid. */
+/* Resamples the cubic grid by the case's rule. Leaves *out unchanged if the grid is not resampled. */
 static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid **out, ost_error *err)
 {
     if (!is_resampled_again(p, cubic))
@@ -135,8 +135,8 @@ static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid
     return ost_rect_to_cubic(cubic, resample_again(p->s->cubic), p->s->resample, out, err);
 }
 
-/* Makes and records the cubic grid. *again is made of it before its download, as a backend may keep both as lists of
-   slices until then. */
+/* Makes and records the cubic grid. *again is made from it before its download, because a backend may store both as
+   lists of slices until then. */
 static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_grid **again, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
@@ -153,9 +153,9 @@ static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_gr
 }
 
 /*
- * Records that a case has no grid at this stage. The record is empty on every backend, the reference
- * included, and is compared. With p->watch the grid is not made although the case may have one, so
- * the record is a stand-in.
+ * Records that a case has no grid at this stage. The record is empty on every backend, including
+ * the reference, and is compared. With p->watch the grid is not made, although the case may have
+ * one, so the record is a stand-in.
  */
 static ost_status record_no_grid(performer *p, trace_stage stage, ost_error *err)
 {

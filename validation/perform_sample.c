@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sampling, occupancy (which a backend may lack) and the upload of the bone of a case. */
+/* Sampling, occupancy and upload of the bone of a case. A backend need not implement the occupancy. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -17,8 +17,8 @@ static uint64_t hash_words(const uint32_t *words, size_t count)
     return h;
 }
 
-/* Records densities of 0 to 33 voxels per call, on both sides of the grid's borders, so that every remainder of a
-   vector's length occurs. */
+/* Records densities of 0 to 33 voxels per call, on both sides of the grid's borders. This covers every remainder of a
+   vector's length. */
 static ost_status sample_words(performer *p, draw *d, ost_error *err)
 {
     const int32_t dims[3] = {p->dims.x, p->dims.y, p->dims.z};
@@ -60,7 +60,7 @@ static ost_status occupancy_words(performer *p, ost_error *err)
     return status;
 }
 
-/* Returns a stream that depends only on the bone, so that all backends draw the same numbers. */
+/* Returns a random stream that depends only on the bone, so that all backends get the same numbers. */
 static draw draw_of(const performer *p, uint64_t number)
 {
     const int32_t of[4] = {p->dims.x, p->dims.y, p->dims.z, p->s->threshold};
@@ -87,7 +87,8 @@ static ost_status record_occupancy(performer *p, uint32_t time, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-/* If the backend lacks a function its record is not compared; a function that fails ends the case. */
+/* If the backend does not implement a function, the record of this function is not compared. A function that fails
+   ends the case. */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err)
 {
     const ost_backend_ops *ops = p->backend->ops;
@@ -99,7 +100,7 @@ ost_status perform_sample(performer *p, uint32_t time, ost_error *err)
                                                    : record_occupancy(p, time, err);
 }
 
-/* Makes a second bone from the first one's slices, in parts, and then uploads one part again with other densities,
+/* Makes a second bone from the slices of the first one, in parts. Then uploads one part again with other densities,
    some of which are below the threshold. */
 static ost_status upload_slices(performer *p, ost_bone *copy, ost_error *err)
 {
@@ -137,7 +138,7 @@ ost_status perform_upload(performer *p, ost_error *err)
         perform_record_counts(p, &info);
         perform_record_digest(p, &root);
     }
-    if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_ALL_VOXELS) { /* else the digest alone */
+    if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_ALL_VOXELS) { /* else only the digest is recorded */
         const int32_t lo[3] = {0, 0, 0};
         int16_t *voxels = trace_block(p->w, lo, p->dims, 2);
         if (voxels)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ticks of a case: poses and maps, the event on the backend, its report and the leaves that it changed. */
+/* The ticks of a case: poses and maps, the event on the backend, its report, and the leaves that the event changed. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -7,15 +7,15 @@
 
 /*
  * A bone of up to PERFORM_ALL_VOXELS voxels is downloaded completely after each tick.
- * Of a larger one the slices that the event could reach are downloaded, and the
- * complete bone every ALL_VOXELS_EVERY ticks and at the end; a change outside of the
- * event's reach shows only then.  For a million voxels the download takes nine
- * tenths of a tick's time, on a device more.
+ * For a larger bone only the slices that the event could reach are downloaded after a
+ * tick.  The complete bone is downloaded every ALL_VOXELS_EVERY ticks and at the end,
+ * so a change outside the event's reach is detected only then.  For a million voxels
+ * the download takes nine tenths of a tick's time, and more on a device.
  */
 enum { ALL_VOXELS_EVERY = 32 };
 
-/* The second implementation runs events only up to this number of voxels times ticks: a thousand voxels take about a
-   microsecond. */
+/* The second implementation runs events only if the number of voxels times the number of ticks is at most this. A
+   thousand voxels take about a microsecond. */
 #define SECOND_WORK ((int64_t)1 << 25)
 
 /* Returns the scene's density classes, or those of AR-CLS-2 if it has none. */
@@ -57,7 +57,7 @@ ost_status perform_begin_ticks(performer *p, ost_error *err)
                                                    OST_SWEEP_MAX);
 }
 
-/* Writes the totals, then for each chunk its number and the voxels and sums of densities of every class. */
+/* Writes the totals, and then for each chunk its number and the voxel count and density sum of every class. */
 static void record_report(performer *p, const ost_removal_report *r)
 {
     const int classes = classes_of(p).count;
@@ -103,8 +103,8 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
             }
 }
 
-/* Records the poses and maps that the backend makes itself between the same two poses. The event itself runs with
-   the host's, which must be equal to them. */
+/* Makes the poses and maps of an event on the backend, between the same two poses, for the record. The event itself
+   runs with the poses and maps of the host, which must be equal to them. */
 static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
                                    bool *made, ost_error *err)
 {
@@ -140,8 +140,8 @@ static void widen_range(performer *p, const ost_voxel_box *box)
     p->range.boxes_meet = true;
 }
 
-/* Records the poses of tick i's event, from `from` to the tick's; stores their maps in p->maps if the event runs
-   here. */
+/* Records the poses of tick i's event, between `from` and the tick's pose. If p->maps is not NULL, stores their maps
+   there for the event. */
 static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from,
                                ost_error *err)
 {
@@ -181,7 +181,7 @@ static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool
     const ost_pose from = restarts ? tick->pose : world->tools[tick->tool].input.event;
     ost_error why = {0};
     const ost_status stepped = ost_world_step(p->world, tick, r, &why);
-    *refused = stepped == OST_ERR_RANGE; /* a jump that is too long is a result; any other error is a failure */
+    *refused = stepped == OST_ERR_RANGE; /* a motion that is too long is a result; any other error is a failure */
     if (stepped != OST_OK && !*refused) {
         *err = why;
         return stepped;
@@ -189,7 +189,7 @@ static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool
     return record_steps(p, i, *refused, r->removal, r->pose_count, &from, err);
 }
 
-/* Runs tick i of the second implementation: without a world or a box, every pose over the complete grid. */
+/* Runs tick i with the second implementation, which has no world and no box. Every pose covers the complete grid. */
 static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
 {
     const ost_tick *tick = &p->path.ticks[i];

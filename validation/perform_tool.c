@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tools of a case: snapped by src/core, by the second implementation or by the backend, and voxelized. */
+/* The tools of a case. They are snapped by src/core, by the second implementation or by the backend, and voxelized. */
 #include "validation/perform_parts.h"
 
 #include <string.h>
 
-/* Replaces the snapped meshes of src/core by the backend's own, if it makes them. */
+/* Replaces the snapped meshes of src/core by those of the backend if the backend makes them. */
 static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped_mesh meshes[2], bool *own, bool *made,
                                   ost_error *err)
 {
@@ -23,7 +23,7 @@ static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped
     return status;
 }
 
-/* Records a tool's grid and the meshes on it, before it is voxelized. */
+/* Records a tool's grid and the meshes on it before the tool is voxelized. */
 static ost_status record_snap(performer *p, int i, const ost_snapped_mesh meshes[2], bool made, ost_error *err)
 {
     trace_begin(p->w, TRACE_SNAP, p->case_index, (uint32_t)i);
