@@ -16,7 +16,7 @@
 
 #define UM (OST_PM_PER_MM / 1000)
 
-/* Draws the spacing of a CT: isotropic or not, exact decimals or any number of picometres. */
+/* Draws the spacing of a CT: isotropic or anisotropic, exact decimals or any number of picometres. */
 static void draw_lattice(scene *s, draw *d)
 {
     static const ost_pm usual[] = {470 * UM, 1000 * UM, 488281250, 300 * UM, 32 * UM, 625 * UM};
@@ -29,7 +29,7 @@ static void draw_lattice(scene *s, draw *d)
     s->duplicates = (ost_duplicates)draw_between(d, 0, 3);
 }
 
-/* Makes a bone for cases with ticks. The CT's spacings equal the bone's, so that the bone's size is known. */
+/* Makes a bone for cases with ticks. The CT has the same spacing as the bone, so that the bone's size is known. */
 static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
 {
     draw_lattice(s, d);
@@ -54,7 +54,7 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
     ost_dims dims = draw_dims(d, 1, most);
     if (c->number == 7) {
         /* Only y is interpolated. Spacings are odd numbers of picometres, and the offsets grow from sample to sample
-           through odd and even ppm. There is one leaf of 32 voxels along each axis, full or without its last voxel. */
+           through odd and even ppm. Each axis has one leaf of 32 voxels, which is full or lacks its last voxel. */
         const ost_pm odd = 1000 * UM + 1;
         s->rect.spacing = (ost_pm3){odd, 1300 * UM + 7, odd};
         s->cubic = odd;
@@ -62,22 +62,22 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
         return scene_ct_drifting(s, d, (ost_dims){31, 24, 32}, err);
     }
     if (c->number % 6 == 0) {
-        /* Every index is an exact multiple: a quotient that is computed slightly too small selects another layer. */
+        /* Every index is an exact multiple, so a quotient that is slightly too small selects another layer. */
         s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x;
         s->resample = draw_one_in(d, 2) ? OST_RESAMPLE_LINEAR : OST_RESAMPLE_THESIS;
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
     }
     if (c->number % 7 == 6) {
-        /* Means along all axes. 16 successive means span more than 64 voxels along x, and the remaining ones more
-           than 32. */
+        /* Means are computed along all axes. 16 successive means span more than 64 voxels along x, and the remaining
+           means span more than 32. */
         const ost_pm x = s->rect.spacing.x;
         s->rect.spacing = (ost_pm3){x, draw_between(d, x * 3 / 2, 2 * x), draw_between(d, x / 2, x * 4 / 5)};
         s->cubic = draw_between(d, x * 9 / 2, 5 * x);
         s->resample = OST_RESAMPLE_LINEAR;
         dims = (ost_dims){130, dims.y < 8 ? 8 : dims.y, dims.z < 24 ? 24 : dims.z};
     } else if (c->number % 6 == 3 || c->number % 6 == 4) {
-        /* i * (cubic / rect) is an integer, but rounds to just below it: in double precision along x and y, in
-           single along z. */
+        /* i * (cubic / rect) is an integer, but is rounded to just below it: in double precision along x and y, in
+           single precision along z. */
         s->cubic = 900 * UM;
         s->rect.spacing = (ost_pm3){390 * UM, 330 * UM, 870 * UM};
         s->resample = c->number % 6 == 3 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_THESIS;
@@ -144,7 +144,7 @@ static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error 
     if (status == OST_OK)
         status = scene_drive(s, d, ticks[c->tier], draw_between(d, 10 * UM, 60 * UM), 0.008, err);
     if (draw_one_in(d, 3))
-        s->world.removal_period_ns = 3000000; /* the 333 Hz of the thesis */
+        s->world.removal_period_ns = 3000000; /* 333 Hz, as in the thesis */
     s->collide_every = 50;
     return status;
 }
@@ -156,8 +156,8 @@ static int64_t cubic_voxels(const scene *s)
            ost_ceil_div(g->dims.z * g->spacing.z, s->cubic);
 }
 
-/* Makes an anisotropic CT, so that resampling computes means, and two tools, one of which has a part that does not
-   cut. */
+/* Makes a small case: an anisotropic CT, so that resampling computes means, and two tools, one of which has a part that
+   does not cut. */
 static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
     static const scene_shape shapes[] = {SHAPE_BOX, SHAPE_TWICE, SHAPE_HOLLOW, SHAPE_OPEN, SHAPE_SOUP, SHAPE_PEG};
@@ -169,13 +169,13 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     dims.y = (int32_t)draw_between(d, 18, 40);
     dims.z = (int32_t)draw_between(d, 12, 30);
     s->rect.dims = dims;
-    while (cubic_voxels(s) > PERFORM_ALL_VOXELS) /* so that every tick's bone is downloaded completely */
+    while (cubic_voxels(s) > PERFORM_ALL_VOXELS) /* so that the bone is downloaded completely after every tick */
         s->cubic *= 2;
     status = scene_ct(s, d, dims, err);
     s->batch = (size_t)draw_between(d, 500, 20000);
     for (size_t i = 0; i < s->sample_count; i++)
         s->samples[i].line = (uint32_t)(i % s->batch);
-    for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++) /* metal: sums of densities beyond 2^24 */
+    for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++) /* metal, so that density sums exceed 2^24 */
         if (s->samples[i].density >= s->threshold)
             s->samples[i].density = 32000 + (s->samples[i].density & 511);
     for (int i = 0; i < 2 && status == OST_OK; i++) {
@@ -188,10 +188,11 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
                                : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
     if (status == OST_OK)
         status = scene_add_full_tool(s, d, draw_between(d, s->cubic / 11, s->cubic / 9), err);
-    /* Not if poses are swept: the tool is fine and a sweep would have hundreds of them. */
+    /* Poses on borders are not added if poses are swept: the tool's voxels are small, so a sweep would have hundreds of
+       poses. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
-    if (status == OST_OK && c->number % 4 == 0) { /* more hits than a chunk has voxels, and voxels that remain */
+    if (status == OST_OK && c->number % 4 == 0) { /* more hits than a chunk has voxels, and some voxels remain */
         s->chunk_size = 16;
         status = scene_add_crossing(s, err);
     }
@@ -199,11 +200,11 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
         status = scene_add_poses_inside(s, d, 3, err);
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_far_pose(s, err);
-    s->collide_every = 3; /* including the far pose, number 12 */
+    s->collide_every = 3; /* includes the far pose, which is number 12 */
     return status;
 }
 
-/* Appends the ticks of a path, the first of them a millisecond after the last tick of the scene. */
+/* Appends the ticks of a path. The first of them is a millisecond after the last tick of the scene. */
 static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
 {
     const size_t before = s->path.count;
@@ -220,7 +221,8 @@ static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
     return OST_OK;
 }
 
-/* Keeps every `step`-th tick, so that a tier runs the complete operation in its time; the sweeps fill the gaps. */
+/* Keeps only every `step`-th tick, so that the complete operation fits into the tier's time. The sweeps cover the motion
+   between the remaining ticks. */
 static void thin_path(ost_path *path, size_t step)
 {
     size_t kept = 0;
@@ -348,7 +350,7 @@ static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
                             g->origin.z,   s->duplicates, s->cubic,          s->resample,
                             s->chunk_size, s->threshold,  (int64_t)s->batch, (int64_t)s->sample_count};
     ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
-    enum { AT_ONCE = 24 }; /* samples per call; there are millions */
+    enum { AT_ONCE = 24 }; /* samples per call, because there are millions of samples */
     for (size_t i = 0; i < s->sample_count && status == OST_OK;) {
         int64_t rows[5 * AT_ONCE];
         size_t n = 0;
@@ -360,7 +362,7 @@ static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
         }
         status = add_ints(h, rows, n, err);
     }
-    /* The number of slices is added only if there are slices, so that the digests of cases of samples remain
+    /* The number of slices is added only if it is not 0, so that the digests of cases without slices remain
        unchanged. */
     return status == OST_OK && s->slices ? add_ints(h, (const int64_t[]){s->slices}, 1, err) : status;
 }
@@ -375,7 +377,7 @@ static ost_status add_path(ost_hasher *h, const scene *s, ost_error *err)
         const ost_tick *t = &s->path.ticks[i];
         const int64_t row[] = {t->t_ns,    t->tool,    t->pose.t.x, t->pose.t.y, t->pose.t.z,
                                t->pose.qw, t->pose.qx, t->pose.qy,  t->pose.qz,  t->rpm};
-        /* The speed is left out if it is unknown (OST_RPM_ON), so that the digests of older cases remain unchanged. */
+        /* The speed is omitted if it is unknown (OST_RPM_ON), so that the digests of older cases remain unchanged. */
         status = add_ints(h, row, sizeof row / sizeof row[0] - (t->rpm == OST_RPM_ON), err);
     }
     return status;

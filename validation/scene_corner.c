@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A case for backends that exclude a cube of 8^3 bone voxels by the distance of
- * its middle to the tool.  Each tool has one voxel.  At its pose one corner of the
- * cube [8, 16)^3 lies about a hundredth of a tool voxel inside it, in the
- * direction of the cube's diagonal:
+ * the cube's middle to the tool.  Each tool has one voxel.  At its pose one corner
+ * of the cube [8, 16)^3 lies about a hundredth of a tool voxel inside the tool, in
+ * the direction of the cube's diagonal:
  *
  *   middle of the cube ---- R, 3.5 sqrt(3) bone voxels ----> centre of the corner's voxel
  *                      ---- r = sqrt(34), ... tool voxels -> the tool
  *
  * R is between r and the next eighth of a tool voxel, so that a distance that is
- * rounded up to eighths excludes the cube.  The middle of the cube is so near to
- * a multiple of two tool voxels that the distance of its cell of 2^3 tool voxels
- * is r too.  tests/validation/test_scene computes these properties from the
- * numbers below.
+ * rounded up to eighths would exclude the cube.  The middle of the cube is so near
+ * to a multiple of two tool voxels that the distance of its cell of 2^3 tool voxels
+ * is also r.  tests/validation/test_scene checks these properties of the numbers
+ * below.
  */
 #include "validation/scene_parts.h"
 
@@ -22,8 +22,8 @@
 
 enum { SIDE = 24, TICK_NS = 1000000 };
 
-/* The tool's voxel, its turn, and its origin relative to the middle of the cube; in the comments the distance r along
-   the axes, in tool voxels. */
+/* The tool's voxel size, its rotation, and its origin relative to the middle of the cube. The comment of each row gives
+   the distance r along the three axes in tool voxels. */
 static const struct {
     ost_pm voxel;
     int32_t q[4];

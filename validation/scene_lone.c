@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Two kinds of scene_reach.c:
+ * Two kinds of cases of scene_reach.c:
  *
  *   lone      chunks in a row along x; in each of them only the voxels of one
- *             column are active, at every position of a chunk in turn, and at the
- *             last one of the last chunk; all of them are means of two slices of
- *             the CT; a tool of more than 2^16 triangles
- *   emptied   a bone that has no voxel from the beginning, or loses its last one to
- *             an event, and then meets a tool again; except in the smoke tier, a tool of
- *             more than 2^16 rows with triangles of the least area
+ *             column are active: successive chunks have this column at successive
+ *             positions, and the last chunk has it at its last position; all active
+ *             voxels are means of two slices of the CT; a tool of more than 2^16
+ *             triangles
+ *   emptied   a bone that has no active voxel from the beginning, or whose last one
+ *             is removed by an event, and with which a tool then collides again;
+ *             except in the smoke tier, a tool of more than 2^16 rows with triangles
+ *             of the smallest area
  */
 #include "validation/scene_parts.h"
 
@@ -92,7 +94,7 @@ ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_er
                 add_sample(s, x, y, z, draw_between(d, 0, never ? THRESHOLD - 1 : 3000));
     if (status == OST_OK)
         status = scene_add_bar(s, (ost_dims){29, 30, 31}, 0, cube, err);
-    const bool thin = c->tier != PLAN_SMOKE; /* preparing this tool takes longer than the remainder of the case */
+    const bool thin = c->tier != PLAN_SMOKE; /* preparing this tool takes longer than the rest of the case */
     if (status == OST_OK && thin)
         status = scene_add_thin_tool(s, cube / 2, err);
     const ost_pm3 middle = centre_of(&s->rect, SIDE / 2, SIDE / 2, SIDE / 2);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Ticks that bring tools into the bone. A pose is chosen at random in double precision, then
- * quantised like a device's pose (AR-POSE); from there on all backends have the same integers.
+ * Ticks at which tools are in the bone. A pose is chosen at random in double precision and then
+ * quantised like a device's pose (AR-POSE), so that all backends get the same integers.
  */
 #include "validation/scene_parts.h"
 
@@ -15,7 +15,8 @@
 
 enum { TICK_NS = 1000000 };
 
-/* Returns the centre of a voxel, or a border between two, in the middle half of the CT. */
+/* Returns the centre of a random voxel of the CT, a point on the border between two voxels, or any point up to one
+   voxel from a centre along each axis. */
 static ost_pm3 drawn_target(const scene *s, draw *d)
 {
     const ost_geometry *g = &s->rect;
@@ -33,7 +34,7 @@ static ost_pm3 drawn_target(const scene *s, draw *d)
     return (ost_pm3){p[0], p[1], p[2]};
 }
 
-/* Draws a unit quaternion: occasionally one of the 24 rotations of a cube, else any. */
+/* Draws a unit quaternion: occasionally one of the 24 rotations of a cube, otherwise any rotation. */
 static ost_status drawn_turn(draw *d, double q[4])
 {
     static const double root = 0.70710678118654752440;
@@ -42,7 +43,7 @@ static ost_status drawn_turn(draw *d, double q[4])
     if (draw_one_in(d, 3)) {
         const int64_t which = draw_between(d, 0, 2), axis = draw_between(d, 1, 3);
         if (which == 0)
-            q[draw_between(d, 0, 3)] = 1; /* no turn, or a half turn */
+            q[draw_between(d, 0, 3)] = 1; /* no rotation, or a half turn */
         else {
             q[0] = root; /* a quarter turn */
             q[axis] = which == 1 ? root : -root;
@@ -65,7 +66,7 @@ static ost_status drawn_turn(draw *d, double q[4])
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err)
 {
     ost_status status = ost_path_init(&s->path, count, err);
-    s->world.sweep_off = true; /* the poses are unrelated: nothing moves from one to the next */
+    s->world.sweep_off = true; /* the poses are unrelated, so there is no motion between them */
     for (size_t i = 0; i < count && status == OST_OK; i++) {
         const ost_pm3 at = drawn_target(s, d);
         const double none[3] = {0, 0, 0};
@@ -81,7 +82,7 @@ ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err
     return status;
 }
 
-/* Appends a tick with the last tool, not turned. Returns NULL if memory is exhausted. */
+/* Appends a tick with the last tool, without rotation. Returns NULL if memory is exhausted. */
 static ost_tick *another(scene *s, ost_error *err)
 {
     const size_t i = s->path.count;
@@ -117,8 +118,8 @@ ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *er
     return status;
 }
 
-/* The cubic grid along an axis: its first centre, its voxels, and the tool's position when it is centred on the
-   middle voxel. */
+/* The cubic grid along an axis: the centre of its first voxel, the centre of its middle voxel, and the number of
+   voxels. */
 typedef struct along {
     ost_pm first, middle;
     int32_t n;
@@ -153,8 +154,8 @@ ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err)
         const int32_t block = OST_MAP_BLOCK * (int32_t)draw_between(d, 0, (x.n - 1) / OST_MAP_BLOCK),
                       last = block + OST_MAP_BLOCK - 1;
         /* A unit is voxel / 2^20. At the first voxel of a block the position is up to half a unit before the border
-           and is rounded onto it; at the last voxel it is up to 15 units behind it, where a step that is too short by
-           one shows. */
+           and is rounded onto it. At the last voxel it is up to 15 units behind the border, so that a step which is one
+           unit too short changes the result. */
         const bool at_last = draw_one_in(d, 2) && last < x.n;
         const ost_pm off = at_last ? draw_between(d, 0, voxel * 15 >> OST_MAP_FRACTION)
                                    : draw_between(d, -(voxel >> (OST_MAP_FRACTION + 1)), -1);
@@ -191,9 +192,9 @@ ost_status scene_add_far_pose(scene *s, ost_error *err)
 }
 
 /*
- * Adds ticks from target to target in a straight line, turning about a random
- * axis by `turn` (approximately radians) per tick; the tool may change at each
- * target.
+ * Adds ticks along straight lines from target to target, with a rotation about a
+ * random axis by `turn` (approximately radians) per tick.  The tool may change at
+ * each target.
  */
 ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err)
 {

@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cases for situations that need a certain size or position.  There are six
- * kinds in turn; the last two, lone and emptied, are those of scene_lone.c:
+ * Cases for situations that require a certain size or position.  The cases have
+ * six kinds in turn.  The last two kinds, lone and emptied, are in scene_lone.c:
  *
- *   large    a sparse CT in samples, 1025 x 65 x 65 cubes of 2/3 as many slices,
- *            so that every chunk, brick and vector has a last part of one; more
- *            than 2^22 voxels in the chunks of one event; duplicates at every
- *            distance within a batch; a bar of 530 voxels along x, a quarter of
- *            which does not cut, and whose end lies on a tie of a far block's base
- *   rods     a CT in slices, 8 m away; rods of one to three voxels along each
- *            axis within units of a tie; an event that empties chunks of 64^3
- *            (counts beyond 2^16, sums beyond 2^32), and one whose densities need
- *            14 bits; 1 to 8 classes
+ *   large    a sparse CT of samples; 1025 x 65 x 65 bone voxels, made from 32
+ *            slices, so that the last chunk, brick and vector along each axis has
+ *            one voxel; more than 2^22 voxels in the chunks of one event;
+ *            duplicates at every distance within a batch; a bar of 530 voxels along
+ *            x, a quarter of which does not cut, and whose end lies on a tie of
+ *            the base of a far block
+ *   rods     a CT in slices, 8 m away; rods that are one to three voxels thick,
+ *            along each axis, within a few units of a tie; an event that empties
+ *            chunks of 64^3 voxels (counts beyond 2^16, sums beyond 2^32), and an
+ *            event whose densities require 14 bits; 1 to 8 classes
  *   refused  samples at 1/8 and 3/8 of a voxel and one picometre beyond, half a
  *            voxel off, outside, beyond 8 m, in conflict
  *   hollow   two plates with a gap of two blocks between them, swept until blocks
- *            in the gap are cut, then out of the bone within one event; rows that
- *            leak in the mesh that does not cut and are closed in the other;
- *            corners on one line; poses 2048 and 4096 tool voxels away, where a
- *            base in 32 bits wraps; 73 cubes of 50 voxels along x; a bar of 1024
- *            voxels, turned by 180 degrees, whose end lies in a block with a base
- *            beyond 2^30, and whose rows are complete words, a part of which does
- *            not cut
+ *            in the gap are cut, and then moved out of the bone within one event;
+ *            rows that leak in the mesh that does not cut and are closed in the
+ *            other mesh; collinear corners; poses 2048 and 4096 tool voxels away,
+ *            where a base of 32 bits wraps; 73 bone voxels along x, made from 50
+ *            voxels of the CT; a bar of 1024 voxels, rotated by 180 degrees, whose
+ *            end lies in a block with a base beyond 2^30, whose rows are complete
+ *            words, and a part of which does not cut
  */
 #include "validation/scene_parts.h"
 
@@ -50,12 +51,12 @@ static ost_status reserve_ticks(scene *s, size_t count, ost_error *err)
 
 enum { LARGE_X = 1025, LARGE_Y = 65, LARGE_Z = 32, LARGE_SAMPLES = 140000, LARGE_BAR = 530 };
 
-/* A unit of the map in picometres, even, so that half a unit is an integer; and a voxel of that many units, about
-   0.35 mm. */
+/* LARGE_UNIT is a unit of the map in picometres; it is even, so that half a unit is an integer. LARGE_VOXEL is a voxel
+   with this unit, about 0.35 mm. */
 #define LARGE_UNIT ((ost_pm)334)
 #define LARGE_VOXEL (LARGE_UNIT << OST_MAP_FRACTION)
 
-/* Returns a position at the lattice point, at exactly 1/8 or 3/8 of a voxel from it, or between. */
+/* Returns a position at the lattice point, exactly 1/8 or 3/8 of a voxel from it, or at another distance below 3/8. */
 static ost_pm jittered(draw *d, ost_pm origin, ost_pm spacing, int32_t index)
 {
     const ost_pm eighth = spacing / 8, offs[] = {0, eighth, eighth + 1, 3 * eighth};
@@ -75,7 +76,8 @@ static ost_sample sample_at(const scene *s, draw *d, int32_t x, int32_t y, int32
     return one;
 }
 
-/* Makes samples of the last column, the last row, then of random voxels, and repeats earlier ones. */
+/* Makes samples for the last column and the last row, and then for random voxels. Some samples repeat the position of
+   earlier ones. */
 static void large_samples(scene *s, draw *d)
 {
     for (int32_t z = 0; z < LARGE_Z; z++) {
@@ -90,7 +92,7 @@ static void large_samples(scene *s, draw *d)
         ost_sample one = sample_at(s, d, x, y, z);
         if (draw_one_in(d, 5)) {
             const int32_t density = one.density;
-            /* The previous sample, one within the length of a vector, or any earlier one. */
+            /* Repeats the previous sample, one within the length of a vector, or any earlier one. */
             const int64_t reach = draw_one_in(d, 3) ? 1 : draw_one_in(d, 2) ? 64 : (int64_t)s->sample_count;
             one = s->samples[(int64_t)s->sample_count - draw_between(d, 1, reach)];
             one.density = density;
@@ -98,7 +100,8 @@ static void large_samples(scene *s, draw *d)
         }
         s->samples[s->sample_count] = one;
     }
-    /* Pairs of duplicates: the first and the last of a batch, and samples on both sides of a block of 2^16. */
+    /* Pairs of duplicates: the first and the last sample of a batch, and samples on both sides of the border of a block
+       of 2^16 samples. */
     const size_t pairs[][2] = {{0, LARGE_SAMPLES - 1}, {65535, 65536}, {65534, 131072}, {131071, 131072}};
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
         ost_sample *to = &s->samples[pairs[i][1]];
@@ -112,7 +115,7 @@ static void large_samples(scene *s, draw *d)
 static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
     static const ost_duplicates rules[] = {OST_DUPLICATES_LAST, OST_DUPLICATES_FIRST, OST_DUPLICATES_MAX};
-    /* 32 slices of 1.42 mm give 65 cubes of 0.7 mm: 71 / 35 has no finite binary fraction. */
+    /* 32 slices of 1.42 mm give 65 voxels of 0.7 mm; the quotient 71 / 35 has no finite binary representation. */
     s->rect = (ost_geometry){
         {LARGE_X, LARGE_Y, LARGE_Z}, {700 * UM, 700 * UM, 1420 * UM}, {-360000 * UM, 8000 * UM, -1000 * UM}};
     s->cubic = 700 * UM;
@@ -125,8 +128,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     if (!s->samples)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %d samples", LARGE_SAMPLES);
     large_samples(s, d);
-    /* Preparing a tool takes a device as long as the remainder of the case, so the smoke tier has a third of the
-       bar's volume. */
+    /* On a device, preparing a tool takes as long as the rest of the case, so the bar of the smoke tier has a third of
+       the volume. */
     const bool slim = c->tier == PLAN_SMOKE;
     const ost_dims bar = {LARGE_BAR, slim ? 59 : 101, slim ? 57 : 99};
     ost_status status = scene_add_bar(s, bar, (bar.z + 1) / 4, LARGE_VOXEL, err);
@@ -136,12 +139,12 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
         status = reserve_ticks(s, 4, err);
     for (int i = 0; i < 4 && status == OST_OK; i++) {
         ost_pose *pose = &next_tick(s, i == 3)->pose;
-        /* From one end to the other, over the last rows and slices. */
+        /* The poses lead from one end of the bone to the other and cover the last rows and slices. */
         pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM,
                             s->rect.origin.y + (slim ? 38000 : 30000) * UM,
                             s->rect.origin.z + (slim ? 38000 : 29000) * UM};
-        /* The base of a block far from the box's first lies half a unit of the map before the bar's end: a tie, which
-           rounding half to even moves outside. */
+        /* The base of a block far from the first one of the box lies half a unit of the map before the bar's end. This
+           is a tie, which rounding half to even moves outside. */
         if (i < 3)
             pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL +
                         LARGE_UNIT / 2;
@@ -157,7 +160,7 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
 
 enum { RODS_X = 97, RODS_Y = 67, RODS_Z = 93, ROD_TICKS = 6 };
 
-/* Returns a position on a tie of the tool's voxels, or up to 6 / 65536 of a voxel from it. */
+/* Returns a position on a tie of the tool's voxels, or up to 6 / 65536 of a voxel from a tie. */
 static ost_pm near_tie(draw *d, ost_pm at, ost_pm voxel)
 {
     const int64_t off = draw_one_in(d, 3) ? 0 : draw_between(d, -6, 6);
@@ -171,7 +174,7 @@ static void rod_ticks(scene *s, draw *d, int32_t tool)
     ost_pm3 at = g->origin;
     for (int i = 0; i < ROD_TICKS; i++) {
         ost_pose *pose = &next_tick(s, tool)->pose;
-        if (i % 2 == 0) { /* the next tick is a short movement with tens of poses in between */
+        if (i % 2 == 0) { /* the next tick is a short motion with tens of poses */
             at.x = near_tie(d, g->origin.x + s->cubic * draw_between(d, 10, RODS_X - 10), voxel);
             at.y = near_tie(d, g->origin.y + s->cubic * draw_between(d, 10, RODS_Y - 10), voxel);
             at.z = near_tie(d, g->origin.z + s->cubic * draw_between(d, 10, RODS_Z * 7 / 10 - 10), voxel);
@@ -184,7 +187,7 @@ static void rod_ticks(scene *s, draw *d, int32_t tool)
     }
 }
 
-/* Returns 1, 2, 3 or 8 classes, which have none to seven borders. */
+/* Returns 1, 2, 3 or 8 classes, which have 0, 1, 2 or 7 borders. */
 static ost_density_classes classes_of(int number)
 {
     static const int counts[] = {1, 8, 2, 3};
@@ -230,7 +233,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
         if (status == OST_OK)
             rod_ticks(s, d, t);
     }
-    if (status == OST_OK) /* two words per row; rows and layers: three more than a power of two */
+    if (status == OST_OK) /* two words per row; the numbers of rows and layers are three more than a power of two */
         status = scene_add_bar(s, (ost_dims){65, 67, 67}, 7, 1000 * UM, err);
     for (int i = 0; i < 2 && status == OST_OK; i++)
         next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM,
@@ -258,7 +261,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
         const int32_t x = (int32_t)draw_between(d, 0, SIDE - 1), y = (int32_t)draw_between(d, 0, SIDE - 1),
                       z = (int32_t)draw_between(d, 0, SIDE - 1);
         ost_sample one = sample_at(s, d, x, y, z);
-        /* Only in the second half, so that the first refused sample is not the first of its batch. */
+        /* Samples are refused only in the second half, so that the first refused one is not the first of its batch. */
         if (!conflicts_alone && i > MOST / 2 && draw_one_in(d, 9)) {
             const ost_pm offs[] = {3 * spacing / 8 + 1, spacing / 2, -spacing / 2, spacing * SIDE, -spacing * SIDE};
             ost_pm *const axes[] = {&one.x, &one.y, &one.z}, *at = axes[draw_between(d, 0, 2)];
@@ -278,7 +281,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 
 enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33, HOLLOW_BAR = 1024 };
 
-/* Adds a tick of a tool at cube (x, y, z) of the bone, moved back along x by `before` voxels of the tool. */
+/* Adds a tick with a tool at bone voxel (x, y, z), moved back along x by `before` voxels of the tool. */
 static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z, int32_t before)
 {
     const ost_pm3 o = s->rect.origin;
@@ -320,20 +323,20 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
         status = reserve_ticks(s, 7, err);
     if (status != OST_OK)
         return status;
-    /* The plates lie 16 to 20 voxels from the tool's middle on either side; they do not reach the last rows and the
-       first slices. */
+    /* The plates lie 16 to 20 voxels from the tool's middle on either side. They do not reach the last rows and the
+       first slices of the bone. */
     hollow_tick(s, 0, 12, 10, 25, 0);
     hollow_tick(s, 0, 38, 10, 25, 0);
     hollow_tick(s, 0, 98, 10, 25, 0);
     hollow_tick(s, 1, 40, 32, 3, 1 << 11);
     hollow_tick(s, 2, 40, 32, 3, 1 << 12);
-    hollow_tick(s, 1, 40, 32, 3, 0); /* slanted: no row of bone voxels is parallel to a row of the tool */
+    hollow_tick(s, 1, 40, 32, 3, 0); /* oblique: rows of bone voxels are not parallel to rows of the tool */
     const double none[3] = {0, 0, 0}, slanted[4] = {0.8, 0.36, 0.48, 0};
     ost_pose *pose = &s->path.ticks[s->path.count - 1].pose;
     const ost_pm3 at = pose->t;
     status = ost_pose_from_doubles(none, slanted, pose, err);
     pose->t = at;
-    /* A third of a cube behind the tenth. */
+    /* The tool is a third of a bone voxel beyond voxel 10 along x. */
     hollow_tick(s, 3, 10, 32, 3, -HOLLOW_BAR / 2);
     pose = &s->path.ticks[s->path.count - 1].pose;
     pose->t.x += cube / 3;

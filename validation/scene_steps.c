@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Makes the inputs of cases that test only sweep, map, motor and snapping
- * (steps_record.h), without a voxel: situations that are rare in random cases
- * with a bone.
+ * (steps_record.h), without voxels.  The situations are rare in random cases with
+ * a bone.
  *
- *   even cases   lengths are multiples of a unit that is odd against the
- *                tool's voxel of 2^21 units, so that steps of the map, bases of
- *                blocks and snapped vertices are halves of a unit, ties
- *   odd cases    any picometre; grids at the ends of the range of 8 m
- *   every third  the path is poses of the hand, to which a motor adds its rotation
+ *   even cases   lengths are multiples of a unit that is odd relative to the tool's
+ *                voxel of 2^21 units, so that steps of the map, bases of blocks and
+ *                snapped vertices are halves of a unit, which are ties
+ *   odd cases    lengths are any number of picometres; grids are at the ends of the
+ *                range of 8 m
+ *   every third  the path consists of poses of the handle, to which a motor adds its
+ *                rotation
  *
  * The distance between two ticks is an integer number of half voxels, or one
- * picometre more or less, so that the equality in AR-SWEEP-2 is decisive.
+ * picometre more or less, so that the case of equality in AR-SWEEP-2 is tested.
  */
 #include "validation/scene_parts.h"
 
@@ -50,8 +52,8 @@ static void make_grid(scene *s, draw *d, int number, ost_pm unit)
     s->threshold = 120;
 }
 
-/* Makes a tool whose corners are multiples of 2^-11 of a voxel, so that some lie half-way between two lattice
-   points; its ends are at multiples of a voxel, where AR-TOOL-2 has ties. */
+/* Makes a tool whose corners are multiples of 2^-11 of a voxel, so that some of them lie half-way between two lattice
+   points. The ends of the tool are at multiples of a voxel, where AR-TOOL-2 has ties. */
 static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_error *err)
 {
     scene_tool *tool = &s->tools[s->tool_count];
@@ -68,9 +70,9 @@ static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_e
             (ost_pm3){drawn(d, -reach, reach, part), drawn(d, -aside, aside, part), drawn(d, -aside, aside, part)};
     }
     for (int t = 0; t < TRIANGLES && status == OST_OK; t++)
-        for (int c = 0; c < 3; c++) /* some triangles have a corner twice and no area */
+        for (int c = 0; c < 3; c++) /* some triangles have two equal corners and therefore no area */
             mesh->triangles[t][c] = (uint32_t)draw_between(d, 0, VERTICES - 2);
-    if (status == OST_OK) { /* a few triangles have an area before snapping and none after it */
+    if (status == OST_OK) { /* a few triangles have an area before snapping, but none after it */
         mesh->vertices[1] = mesh->vertices[0];
         mesh->vertices[1].x += 1;
         mesh->vertices[2] = (ost_pm3){wide / 2 * voxel, -(wide < 1000 ? wide / 2 : 500) * voxel, 0};
@@ -84,7 +86,7 @@ static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_e
     return status == OST_OK ? ost_mesh_snap(mesh, &grid, &tool->cutting, err) : status;
 }
 
-/* Returns the last rotation, followed by one of up to `turn` about each axis. */
+/* Computes the rotation `last`, followed by a rotation of up to `turn` about each axis. */
 static void turn_on(draw *d, double turn, const double last[4], double q[4])
 {
     const double h[4] = {1, draw_real(d, -turn, turn), draw_real(d, -turn, turn), draw_real(d, -turn, turn)};
@@ -115,9 +117,9 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         t_ns += draw_between(d, 1, handle_path ? 90000000 : 3000000);
         *tick = (ost_tick){
             .t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = handle_path ? OST_RPM_OF_DEVICE : OST_RPM_ON};
-        const bool wide = tick->tool == 1; /* rotated little: a rotation moves this tool's corners far */
+        const bool wide = tick->tool == 1; /* rotated by small angles, because its corners are far from the axis */
         const bool straight = i % 4 == 1 || i % 4 == 2;
-        if (straight) { /* not rotated since the last tick: the distance alone decides the number of poses */
+        if (straight) { /* no rotation since the last tick, so the distance alone determines the number of poses */
             const int64_t n = draw_between(d, 1, 12);
             at[draw_between(d, 0, 2)] += i % 8 == 6 ? 0 : n * s->cubic / 2 + off; /* a distance of 0 gives one pose */
         } else {
@@ -129,14 +131,14 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
                                   : middle.z) +
                         drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
         }
-        if (!handle_path && !wide && (i % 8 == 4 || i % 8 == 5)) /* 0, then 90 degrees, the limit of AR-SWEEP-3 */
+        if (!handle_path && !wide && (i % 8 == 4 || i % 8 == 5)) /* 0 and then 90 degrees, the limit of AR-SWEEP-3 */
             memcpy(q, i % 8 == 4 ? upright : quarter, sizeof q);
         if (status == OST_OK)
             status = ost_pose_from_doubles(none, q, &tick->pose, err);
         for (int a = 0; a < 3; a++)
             at[a] = at[a] < -FARTHEST ? -FARTHEST : at[a] > FARTHEST ? FARTHEST : at[a];
         tick->pose.t = (ost_pm3){at[0], at[1], at[2]};
-        if (i % 5 == 4) { /* the same rotation, represented by the other quaternion */
+        if (i % 5 == 4) { /* the same rotation as the negated quaternion */
             ost_pose *p = &tick->pose;
             *p = (ost_pose){p->t, -p->qw, -p->qx, -p->qy, -p->qz};
         }
@@ -152,7 +154,7 @@ ost_status scene_steps(scene *s, draw *d, int number, ost_error *err)
     ost_status status = make_tool(s, d, fine, 20, err);
     if (status == OST_OK)
         status = make_tool(s, d, draw_between(d, 200, 900) * 2048000, 900, err);
-    if (status == OST_OK) /* too wide for a removal: it is snapped with 9 or 8 bits */
+    if (status == OST_OK) /* too wide for a removal; it is snapped with 9 or 8 bits */
         status = make_tool(s, d, draw_between(d, 200, 400) * 2048000, number % 4 < 2 ? 1500 : 4000, err);
     return status == OST_OK ? make_ticks(s, d, number, unit, err) : status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Meshes for tools, from simple to hostile.  Corners are drawn as integers, so
+ * Meshes for tools, from simple to degenerate.  Corners are drawn as integers, so
  * that every machine makes the same triangles.
  */
 #include "validation/scene_parts.h"
@@ -10,13 +10,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The faces of a box whose corners are numbered by the bits x, y, z; the normals point outward if its three edges
-   are right-handed. */
+/* The faces of a box whose corners are numbered by the bits x, y, z. The normals point outward if the three edges of the
+   box are right-handed. */
 static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
-/* Makes `count` solids in random orientations: every second one inside out if inside_out, the same one twice if
-   same. */
+/* Makes `count` solids in random orientations. If inside_out is true, every second solid is turned inside out. If same
+   is true, all solids are the same. */
 static ost_status boxes(draw *d, ost_pm size, int count, bool same, bool inside_out, ost_mesh *out, ost_error *err)
 {
     ost_status status = ost_mesh_init(out, 8 * (size_t)count, 12 * (size_t)count, err);
@@ -75,7 +75,7 @@ static ost_status loose_triangles(draw *d, ost_pm size, int count, bool thin, os
     return OST_OK;
 }
 
-/* Removes each triangle with a probability of 1 / n; at least one remains. */
+/* Removes each triangle with a probability of 1 / n. At least one triangle remains. */
 static void lose_triangles(draw *d, int n, ost_mesh *mesh)
 {
     size_t kept = 0;
@@ -109,8 +109,8 @@ static ost_status mesh_of(draw *d, scene_shape shape, ost_pm size, ost_mesh *out
     return boxes(d, size, 1, false, false, out, err);
 }
 
-/* Moves the vertices to multiples of half a voxel: corners, edges and faces then pass through voxels' centres, which
-   are ties. */
+/* Moves the vertices to multiples of half a voxel, so that corners, edges and faces pass through the centres of voxels,
+   which are ties. */
 static void align(ost_mesh *mesh, ost_pm voxel)
 {
     const ost_pm step = voxel / 2;
@@ -247,7 +247,7 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     return status;
 }
 
-/* Makes a box of layers z0 to z1 of a grid, from border to border along x and y. */
+/* Makes a box that covers layers [z0, z1) of a grid, from border to border along x and y. */
 static ost_status layers(const ost_tool_geometry *grid, int32_t z0, int32_t z1, ost_mesh *out, ost_error *err)
 {
     const ost_pm3 lo = grid->corner;
@@ -287,7 +287,7 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
 
 enum { PLATES_X = 48, PLATES_YZ = 40, PLATES_ON_A_LINE = 4 };
 
-/* Adds the corners of a box of complete voxels, from the grid's corner on, and its triangles except the last `open`. */
+/* Adds the corners of a box and its triangles except the last `open`. lo and hi are in voxels from the grid's corner. */
 static void put_box(const ost_tool_geometry *grid, const int32_t lo[3], const int32_t hi[3], size_t open,
                     ost_mesh *mesh, size_t *corners)
 {
@@ -322,9 +322,9 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     cutting->triangle_count = leaking->triangle_count = 0;
     put_box(&grid, at[0][0], at[0][1], 0, cutting, &corners);
     put_box(&grid, at[1][0], at[1][1], 0, cutting, &corners);
-    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* without its face at the end of x */
+    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* without the face at the end of x */
     for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
-        for (int c = 0; c < 3; c++, corners++) { /* a line along x, and three slanted ones */
+        for (int c = 0; c < 3; c++, corners++) { /* one line along x and three oblique lines */
             const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;
             cutting->vertices[corners] =
                 (ost_pm3){grid.corner.x + along, grid.corner.y + (t & 1 ? along : 9 * voxel + voxel / 2),
@@ -340,20 +340,21 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
 enum { THIN_X = 2, THIN_Y = 257, THIN_Z = 256, NEEDLES = 6, RING = 4 };
 
 /*
- * Adds a needle through column 1 of a row, and nothing of the rows next to it:
- * along x from border to border, and one unit from the row's centre across.
+ * Adds a needle that fills column 1 of a row, but no voxel of the rows next to it.
+ * It extends along x over the complete column, and across one unit from the row's
+ * centre.
  *
- *         1           Each end is four triangles around the row's centre.
- *       / | \         The projection of each of them has twice the area 1,
- *      2--*--0        and one of the four owns the row: two of its edge
- *       \ | /         functions are 0, the third is 1, and the rule of
- *         3           ownership subtracts 1 from it.
+ *         1           Each end consists of four triangles around the row's
+ *       / | \         centre.  Twice the area of each projection is 1.  One of
+ *      2--*--0        the four triangles owns the row: two of its edge functions
+ *       \ | /         are 0, the third is 1, and the rule of ownership subtracts
+ *         3           1 from the third.
  */
 static void put_needle(const ost_tool_geometry *grid, const int32_t row[2], bool inside_out, ost_mesh *mesh,
                        size_t *corners)
 {
     static const int across[RING + 1][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {0, 0}};
-    const uint32_t first = (uint32_t)*corners, far = RING + 1; /* the number of a corner at x + 1, less that at x */
+    const uint32_t first = (uint32_t)*corners, far = RING + 1; /* far: index of a corner at x + 1 minus that at x */
     for (uint32_t end = 0; end < 2; end++)
         for (int c = 0; c <= RING; c++, ++*corners) /* the nearest picometre; snapping returns the unit exactly */
             mesh->vertices[*corners] =
