@@ -221,8 +221,8 @@ static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
     return OST_OK;
 }
 
-/* Keeps only every `step`-th tick, so that the complete operation fits into the tier's time. The sweeps cover the motion
-   between the remaining ticks. */
+/* Keeps only every `step`-th tick, so that the complete operation fits into the tier's time. The sweeps cover the
+   motion between the remaining ticks. */
 static void thin_path(ost_path *path, size_t step)
 {
     size_t kept = 0;

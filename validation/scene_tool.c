@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The faces of a box whose corners are numbered by the bits x, y, z. The normals point outward if the three edges of the
-   box are right-handed. */
+/* The faces of a box whose corners are numbered by the bits x, y, z. The normals point outward if the three edges of
+   the box are right-handed. */
 static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
@@ -287,7 +287,8 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
 
 enum { PLATES_X = 48, PLATES_YZ = 40, PLATES_ON_A_LINE = 4 };
 
-/* Adds the corners of a box and its triangles except the last `open`. lo and hi are in voxels from the grid's corner. */
+/* Adds the corners of a box and its triangles except the last `open`. lo and hi are in voxels from the grid's
+   corner. */
 static void put_box(const ost_tool_geometry *grid, const int32_t lo[3], const int32_t hi[3], size_t open,
                     ost_mesh *mesh, size_t *corners)
 {

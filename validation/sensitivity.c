@@ -21,20 +21,20 @@ uint64_t sensitivity_injections(plan_tier tier)
     return counts[tier];
 }
 
-/* Records the state at which the mistake first changes a result. */
+/* The record during which the mistake first changed a result. */
 typedef struct witness {
     ost_backend *backend;
     bool seen;
     trace_stage stage;
     uint32_t item;
-    deviation_record record; /* the deviation's record at that time */
+    deviation_record record; /* state of the deviation at that time */
 } witness;
 
 static void watch(void *user, trace_stage stage, uint32_t item)
 {
     witness *w = user;
     if (w->seen || stage == TRACE_SNAP ||
-        stage == TRACE_STEPS) /* not made by a backend; the steps of an event are written after it has run */
+        stage == TRACE_STEPS) /* a backend makes neither; the steps of an event are recorded after the event */
         return;
     w->record = dense_record(w->backend);
     if (w->record.changed) {
@@ -63,9 +63,9 @@ static ost_status run_one(ost_backend *backend, const scene *s, const char *path
 }
 
 /*
- * Returns true if the comparison named the position at which the mistake first showed. A bone that
- * is uploaded in parts has only one record, and a later part may overwrite the voxel that changed
- * first; there the record is the position.
+ * Returns true if the comparison named the position that the mistake changed first. A bone that is
+ * uploaded in parts has only one record, and a later part may overwrite the voxel that changed
+ * first. For such a bone the stage and the item of the record are sufficient.
  */
 static bool is_located(const witness *w, const compare_difference *d)
 {
@@ -78,7 +78,7 @@ static bool is_located(const witness *w, const compare_difference *d)
         return memcmp(d->voxel, first->voxel, sizeof d->voxel) == 0;
     if (d->kind == COMPARE_WORD)
         return first->voxel[0] < 0 && (first->chunk < 0 || first->chunk == d->chunk);
-    return true; /* the record has another shape: only the stage and the item can be compared */
+    return true; /* the records have different shapes, so only the stage and the item can be compared */
 }
 
 static void judge(sensitivity *out, const deviation *how, const plan_case *c, const witness *w,
@@ -116,7 +116,7 @@ static void judge(sensitivity *out, const deviation *how, const plan_case *c, co
                  d->word, (long long)d->chunk);
 }
 
-/* Runs the dense backend without a mistake: any difference is a false alarm. */
+/* Runs the dense backend without a mistake. Any difference is a false alarm. */
 static ost_status run_clean(const scene *s, const plan_case *c, const char *path, const trace *ref,
                             compare_range in_ref, sensitivity *out, ost_error *err)
 {
@@ -183,7 +183,8 @@ static ost_status inject(const deviation *how, const scene *s, const plan_case *
     return OST_OK;
 }
 
-/* Draws the rate of a mistake: at least once in the units of a few scenes, so that most injections are triggered. */
+/* Draws the rate of a mistake. Even the lowest rate gives at least one mistake in the units of a few scenes, so that
+   most injections are triggered. */
 static uint32_t drawn_rate(draw *d, deviation_kind kind)
 {
     static const struct {
@@ -200,15 +201,15 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
 
 /* The mistakes that are made in one scene. */
 typedef struct share {
-    uint64_t first, count;       /* range of the pass's numbered mistakes, among which every kind is equally frequent */
+    uint64_t first, count;       /* range of numbered mistakes of the pass; every kind is equally frequent among them */
     const deviation *only;       /* if not NULL, this mistake instead */
-    const deviation_kind *kinds; /* if not NULL, each of these kinds once, everywhere, instead */
-    bool everywhere;             /* true: in every unit instead of at a random rate */
+    const deviation_kind *kinds; /* if not NULL, each of these kinds once instead */
+    bool everywhere;             /* true: the mistakes are made in every unit instead of at a random rate */
 } share;
 
 /* The scratch of one thread. */
 typedef struct bench {
-    int files[2]; /* descriptors of the reference's trace and of the compared one */
+    int files[2]; /* descriptors of the reference's trace and of the compared trace */
     char names[2][SCRATCH_NAME];
     sensitivity found; /* results of this thread */
 } bench;
@@ -225,8 +226,8 @@ static deviation drawn_mistake(draw *d, const share *of, uint64_t i)
     return how;
 }
 
-/* Runs a scene: once without a mistake, then with each of its mistakes. Everything is drawn from the scene's number,
-   so the result does not depend on the thread. */
+/* Runs a scene once without a mistake, and then with each of its mistakes. All random values depend only on the scene's
+   number, so the result does not depend on the thread. */
 static ost_status run_scene(bench *b, int number, const share *of, ost_error *err)
 {
     plan_case c = {.family = PLAN_SMALL, .number = number, .seed = b->found.seed};
@@ -276,12 +277,12 @@ typedef struct proof {
     uint64_t injections;
     deviation_kind kinds[DEVIATION_KINDS]; /* kinds of the second pass */
     uint64_t kind_count;                   /* 0 in the first pass */
-    int end;                               /* scene at which the pass ends (exclusive) */
+    int end;                               /* exclusive end of the pass's scenes */
     void (*show)(void *user, const char *what, double share);
     void *user;
     pthread_mutex_t lock; /* protects the members below and *out */
     int next;             /* next scene */
-    int problem_at;       /* scene of out->first_problem; -1: none */
+    int problem_at;       /* number of the scene of out->first_problem; -1: none */
     ost_error err;
 } proof;
 

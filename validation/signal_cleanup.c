@@ -14,7 +14,7 @@
 
 enum { FOLDERS = 4, WORKERS = 256, PATH = 1200, DEPTH = 4, TRIES = 3 };
 
-/* A signal handler reads a slot only in the state LISTED; the path is complete before that state is set. */
+/* A signal handler reads a slot only in the state LISTED. The path is complete before this state is set. */
 enum { FREE, TAKEN, LISTED };
 static struct {
     atomic_int state;
@@ -59,11 +59,11 @@ void signal_cleanup_worker_gone(pid_t pid)
     }
 }
 
-/* Removes the contents of an open folder. readdir may allocate memory, which a signal handler must not do, so the
-   entries are read from the system call directly. */
+/* Removes the contents of an open folder. Reads the entries directly by a system call, because readdir may allocate
+   memory, which a signal handler must not do. */
 static void empty_folder(int folder, int depth)
 {
-    /* struct linux_dirent64: 64 bits of inode, 64 of offset, 16 of length, 8 of type, then the name */
+    /* struct linux_dirent64: inode (64 bits), offset (64 bits), length (16 bits), type (8 bits), name */
     enum { LENGTH = 16, NAME = 19 };
     char buffer[4096];
     long got;
@@ -86,7 +86,7 @@ static void empty_folder(int folder, int depth)
 
 static void remove_folder(const char *path)
 {
-    /* Another thread may have added a file in the meantime; then the folder is emptied again. */
+    /* If another thread has added a file in the meantime, the folder is emptied again. */
     for (int tries = 0; tries < TRIES; tries++) {
         const int folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
         if (folder < 0)
@@ -110,7 +110,7 @@ void signal_cleanup_end(void)
     for (int i = 0; i < WORKERS; i++) {
         const pid_t pid = atomic_load(&workers[i]);
         if (pid > 0)
-            (void)kill(-pid, SIGKILL); /* the process group of a test of the suite; a worker has no group of its own */
+            (void)kill(-pid, SIGKILL); /* for a test of the suite, which has its own process group; a worker has none */
         if (pid > 0 && kill(pid, SIGKILL) == 0)
             waitpid(pid, NULL, 0);
     }

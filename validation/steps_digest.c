@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5) from
- * docs/spec/arithmetic.md alone: bytes in the order of its tables, hashed by the library.
+ * The digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5), written from
+ * docs/spec/arithmetic.md alone. The bytes are in the order of its tables; the library hashes them.
  */
 #include "validation/steps_record.h"
 
@@ -79,7 +79,7 @@ ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_
 
 /* ------------------------------------------------------------------ a bone */
 
-/* Computes the digest of the leaf whose first voxel is (x0, y0, z0); a voxel beyond the grid is 0 (AR-DIG-2). */
+/* Computes the digest of the leaf whose first voxel is (x0, y0, z0). Voxels beyond the grid are 0 (AR-DIG-2). */
 static ost_status leaf_digest(const int16_t *voxels, ost_dims d, int32_t x0, int32_t y0, int32_t z0, ost_digest *out,
                               ost_error *err)
 {
@@ -94,7 +94,7 @@ static ost_status leaf_digest(const int16_t *voxels, ost_dims d, int32_t x0, int
     return ost_digest_bytes(bytes, sizeof bytes, out, err);
 }
 
-/* Replaces *left by the digest of the node over both (AR-DIG-3). */
+/* Replaces *left by the digest of the parent node of *left and *right (AR-DIG-3). */
 static ost_status join(ost_digest *left, const ost_digest *right, ost_error *err)
 {
     uint8_t bytes[1 + 2 * OST_DIGEST_BYTES] = {1};
@@ -127,8 +127,9 @@ static ost_status root_digest(const ost_geometry *g, int32_t threshold, uint64_t
 }
 
 /*
- * The leaves are added one by one.  pending[] has the trees of 2^k leaves that
- * the set bits of `leaves` count, the largest first; two of one size are joined.
+ * The leaves are added one by one.  pending[] has one tree of 2^k leaves for each
+ * set bit k of `leaves`, the largest tree first.  Two trees of the same size are
+ * joined.
  */
 ost_status steps_bone_digest(const ost_geometry *g, int32_t threshold, const int16_t *voxels, ost_digest *out,
                              ost_error *err)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The names of the words of the steps, and the words that are bounds. */
+/* The names of the words of step records, and the words that are bounds. */
 #include "validation/steps_record.h"
 
 #include <stdio.h>
@@ -54,8 +54,8 @@ bool steps_word_is_bound(size_t word)
     return word >= TICK_WORDS && (word - TICK_WORDS) % POSE_WORDS >= REACHES;
 }
 
-/* An empty box covers the bounds of a pose that reaches no voxel; any other box must contain the bounds, whether or
-   not the pose reaches a voxel. */
+/* An empty box covers the bounds of a pose that reaches no voxel. Any other box must contain the bounds, even if the
+   pose reaches no voxel. */
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least)
 {
     const size_t at = (word - TICK_WORDS) % POSE_WORDS, flag = word - at + REACHES;

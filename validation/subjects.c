@@ -47,12 +47,12 @@ ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, o
             continue;
         left--;
         for (int t = 0; t < 4; t++) {
-            /* In the smoke tier the instruction sets get 2, 3 and 7 threads in turn, and the last set gets all
-               counts that no other set got. */
+            /* In the smoke tier the instruction sets run with 2, 3 and 7 threads in turn. The last set also runs with
+               the thread counts that no other set has. */
             if (tier == PLAN_SMOKE && t != 0 && t != turn && (left > 0 || taken[t]))
                 continue;
             taken[t] = true;
-            /* Above smoke, 3 and 7 threads get their work in other orders, with pauses. */
+            /* In the larger tiers, 3 and 7 threads get their work in different orders, with pauses. */
             const char *const order = tier == PLAN_SMOKE || t < 2 ? "" : t == 2 ? ",order=1" : ",order=2";
             snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d%s%s", ost_isa_name((ost_isa)i), threads[t],
                      t ? ",grain=1" : "", order);
@@ -155,8 +155,8 @@ static void add_device(const ost_device_info *device, void *user)
     }
 }
 
-/* Stores which device was opened: a user's spec such as "cl:platform=portable" may mean any device, and a report
-   must name it. */
+/* Stores the name of the opened device, because a report must name it and a user's spec such as "cl:platform=portable"
+   may mean any device. */
 static ost_status name_device(int platform, int device, subject *s, ost_error *err)
 {
     device_visit v = {.status = OST_OK, .named = s};
@@ -193,7 +193,7 @@ static ost_status add_cl(plan_tier tier, subject_list *list, ost_error *err)
     return OST_OK;
 }
 
-/* Opens a backend in a worker that runs no case; if this fails, the worker's message is the error. */
+/* Opens a backend in a worker that runs no case. If this fails, the worker's message is the error. */
 static ost_status try_apart(const char *spec, ost_error *err)
 {
     char program[1024];
@@ -222,7 +222,8 @@ static ost_status try_apart(const char *spec, ost_error *err)
     return ost_fail(err, end.code == 3 ? OST_ERR_UNAVAILABLE : OST_ERR_USAGE, "%s", text);
 }
 
-/* Adds one of the user's specs. It is tried at once, so that a mistake in the spec is an error and not a result. */
+/* Adds one of the user's specs. Opens its backend at once, so that a mistake in the spec is reported as an error and
+   not as a result. */
 static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *list, ost_error *err)
 {
     if (strcmp(spec, "cpu") == 0)

@@ -30,7 +30,7 @@ typedef struct running {
     double begun;
     json_int_t bytes;
     ost_hasher *hasher;
-    const char *stopped; /* "", "time", "output" */
+    const char *stopped; /* reason for which it was stopped: "time" or "output"; "" if it was not */
     bool line_ended;
     size_t used;
     char line[SUITE_REASON]; /* the last line of output that is not empty */
@@ -40,7 +40,7 @@ typedef struct runner {
     const suite_options *o;
     char program[PATH_MAX];
     const json_t *tests;
-    json_t *rows; /* for each test its row, or null */
+    json_t *rows; /* array with one entry per test: its row, or null */
     running slots[SLOTS];
     int count;
     size_t done;
@@ -148,7 +148,7 @@ static void store_line(running *t, const char *bytes, ssize_t count)
     }
 }
 
-/* Reads the available output up to the limit; closes the pipe at its end. */
+/* Reads the available output up to the limit. Closes the pipe at its end. */
 static ost_status read_output(running *t, ost_error *err)
 {
     char block[BLOCK];
@@ -187,7 +187,7 @@ static void reason_of(const runner *r, const running *t, json_int_t status, char
         snprintf(how, sizeof how, "was ended by signal %lld", (long long)-status);
     else
         snprintf(how, sizeof how, "ended with status %lld", (long long)status);
-    const bool plain = status == SUITE_SKIPPED && !*t->stopped && *line; /* a test that is skipped prints the reason */
+    const bool plain = status == SUITE_SKIPPED && !*t->stopped && *line; /* a skipped test prints the reason itself */
     snprintf(reason, 2 * SUITE_REASON, "%s%s%s", plain ? "" : how, !plain && *line ? "; it printed last: " : "", line);
 }
 
@@ -198,7 +198,7 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
     char reason[2 * SUITE_REASON], hex[OST_DIGEST_HEX];
     ost_digest digest = {{0}};
     const json_int_t code = WIFSIGNALED(state) ? -(json_int_t)WTERMSIG(state) : (json_int_t)WEXITSTATUS(state);
-    ost_status status = read_output(t, err); /* the output before its end */
+    ost_status status = read_output(t, err); /* the remaining output */
     if (t->output_fd >= 0)
         close(t->output_fd);
     const ost_status closed = ost_hasher_close(t->hasher, &digest, status == OST_OK ? err : NULL);
@@ -222,7 +222,7 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
     return status;
 }
 
-/* Finishes the tests that have ended, and kills their process groups, so that no process of a test continues. */
+/* Finishes the tests that have ended, and kills their process groups, so that no process of these tests remains. */
 static ost_status reap(runner *r, ost_error *err)
 {
     ost_status status = OST_OK;

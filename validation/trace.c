@@ -34,8 +34,8 @@ size_t trace_report_head(trace_stage stage)
     return stage == TRACE_TICK ? 13 : stage == TRACE_COLLIDE ? 3 : 0;
 }
 
-/* Names a word of a chunk's line: its number, then for each class the number of voxels and the sum of their
-   densities. */
+/* Writes the name of a word of a chunk's line. The words are the chunk's number, and then for each class the number of
+   voxels and the sum of their densities. */
 static void name_in_line(uint64_t at, char text[TRACE_WORD])
 {
     if (at == 0)
@@ -98,7 +98,7 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
 
 /* ------------------------------------------------------------------ writing */
 
-/* The record that is being written; its counts are corrected when it ends. */
+/* A writer with the record that is being written. The record's counts are set when it ends. */
 struct trace_writer {
     FILE *file;
     char *path;
@@ -249,7 +249,7 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
         if (memcmp(head, magic, 4) != 0 || u32_at(head + 4) >= TRACE_STAGES)
             return ost_fail(err, OST_ERR_INPUT, "%s: offset %zu: no record of a trace begins here", path, at);
         if (body > t->size - at - HEAD)
-            return OST_OK; /* its writer was stopped within a record */
+            return OST_OK; /* the writer was stopped within a record */
         if (t->count == capacity) {
             capacity = capacity ? 2 * capacity : 1024;
             trace_record *grown = realloc(t->records, capacity * sizeof *grown);

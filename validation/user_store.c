@@ -13,7 +13,7 @@
 #include "validation/scratch.h"
 
 /*
- * The format of the file, which only this program and its workers read:
+ * The format of the file, which is read only by this program and its workers:
  *
  *   head, MAGIC and the entries of USER_CASES_MAX cases
  *   arrays: samples, vertices, triangles, ticks, each at the offset in its entry
@@ -50,8 +50,8 @@ struct user_store {
 
 /* ------------------------------------------------------------------ writing */
 
-/* The descriptor's number is above those that workers use, so that none of these is replaced before it is passed on
-   (worker_start). */
+/* Least number of the store's descriptor. It is above the descriptors that workers use, so that worker_start does not
+   replace the store's descriptor before passing it on. */
 enum { BEYOND_WORKERS = 16 };
 
 ost_status user_store_begin(user_store **out, ost_error *err)
@@ -90,7 +90,7 @@ static ost_status write_at(user_store *u, const void *bytes, size_t size, uint64
     return OST_OK;
 }
 
-/* Appends an array to the file at an offset that is aligned for any array; *at receives the offset. */
+/* Appends an array to the file at an offset that is aligned for any array. *at receives the offset. */
 static ost_status add_array(user_store *u, const void *bytes, size_t count, size_t each, uint64_t *at, ost_error *err)
 {
     *at = u->size;
@@ -119,7 +119,7 @@ ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t co
         status = write_at(u, lines, n * sizeof *lines, e->samples_at + e->samples * sizeof *lines, err);
         e->samples += n;
     }
-    u->size = e->samples_at + e->samples * sizeof *lines; /* lines of 32 bytes, so the next array is aligned */
+    u->size = e->samples_at + e->samples * sizeof *lines; /* a sample has 32 bytes, so the next array is aligned */
     return status;
 }
 
@@ -276,7 +276,7 @@ static ost_status read_raw(const user_store *u, const part *p, ost_mesh *m, ost_
         return status;
     memcpy(m->vertices, u->map + p->raw_vertices_at, p->raw_vertices * sizeof *m->vertices);
     memcpy(m->triangles, u->map + p->raw_triangles_at, p->raw_triangles * sizeof *m->triangles);
-    return OST_OK; /* triangles with a vertex index beyond the last are refused when the mesh is snapped */
+    return OST_OK; /* vertex indices that are too large are refused when the mesh is snapped */
 }
 
 static ost_status read_path(const user_store *u, uint64_t count, uint64_t at, ost_path *out, ost_error *err)
@@ -318,7 +318,7 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
                         "it is made of the user's own files: give them with --ct, --tool and --path");
     const entry *e = &u->head->entries[number - 1];
     *out = e->head;
-    for (int t = 0; t < SCENE_TOOLS_MAX; t++) { /* pointers that the file contains are replaced */
+    for (int t = 0; t < SCENE_TOOLS_MAX; t++) { /* pointers in the file are not valid and are replaced */
         out->tools[t].cutting = out->tools[t].noncutting = (ost_snapped_mesh){.fraction_bits = 0};
         out->tools[t].raw[0] = out->tools[t].raw[1] = (ost_mesh){.vertex_count = 0};
     }
@@ -338,11 +338,11 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
 }
 
 /*
- * The estimate has rect, cubic, chunks and the bone at the end, each tool, and
- * for a tick the leaves that it changed: those under the tool's border where bone
- * remains, not all that it covers.  One leaf per tick is several times the
- * amount that slow cutting changes; if the disk fills up nevertheless, the
- * campaign ends.
+ * The estimate includes rect, cubic, chunks and the bone at the end, each tool, and
+ * for each tick the leaves that it changes.  A tick changes only leaves under the
+ * tool's border where bone remains, not all leaves that the tool covers.  One leaf
+ * per tick is several times the amount that slow cutting changes.  If the disk
+ * becomes full nevertheless, the campaign ends.
  */
 enum { TICK_LEAVES = 1 };
 uint64_t user_trace_bytes(const user_store *u, int number)

@@ -195,7 +195,7 @@ ost_status worker_wait_any(worker *const workers[], int count, int *which, worke
             const ssize_t n = read(workers[i]->stderr_fd, bytes, sizeof bytes);
             if (n < 0 && errno == EINTR)
                 continue;
-            if (n <= 0) { /* the worker's end of the pipe closes however it ends */
+            if (n <= 0) { /* the worker's end of the pipe is closed, however the worker ended */
                 *which = i;
                 return reap(workers[i], false, out, err);
             }
