@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bones: a density and an occupancy per voxel; chunks exist only as numbers (AR-CHK, AR-DIG-2). */
+/* Bones: one density and one occupancy per voxel. Chunks exist only as numbers (AR-CHK, AR-DIG-2). */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
@@ -67,7 +67,7 @@ ost_status dense_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error
     const int64_t count = ost_dims_count(d);
     info->active_chunks = 0;
     info->active_voxels = 0;
-    int64_t emptied = 0; /* voxels that are active without a density: this count is the first to show them */
+    int64_t emptied = 0; /* active voxels with density 0; the count of active voxels is the first result to show them */
     for (int64_t v = 0; v < count; v++) {
         info->active_voxels += bone->active[v];
         emptied += bone->active[v] && bone->density[v] == 0;
@@ -91,7 +91,7 @@ typedef struct upload {
     const int16_t *voxels;
 } upload;
 
-/* Returns the density at (i, j, k) of the grid in the given slices; 0 outside of them. */
+/* Returns the density at (i, j, k) of the grid from the uploaded slices; 0 outside of them. */
 static int16_t given(const dense_bone *bone, const upload *from, int32_t i, int32_t j, int32_t k)
 {
     const ost_dims d = bone->base.geometry.dims;
@@ -133,7 +133,8 @@ static void store(deviant *m, const dense_bone *bone, const upload *from, int32_
         deviant_acted(m, chunk, (const int32_t[3]){i, j, k});
 }
 
-/* Frees chunks without active voxels as the thesis does, which loses densities below the threshold that were kept. */
+/* Frees chunks without active voxels, as the thesis does. This sets densities below the threshold in these chunks to
+   0. */
 static void free_empty_chunks(deviant *m, dense_bone *bone)
 {
     const int32_t n = bone->base.chunk_size;

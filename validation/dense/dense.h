@@ -4,12 +4,12 @@
  * docs/spec/arithmetic.md alone, on dense arrays and with the simplest loops.
  *
  * Without a deviation it is evidence against mistakes that the reference and
- * the backends derived from it have in common: it has its own division, uses
+ * the backends derived from it have in common.  It has its own division, uses
  * neither far blocks nor the event's boxes, and processes rows and triangles in
  * their given order.
- * With a deviation it behaves as a port with that mistake (deviation.h).
+ * With a deviation it behaves like a port with that mistake (deviation.h).
  *
- * It belongs to the command's validation and not to the library: no backend
+ * It is part of the command's validation and not of the library, so no backend
  * string opens it.
  */
 #ifndef OST_VALIDATION_DENSE_H
@@ -19,10 +19,11 @@
 
 #include "validation/dense/deviation.h"
 
-/* Opens the dense backend. how may be NULL (no deviation). The caller closes *out with ost_backend_close. */
+/* Opens the dense backend. If how is NULL, there is no deviation. The caller closes *out with ost_backend_close. */
 ost_status dense_open(const deviation *how, ost_backend **out, ost_error *err);
 
-/* Returns the record of the deviation up to now; all zeros without one. backend must come from dense_open. */
+/* Returns the current record of the deviation; all zeros if there is no deviation. The backend must have been opened by
+   dense_open. */
 deviation_record dense_record(ost_backend *backend);
 
 #endif

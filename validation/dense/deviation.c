@@ -40,7 +40,7 @@ void deviant_begin(deviant *m, deviation_stage stage, ost_dims dims, int chunk_s
         deviant_return(m, stage, m->calls[stage]++, dims, chunk_size);
 }
 
-/* The finalizer of splitmix64. */
+/* Computes the finalizer of splitmix64. */
 static uint64_t mixed(uint64_t z)
 {
     z += UINT64_C(0x9e3779b97f4a7c15);
@@ -79,7 +79,7 @@ static int64_t number(const ost_dims d, int32_t x, int32_t y, int32_t z)
     return x + (int64_t)d.x * (y + (int64_t)d.y * z);
 }
 
-/* Returns the number of the cube of n^3 voxels that contains the voxel. */
+/* Returns the number of the cube of n^3 voxels that contains voxel v. */
 static int64_t cube(const ost_dims d, int32_t n, const int32_t v[3])
 {
     return number((ost_dims){(d.x + n - 1) / n, (d.y + n - 1) / n, (d.z + n - 1) / n}, v[0] / n, v[1] / n, v[2] / n);
@@ -97,8 +97,8 @@ static deviation_position position(const deviant *m, int64_t item, const int32_t
     return p;
 }
 
-/* Updates *kept: the first call is kept, and within a call the least voxel, leaf and chunk. Returns false if nothing
-   is updated. */
+/* Increments *times and updates *kept. *kept belongs to the first call and has the least voxel, leaf and chunk of that
+   call. Returns false if p is from a later call. */
 static bool first(const deviant *m, uint64_t *times, deviation_position *kept, deviation_position p)
 {
     if ((*times)++ == 0) {
@@ -122,8 +122,8 @@ void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3])
     first(m, &m->record.acted, &m->record.first_acted, position(m, (int64_t)item, voxel, -1));
 }
 
-/* For the thesis' floats there is no right value inside the algorithm to compare with: the changed position is also
-   where they acted. */
+/* The float arithmetic of the thesis has no intermediate values that could be compared with correct ones, so each
+   changed position also counts as a position where the deviation acted. */
 void deviant_changed_voxel(deviant *m, const int32_t voxel[3])
 {
     bool fused;

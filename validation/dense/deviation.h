@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mistakes that a port of the arithmetic to a GPU can make, one kind each, and
- * the record of the positions where one was made.
+ * The kinds of mistakes that a port of the arithmetic to a GPU can contain, and
+ * the record of the positions where a mistake was made.
  *
- * A backend opened with a deviation (dense.h) is right except for that kind.
- * The units in which it makes the mistake are drawn from `seed`: one of `one_in`
- * of the kind's units (calls, samples, voxels, chunks, triangles ...) on average;
- * one_in 0 and 1 mean everywhere.
+ * A backend opened with a deviation (dense.h) is correct except for that kind.
+ * The units in which it makes the mistake are drawn from `seed`: on average one of
+ * `one_in` of the kind's units (calls, samples, voxels, chunks, triangles ...).  If
+ * one_in is 0 or 1, the mistake is made in every unit.
  *
  * The record counts two kinds of effects and stores the first position of each:
- *   acted     a value inside the algorithm became different from the right one;
+ *   acted     a value inside the algorithm differed from the correct value;
  *             recorded by the code of the mistake itself
- *   changed   a voxel of the call's result, or a line of its report, became
- *             different from the right one; recorded by the backend, which runs
- *             the stage a second time on the same input without the mistake
+ *   changed   a voxel of the call's result, or a line of its report, differed
+ *             from the correct one; recorded by the backend, which runs the stage
+ *             a second time on the same input without the mistake
  * If acted is 0, the mistake was not triggered: no unit was drawn, or no drawn unit
  * had a value that could change.  If acted is not 0 but changed is 0, the mistake
- * survived; the table lists when that can happen.  A comparison with any right
+ * survived; the table lists when this can happen.  A comparison with any correct
  * backend must find first_changed as its first difference.
  *
- * The causes marked F are documented in the literature or were measured on a
- * device, those marked T are the thesis' own text (docs/design/thesis-notes.md), those
- * marked P are only known from experience.
+ * Causes marked F are documented in the literature or were measured on a device.
+ * Causes marked T follow the text of the thesis (docs/design/thesis-notes.md).
+ * Causes marked P are known only from experience.
  */
 #ifndef OST_VALIDATION_DENSE_DEVIATION_H
 #define OST_VALIDATION_DENSE_DEVIATION_H
@@ -29,19 +29,19 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The stages in the order of the pipeline; EVERY is for kinds that replace the program in every stage. */
+/* The stages in the order of the pipeline. EVERY is for kinds that replace the program in every stage. */
 typedef enum deviation_stage {
-    DEVIATION_RECT,   /* ct_to_rect; a call is a grid with all its batches */
+    DEVIATION_RECT,   /* ct_to_rect; one call is one grid with all its batches */
     DEVIATION_CUBIC,  /* rect_to_cubic */
     DEVIATION_CHUNKS, /* cubic_to_chunks, bone_upload */
     DEVIATION_TOOL,   /* voxelize */
-    DEVIATION_REMOVE, /* remove and collide; a call is an event */
+    DEVIATION_REMOVE, /* remove and collide; one call is one event */
     DEVIATION_EVERY,
     DEVIATION_STAGES
 } deviation_stage;
 
 /*
- * X(kind, name, stage, unit, effect, cause, survival: when it acts and changes nothing)
+ * X(kind, name, stage, unit, effect, cause, survival: when the mistake acts but changes nothing)
  *
  * The unit is the object for which one random decision is made.
  */
@@ -260,23 +260,23 @@ const deviation_about *deviation_describe(deviation_kind kind);
 const char *deviation_stage_name(deviation_stage stage);
 
 /*
- * A position.  voxel and leaf (of 32^3, as in a digest) are -1 if the position is
- * not a voxel (a line of the report, a complete call); chunk is the bone's chunk,
- * -1 if there is none.  If one call has several positions, the least voxel in the
- * order of AR-GRID-2, the least leaf and the least chunk are stored, each
- * independently of the others.
+ * The position of an effect.  voxel and leaf (of 32^3 voxels, as in a digest) are -1
+ * if the position is not a voxel, but a line of the report or a complete call.
+ * chunk is the bone's chunk; -1 if there is none.  If one call has several
+ * positions, the least voxel in the order of AR-GRID-2, the least leaf and the least
+ * chunk are stored, each independently of the others.
  */
 typedef struct deviation_position {
     deviation_stage stage;
     uint64_t call; /* number of earlier calls of the stage since the backend was opened */
-    int64_t item;  /* the unit: a sample, a chunk, a triangle ...; -1 for changed */
+    int64_t item;  /* index of the unit: sample, chunk, triangle ...; -1 for first_changed */
     int32_t voxel[3];
     int64_t leaf;
     int64_t chunk;
 } deviation_position;
 
 typedef struct deviation_record {
-    uint64_t acted, changed; /* counts; if 0 the position is not valid */
+    uint64_t acted, changed; /* counts; if a count is 0, its position is not valid */
     deviation_position first_acted, first_changed;
     bool report; /* true if the first change is in the call's report */
     bool voxels; /* true if the first change is in the call's grid */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Samples to rect grid, rect grid to cubic grid (AR-CT-4 to 6, AR-CUB). */
+/* The stages from samples to the rect grid and from the rect grid to the cubic grid (AR-CT-4 to 6, AR-CUB). */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
@@ -66,7 +66,7 @@ typedef struct batch {
     deviant *m;
     const ost_geometry *g;
     ost_duplicates duplicates;
-    uint64_t first_item; /* number of the batch's first sample among those of the grid */
+    uint64_t first_item; /* number of the batch's first sample among all samples of the grid */
     bool short_rows, last_layer_lost;
 } batch;
 
@@ -118,7 +118,7 @@ static void scatter(const batch *b, dense_scatter *to, const ost_sample *s, uint
     int64_t index[3];
     report->samples++;
     for (int a = 0; a < 3; a++)
-        if (p[a] > OST_LENGTH_MAX || p[a] < -OST_LENGTH_MAX) { /* out of the range of lengths (AR-LEN-1) */
+        if (p[a] > OST_LENGTH_MAX || p[a] < -OST_LENGTH_MAX) { /* outside the range of lengths (AR-LEN-1) */
             if (lower(line, report->rejected_line))
                 report->rejected_line = line;
             return;
@@ -276,7 +276,7 @@ ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t co
     return OST_OK;
 }
 
-/* Records every voxel in which two grids of these dims differ. */
+/* Records every voxel in which two grids with these dims differ. */
 static void note_changes(deviant *m, ost_dims d, const int16_t *made, const int16_t *right)
 {
     for (int32_t k = 0; k < d.z; k++)
@@ -308,8 +308,8 @@ void dense_grid_finish(dense_grid *grid)
 
 /* ----------------------------------------------------------------- cubic */
 
-/* The mean of voxel `index` with weight ONE - weight and the next one with weight; the next one is not read if
-   weight is 0. */
+/* The mean of voxel `index` with weight ONE - weight, and of the next voxel with weight `weight`. If weight is 0, the
+   next voxel is not read. */
 typedef struct source {
     int64_t index;
     int32_t weight;
@@ -334,8 +334,8 @@ static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
     return (source){(int64_t)(t / unit), (int32_t)dense_nearest(t % unit * ONE, unit)};
 }
 
-/* Returns true if the centre (by the rule thesis: the beginning) lies exactly on that of a source voxel that is not
-   the first. */
+/* Returns true if the centre of the cubic voxel lies exactly on the centre of a source voxel other than the first. For
+   the rule thesis the beginnings of the voxels are compared instead of the centres. */
 static bool on_multiple(int32_t i, ost_pm cubic, ost_pm rect, source right, ost_resample rule)
 {
     const int128 t = rule == OST_RESAMPLE_LINEAR ? (2 * (int128)i + 1) * cubic - rect
@@ -353,7 +353,7 @@ static source float_source(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_
     return (source){index, rule == OST_RESAMPLE_LINEAR ? (int32_t)((t - (float)index) * ONE) : 0};
 }
 
-/* Returns the source by AR-CUB, or by a kind of mistake; axis 2 is z. */
+/* Returns the source by AR-CUB, or by a kind of mistake. Axis 2 is z. */
 static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule,
                      bool other_rule)
 {
@@ -380,7 +380,7 @@ static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect,
     return made;
 }
 
-/* Returns the voxel that is read for (x, y, z), by the right layout or by a mistaken one. */
+/* Returns the voxel that is read for (x, y, z), by the correct layout or by a mistaken one. */
 static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t z, bool swapped, bool padded)
 {
     const ost_dims d = rect->base.geometry.dims;
@@ -392,8 +392,8 @@ static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t
     return at < ost_dims_count(d) ? rect->made.voxels[at] : 0;
 }
 
-/* Returns a (ONE - w) + b w, which is 2^15 times the scale of a and b. Means of means along z, y and x give the sum
-   of all eight. */
+/* Returns a (ONE - w) + b w, whose scale is 2^15 times that of a and b. Means of means along z, y and x give the sum of
+   all eight values. */
 static int64_t mixed(int64_t a, int64_t b, int32_t w)
 {
     return a * (ONE - w) + b * w;

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Determines the tool voxel of every active bone voxel at one pose (AR-MAP), by
- * blocks as in docs/spec/arithmetic.md, in 64 bits, without far blocks and without the
- * event's boxes, so that voxels which those omit wrongly are found.  Only a block
- * whose coordinates lie beyond one side of the tool at all of its corners is
- * skipped; the coordinates are linear.
+ * Determines the tool voxel of every active bone voxel at one pose (AR-MAP).  Works
+ * by blocks, as in docs/spec/arithmetic.md, and in 64 bits, but without far blocks
+ * and without the event's boxes, so that voxels which these omit by mistake are
+ * found.  A block is skipped only if the coordinates of all its corners lie beyond
+ * one side of the tool, which is sufficient because the coordinates are linear.
  */
 #include "validation/dense/parts.h"
 
 enum { BLOCK = 16, ONE = 1 << 20 };
 
-/* A pose as it is used, including its mistakes. */
+/* A pose as it is used, including deliberate mistakes. */
 typedef struct pose {
     deviant *m;
     const ost_map *map;
     uint64_t number;
     int128 column[3][3];
-    int64_t step[3][3]; /* by the right arithmetic */
-    int64_t used[3][3]; /* as multiplied, possibly with a mistake */
+    int64_t step[3][3]; /* steps by the correct arithmetic */
+    int64_t used[3][3]; /* steps as multiplied, possibly with a mistake */
     bool drifting, negative_cut, border_in, all_cuts;
     const ost_voxel_box *tight; /* NULL if boxes have no effect */
 } pose;
@@ -58,8 +58,8 @@ static int64_t wrapped(int64_t v)
     return (int32_t)(uint32_t)(uint64_t)v;
 }
 
-/* Computes base of AR-MAP-4 for the block whose first voxel is f; *wraps receives true if its coordinates are taken
-   modulo 2^32. */
+/* Computes the base of AR-MAP-4 for the block whose first voxel is f. *wraps receives true if the coordinates of the
+   block are taken modulo 2^32. */
 static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t base[3], bool *wraps)
 {
     deviant *m = p->m;
@@ -95,7 +95,7 @@ static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t ba
     }
 }
 
-/* Returns the tool's class at a coordinate; void outside. */
+/* Returns the tool's class at a coordinate; void outside the tool's grid. */
 static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3], const int32_t v[3])
 {
     const ost_dims dims = tool->base.geometry.dims;
@@ -120,7 +120,7 @@ static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3
     return found;
 }
 
-/* Returns true for a voxel in the last layer of its box, which the kind of mistake omits, or outside the box. */
+/* Returns true if the voxel is in the last layer of the box, which this kind of mistake omits, or outside the box. */
 static bool left_out(const pose *p, const int32_t v[3])
 {
     if (!p->tight)
@@ -133,8 +133,8 @@ static bool left_out(const pose *p, const int32_t v[3])
     return false;
 }
 
-/* Returns true if no voxel of the block can be in the tool: along some axis all its coordinates lie on one side of
-   the tool. */
+/* Returns true if no voxel of the block can be in the tool, because along one axis all its coordinates lie on one side
+   of the tool. */
 static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
 {
     const ost_dims dims = tool->base.geometry.dims;
@@ -151,7 +151,7 @@ static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
     return false;
 }
 
-/* Marks the voxels of a block. previous is the base of the previous block, which the kind MISSED_BARRIER uses. */
+/* Marks the voxels of a block. previous is the base of the previous block, which is used by the kind MISSED_BARRIER. */
 static void map_block(const pose *p, const dense_bone *bone, const dense_tool *tool, uint64_t item, const int32_t f[3],
                       const int64_t base[3], const int64_t previous[3], bool wraps, dense_marks marks)
 {

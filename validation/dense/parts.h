@@ -7,11 +7,11 @@
  *   tool.c     mesh -> tool grid                      AR-VOX
  *   map.c      bone voxel -> tool voxel               AR-MAP
  *   remove.c   events                                 AR-REM, AR-CLS
- *   thesis.c   the thesis' float arithmetic
- *   dense.c    the table
+ *   thesis.c   the float arithmetic of the thesis
+ *   dense.c    the function table
  *
- * Each stage is a function that takes a deviant or NULL.  If the deviation is one
- * of that stage, the stage runs with NULL as well, and the differences are recorded.
+ * Each stage is a function that takes a deviant or NULL.  If the deviation can act
+ * in that stage, the stage also runs with NULL, and the differences are recorded.
  */
 #ifndef OST_VALIDATION_DENSE_PARTS_H
 #define OST_VALIDATION_DENSE_PARTS_H
@@ -27,12 +27,12 @@ typedef struct dense {
     ost_backend base;
     deviant *deviant; /* &own or NULL */
     deviant own;
-    dense_grid *unsettled; /* borrowed; the rect grid whose changes are not recorded yet, or NULL */
+    dense_grid *unsettled; /* borrowed; the rect grid whose changes have not been recorded yet, or NULL */
     ost_map last_map;      /* map of the last event's last pose */
     bool has_last_map;
 } dense;
 
-/* Voxels of a rect grid, and for each of them whether it has a sample. */
+/* The voxels of a rect grid, and a flag for each voxel that is set if the voxel has a sample. */
 typedef struct dense_scatter {
     int16_t *voxels;
     uint8_t *seen;
@@ -42,7 +42,7 @@ typedef struct dense_scatter {
 struct dense_grid {
     ost_grid base;
     dense_scatter made;
-    dense_scatter right; /* the same without the deviation; its arrays are NULL if there is none */
+    dense_scatter right; /* the grid without the deviation; its arrays are NULL if there is no deviation */
     uint64_t call, samples, batches;
     bool scattered;
 };
@@ -73,7 +73,7 @@ static inline int64_t dense_at(ost_dims d, int64_t x, int64_t y, int64_t z)
 
 __extension__ typedef __int128 int128;
 
-/* Converts a number of a map to the compiler's own type. */
+/* Converts a number of a map to the compiler's 128-bit type. */
 static inline int128 dense_int128(ost_int128 v)
 {
     return (int128)v.high * ((int128)1 << 64) + (int128)v.low;
@@ -87,8 +87,8 @@ static inline int128 dense_floor(int128 n, int128 d)
     return -((-n + d - 1) / d);
 }
 
-/* Returns the integer nearest to n / d, of two the even one. It compares twice the remainder with d, which is below
-   2^98 in all uses. */
+/* Returns the integer nearest to n / d; of two equally near integers the even one. Compares twice the remainder with d,
+   which is below 2^98 in all uses. */
 static inline int128 dense_nearest(int128 n, int128 d)
 {
     const int128 below = dense_floor(n, d), twice = 2 * (n - below * d);
@@ -101,7 +101,7 @@ static inline int128 dense_nearest(int128 n, int128 d)
 
 /* ------------------------------------------------------------- the parts */
 
-/* Records what the deviation changed in a rect grid, once after its last batch. */
+/* Records the changes that the deviation made in a rect grid, once after its last batch. */
 void dense_grid_finish(dense_grid *grid);
 
 ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
@@ -136,13 +136,14 @@ ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_r
 
 /* ------------------------------------------------- the marks of an event's voxels */
 
-/* Per voxel of the bone: the number of poses at which it is in a cutting or in a non-cutting voxel of the tool. */
+/* For each voxel of the bone, the number of poses at which it is in a cutting and in a non-cutting voxel of the
+   tool. */
 typedef struct dense_marks {
     uint16_t *cut, *touch;
     uint8_t *met; /* per chunk: 1 if one of its voxels is marked */
 } dense_marks;
 
-/* Counts the tool voxel `found` at bone voxel v. */
+/* Counts a tool voxel of class `found` at bone voxel v. */
 static inline void dense_mark(const dense_bone *bone, dense_marks marks, const int32_t v[3], uint8_t found)
 {
     const ost_dims d = bone->base.geometry.dims;
@@ -157,7 +158,7 @@ static inline void dense_mark(const dense_bone *bone, dense_marks marks, const i
         marks.touch[at]++;
 }
 
-/* Adds the marks of one pose; number is its index in the event. */
+/* Adds the marks of one pose. number is the index of the pose in the event. */
 void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map,
                     const ost_voxel_box *box, int number, dense_marks marks);
 
@@ -170,7 +171,7 @@ int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
 /* Computes MinVoxelCoords of Alg. 2.1 for both meshes, in millimetres. */
 void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused,
                          float minimum[3]);
-/* Computes one row's counts with float edge functions, as tool.c does with integers. */
+/* Computes the counts of one row with float edge functions, as tool.c does with integers. */
 void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused,
                       int32_t *count, uint32_t *times, int64_t *total, uint64_t *owners);
 /* Computes Algs. 2.8 to 2.10. */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Events on dense arrays (AR-REM, AR-CLS): first all marks, then the report, then the removal. */
+/* Runs events on dense arrays (AR-REM, AR-CLS): first makes all marks, then the report, then the removal. */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A chunk and its voxels, lo <= v < hi. */
+/* A chunk and the range of its voxels, lo <= v < hi. */
 typedef struct cube {
     int32_t number;
     int32_t lo[3], hi[3];
@@ -100,7 +100,7 @@ static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks mark
 
 /* ---------------------------------------------------------------- report */
 
-/* Returns the density class by AR-CLS-1; above: the mistaken comparison by >. */
+/* Returns the density class by AR-CLS-1. If above is true, compares by > by mistake. */
 static int class_of(const ost_density_classes *classes, int16_t density, bool above)
 {
     int found = 0;
@@ -228,8 +228,8 @@ static void flip_bit(deviant *m, dense_bone *bone)
     deviant_acted(m, 0, (const int32_t[3]){(int32_t)(at % x), (int32_t)(at / x % y), (int32_t)(at / x / y)});
 }
 
-/* Returns true if the event states that it reaches no voxel; then it is none. Otherwise its boxes are ignored, since
-   they may only skip voxels outside the tool (event.h). */
+/* Returns true if all boxes of the event are empty, which means that it reaches no voxel. Other boxes are ignored,
+   because boxes may only exclude voxels outside the tool (event.h). */
 static bool reaches_nothing(const ost_removal_event *event)
 {
     for (int k = 0; k < event->pose_count; k++) {

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md
- * prescribes no box, so this is a bound and not a value.  sim/box.h promises the
- * voxels whose centres lie in the bone-aligned bounds of the tool's grid
- * enlarged by one voxel, unless no voxel at all is inside the grid.
+ * prescribes no box, so this is a bound and not a value.  The box of sim/box.h
+ * includes the voxels whose centres lie in the bone-aligned bounds of the tool's
+ * grid enlarged by one voxel, unless no voxel is inside the grid.
  */
 #include "validation/dense/steps.h"
 
 #include <string.h>
 
-/* Compares o + i s with bound / n: returns the sign of i s n - (bound - o n). */
+/* Compares o + i s with bound / n. Returns the sign of i s n - (bound - o n). */
 static int side(int64_t i, ost_pm o, ost_pm s, wide bound, wide n)
 {
     return wide_order(wide_times(wide_plus(wide_of(o), wide_times(wide_of(i), wide_of(s))), n), bound);
@@ -36,7 +36,7 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
             most[a] = which == 0 || wide_order(at[a], most[a]) > 0 ? at[a] : most[a];
         }
     }
-    for (int a = 0; a < 3; a++) { /* bisection: the first voxel that is not before the bounds, the first behind them */
+    for (int a = 0; a < 3; a++) { /* bisection for the first voxel not before the bounds and the first after them */
         int32_t below = 0, above = n[a], first = 0, last = n[a];
         while (below < above) {
             const int32_t middle = (below + above) / 2;
@@ -62,13 +62,13 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
 
 enum { BLOCK = 16 };
 
-/* Returns true if any bone voxel of the block lies inside the tool's grid (AR-MAP-4). |base| <
-   2^31 and |15 step| < 2^28, so 64 bits suffice. */
+/* Returns true if any bone voxel of the block lies inside the tool's grid (AR-MAP-4). 64 bits are sufficient, because
+   |base| < 2^31 and |15 step| < 2^28. */
 static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, const ost_dims bone, const int32_t f[3],
                           const int32_t base[3])
 {
     const int64_t end[3] = {(int64_t)tool->dims.x << 20, (int64_t)tool->dims.y << 20, (int64_t)tool->dims.z << 20};
-    for (int a = 0; a < 3; a++) { /* all corners of the block on one side of the grid */
+    for (int a = 0; a < 3; a++) { /* false if all corners of the block are on one side of the grid */
         int64_t least = base[a], most = base[a];
         for (int b = 0; b < 3; b++)
             *(map->step[b][a] < 0 ? &least : &most) += (BLOCK - 1) * (int64_t)map->step[b][a];

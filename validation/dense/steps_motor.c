@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rotation of a motor. Cosines are computed here, while src/core has a table. They are at least 10^-6 from a
-   half, so errors in their last digits have no effect. */
+/* The rotation of a motor. This file computes the cosines, while src/core has a table of them. The cosines are at least
+   10^-6 from a half, so errors in their last digits have no effect. */
 #include "validation/dense/steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static const int64_t turn = 60000000000; /* U */
+static const int64_t turn = 60000000000; /* U of AR-MOTOR */
 
 static wide way_of(int64_t from, int64_t to, int64_t rpm)
 {
     return wide_times(wide_minus(wide_of(to), wide_of(from)), wide_of(rpm));
 }
 
-/* Returns the tool's pose at phase P for a pose of the device (AR-MOTOR-3, AR-MOTOR-4). */
+/* Returns the tool's pose at phase P for a pose of the handle (AR-MOTOR-3, AR-MOTOR-4). */
 static ost_pose turned(const ost_pose *handle, wide phase)
 {
     const int64_t k = wide_to_int64(wide_floor(wide_times(wide_of(4096), phase), wide_of(turn)));
     const long double angle = acosl(-1.0L) * (long double)k / 4096;
     const wide c = wide_of(llrintl(1073741824.0L * cosl(angle))), s = wide_of(llrintl(1073741824.0L * sinl(angle)));
     const int32_t q[4] = {handle->qw, handle->qx, handle->qy, handle->qz};
-    static const int other[4] = {3, 2, 1, 0}, sign[4] = {1, -1, 1, -1}; /* w with +z, x with -y, y with +x, z with -w */
+    static const int other[4] = {3, 2, 1, 0}, sign[4] = {1, -1, 1, -1}; /* pairs (w, +z), (x, -y), (y, +x), (z, -w) */
     int32_t out[4];
     for (int i = 0; i < 4; i++) {
         const wide sum = wide_plus(wide_times(wide_of(q[i]), c),
@@ -47,7 +47,7 @@ static int32_t of_unit_length(int32_t c, wide r)
     return (int32_t)wide_to_int64(wide_nearest(wide_times(wide_power_of_two(30), wide_of(c)), r));
 }
 
-/* Returns the device's pose between two rows of a path. */
+/* Returns the handle's pose between two rows of a path. */
 static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int m)
 {
     ost_pose p = steps_sweep_pose(a, b, j, m);
@@ -96,7 +96,7 @@ ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, os
             }
             if (row->rpm == OST_RPM_OF_DEVICE)
                 tick->rpm = rpm;
-            if (at > 0 && tick->rpm > 0) { /* AR-MOTOR-2: modulo a turn, by subtracting its multiples */
+            if (at > 0 && tick->rpm > 0) { /* AR-MOTOR-2: reduces modulo a turn by subtracting multiples of it */
                 phase = wide_plus(phase, way_of(out->ticks[at - 1].t_ns, tick->t_ns, tick->rpm));
                 phase = wide_minus(phase, wide_times(wide_floor(phase, wide_of(turn)), wide_of(turn)));
             }

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' arithmetic as printed, in float32. `fused` computes as a compiler
- * that contracts expressions: with fmaf where a product is added to a value.
+ * The arithmetic of the thesis as printed, in float32. If `fused` is true, products
+ * that are added to a value use fmaf, as with a compiler that contracts expressions.
  *
  *   Alg. 2.1   bounds and centres of a tool's voxels      dense_thesis_bounds, _row
  *   Alg. 2.3   the rect grid's dims                       dense_thesis_rect
  *   Alg. 2.4   a sample's index
  *   Alg. 2.5   the layer of a cubic voxel                 dense_thesis_layer
  *   Alg. 2.6   densities are copied as they are           bone.c, store and free_empty_chunks
- *   Alg. 2.8   the box that two boxes share               dense_thesis_pose
+ *   Alg. 2.8   the intersection of two boxes              dense_thesis_pose
  *   Alg. 2.9   its chunks
  *   Alg. 2.10  the voxels of these chunks
  *
- * The thesis leaves some details open, which are chosen here: the intersection of
- * a triangle and a row (edge functions with the tie rule of AR-VOX-2, all in
- * floats), ties of round() away from zero, the half voxel of a centre, the
- * half-open range of chunks (docs/design/thesis-notes.md).  Integers of the function table
- * are converted to the nearest float: vertices from the lattice, matrices from
+ * The thesis does not specify some details, which are chosen here: the intersection
+ * of a triangle and a row (edge functions with the tie rule of AR-VOX-2, all in
+ * floats), ties of round() away from zero, the half voxel of a centre, and the
+ * half-open range of chunks (docs/design/thesis-notes.md).  Integers of the function
+ * table are converted to the nearest float: vertices from the lattice, matrices from
  * the map.
  */
 #include "validation/dense/parts.h"
@@ -45,7 +45,7 @@ static float ceil_multiple(float x, float m)
 
 /* ---------------------------------------------------------------- import */
 
-/* Computes the index as in Alg. 1.1 with the grid's own dims. Alg. 2.3 makes these one too small if positions are
+/* Computes the index as in Alg. 1.1 with the grid's own dims. Alg. 2.3 makes the dims too small by one if positions are
    multiples of the size. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3])
 {
@@ -173,7 +173,8 @@ static float dot4(const float a[4], const float p[3], bool fused)
     return times_plus(a[0], p[0], times_plus(a[1], p[1], times_plus(a[2], p[2], a[3], fused), fused), fused);
 }
 
-/* Computes Algs. 2.8 and 2.9: the tool's corners, transformed into the bone's box, in units of chunks. */
+/* Computes the range of chunks by Algs. 2.8 and 2.9: the tool's corners are transformed into the bone's box, in units
+   of chunks. */
 static void share(boxes *x, const dense_bone *bone, bool fused)
 {
     const float n = (float)bone->base.chunk_size;
@@ -222,7 +223,7 @@ static boxes boxes_of(const dense_bone *bone, const dense_tool *tool, const ost_
     return x;
 }
 
-/* Returns the class of the tool's voxel at one bone voxel. */
+/* Returns the class of the tool voxel at one bone voxel. */
 static uint8_t class_at(const boxes *x, const dense_tool *tool, int32_t i, int32_t j, int32_t k, bool fused)
 {
     const ost_dims dims = tool->base.geometry.dims;

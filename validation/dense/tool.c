@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mesh to tool grid (AR-VOX), row by row as in docs/spec/arithmetic.md: for every
- * triangle it is determined whether it owns the row, and for every voxel whether
- * its centre is not left of the crossing.
+ * Converts a mesh to a tool grid (AR-VOX), row by row as in docs/spec/arithmetic.md.
+ * For every triangle this determines whether it owns the row, and for every voxel
+ * whether its centre is not left of the crossing.
  */
 #include "validation/dense/parts.h"
 
@@ -55,8 +55,8 @@ typedef struct manner {
 
 /* The counts of the triangles in a row. */
 typedef struct row {
-    int32_t *count;  /* dims.x elements: the count of AR-VOX-3 */
-    uint32_t *times; /* dims.x elements: the number of AR-VOX-5 */
+    int32_t *count;  /* dims.x elements; the counts of AR-VOX-3 */
+    uint32_t *times; /* dims.x elements; the numbers of AR-VOX-5 */
     int64_t total;
     uint64_t owners;
 } row;
@@ -115,7 +115,7 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
     const int64_t y = sample_at(how, mesh, j), z = sample_at(how, mesh, k);
     if (!how->own && (y < least(v0[1], v1[1], v2[1]) || y > most(v0[1], v1[1], v2[1]) ||
                       z < least(v0[2], v1[2], v2[2]) || z > most(v0[2], v1[2], v2[2])))
-        return; /* a row beyond all three corners has no owner, except by mistake */
+        return; /* a triangle does not own a row beyond all three of its corners, except by mistake */
     const int64_t right_area =
         (int64_t)(v1[1] - v0[1]) * (v2[2] - v0[2]) - (int64_t)(v2[1] - v0[1]) * (v1[2] - v0[2]);
     int64_t area = right_area;
@@ -167,9 +167,9 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
     }
 }
 
-/* ----------------------------------------------------------- all of them */
+/* ------------------------------------------------------------- all rows */
 
-/* Writes the solid voxels of one mesh. uncleared: counts of the previous row are kept. */
+/* Writes the solid voxels of one mesh. Where the kind UNCLEARED_COUNTS acts, the counts of the previous row remain. */
 static void add_mesh(const manner *how, const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t tool_class,
                      const row *r, uint8_t *voxels, ost_voxelize_report *report)
 {
@@ -230,7 +230,7 @@ static void voxelize(deviant *m, const ost_snapped_mesh *cutting, const ost_snap
     if (on_top)
         deviant_acted(m, 0, NULL);
     for (int pass = 0; pass < 2; pass++) {
-        const bool cuts = (pass == 1) != on_top; /* the second pass overwrites the first */
+        const bool cuts = (pass == 1) != on_top; /* voxels of the second pass overwrite those of the first */
         const ost_snapped_mesh *mesh = cuts ? cutting : noncutting;
         if (!mesh)
             continue;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 256-bit integers as sign and magnitude, so that no step of steps.h needs
- * a proof of its range: the greatest number there, 2 * P^2 or origin + i column,
- * is below 2^140.  Schoolbook arithmetic on 32-bit limbs, the lowest first.
+ * 256-bit integers as sign and magnitude, so that no step of steps.h requires a
+ * proof of its range.  The greatest number there, 2 * P^2 or origin + i column, is
+ * below 2^140.  The arithmetic is schoolbook arithmetic on 32-bit limbs, the lowest
+ * limb first.
  */
 #ifndef OST_VALIDATION_DENSE_WIDE_H
 #define OST_VALIDATION_DENSE_WIDE_H
@@ -25,13 +26,14 @@ wide wide_times(wide a, wide b);
 /* Returns -1, 0 or 1 if a is less than, equal to or greater than b. */
 int wide_order(wide a, wide b);
 
-/* Compute AR-INT-1 and AR-INT-2 of the rational a / b, b > 0, bit by bit, without machine division. */
+/* These functions compute AR-INT-1 and AR-INT-2 of the rational number a / b with b > 0, bit by bit and without machine
+   division. */
 wide wide_floor(wide a, wide b);
 wide wide_nearest(wide a, wide b);
 
-/* Returns the value if its magnitude is below 2^63, as the callers' ranges guarantee; else 0. */
+/* Returns the value if its magnitude is below 2^63, which the callers' ranges guarantee; else 0. */
 int64_t wide_to_int64(wide a);
-/* Writes the 128-bit two's complement, low half first. */
+/* Writes the value as 128-bit two's complement, the low half first. */
 void wide_to_words(wide a, uint64_t words[2]);
 
 #endif
