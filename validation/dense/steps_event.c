@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Determines which ticks are events. All earlier ticks are examined again for each tick. The only state is the list of
-   ticks that were not refused. */
+/* Determines which ticks are events. The ticks since the beginning of a sweep are examined again for each tick, so that
+   the list of ticks that were not refused is sufficient as state. */
 #include "validation/dense/steps.h"
 
 #include <stdlib.h>

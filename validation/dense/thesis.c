@@ -159,7 +159,7 @@ void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int3
 
 /* --------------------------------------------------------------- removal */
 
-/* The transform from the bone's box to the tool's, both relative to their centres. */
+/* The transform from the bone's box to the tool's box, with coordinates relative to the centres of the boxes. */
 typedef struct boxes {
     float matrix[3][4];
     float bone[3], tool[3]; /* half the extents of the boxes */

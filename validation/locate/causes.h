@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The known causes of a class of differences: the deliberate mistakes of the
- * sensitivity proof.  A share among these mistakes is not a probability for a
- * backend, whose mistakes have not been counted.
+ * The known causes of a class of differences.  They are the deliberate mistakes by
+ * which sensitivity.h measures the campaign.  The share of a kind among these
+ * mistakes is not a probability for a backend, because the mistakes of backends
+ * have not been counted.
  */
 #ifndef OST_VALIDATION_CAUSES_H
 #define OST_VALIDATION_CAUSES_H
@@ -19,10 +20,10 @@ typedef struct causes {
     } most[CAUSES_NAMED];
 } causes;
 
-/* Returns the causes of a class; NULL if the table does not have it. */
+/* Returns the causes of a class; NULL if the class is not in the table. */
 const causes *causes_of(const char *class);
 
-/* Writes a sentence with the kinds and their shares, worded as a possibility; "" if no cause is known. */
+/* Writes a sentence that lists the kinds and their shares as possible causes; "" if no cause is known. */
 void causes_text(const char *class, char out[CAUSES_TEXT]);
 
 #endif

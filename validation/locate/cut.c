@@ -101,7 +101,7 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
             scene_tool_free(&s->tools[i]);
             continue;
         }
-        if (cut->triangles[i][0].some || cut->triangles[i][1].some) /* the indices are those of snapped triangles */
+        if (cut->triangles[i][0].some || cut->triangles[i][1].some) /* the cut has indices of snapped triangles */
             drop_raw(&s->tools[i]);
         cut_mesh(&cut->triangles[i][0], &s->tools[i].cutting);
         cut_mesh(&cut->triangles[i][1], &s->tools[i].noncutting);
@@ -120,7 +120,7 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
     for (int i = tools; i < s->tool_count; i++)
         s->tools[i] = (scene_tool){.name = ""};
     s->tool_count = tools;
-    if (ticks != s->path.count || cut->no_tools) { /* the indices are those of ticks, not of the device's rows */
+    if (ticks != s->path.count || cut->no_tools) { /* the cut has indices of ticks, not of the handle's poses */
         ost_path_free(&s->handle_path);
         s->handle_path = (ost_path){.count = 0};
     }

@@ -3,10 +3,10 @@
  * The parts of a generated scene that are retained when a case that shows a
  * difference is reduced.  A case file (case_file.h) lists them.
  *
- *   scene of a case --scene_cut_apply--> the same with fewer samples, a part of the grid, fewer tools, triangles, ticks
+ *   scene of a case --scene_cut_apply--> scene with a part of the grid and fewer samples, tools, triangles, ticks
  *
- * Indices are those of the complete scene.  Cutting a grid moves its origin, and
- * block borders and rounding move with it, so the cut case must be run again to
+ * Indices are those of the complete scene.  Cutting a grid moves its origin, which
+ * changes block borders and rounding.  The cut case must therefore be run again to
  * check that it still shows the difference (minimise.h).
  */
 #ifndef OST_VALIDATION_CUT_H
@@ -16,7 +16,7 @@
 
 enum { CUT_RANGES = 64 };
 
-/* Half-open ranges, ascending and disjoint; if some is false everything is kept. */
+/* Half-open ranges, ascending and disjoint. If some is false, all items are retained. */
 typedef struct cut_list {
     bool some;
     int count;
@@ -29,12 +29,13 @@ struct scene_cut {
     int32_t lo[3], hi[3]; /* range of voxels of the rect grid */
     cut_list samples, ticks;
     uint32_t no_tools;    /* one bit per tool: 1 if it is removed */
-    cut_list triangles[SCENE_TOOLS_MAX][2]; /* index 0: cutting, 1: not cutting */
+    cut_list triangles[SCENE_TOOLS_MAX][2]; /* second index 0: cutting mesh, 1: mesh that does not cut */
 };
 typedef struct scene_cut scene_cut;
 
 bool cut_keeps(const cut_list *list, size_t i);
-/* Removes all other parts of the scene. Returns OST_ERR_INPUT if no voxel of the grid would remain. */
+/* Removes all parts of the scene that the cut does not retain. Returns OST_ERR_INPUT if no voxel of the grid would
+   remain. */
 ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err);
 
 #endif

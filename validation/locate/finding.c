@@ -40,7 +40,7 @@ static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace 
 {
     if (d->kind != COMPARE_WORD || d->stage != TRACE_COLLIDE)
         return false;
-    compare_record_at(ref, in_ref, got, in_got, (size_t)d->records + 1, out); /* after the tick's steps */
+    compare_record_at(ref, in_ref, got, in_got, (size_t)d->records + 1, out); /* the record after the tick's steps */
     return out->kind == COMPARE_VOXEL && out->stage == TRACE_TICK && out->item == d->item;
 }
 

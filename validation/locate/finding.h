@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Describes a case's first difference beyond its position, which compare.h
+ * Describes a case's first difference in addition to its position, which compare.h
  * finds: the chunk, the difference class, and the operands of its first voxel.
  *
  *   difference, both traces, scene --finding_make--> chunk, class, operands
@@ -19,7 +19,7 @@ typedef struct finding {
     const char *class; /* pattern_name, "report-only", or NULL if the grids cannot be compared */
     char text[PATTERN_TEXT]; /* the evidence for the class */
     operands operands;
-    char reproduce[96]; /* the bundle's file of a small case with the same difference; "" if there is none */
+    char reproduce[96]; /* file in the bundle with a small case that shows the same difference; "" if there is none */
     char small[MINIMISED_TEXT]; /* the contents of the small case (minimised_text) */
 } finding;
 

@@ -35,7 +35,7 @@ static void add(candidates *list, const scene_cut *cut)
         list->cut[list->count++] = *cut;
 }
 
-/* ------------------------------------------------------------- asking */
+/* --------------------------------------------------- running candidates */
 
 static ost_status write_cases(const job *j, const candidates *list, ost_error *err)
 {
@@ -91,8 +91,8 @@ static ost_status trace_reference(const job *j, const scene *s, trace *out, ost_
     return status;
 }
 
-/* *same receives true if case i of the worker's trace still shows the same difference; the case is then the best
-   one. */
+/* Compares case i of the worker's trace with the reference. *same receives true if it still shows the same difference;
+   the case then becomes the best one. */
 static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t i, bool *same, ost_error *err)
 {
     plan_case c = *j->c;
@@ -105,7 +105,7 @@ static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t
     c.cut = &own;
     if (!range.count || scene_make(&c, &s, &none) != OST_OK)
         return OST_OK;
-    /* The worker's trace contains the input's digest; without it in this trace every case would differ there. */
+    /* The worker's trace contains the digest of the input, so the reference's trace needs it for the comparison. */
     ost_status status = scene_digest(&s, &s.digest, err);
     if (status == OST_OK)
         status = trace_reference(j, &s, &ref, err);
@@ -137,7 +137,7 @@ static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t
     return status;
 }
 
-/* Runs the candidates, smallest first. The first that still shows the same difference becomes the best one. */
+/* Runs the candidates, the smallest first. The first one that still shows the same difference becomes the best one. */
 static ost_status try_all(job *j, const candidates *list, bool *found, ost_error *err)
 {
     trace got;
@@ -156,14 +156,14 @@ static ost_status try_all(job *j, const candidates *list, bool *found, ost_error
     return status;
 }
 
-/* -------------------------------------------------------- what to leave out */
+/* ------------------------------------------------------ making candidates */
 
 static cut_list one_range(uint32_t from, uint32_t to)
 {
     return (cut_list){.some = true, .count = 1, .range = {{from, to}}};
 }
 
-/* Tries to omit later stages, tools without effect on the difference, and ticks before and after it. */
+/* Tries to omit later stages, tools that do not affect the difference, and ticks before and after it. */
 static ost_status cut_stages(job *j, const scene *s, const compare_difference *d, bool *found, ost_error *err)
 {
     candidates list = {.count = 0};
@@ -194,7 +194,7 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
                 break;
             }
         }
-        cut.no_tools = 0; /* other tools may have removed voxels that matter */
+        cut.no_tools = 0; /* the difference may depend on voxels that other tools removed */
         add(&list, &cut);
     }
     scene_cut uncut = {.no_collide = false};
@@ -202,7 +202,7 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
     return try_all(j, &list, found, err);
 }
 
-/* Finds the rect voxel that contains the centre of a voxel of the bone. The rule linear also reads its neighbours. */
+/* Finds the rect voxel that contains the centre of a bone voxel. The rule linear also reads its neighbours. */
 static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3], int32_t at[3])
 {
     const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};
@@ -280,7 +280,7 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
     return status;
 }
 
-/* Makes the ranges of the list without [a, b). */
+/* Computes the ranges of the list without [a, b). */
 static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
 {
     *out = (cut_list){.some = true};
@@ -299,8 +299,8 @@ static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
     return true;
 }
 
-/* Applies delta debugging to one list: tries to retain only one half, quarter, ... of it, or to omit one. `which`
-   returns the list in a cut. */
+/* Applies delta debugging to one list: divides it into 2, 4, ... parts, and tries to retain only one part or to omit
+   one part. `which` returns the list in a cut. */
 static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut *cut, int tool), int tool,
                             ost_error *err)
 {
@@ -318,7 +318,7 @@ static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut
         bool found = false;
         if (hi - lo < 2 || step == 0)
             break;
-        for (uint32_t pass = 0; pass < 2; pass++) /* first retains one part, which is smaller than omitting one */
+        for (uint32_t pass = 0; pass < 2; pass++) /* retains one part first, since this gives smaller candidates */
             for (uint32_t from = lo; from < hi; from += step) {
                 scene_cut cut = j->best->cut;
                 const uint32_t to = hi - from < step ? hi : from + step;
@@ -389,7 +389,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
     *out = (minimised){.runs = 0};
     *done = false;
     if (c->cut || d->kind == COMPARE_EQUAL)
-        return OST_OK; /* the case comes from a file and is not cut further */
+        return OST_OK; /* the case was read from a file and is not cut further */
     snprintf(j.cases, sizeof j.cases, "%s/cases.json", folder);
     snprintf(j.trace, sizeof j.trace, "%s/trace-small", folder);
     snprintf(j.ref, sizeof j.ref, "%s/trace-small-ref", folder);

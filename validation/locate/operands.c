@@ -137,7 +137,7 @@ static bool owns(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
     return e > 0 || (e == 0 && (dz < 0 || (dz == 0 && dy > 0)));
 }
 
-/* Computes AR-VOX-1 to 3 of one triangle for the row of voxel v; ranges as in src/cpu/ref/voxelize.c. */
+/* Computes AR-VOX-1 to 3 of one triangle for the row of voxel v. The ranges are those of src/cpu/ref/voxelize.c. */
 static void cross(const ost_snapped_mesh *m, size_t t, const int32_t v[3], const char *part, crossing_sums *sums,
                   operands *o)
 {
@@ -207,10 +207,10 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
 
 /* ------------------------------------------------------------------- tick */
 
-/* The poses of a tick's event, determined as by ost_world_step. */
+/* The poses of a tick's event, determined as in ost_world_step. */
 typedef struct event_poses {
     bool removal;
-    ost_pose from, to; /* of the sweep; from is valid only if count > 1 */
+    ost_pose from, to; /* first and last pose of the sweep; from is valid only if count > 1 */
     int count;
     int64_t since; /* tick of `from`; -1: none */
 } event_poses;
@@ -260,7 +260,7 @@ typedef struct mapped {
     bool near;       /* true if its block can be in the tool (AR-MAP-5) */
     int32_t u[3], at[3];
     int is;          /* class of the tool voxel; -1 outside the tool's grid */
-    int32_t gap;     /* Chebyshev distance to the nearest neighbour with another result, in 2^-20; -1: none */
+    int32_t gap;     /* Chebyshev distance in 2^-20 voxels to the nearest neighbour with another result; -1: none */
 } mapped;
 
 static int class_of(const trace_block_view *tool, const int32_t at[3])

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The operands that decided a voxel, which a developer would print first. They
+ * The operands that determined a voxel, which a developer would print first. They
  * are computed again by the reference's arithmetic from the case's inputs and
  * the reference's own results of the previous stages.
  *
- *   rect     the samples that fall on the voxel, and the rule between them     AR-CT
- *   cubic    per axis the division that gives the source voxel                 AR-CUB
- *   resample the same, from the cubic grid
+ *   rect     the samples of the voxel, and the rule for duplicates             AR-CT
+ *   cubic    for each axis, the division that gives the source voxel           AR-CUB
+ *   resample as for cubic, with the cubic grid as the source
  *   chunks   density, threshold                                                AR-CHK
  *   tool     the row's crossings, the winding number, the row's sum            AR-VOX
- *   tick     the event's poses; the one that decides, the point in tool        AR-SWEEP,
- *            coordinates (fixed point), its tool voxel and what that is        AR-MAP, AR-REM
+ *   tick     the event's poses; for the pose that determined the voxel, the    AR-SWEEP,
+ *            point in tool coordinates (fixed point), the tool voxel there     AR-MAP, AR-REM
+ *            and its class
  *
- * They are the operands of the right result. They do not show which of them was
+ * They are the operands of the correct result. They do not show which of them was
  * different in the other backend.
  */
 #ifndef OST_VALIDATION_OPERANDS_H
@@ -31,8 +32,8 @@ typedef struct operands {
     operand_line lines[OPERANDS_MAX];
 } operands;
 
-/* Computes the operands of the first voxel of d; none if d is not a difference of voxels. before: for a tick the
-   previous bone, else NULL. */
+/* Computes the operands of the first voxel of d; there are none if d is not a difference of voxels. before is the
+   previous bone for a tick, else NULL. */
 void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
                  const int16_t *before, operands *out);
 

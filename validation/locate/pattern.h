@@ -4,32 +4,32 @@
  *
  *   two grids, and their inputs if known --> patterns that hold --> class: the first of them
  *
- * Every rule is a statement that is checked on all voxels to which it applies,
- * so it is a fact.  It is not a fact that the pattern names the cause: the class
- * is a hint where to look first.  Several patterns may hold; the class is the
- * first in the order below, from the one that explains most to the one that
- * explains least.  D is the set of voxels that differ, A the reference's grid,
- * B the other's.
+ * Every rule is a statement that is checked on all voxels to which it applies, so a
+ * pattern that holds is a fact.  It is not certain that the pattern names the cause;
+ * the class indicates where to search first.  Several patterns may hold.  The class
+ * is the first of them in the order below, from the pattern that explains most to
+ * the one that explains least.  D is the set of voxels that differ, A is the
+ * reference's grid and B the other one.
  *
- *   byte-order      every voxel of D is the right one with its two bytes swapped
- *   axis-swap       B is A with axes exchanged or reversed, or memory read in another order of the axes
- *   shift           every voxel of D has a neighbour's value, the same neighbour for all, or another
- *                   voxel was resampled
+ *   byte-order      every voxel of D is the correct one with its two bytes swapped
+ *   axis-swap       B is A with axes exchanged or reversed, or memory was read in another order of the axes
+ *   shift           every voxel of D has the value of a neighbour, which is in the same direction for all,
+ *                   or was resampled from another voxel
  *   row-pitch       D has the values that would be read if rows in memory were longer or shorter than they are
  *   offset          all densities of D differ by the same amount
- *   threshold       D is all voxels on one side of a density near the threshold
+ *   threshold       D consists of all voxels on one side of a density near the threshold
  *   stale-chunk     in every chunk with a difference B is as before the event, and its report differs
- *   lost-tail       D is the end of the work, which was not done: samples, voxels or chunks
+ *   lost-tail       D is the last part of the work, which was not done: samples, voxels or chunks
  *   lost-chunk      every chunk with a difference is completely void or unprocessed
  *   column-parity   D consists of complete runs of voxels along x, from one crossing of the surface to another
- *   tool-class      every voxel of D is solid in both grids: cutting in one, not cutting in the other
+ *   tool-class      every voxel of D is solid in both grids, but cutting in only one of them
  *   boundary-layer  D lies on the surface, one voxel deep
- *   carried-rows    every row of D is its own row combined with the previous one, whose counts were carried over
+ *   carried-rows    every row of D is the correct row combined with the previous one, whose counts were not cleared
  *   speckle         most voxels of D have no neighbour in D
- *   unclassified    none of these
+ *   unclassified    none of these patterns holds
  *
- * osteon diff and the campaign use the same rules; the campaign has more inputs,
- * such as the bone before the event, and can therefore distinguish more.
+ * osteon diff and the campaign use the same rules.  The campaign has more inputs,
+ * such as the bone before the event, and can therefore distinguish more patterns.
  */
 #ifndef OST_VALIDATION_PATTERN_H
 #define OST_VALIDATION_PATTERN_H
@@ -60,7 +60,8 @@ const char *pattern_name(pattern p);
 /* The input from which the stage made its grid, if known. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
-    /* in is resampled: voxel (x, y, z) is in's (source[0][x], source[1][y], source[2][z]), or a mean with the next */
+    /* in is resampled: voxel (x, y, z) is voxel (source[0][x], source[1][y], source[2][z]) of in, or a mean of this and
+       the next voxels */
     PATTERN_SOURCE,
     PATTERN_THRESHOLDED, /* in is the same grid before densities below the threshold became 0 */
     PATTERN_BEFORE       /* in is the bone before the event */
@@ -68,7 +69,7 @@ typedef enum pattern_input {
 
 typedef struct pattern_view {
     const int16_t *a, *b;
-    ost_dims dims, dims_b;    /* if they differ only axis-swap is checked */
+    ost_dims dims, dims_b;    /* if they differ, only axis-swap is checked */
     int32_t solid_a, solid_b; /* least value of a solid voxel */
     bool tool;
     int chunk;                /* voxels along a chunk's edge */
@@ -76,20 +77,20 @@ typedef struct pattern_view {
     const int16_t *in;
     ost_dims in_dims;
     const int32_t *source[3];
-    const int32_t *weight[3]; /* of the next voxel along each axis, in 2^-15; 0: it is not read */
-    /* per voxel: samples after its last one in the batch, -1 without a sample; NULL: not known */
+    const int32_t *weight[3]; /* weight of the next voxel along each axis, in 2^-15; 0: it is not read */
+    /* for each voxel the number of samples in the batch after its last one, -1 without a sample; NULL: not known */
     const int32_t *behind;
-    bool reported_too;        /* the report differs as well */
+    bool reported_too;        /* true if the report differs, too */
 } pattern_view;
 
 enum { PATTERN_TEXT = 200 };
 typedef struct pattern_list {
     bool holds[PATTERNS];
-    char text[PATTERNS][PATTERN_TEXT]; /* for readers; set for the patterns that hold */
+    char text[PATTERNS][PATTERN_TEXT]; /* evidence as text; set for the patterns that hold */
     pattern of_all;                    /* the class */
 } pattern_list;
 
-/* Checks all patterns. At least one voxel, or the dims, must differ. */
+/* Checks all patterns. At least one voxel or the dims must differ. */
 void pattern_find(const pattern_view *view, pattern_list *out);
 
 #endif

@@ -2,11 +2,11 @@
 /* Rules on chunks, and on work that was not done at the end. */
 #include "validation/locate/pattern_parts.h"
 
-/* Number of work-items in a work-group: at most this many samples are lost at the end of a batch. */
+/* Number of work-items in a work-group. At most this number of samples is lost at the end of a batch. */
 enum { GROUP = 256 };
 
 typedef struct chunk_counts {
-    bool differs, as_before, hit; /* as_before: B equals `in` everywhere; hit: A does not */
+    bool differs, as_before, hit; /* as_before: B equals `in` in all voxels; hit: A differs from `in` in a voxel */
     bool solid_a, solid_b;
 } chunk_counts;
 
@@ -28,7 +28,7 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 
 typedef struct chunk_sums {
     int64_t differ, undone, one_sided; /* numbers of chunks; one_sided: solid in only one grid */
-    int64_t hit, hit_after; /* hit_after: hit chunks without a difference, after the first that differs */
+    int64_t hit, hit_after; /* hit_after: hit chunks without a difference, after the first chunk that differs */
 } chunk_sums;
 
 static chunk_sums sum_chunks(const pattern_view *v)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The declarations that the rules of pattern.h share, and the rules.
+ * The rules of pattern.h, and the declarations that they share.
  *
  *   pattern.c        D, values, the list     pattern_place.c   positions
  *   pattern_chunk.c  chunks, tails           pattern_shape.c   rows, surface, neighbours
@@ -10,19 +10,19 @@
 
 #include "validation/locate/pattern.h"
 
-/* A shape that fewer voxels than this have in common is not significant. */
+/* A pattern is not significant if fewer voxels than this have it. */
 enum { PATTERN_TELLING = 8 };
 
-/* The view, and properties of D that every rule needs. */
+/* The view, and the properties of D that every rule uses. */
 typedef struct pattern_scan {
     const pattern_view *v;
     int64_t count;         /* number of voxels in D */
-    int64_t first;         /* least index in D */
+    int64_t first;         /* least index of a voxel in D */
     int32_t lo[3], hi[3];  /* bounds of D, half-open */
-    bool several;          /* true if b has more than one value in D, not counting 0 */
+    bool several;          /* true if B has more than one value other than 0 in D */
 } pattern_scan;
 
-/* Returns true if the pattern holds; then text receives the evidence. */
+/* Returns true if the pattern holds. In this case text receives the evidence. */
 typedef bool pattern_rule(const pattern_scan *s, char *text);
 
 pattern_rule pattern_axis_swap, pattern_shift, pattern_row_pitch;                                  /* pattern_place.c */

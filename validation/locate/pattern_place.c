@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rules on positions: the value at a wrong position, and its position in the reference. */
+/* Rules on positions: a value is at a wrong position, and its position in the reference is found. */
 #include "validation/locate/pattern_parts.h"
 
 #include "validation/resample.h"
 
 static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
-/* A wrong way to read the input: at an offset of `step` voxels, with its axes in this order in memory and rows
-   (along x) of this length. */
+/* A wrong way to read the input: at an offset of `step` voxels, with the axes in another order in memory, and with rows
+   (along x) of another length. */
 typedef struct reading {
     int step[3];
     const int *order;
-    int64_t row; /* 0: the real length */
+    int64_t row; /* length of a row; 0: the correct length */
 } reading;
 
-/* Resamples voxel p by this reading. Returns false if a source voxel is outside of the input's dims. An index beyond
-   the input's memory, which another order or row length can give, reads 0. */
+/* Resamples voxel p by this reading. Returns false if a source voxel is outside the input's dims. An index beyond the
+   input's memory, which another order or row length can give, reads 0. */
 static bool resample_as(const pattern_view *v, const int32_t p[3], const reading *how, int16_t *out)
 {
     const ost_dims d = v->in_dims;
@@ -40,7 +40,8 @@ static bool resample_as(const pattern_view *v, const int32_t p[3], const reading
     return true;
 }
 
-/* Computes the stage's result for the neighbour of voxel p at (dx, dy, dz). Returns false if it is outside. */
+/* Computes the stage's result for the neighbour of voxel p at (dx, dy, dz). Returns false if the neighbour is outside
+   the grid. */
 static bool neighbour(const pattern_view *v, const int32_t p[3], int dx, int dy, int dz, int16_t *out)
 {
     if (v->input == PATTERN_SOURCE) {
@@ -87,13 +88,13 @@ static bool arranged_equal(const pattern_view *v, const arrangement *how, int32_
     return solid || stride > 1;
 }
 
-/* Returns true if B is A in this arrangement. A few voxels are checked first, since most arrangements fail there. */
+/* Returns true if B is A in this arrangement. Checks a few voxels first, because most arrangements fail there. */
 static bool arranged(const pattern_view *v, const arrangement *how)
 {
     return arranged_equal(v, how, 7) && arranged_equal(v, how, 1);
 }
 
-/* Returns true if D has the values of the input read with its axes in another order, or with rows of another length. */
+/* Returns true if D has the values that result if the input is read with this order of the axes and this row length. */
 static bool misread(const pattern_scan *s, const int order[3], int64_t row)
 {
     const pattern_view *v = s->v;
@@ -144,7 +145,7 @@ bool pattern_axis_swap(const pattern_scan *s, char *text)
     return false;
 }
 
-/* Returns true if all voxels of D have the value of the neighbour at this step. */
+/* Returns true if all voxels of D have the value of their neighbour at this offset. */
 static bool stepped(const pattern_scan *s, int dx, int dy, int dz)
 {
     int64_t met = 0;
@@ -159,7 +160,7 @@ static bool stepped(const pattern_scan *s, int dx, int dy, int dz)
     return met >= PATTERN_TELLING && 2 * met > s->count;
 }
 
-/* Returns true if each voxel of D has the value of a neighbour of its source, all in the same octant. */
+/* Returns true if each voxel of D has the value of a neighbour, and all these neighbours are in the same octant. */
 static bool resampled(const pattern_scan *s, int way)
 {
     PATTERN_EACH(s, p, i) {
@@ -201,7 +202,7 @@ bool pattern_shift(const pattern_scan *s, char *text)
     return false;
 }
 
-/* Tries rows that are one shorter or longer, or aligned as those of images and allocations are. */
+/* Tries rows that are one voxel shorter or longer, or aligned like rows of images and allocations. */
 bool pattern_row_pitch(const pattern_scan *s, char *text)
 {
     enum { ALIGNED = 4, PADDING = 64 };
