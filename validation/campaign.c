@@ -17,7 +17,7 @@ static bool busy(const runner *r, int subject_index)
     return false;
 }
 
-/* Chooses the next worker to start; returns false if nothing can be started until a worker ends. */
+/* Chooses the next worker to start. Returns false if no worker can be started until another one ends. */
 static bool choose(runner *r, int *number, int *subject_index)
 {
     /* The next reference is started first, because all other backends wait for it. */

@@ -77,7 +77,7 @@ typedef struct campaign_options {
 typedef struct campaign {
     const plan *plan;
     const subject_list *subjects;
-    case_result *results; /* owned; [case * subjects + subject]; those of the reference record whether it ran */
+    case_result *results; /* owned; [case * subjects + subject]; the reference's results record whether it ran */
     trace reference;       /* trace of the batch that is judged; empty outside of the callbacks differs and done */
     char **lines;          /* owned; digest lines (digests_of_case) of each case in that trace; NULL for other cases */
     compare_range *ranges; /* owned; for each case its range in that trace; count 0 if the case is not in this batch */

@@ -4,7 +4,7 @@
  * a time, each with the reference's trace and one task per backend.
  *
  *   campaign.c           chooses the next task, until every batch is done
- *   campaign_worker.c    starts its worker; reads the trace that it wrote
+ *   campaign_worker.c    starts the worker of the task; reads the trace that the worker wrote
  *   campaign_results.c   judges the trace against the reference's
  *   campaign_dump.c      reads a folder of grids (a dump) instead of running a worker
  *   campaign_batch.c     begins and ends a batch; at its end the differences are located
@@ -30,7 +30,7 @@ typedef struct task {
 
 typedef struct batch {
     int first, end; /* range of cases; end is exclusive */
-    bool open, ready; /* open: the batch was begun; ready: its reference is done */
+    bool open, ready; /* open: the batch has begun; ready: its reference is done */
     trace reference;
     int given;         /* with options->apart, the descriptor of that trace for the other backends' workers; else -1 */
     task *tasks;      /* owned; one per subject */
@@ -67,7 +67,7 @@ ost_status batch_begin(runner *r, ost_error *err);
 ost_status batch_store_trace(batch *b, int subject_index, int from, int judged, trace *got, ost_error *err);
 /* Returns true if every task of an open batch is done. */
 bool batch_is_done(const runner *r, const batch *b);
-/* Ends the oldest batch: calls options->differs for each difference, then options->done, and frees the traces. */
+/* Ends the oldest batch. Calls options->differs for each difference and then options->done, and frees the traces. */
 ost_status batch_end(runner *r, ost_error *err);
 void batch_free(batch *b);
 
@@ -93,11 +93,11 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
 
 /* ---- campaign_dump.c */
 
-/* Returns the folder of a subject that is a dump, NULL for any other subject. */
+/* Returns the folder of a subject that is a dump; NULL for other subjects. */
 const char *dump_of(const campaign *c, int subject_index);
 /* Checks that every dump was made from this campaign's cases. */
 ost_status dumps_check(const campaign *c, ost_error *err);
-/* Enters the verdicts of a batch from a dump, which needs no worker. */
+/* Enters the verdicts of a batch from a dump, for which no worker runs. */
 ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *err);
 
 #endif

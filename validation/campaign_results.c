@@ -106,7 +106,7 @@ ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got
         return err->status;
     if (t->from == b->end)
         return OST_OK;
-    /* The worker ended in this case. */
+    /* Case t->from is the case in which the worker ended. */
     case_result *one = verdict_of(r->c, t->from, subject_index);
     verdict_of_end(end, one);
     t->from++;

@@ -34,7 +34,7 @@ typedef struct compare_difference {
     int32_t voxel_ref, voxel_got;
     uint64_t voxels;       /* differing voxels in this record; at a tick, in the leaves that changed on either side */
     uint64_t records;      /* number of records of this case that were compared, including this one */
-    bool words_too;        /* for COMPARE_VOXEL: true if the report differs as well */
+    bool words_too;        /* for COMPARE_VOXEL: true if the report differs, too */
     int64_t chunk;         /* chunk of the bone whose line in the report differs first; -1 if no chunk's line differs */
 } compare_difference;
 

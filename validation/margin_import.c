@@ -170,7 +170,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
             margin_decided(m, (uint64_t)rounding_gap(theirs, got), 0, at);
             continue;
         }
-        /* The nearest neighbour that has the other backend's value. */
+        /* Find the nearest neighbour that has the other backend's value. */
         for (int step = 0; step < 27; step++) {
             const int d[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
             int64_t gap = 0, v[3];

@@ -44,7 +44,7 @@ static bool less(fraction a, fraction b)
     const unsigned __int128 p = a.top / a.bottom, q = b.top / b.bottom;
     if (p != q)
         return p < q;
-    /* The integer parts are equal; the remainders are compared bit by bit. */
+    /* The integer parts are equal, so the remainders are compared bit by bit. */
     unsigned __int128 r = a.top % a.bottom, s = b.top % b.bottom;
     for (int bit = 0; bit < 64; bit++) {
         r <<= 1;

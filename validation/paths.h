@@ -34,7 +34,8 @@ void paths_write(const ost_backend *backend, trace_writer *w);
 /* Adds the counts of an end record. A record that has no paths or is not well formed adds nothing. Fails only with
    OST_ERR_MEMORY. */
 ost_status paths_add(path_list *list, const trace_record *end, ost_error *err);
-/* Makes an object {"path": count} of the paths that were entered, and a list of the others; the caller owns both. */
+/* Makes an object {"path": count} of the paths that were entered, and a list of the other paths. The caller owns
+   both. */
 void paths_json(const path_list *list, json_t **entered, json_t **missing);
 void paths_free(path_list *list);
 

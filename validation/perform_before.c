@@ -10,7 +10,7 @@
 
 enum { LATTICE_SIDE = 7, LATTICE_SAMPLES = 64, BONE_SIDE = 16, BONE_DENSITY = 32767 };
 
-/* Larger tools are skipped: preparing one for a bone takes tens of milliseconds. */
+/* Larger tools are skipped, because preparing one for a bone takes tens of milliseconds. */
 #define TOOL_VOXELS ((int64_t)1 << 18)
 
 /* Returns an origin two voxels below the CT's, or two above it if the lower one would exceed the range of lengths. */

@@ -32,7 +32,7 @@ typedef struct performer {
     ost_world *world;
     ost_geometry geometry; /* the bone's geometry, from which the maps are computed */
     ost_dims dims;         /* the bone's dims, as returned by the backend */
-    int16_t *was, *is;    /* the bone as last recorded, and as downloaded */
+    int16_t *was, *is;    /* was: the bone as last recorded; is: the bone as downloaded */
     ost_removal_report collided, removed;
     bool second;          /* true: the second implementation makes the steps, and there is no world */
     bool light;           /* only if second; true if only the steps of the ticks are made */
@@ -82,9 +82,9 @@ ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
 
 /* Overwrites a grid with the reference's grid of this stage. */
 ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *grid, ost_error *err);
-/* Overwrites the imported bone with the reference's. */
+/* Overwrites the imported bone with the reference's bone. */
 ost_status perform_give_bone(performer *p, ost_error *err);
-/* Replaces tool i by the reference's. */
+/* Replaces tool i by the reference's tool. */
 ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
 /* Overwrites slices [z0, z1) of the bone, downloaded after tick i, with the reference's, so that a difference does not
    affect later ticks. */
@@ -100,7 +100,7 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
 /* ---- the stages */
 
-/* Imports the CT into p->bone; sets p->refused if a sample was rejected or conflicts with another. */
+/* Imports the CT into p->bone. Sets p->refused if a sample was rejected or conflicts with another. */
 ost_status perform_import(performer *p, ost_error *err);
 /* Samples the bone: after the import if time is 0 (items 0 and 1), at the end of the case if time is 1 (items 2
    and 3). */

@@ -73,7 +73,7 @@ static void record_report(performer *p, const ost_removal_report *r)
     }
 }
 
-/* Writes blocks for the leaves in slices [z0, z1) in which `is` differs from `was`; `was` becomes `is`. */
+/* Writes blocks for the leaves in slices [z0, z1) in which `is` differs from `was`. Copies these leaves to `was`. */
 static void record_changed(performer *p, int32_t z0, int32_t z1)
 {
     const ost_dims d = p->dims;

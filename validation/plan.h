@@ -40,7 +40,7 @@ typedef enum plan_family {
     PLAN_OPERATION,
     PLAN_STEPS,
     PLAN_REACH,
-    PLAN_STATIC, /* only if requested by name: the static events of Tables 3.3 to 3.5 */
+    PLAN_STATIC, /* the static events of Tables 3.3 to 3.5; only if requested by name */
     PLAN_SMALL, /* not in a plan: scenes that run for a few milliseconds and contain every stage (sensitivity.h) */
     PLAN_USER,  /* cases of the user's own files */
     PLAN_FAMILIES

@@ -59,8 +59,8 @@ typedef struct scene {
 ost_status scene_make(const plan_case *c, scene *out, ost_error *err);
 void scene_free(scene *s);
 void scene_tool_free(scene_tool *tool);
-/* Applies a motor to s->path, whose rows are poses of the handle: moves these rows to
-   s->handle_path and sets s->path to the tool's poses. */
+/* Applies a motor to s->path, whose rows are poses of the handle. Moves these rows to s->handle_path and sets s->path
+   to the tool's poses. */
 ost_status scene_turn(scene *s, int32_t rpm, ost_error *err);
 
 /* Computes the SHA-256 of all members, field by field in a fixed form. The evidence records it as the digest of the

@@ -233,7 +233,7 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     for (int b = 0; b < FULL_SOLIDS; b++) {
         int64_t at[4][3];
         solid_on_a_centre(d, at);
-        for (int v = 0; v < 4; v++) /* the nearest picometre; snapping returns the unit exactly */
+        for (int v = 0; v < 4; v++) /* rounded to picometres; snapping gives exactly the same unit again */
             mesh.vertices[8 + 4 * b + v] = (ost_pm3){(at[v][0] * voxel + 512) / 1024 - half,
                                                      (at[v][1] * voxel + 512) / 1024 - half,
                                                      (at[v][2] * voxel + 512) / 1024 - half};
@@ -357,7 +357,7 @@ static void put_needle(const ost_tool_geometry *grid, const int32_t row[2], bool
     static const int across[RING + 1][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {0, 0}};
     const uint32_t first = (uint32_t)*corners, far = RING + 1; /* far: index of a corner at x + 1 minus that at x */
     for (uint32_t end = 0; end < 2; end++)
-        for (int c = 0; c <= RING; c++, ++*corners) /* the nearest picometre; snapping returns the unit exactly */
+        for (int c = 0; c <= RING; c++, ++*corners) /* rounded to picometres; snapping gives exactly the same unit */
             mesh->vertices[*corners] =
                 (ost_pm3){grid->corner.x + (1 + end) * grid->voxel,
                           grid->corner.y + ((row[0] * 1024 + 512 + across[c][0]) * grid->voxel + 512) / 1024,

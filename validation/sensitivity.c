@@ -202,8 +202,8 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
 /* The mistakes that are made in one scene. */
 typedef struct share {
     uint64_t first, count;       /* range of numbered mistakes of the pass; every kind is equally frequent among them */
-    const deviation *only;       /* if not NULL, this mistake instead */
-    const deviation_kind *kinds; /* if not NULL, each of these kinds once instead */
+    const deviation *only;       /* if not NULL, only this mistake is made */
+    const deviation_kind *kinds; /* if not NULL, each of these kinds is made once, instead of numbered mistakes */
     bool everywhere;             /* true: the mistakes are made in every unit instead of at a random rate */
 } share;
 

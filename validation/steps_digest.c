@@ -103,7 +103,7 @@ static ost_status join(ost_digest *left, const ost_digest *right, ost_error *err
     return ost_digest_bytes(bytes, sizeof bytes, left, err);
 }
 
-/* Computes the digest of the grid from that of its tree (AR-DIG-4). */
+/* Computes the digest of the grid from the digest of its tree (AR-DIG-4). */
 static ost_status root_digest(const ost_geometry *g, int32_t threshold, uint64_t leaves, const ost_digest *tree,
                               ost_digest *out, ost_error *err)
 {

@@ -18,7 +18,7 @@ ost_status steps_pose_of(bool second, const ost_pose *pose, const ost_geometry *
 /* Returns the number of poses of an event by AR-SWEEP-2 and AR-SWEEP-3; 0 if the distance or the rotation is too
    large. */
 int steps_count_of(bool second, const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel);
-/* Returns pose k of an event of `count` poses (AR-SWEEP-4); for a count of 1 it is b unchanged (AR-SWEEP-5). */
+/* Returns pose k of an event of `count` poses (AR-SWEEP-4). If count is 1, returns b unchanged (AR-SWEEP-5). */
 ost_pose steps_between(bool second, const ost_pose *a, const ost_pose *b, int k, int count);
 
 /*

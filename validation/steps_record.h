@@ -46,7 +46,7 @@ void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, cons
 void steps_put_pose(trace_writer *w, const steps_pose *p);
 
 void steps_word_name(trace_stage stage, size_t word, char text[TRACE_WORD]);
-/* Returns true for the words of `reaches` and of the box. */
+/* Returns true if the word is `reaches` or belongs to the box. */
 bool steps_word_is_bound(size_t word);
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least);
 

@@ -29,7 +29,7 @@ typedef struct part {
 } part;
 
 typedef struct entry {
-    scene head; /* the members of the scene; its pointers are not valid */
+    scene head; /* the scene's members except its pointers, which are not valid */
     uint64_t samples, samples_at, ticks, ticks_at, handle_path, hand_at;
     part parts[SCENE_TOOLS_MAX][2];
 } entry;

@@ -24,7 +24,7 @@ static uint64_t bytes_of(const trace *t, compare_range r)
     return bytes;
 }
 
-/* Stores the error line of a stage that failed. */
+/* Stores the error line of a failed stage. */
 static void describe_failure(const trace_record *failed, case_result *one)
 {
     size_t at = 0;

@@ -28,7 +28,7 @@ typedef enum worker_end {
     WORKER_DONE,
     WORKER_FAILED,  /* exit status other than 0; text is the last line that it wrote to stderr */
     WORKER_CRASHED, /* ended by a signal */
-    WORKER_LATE     /* killed because its time limit had passed */
+    WORKER_LATE     /* killed because it exceeded its time limit */
 } worker_end;
 
 typedef struct worker_result {
@@ -51,9 +51,9 @@ typedef struct worker {
    backend. */
 enum { WORKER_EXIT_RESOURCES = 4 };
 enum { WORKERS_MAX = 128 }; /* maximum number of workers in one call of worker_wait_any */
-enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors: its trace, the user's cases (user_store.h) */
+enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors of its trace and of the store of user cases */
 
-/* Writes the path of this program's own file, for argv[0]. */
+/* Writes the path of this program's file, which becomes argv[0] of workers. */
 ost_status worker_program(char path[], size_t size, ost_error *err);
 /* Starts a worker. argv ends with NULL; argv[0] is the program's file. trace_fd and user_fd become the worker's
    descriptors WORKER_TRACE and WORKER_USER; -1 means none. worker_wait_any kills the worker after limit_s seconds. */

@@ -19,7 +19,7 @@ typedef struct pose {
     int64_t step[3][3]; /* steps by the correct arithmetic */
     int64_t used[3][3]; /* steps as multiplied, possibly with a mistake */
     bool drifting, negative_cut, border_in, all_cuts;
-    const ost_voxel_box *tight; /* NULL if boxes have no effect */
+    const ost_voxel_box *tight; /* box of which a mistake omits the last layer; NULL: boxes have no effect */
 } pose;
 
 /* Returns the low 24 bits of v, sign-extended. */

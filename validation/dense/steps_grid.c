@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* AR-CUB-1: the bone's grid, from which the map is computed. */
+/* Computes the bone's grid by AR-CUB-1. The map is computed from this grid. */
 #include "validation/dense/steps.h"
 
 /* Returns the least m with m c >= n s, by counting. */

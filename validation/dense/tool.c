@@ -50,7 +50,7 @@ typedef struct manner {
     bool corners; /* true if voxels are sampled at their corners */
     size_t triangles_lost;
     float thesis_minimum[3];
-    uint64_t first_item; /* first unit number of this mesh, after those of the previous triangles */
+    uint64_t first_item; /* number of this mesh's first unit; the units of earlier triangles precede it */
 } manner;
 
 /* The counts of the triangles in a row. */

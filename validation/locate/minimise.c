@@ -12,7 +12,8 @@
 #include "validation/user_store.h"
 #include "validation/worker.h"
 
-/* Maximum number of candidates per process and of processes per case; time limit of a process in seconds. */
+/* Maximum number of candidates per process (BATCH) and of processes per case (RUNS), time limit of a process in seconds
+   (LIMIT), and capacity of a path (PATH). */
 enum { BATCH = 12, RUNS = 40, LIMIT = 60, PATH = 1200 };
 
 typedef struct job {
@@ -215,8 +216,8 @@ static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3],
     }
 }
 
-/* Tries to keep only a part of the grid around the first voxel or chunk: first the smallest cube that shows the same
-   difference, then each side separately. */
+/* Tries to retain only a part of the grid around the first voxel or chunk. First finds the smallest cube that shows the
+   same difference, and then reduces each side separately. */
 static ost_status cut_grid(job *j, const scene *s, ost_error *err)
 {
     const compare_difference *d = &j->best->difference;
@@ -230,7 +231,7 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
         return OST_OK;
     if (d->kind == COMPARE_VOXEL)
         source_of(s, d->stage, d->voxel, at);
-    else if (d->kind == COMPARE_WORD && f->chunk_size) { /* around the middle of the chunk whose report differs */
+    else if (d->kind == COMPARE_WORD && f->chunk_size) { /* the middle of the chunk whose report differs */
         const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2,
                                    f->chunk[1] * f->chunk_size + f->chunk_size / 2,
                                    f->chunk[2] * f->chunk_size + f->chunk_size / 2};

@@ -21,7 +21,7 @@ typedef struct minimised {
     scene_cut cut;
     compare_difference difference; /* the difference of the small case */
     finding found;
-    uint64_t samples, triangles, ticks; /* numbers in the small case */
+    uint64_t samples, triangles, ticks; /* counts in the small case */
     ost_dims rect;
     int tools;
     int runs;   /* number of processes started */

@@ -242,7 +242,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
                 if (ost_sweep_count(&e.from, &t->pose, &s->tools[t->tool].cutting.grid, voxel, &e.count, &refused) !=
                     OST_OK) {
                     e.removal = false;
-                    continue; /* the tick is refused and leaves the world unchanged */
+                    continue; /* the tick is refused and does not change the world */
                 }
             }
             last[t->tool] = t->pose;

@@ -57,7 +57,7 @@ typedef enum pattern {
 
 const char *pattern_name(pattern p);
 
-/* The input from which the stage made its grid, if known. */
+/* The kind of the input from which the stage made its grid. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
     /* in is resampled: voxel (x, y, z) is voxel (source[0][x], source[1][y], source[2][z]) of in, or a mean of this and

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rules on chunks, and on work that was not done at the end. */
+/* Rules on chunks, and on a last part of the work that was not done. */
 #include "validation/locate/pattern_parts.h"
 
 /* Number of work-items in a work-group. At most this number of samples is lost at the end of a batch. */
@@ -27,7 +27,7 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 }
 
 typedef struct chunk_sums {
-    int64_t differ, undone, one_sided; /* numbers of chunks; one_sided: solid in only one grid */
+    int64_t differ, undone, one_sided; /* counts of chunks; one_sided: solid in only one grid */
     int64_t hit, hit_after; /* hit_after: hit chunks without a difference, after the first chunk that differs */
 } chunk_sums;
 

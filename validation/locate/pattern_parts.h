@@ -30,7 +30,7 @@ pattern_rule pattern_stale_chunk, pattern_lost_tail, pattern_lost_chunk;        
 /* pattern_shape.c */
 pattern_rule pattern_column_parity, pattern_tool_class, pattern_boundary_layer, pattern_carried_rows, pattern_speckle;
 
-/* Writes text and returns true. */
+/* Writes the evidence to text. Always returns true. */
 bool pattern_describe(char *text, const char *format, ...) OST_PRINTF(2, 3);
 
 /* Returns a density as the stage stores it. */

@@ -57,7 +57,7 @@ static bool neighbour(const pattern_view *v, const int32_t p[3], int dx, int dy,
     return true;
 }
 
-/* Voxel p of B is voxel q of A: q[from[axis]] = flip ? n - 1 - p[axis] : p[axis], plus shift. */
+/* An arrangement in which voxel p of B is voxel q of A: q[from[axis]] = (flip ? n - 1 - p[axis] : p[axis]) + shift. */
 typedef struct arrangement {
     int from[3];
     bool flip[3];
