@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# A deliberately broken kernel: osteon is linked with an OpenCL program in which one line is
-# changed. osteon validate must detect this, locate and classify the difference, and write a small
-# case that one command reproduces; the same case must be equal on the unchanged kernel.
+# Links osteon with an OpenCL program in which one line of a kernel is changed. osteon validate
+# must detect the change, locate and classify the difference, and write a small case that one
+# command reproduces. On the unchanged kernel the same case must be equal.
 #
 #   kernels --one line changed--> tests/validation/osteon_broken --validate--> bundle
 #
-# With OST_TEST_KEEP=FOLDER the bundles are stored there for inspection.
-# Needs OpenCL, make and a compiler, and takes minutes: without OST_TEST_LONG=1 it only checks that
-# the lines to change still exist.
+# With OST_TEST_KEEP=FOLDER the bundles are stored there for inspection. The test needs OpenCL,
+# make and a compiler, and takes minutes. Without OST_TEST_LONG=1 it only checks that the lines to
+# change still exist.
 # Covers: REQ-BROKEN-KERNEL
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -22,8 +22,8 @@ fi
 
 export XDG_CACHE_HOME="$scratch/cache" POCL_CACHE_DIR="$scratch/pocl"
 
-# broken NAME CASES STAGE CLASS FILE FROM TO [FILE FROM TO]: changes one line of each kernel, of
-# the CPUs' and the GPUs' set, and checks the finding
+# broken NAME CASES STAGE CLASS FILE FROM TO [FILE FROM TO]: changes one line of each kernel, in
+# the set for CPUs and in the set for GPUs, and checks the finding
 broken() {
     name=$1 cases=$2 stage=$3 class=$4
     shift 4

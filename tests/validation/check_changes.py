@@ -4,10 +4,10 @@
 
     a bundle --one random change--> osteon verify: status 1 (2 if a file is absent) and the file's name --> restored --> the next
 
-Bytes are flipped, inserted or removed; files are cut, extended, removed, added, renamed
-or exchanged; lines of the log are removed, duplicated or exchanged. A careful forgery
-is also tried: a derived file is changed and the manifest is corrected, with the tree of
-hashes computed here, independently (RFC 6962 section 2.1).
+Bytes are flipped, inserted or removed. Files are truncated, extended, removed, added, renamed or
+exchanged. Lines of the log are removed, duplicated or exchanged. A careful forgery is also tried:
+a derived file is changed and the manifest is corrected. The hash tree for it is computed here,
+independently of osteon (RFC 6962 section 2.1).
 
     OST_CHANGES=N   number of changes (default 40; OST_TEST_LONG=1: 3000)
     OST_SEED=N      seed of the changes (default: from the clock, printed)
@@ -171,7 +171,7 @@ class Changes:
 
     def log_forged(self, f):
         lines = f["audit.log"].splitlines(True)
-        del lines[self.rng.randrange(len(lines) - 1)]  # not the last: a chain without its end is still a chain
+        del lines[self.rng.randrange(len(lines) - 1)]  # not the last line: a chain without its end is still valid
         self.log(f, lines)
         f["manifest.json"] = manifest(f)
         return ["audit.log"]
@@ -195,7 +195,7 @@ def main():
             missed.append("manifest.json is not what the manual says")
         changes = Changes(rng, files)
         kinds = [getattr(changes, k) for k in sorted(vars(Changes)) if k not in ("any", "exchange", "log") and not k.startswith("_")]
-        # Two files that are JSON objects: the one in place of the protocol has no number of a format.
+        # Exchanges two JSON files. The file that replaces the protocol contains no format number.
         first = [lambda f: changes.exchange(f, "environment.json", "protocol.json")]
         first[0].__name__ = "files_exchanged"
         # Each derived file is forged at least once.
@@ -216,7 +216,7 @@ def main():
                     os.remove(os.path.join(folder, n))
             said = subprocess.run([OSTEON, "verify", folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
             text = said.stdout.decode(errors="replace")
-            # A change in the manifest may name another file, or no file that can be read.
+            # A change in the manifest may be reported for another file or for a file that cannot be read.
             named = any("  %s " % n in text for n in names) or "manifest.json" in names and "  " in text
             expected = 2 if any(n not in now for n in touched) and change.__name__ != "file_renamed" else 1
             if said.returncode != expected or not named:

@@ -1,22 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Every claim of a bundle's report.html follows from a file to which it links.
+"""Checks that every claim of a bundle's report.html follows from a file to which it links.
 
     report.html --parsed--> headings, sentences, rows, pictures
         each: from the files to which it or its section links, and from no other,
         its expected text is computed again here --> the text agrees, including every figure
-A sentence with a figure, or a bold one, that this program cannot compute is a failure
-as well, so a claim cannot be added without its file. A picture in the page must have
-the bytes of the file to which it links; a link must lead to a file of the bundle, and
-every file must be linked to.
+A sentence that contains a figure or is bold, and that this program cannot compute, is also a
+failure, so a claim cannot be added without its file. A picture in the page must have the bytes of
+the file to which it links. Each link must lead to a file of the bundle, and each file must have a
+link.
 
-Then the check itself is checked: one digit of a figure is changed, for figures all over
-the page, one after another, and each time this program must report a failure.
+Then the check itself is tested: one digit of one figure is changed at a time, for figures from
+all parts of the page. Each time this program must report a failure.
 
     OST_BUNDLE=DIR  an existing bundle (default: some small ones are made)
-    OST_FIGURES=N   number of figures with a changed digit for each report
+    OST_FIGURES=N   number of figures to change in each report
                     (default 20; OST_TEST_LONG=1: all)
-    OST_SEED=N      seed of their choice (default: from the clock, printed)
+    OST_SEED=N      seed that selects them (default: from the clock, printed)
 Covers: REQ-REPORT-CLAIMS
 """
 import base64
@@ -47,7 +47,7 @@ class Unheld(Exception):
 # ------------------------------------------------------------------- the page
 
 class Block:
-    """One sentence or row, with the links in it."""
+    """A sentence or a row, with the links that it contains."""
 
     def __init__(self, tag, attributes):
         self.tag, self.attributes = tag, attributes
@@ -63,7 +63,7 @@ class Block:
 
 
 class Page(html.parser.HTMLParser):
-    """Blocks in their order; text belongs to the innermost block."""
+    """Collects the blocks of the page in their order; text belongs to the innermost block."""
 
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
@@ -125,7 +125,7 @@ class Section:
 
 
 def sections_of(page):
-    """Splits the page from heading to heading; the sources of a section are the links of its lines 'From ...'."""
+    """Splits the page at its headings; the sources of a section are the links of its lines 'From ...'."""
     sections = [Section("")]
     for block in page.blocks:
         if block.tag == "h2":
@@ -140,7 +140,7 @@ def sections_of(page):
 # -------------------------------------------------------------- the bundle
 
 class Bundle:
-    """The files of a bundle as they are, and the counts of their contents."""
+    """The files of a bundle, unchanged, and the counts of their contents."""
 
     def __init__(self, folder):
         self.folder, self.made = folder, {}
@@ -190,7 +190,7 @@ class Bundle:
 
 
 class Claim:
-    """A section during its check, which can open files only through the section's links."""
+    """A section that is being checked; it can open files only through its links."""
 
     def __init__(self, bundle, section):
         self.bundle, self.section = bundle, section
@@ -254,8 +254,8 @@ def findings_of(protocol, cases):
 
 # ------------------------------------------------------------------- rules
 #
-# Each rule has the section, the tag, a pattern for the text, and a function that computes the
-# groups.
+# A rule consists of the section, the tag, a pattern for the text, and a function that computes
+# the groups.
 
 RULES = []
 
@@ -843,7 +843,7 @@ def _(c, b, m):
     return None
 
 
-# Phrases that contain figures and claim nothing about this bundle.
+# Phrases that contain figures but make no claim about this bundle.
 METHOD = re.compile(r"SHA-256|SPDX 2\.3|&#\d+;")
 
 
@@ -851,12 +851,12 @@ def is_claim(block):
     return bool(re.search(r"\d", METHOD.sub("", block.text)) or block.bold or block.tag in ("tr", "pre"))
 
 
-# Bold phrases that are no outcome: explained terms, and heads of tables.
+# Bold phrases that are not outcomes: explained terms and headings of tables.
 EXPLAINED = {"case scalar reference", "Tester", "Reviewer"}
 
 
 def check(bundle, text):
-    """Returns the problems as lines."""
+    """Returns a list of the problems, one line each."""
     problems, linked = [], set()
     try:
         page = Page(text)
@@ -907,7 +907,7 @@ def check(bundle, text):
 # ---------------------------------------------------- the check is checked
 
 def figures_of(text):
-    """Returns one position of a digit for each visible figure: between tags, in the body."""
+    """Returns the position of one digit of each visible figure: between tags, in the body."""
     body = text.index("<body")
     places = []
     for between in re.finditer(r">([^<]+)<", text[body:]):
@@ -933,7 +933,7 @@ def examine(folder, rng, figures):
     problems = check(bundle, text)
     if problems:
         return problems
-    lean = re.sub(r'src="data:[^"]*"', 'src="#not-shown"', text)  # the pictures were already compared
+    lean = re.sub(r'src="data:[^"]*"', 'src="#not-shown"', text)  # the pictures have already been compared
     places = figures_of(lean)
     chosen = places if figures is None or figures >= len(places) else sorted(rng.sample(places, figures))
     for at in chosen:
@@ -944,7 +944,9 @@ def examine(folder, rng, figures):
 
 
 def made(scratch):
-    """Makes small bundles of the user's own files, with equal and different results; with OST_TEST_LONG also nothing compared, a complete tier, margins of every stage."""
+    """Makes small bundles with files of the user, with equal and different results. With OST_TEST_LONG
+    also makes a bundle in which nothing was compared, one of a complete tier, and one with
+    margins of every stage."""
     build = os.getcwd()
     one = "cpu:isa=scalar,threads=1"
     ct = os.path.join(scratch, "ct.txt")

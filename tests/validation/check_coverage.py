@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the list of decisions that no case reaches (validation/coverage/decisions.py): a decision without a reason and a
-reason without a decision are both found, and the project's list has the form that the measurement needs.
+"""Tests the list of decisions that no case reaches (validation/coverage/decisions.py). A decision
+without a reason and a reason without a decision must both be found. The project's list must have
+the form that the measurement needs.
 Covers: REQ-COVERAGE
 """
 import contextlib

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Forgeries of a bundle of evidence: what osteon verify says of each.
+"""Tests what osteon verify reports for each of many forgeries of a bundle of evidence.
 
-    a bundle --a forgery, made consistent as far as its forger gets--> osteon verify: status, and the line that is expected
+    a bundle --a forgery, as consistent as the forger can make it--> osteon verify: expected status and line
 
-A careful forger makes the chain of the log and the manifest again, with code
-that is independent of osteon's (check_changes.py's). What cannot be found
-without --rerun or a signature is a row as well: verify must say "valid" then,
-so that docs/qualification/forgeries.md, which lists all rows, stays true.
+A careful forger also recomputes the chain of the log and the manifest; the code for this is
+independent of osteon's (check_changes.py). Forgeries that can be found only with --rerun or a
+signature are tested too: for them verify must print "valid". Thus
+docs/qualification/forgeries.md, which lists all forgeries, stays correct.
 
-    OST_FORGERY=NAME   this one alone, with all that verify says
+    OST_FORGERY=NAME   tests only this forgery and prints the complete output of verify
 
 Covers: REQ-EVIDENCE
 """
@@ -62,7 +62,7 @@ def sha(data):
 
 
 def remake(f, edit=lambda rows: rows):
-    """The log with the digests of the files as they are now, its chain, and the manifest."""
+    """Recomputes the digests in the log from the present files, then the log's chain and the manifest."""
     rows = [x.split("\t")[1:] for x in f["audit.log"].decode().splitlines()]
     for row in rows:
         name = row[2].split(" ")[0]
@@ -163,7 +163,8 @@ def equal_said_not_run(f):
 
 
 def lack(f, backend, stage):
-    """The first record of a stage, of a backend that is equal, becomes one that the backend has no function for."""
+    """In an equal backend's results, marks the first record of a stage as one for which the backend
+    lacks a function."""
     lines = lines_of(f)
     one = lines[0]
     records = ["case 0 " + one["input_sha256"]] + ["%s %d %s" % (r["stage"], r["item"], r["sha256"]) for r in one["reference"]]
@@ -390,9 +391,10 @@ def tools_nested_deep(f):
 
 
 # ------------------------------------------ other writings of the same, other names
+# -------------------------------------- other encodings of the same content, other names
 
 def line_replaced(f, old, new):
-    """The first occurrence in cases.jsonl, as text: json.dumps would write it as osteon does."""
+    """Replaces the first occurrence in cases.jsonl as text; json.dumps would write it as osteon does."""
     text = f["cases.jsonl"]
     assert old in text, old
     f["cases.jsonl"] = text.replace(old, new, 1)
@@ -482,7 +484,7 @@ def make(folder, *words, status=0):
 
 
 def dump_with_a_difference(scratch):
-    """A dump of the reference's grids with one voxel changed: a backend that differs."""
+    """Dumps the reference's grids and changes one voxel. The dump acts as a backend that differs."""
     dump = os.path.join(scratch, "dump")
     ran = osteon("validate", "--worker", "ref", "--dump", dump, "--only", "import/0")
     if ran.returncode != 0:
@@ -497,7 +499,7 @@ def dump_with_a_difference(scratch):
 
 
 def sanitized():
-    """A program with the address sanitizer in it takes several times the memory."""
+    """Returns true if osteon is built with the address sanitizer, which multiplies the memory use."""
     real = os.path.join(os.path.dirname(OSTEON), ".libs", os.path.basename(OSTEON))
     with open(real if os.path.exists(real) else OSTEON, "rb") as file:
         return b"__asan_init" in file.read()

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Bundles of evidence: written completely or not at all, verified offline, identical for
-# repeated runs and for shards, and every changed byte is detected.
+# Tests bundles of evidence: they are written completely or not at all, verified offline, and
+# identical for repeated runs and for shards; every changed byte is detected.
 # Covers: REQ-EVIDENCE
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -22,7 +22,7 @@ refuse 2 "must be I/N" validate --shard 3/2 --out c
 refuse 2 "plonk" validate --backends plonk --out c
 refuse 2 "--worker needs --trace or --dump" validate --worker ref
 refuse 2 "not a folder" verify nowhere
-# With only the reference nothing was compared, and no file says that anything is equal.
+# With only the reference, nothing is compared, and no file may say that anything is equal.
 run 3 validate --only import/0 --backends ref --out alone
 check "why" "$(cat err)" "osteon validate: nothing was compared: no backend other than the reference ran a case that the reference accepted"
 check "what the reference alone is called" "$(sed -n 's/^  verdict  *//p' out)" "NOT COMPARED (a reduced run: no evidence)"
@@ -35,8 +35,8 @@ grep -q "manifest.json is missing" out || fail "an empty folder: $(cat out)"
 [ ! -e c ] || fail "an output appeared"
 check "what is left beside the bundle" "$(find . -maxdepth 1 -name '*.part-*' | wc -l | tr -d ' ')" 0
 
-# One byte of every file, in the middle and at the end, is changed: verify names the file.
-# noticed STATUS WHAT NAME: checks that verify finds folder x changed (1) or incomplete (2) and names NAME
+# noticed STATUS WHAT NAME: checks that verify finds folder x changed (1) or incomplete (2) and
+# names NAME. For every file, the first byte, the middle byte and the last byte are changed.
 noticed() {
     checks=$((checks + 1))
     "$osteon" verify x >out 2>err
@@ -49,11 +49,11 @@ for file in $(cd b && find . -type f | sed 's,^\./,,'); do
     for at in 0 $((size / 2)) $((size - 1)); do
         rm -rf x
         cp -r b x
-        # One bit of the byte is flipped; any other change would do.
+        # One bit of the byte is flipped.
         byte=$(od -An -tu1 -j "$at" -N 1 b/"$file" | tr -d ' ')
         # shellcheck disable=SC2059 # a deliberate octal escape
         printf "\\$(printf %03o $((byte ^ 1)))" | dd of=x/"$file" bs=1 seek="$at" conv=notrunc 2>/dev/null
-        # A change in the manifest may name another file.
+        # A change in the manifest may be reported under the name of another file.
         case $file in manifest.json) names=. ;; *) names=$file ;; esac
         noticed 1 "byte $at of $file turned" "$names"
     done
@@ -73,8 +73,8 @@ noticed 1 "the log's first lines exchanged" audit.log
 rm -rf x
 cp -r b x
 ln -sf /dev/zero x/README.md
-# osteon validate writes no links: the bundle was changed (1), and the link's target is not
-# read.
+# osteon validate writes no symbolic links, so the bundle counts as changed (1). The link's target
+# must not be read.
 noticed 1 "a link to a device" "README.md is a symbolic link"
 rm -rf x
 cp -r b x
@@ -83,16 +83,17 @@ run 0 verify x # signatures are not in the manifest; test_sign.sh tests them
 echo "a signature over manifest.json" >x/signatures/manifest.json.minisig
 noticed 1 "a file in signatures/ that is no envelope" signatures/manifest.json.minisig
 
-# A backend may lack optional functions, as OpenCL's lacks sampling: its bundle is valid.
+# A backend may lack optional functions, and its bundle is still valid. The OpenCL backend, for
+# example, lacks sampling.
 if "$osteon" validate --only import/0 --backends cl --out optional >out 2>err; then
     run 0 verify optional
 fi
 
-# A case whose cubic grid is too far out to be resampled again has no grid at that stage.
+# If a case's cubic grid is too far from the origin to be resampled again, it has no grid at that stage.
 run 0 validate --only reach/0 --backends "$one" --out lone --quiet
 run 0 verify lone
 
-# The same cases again, and in shards.
+# The same cases are run again, first completely and then in shards.
 run 0 validate --only import/ --backends "$one" --out again --quiet
 mkdir shards
 for i in 1 2; do run 0 validate --only import/ --backends "$one" --shard $i/2 --out shards/$i --quiet; done

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Cases from files: parts kept of a generated case, bundles of such cases, and files that are no
-# cases.
+# Tests cases from files: reduced parts of a generated case, bundles of such cases, and files that
+# are not cases.
 # Covers: REQ-CASE-FILE
 . "${srcdir:-.}/tests/app/lib.sh"
 

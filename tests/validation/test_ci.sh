@@ -1,26 +1,26 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# The workflows in examples/ci are valid YAML, name the packages of quickstart, and run commands
-# that work here.
+# Checks that the workflows in examples/ci are valid YAML, list the packages of quickstart, and
+# run commands that work here.
 # Covers: REQ-CI
 . "${srcdir:-.}/tests/app/lib.sh"
 ci=$source_folder/examples/ci
 PATH=$(dirname "$osteon"):$PATH
 export PATH
 
-# The command that both run; GitHub is simulated by its summary file.
+# Runs the command that both workflows run. A summary file simulates GitHub.
 checks=$((checks + 1))
 GITHUB_STEP_SUMMARY=summary "$ci/compare" bundle --only import/0 --backends 'cpu:isa=scalar,threads=1' >out 2>err || fail "compare: status $?: $(tail -n 3 err)"
 check "the summary" "$(head -n 1 summary)" "# Backend equivalence verification: EQUAL"
 checks=$((checks + 2))
 grep -q '<testcase classname="cpu:isa=scalar,threads=1" name="import/0" time="[0-9.]*"/>' bundle/junit.xml || fail "junit.xml has no case"
 "$ci/compare" bundle >out 2>err && fail "compare overwrites a bundle"
-# Two cases on a backend that is absent: nothing is equal, and the exit status is passed on.
+# On an absent backend nothing is compared, and the exit status must be passed on.
 checks=$((checks + 1))
 "$ci/compare" none --only import/0 --backends 'cl:platform=nowhere' >out 2>err && fail "compare passes with nothing compared"
 
-# Packages: those of quickstart, except those that only its tests, OpenGL and the making of keys need.
+# The packages must be those of quickstart without those needed only for its tests, OpenGL and making keys.
 sed -n "/^	cat <<'END'$/,/^END$/p" "$source_folder/quickstart" | sed '1d;$d' | awk '{ print $1 }' | grep -v '^\(libcmocka-dev\|g++\|python3\|openssl\|libgl1-mesa-dri\|libegl-mesa0\)$' | sort >wanted
 check "the packages of quickstart are found" "$(grep -cx 'libssl-dev\|gcc\|pocl-opencl-icd' wanted)" 3
 for file in github-actions gitlab-ci; do
@@ -29,7 +29,7 @@ for file in github-actions gitlab-ci; do
     cmp -s wanted named || fail "$file.yml does not name the packages of quickstart: $(comm -23 wanted named | tr '\n' ' ')"
     checks=$((checks + 1))
     ! grep -q '	' "$ci/$file.yml" || fail "$file.yml has a tab"
-    # Blocks are indented by two.
+    # Blocks must be indented by two spaces.
     checks=$((checks + 1))
     ! grep -nE '^( {2})* [^ #]' "$ci/$file.yml" | grep -q . || fail "$file.yml: odd indentation"
     grep -q 'examples/ci/compare bundle$' "$ci/$file.yml" || fail "$file.yml does not run compare"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares pairs of traces written by hand; the result must name the record, the word or the
+ * Compares pairs of traces written by hand. The result must name the record, the word or the
  * least voxel, and both values.
  */
 #include "harness.h"
@@ -117,7 +117,10 @@ static void equal_and_not(void **state)
     write_reference(got);
     assert_int_equal(compared(ref, got).kind, COMPARE_EQUAL);
 
-    /* Two voxels too many: the least one in the complete grid is named, not the first one in its leaf. */
+    /*
+     * Two voxels too many are removed. The least one in the complete grid must be named, not the
+     * first one in its leaf.
+     */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
     *voxel(&b, 9, 9, 9) = -3;
@@ -135,7 +138,7 @@ static void equal_and_not(void **state)
     assert_int_equal(d.voxel_ref, (9 + SIDE * (9 + SIDE * 9)) % 1000);
     assert_int_equal(d.voxel_got, -3);
 
-    /* Only the report differs. */
+    /* Here only the report differs. */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 2, first_leaf);
@@ -147,7 +150,7 @@ static void equal_and_not(void **state)
     assert_int_equal(d.word_got, 2);
 }
 
-/* A leaf that only one side changed is compared with its previous state on the other side. */
+/* A leaf that only one side changed must be compared with its previous state on the other side. */
 static void lone_leaves(void **state)
 {
     (void)state;
@@ -172,7 +175,7 @@ static void lone_leaves(void **state)
     assert_int_equal(d.voxel_ref, 0);
     assert_int_equal(d.voxel_got, (34 + SIDE * (35 + SIDE * 36)) % 1000);
 
-    begin(&b, got); /* another leaf than the reference's, with a voxel that the reference removed one tick earlier */
+    begin(&b, got); /* another leaf than the reference's; the reference removed its voxel one tick earlier */
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 1, first_leaf);
     *voxel(&b, 5, 6, 7) = 9;
@@ -216,7 +219,7 @@ static void write_report(const char *path, uint64_t voxels)
     put_end(&b);
 }
 
-/* A differing number of a report is described in words, with its chunk. */
+/* A number of a report that differs must be described in words, with its chunk. */
 static void reports(void **state)
 {
     char ref[PATH], got[PATH], name[TRACE_WORD];
@@ -238,7 +241,7 @@ static void reports(void **state)
 }
 
 
-/* Truncated traces, and files that are no traces. */
+/* Truncated traces and files that are not traces must be refused. */
 static void broken(void **state)
 {
     (void)state;
@@ -265,7 +268,7 @@ static void broken(void **state)
     assert_int_equal(d.stage, TRACE_TICK);
     assert_int_equal(d.item, 1);
 
-    /* Any changed byte of a header: the file is refused or fewer records are read, without a crash. */
+    /* If any byte of a header changes, the file is refused or fewer records are read, without a crash. */
     write_reference(got);
     for (int at = 0; at < 32; at++) {
         FILE *file = fopen(got, "r+b");

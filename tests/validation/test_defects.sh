@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# The maintainers' own defects (tests/validation/defects): every patch applies to the tree,
-# describes itself, and has a row in docs/qualification/defects.md. With OST_TEST_LONG=1 each
-# patch is tried. A defect that the table calls noticed must be detected in that tier; one that
-# it calls unnoticed is printed if it is detected now. OST_TEST_ONLY=NAME selects the patches
-# whose names begin with NAME.
+# Tests the maintainers' own defects (tests/validation/defects): every patch must apply to the
+# tree, contain a description, and have a row in docs/qualification/defects.md. With
+# OST_TEST_LONG=1 each patch is tried. A defect that the table lists as noticed must be detected
+# in that tier. A defect listed as unnoticed is printed if it is detected now. OST_TEST_ONLY=NAME
+# selects the patches whose names begin with NAME.
 # Covers: REQ-DEFECTS
 . "${srcdir:-.}/tests/app/lib.sh"
 

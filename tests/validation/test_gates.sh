@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# docs/qualification/gates.md has a row for every gate of .ci/run and .ci/long, and no other
-# rows. docs/qualification/README.md has one row for each file of its folder.
+# Checks that docs/qualification/gates.md has a row for every gate of .ci/run and .ci/long and no
+# other rows, and that docs/qualification/README.md has one row for each file of its folder.
 root=${srcdir:-.}
 ledger=$root/docs/qualification/gates.md
 status=0

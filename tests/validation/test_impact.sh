@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Changes since an older bundle (osteon validate --against): none, a
-# seed, a compiler and a library, a requirement, a verdict, a result.
+# Tests the report of changes since an older bundle (osteon validate --against): no change, and
+# changes of a seed, a compiler and a library, a requirement, a verdict, and a result.
 # Covers: REQ-IMPACT
 . "${srcdir:-.}/tests/app/lib.sh"
 python=$(command -v python3) || { echo "skipped: no python3"; exit 77; }
@@ -15,7 +15,7 @@ against() {
     run 0 validate --only import/0 --backends "$one" --out new --against "$1" --json
     run_out=$(cat out)
 }
-# edit FILE EXPRESSION: makes a copy x of old in which the JSON of FILE, o, is changed
+# edit FILE EXPRESSION: copies old to x and applies EXPRESSION to the JSON object o of FILE
 edit() {
     rm -rf x
     cp -r old x
@@ -49,7 +49,7 @@ sed -i '2d' x/requirements.csv
 against x
 check "a requirement that is new" "$(impact requirements.0.what) $(impact requirements.0.old)" "AR-INT-1 absent"
 
-# A verdict, and results with and without a known cause.
+# Changes a verdict, and results with and without a known cause.
 edit cases.jsonl 'o["results"]["cpu:isa=scalar,threads=1"]["verdict"] = "differs"'
 against x
 check "a verdict" "$(impact verdicts.0.case) $(impact verdicts.0.old) $(impact verdicts.0.new)" "import/0 differs equal"

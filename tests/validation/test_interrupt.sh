@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# A campaign that is ended by a signal leaves no folder, no trace and no worker, and its status
-# gives the signal. A worker that dies and a full disk are reported and leave nothing either.
+# A campaign that is ended by a signal must leave no folder, no trace and no worker, and its
+# status must give the signal. A worker that is killed and a full disk must be reported and leave
+# nothing either.
 # Covers: REQ-EVIDENCE
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -32,8 +33,8 @@ nothing_left() {
 }
 
 for signal in INT:2 TERM:15 HUP:1; do
-    # Background jobs of a shell ignore SIGINT, and processes started by nohup ignore SIGHUP:
-    # env restores the defaults.
+    # Background jobs of a shell ignore SIGINT, and processes started by nohup ignore SIGHUP. env
+    # restores the default actions.
     env --default-signal=INT,TERM,HUP "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
     pid=$!
     await working
@@ -43,8 +44,8 @@ for signal in INT:2 TERM:15 HUP:1; do
     nothing_left "SIG$signal"
 done
 
-# SIGKILL runs no handler. The workers end anyway, and traces have no name; the unfinished
-# folder remains, under a name that shows its state.
+# SIGKILL runs no handler. The workers end nevertheless, and traces have no name. The unfinished
+# folder remains under a name that shows its state.
 "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
 pid=$!
 await working
@@ -53,8 +54,8 @@ wait $pid 2>/dev/null
 check "status after SIGKILL" $? 137
 await idle
 check "unfinished folders after SIGKILL" "$(ls -d b.part-* | wc -l | tr -d ' ')" 1
-# The next run with this name removes it, but no folder of another program, of another name or
-# in use.
+# The next run with this name removes the unfinished folder, but no folder that belongs to another
+# program, has another name, or is in use.
 mkdir b.part-abc bb.part-abcdef b.part-locked
 echo kept >b.part-abc/file
 flock b.part-locked "$osteon" validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out b --quiet >out 2>err
@@ -62,7 +63,7 @@ check "folders that are not removed" "$(ls -d b*.part-* | tr '\n' ' ')" "b.part-
 rm -rf b b.part-* bb.part-*
 nothing_left SIGKILL
 
-# end_worker SIGNAL: ends one worker of the backend under comparison by this signal; returns the
+# end_worker SIGNAL: ends one worker of the backend under comparison with this signal; returns the
 # campaign's status
 end_worker() {
     "$osteon" validate --tier standard --only session/0 --backends 'cpu:isa=scalar,threads=1' --seed $seed --quiet --json >out 2>err &
@@ -78,15 +79,15 @@ check "verdict after a worker's crash" "$(value equal)" false
 check "crashed cases" "$(value results.crashed)" 1
 nothing_left "a worker's crash"
 
-# SIGKILL comes from outside, mostly from the kernel when memory runs out, and says nothing
-# about the backend, so that there is no verdict: the status is 2 (formerly 1, "crashed").
+# SIGKILL comes from outside, usually from the kernel when memory runs out, and is no evidence
+# about the backend. Therefore there is no verdict, and the status is 2 (formerly 1, "crashed").
 end_worker KILL
 check "status after a worker's death" $? 2
 checks=$((checks + 1))
 grep -q "the worker of cpu:isa=scalar,threads=1 was ended from outside by SIGKILL" err || fail "a worker's death: $(cat err)"
 nothing_left "a worker's death"
 
-# A limit of the file size simulates a full disk.
+# A limit on the file size simulates a full disk.
 checks=$((checks + 1))
 (ulimit -f 64 && "$osteon" validate --only mesh --cpu-only --seed $seed --quiet >out 2>err)
 status=$?

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Classifies differences: grids written by hand, and implementations that make one known
- * mistake (validation/dense). Also tests the operands of a voxel, which must give the
- * reference's value.
+ * Tests the classification of differences with grids written by hand and with implementations
+ * that make one known mistake (validation/dense). Also tests the operands of a voxel, from which
+ * the reference's value must follow.
  *
  * With OST_TEST_LONG=1 the confusion table of all mistakes is printed.
  * Covers: REQ-LOCATE
@@ -21,7 +21,7 @@
 
 enum { N = 32, PATH = 4200, SCENES = 3 };
 
-/* ------------------------------------------------------- grids by hand */
+/* ---------------------------------------------------- grids written by hand */
 
 typedef struct pair {
     int16_t a[N * N * N], b[N * N * N], in[N * N * N];
@@ -32,7 +32,7 @@ static int64_t at(int x, int y, int z)
     return x + N * (y + (int64_t)N * z);
 }
 
-/* A ball in which every voxel's density differs from its neighbours'. */
+/* Makes a ball in which every voxel's density differs from those of its neighbours. */
 static pair *made(void)
 {
     static pair p;
@@ -85,7 +85,7 @@ static void by_hand(void **state)
     looks_like(&v, PATTERN_AXIS_SWAP, "x and y exchanged");
 
     p = made();
-    for (int z = 10; z < 20; z++) /* only in a part of the grid */
+    for (int z = 10; z < 20; z++) /* only in part of the grid */
         for (int y = 8; y < 20; y++)
             for (int x = 8; x < 20; x++)
                 p->b[at(x, y, z)] = p->a[at(x, y, z - 1)];
@@ -134,7 +134,7 @@ static void by_hand(void **state)
     looks_like(&v, PATTERN_UNCLASSIFIED, "garbage in a cube");
 }
 
-/* Differences of an event; `in` is the bone before it. */
+/* Tests differences of an event; `in` is the bone before the event. */
 static void of_events(void **state)
 {
     (void)state;
@@ -188,7 +188,7 @@ static void of_tools(void **state)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
     looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
-    for (int x = 0; x < N; x++) /* by parity: where both rows are solid the result is void */
+    for (int x = 0; x < N; x++) /* by parity: where both rows are solid, the result is void */
         p->b[at(x, 16, 16)] = (int16_t)(p->a[at(x, 16, 16)] ^ p->b[at(x, 15, 16)]);
     for (int y = 17; y < N; y++)
         for (int x = 0; x < N; x++)
@@ -197,12 +197,12 @@ static void of_tools(void **state)
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 12; z < 16; z++)
         for (int y = 12; y < 16; y++)
-            for (int x = 12; x < 20; x++) { /* a part that does not cut, too long in b */
+            for (int x = 12; x < 20; x++) { /* a part that does not cut and is too long in b */
                 p->b[at(x, y, z)] = 2;
                 p->a[at(x, y, z)] = x < 16 ? 1 : 2;
             }
     looks_like(&v, PATTERN_TOOL_CLASS, "solid and not cutting");
-    /* The ball contains a non-cutting part, which becomes visible where a row of the ball is missing. */
+    /* The ball contains a non-cutting part, which is exposed where a row of the ball is missing. */
     for (int i = 0; i < N * N * N; i++)
         p->a[i] = p->b[i] = p->a[i] != 0;
     for (int y = 12; y < 14; y++)
@@ -218,7 +218,7 @@ static void of_tools(void **state)
     looks_like(&v, PATTERN_BOUNDARY_LAYER, "the first voxel of every row");
 }
 
-/* ------------------------------------------------------ mistakes by name */
+/* --------------------------------------------------- known mistakes */
 
 static ost_status traced(ost_backend *backend, const scene *s, const char *name, trace *out)
 {
@@ -235,7 +235,7 @@ static ost_status traced(ost_backend *backend, const scene *s, const char *name,
     return OST_OK;
 }
 
-/* Returns the difference class of this mistake in a scene, or NULL if nothing differs. */
+/* Returns the difference class that this mistake causes in a scene, or NULL if nothing differs. */
 static const char *class_of(const deviation *how, const scene *s, const trace *ref, finding *f, compare_difference *d)
 {
     ost_backend *backend;
@@ -254,8 +254,8 @@ static const char *class_of(const deviation *how, const scene *s, const trace *r
 }
 
 /*
- * Tests each class with a backend that makes the mistake; `or` lists the classes that a difference
- * of only a few voxels may have instead.
+ * Tests each class with a backend that makes the mistake. `or` lists other allowed classes,
+ * because a difference of only a few voxels may be classified differently.
  */
 static void by_mistake(void **state)
 {
@@ -333,7 +333,7 @@ static const char *value_of(const operands *o, const char *name)
     return last;
 }
 
-/* For voxels at all positions the last operand must equal the value in the reference's grid. */
+/* For voxels at all positions, the last operand must equal the value in the reference's grid. */
 static void operands_decide(void **state)
 {
     (void)state;
@@ -403,7 +403,7 @@ static void operands_decide(void **state)
     assert_true(solid > 10 && removed > 10 && kept > 10);
 }
 
-/* For every voxel that an event removes, the operands must lead to its removal. */
+/* For every voxel that an event removes, the operands must show why it is removed. */
 static void removal_operands(void **state)
 {
     (void)state;
@@ -473,8 +473,8 @@ static void confusion(void **state)
 }
 
 /*
- * The table of causes: every kind exists, the parts do not exceed the sum, and no sentence
- * states a cause as certain.
+ * Tests the table of causes: every kind must exist, the parts must not exceed the sum, and no
+ * sentence may state a cause as certain.
  */
 /* Returns the kind with this name; NONE if there is none. */
 static deviation_kind kind_by_name(const char *name)
@@ -518,7 +518,7 @@ static void causes_are_possibilities(void **state)
     assert_string_equal(text, "");
     if (!getenv("OST_TEST_LONG"))
         return;
-    /* Makes the table again; small changes of the scenes may shift it by 3 percentage points. */
+    /* Computes the table again. Small changes of the scenes may change it by 3 percentage points. */
     static sensitivity s;
     ost_error err = {0};
     assert_ok(sensitivity_run(1, sensitivity_injections(PLAN_STANDARD), 2, NULL, NULL, &s, &err));

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Options and outputs of a campaign: threads that share every kind of work, the time limit of a
-# backend, junit.xml, and results that verify computes again.
+# Tests options and outputs of a campaign: the division of every kind of work among threads, the
+# time limit of a backend, junit.xml, and results that verify computes again.
 # Covers: REQ-VAL-THREADS, REQ-VAL-LIMIT, REQ-JUNIT, REQ-RERUN
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# The smoke tier has a backend for each number of threads, and that backend shares each kind of
-# work.
+# The smoke tier has a backend for each number of threads, and each of these backends divides
+# every kind of work among its threads.
 run 0 validate --cpu-only --only import/0 --out b --json
 for threads in 2 3 7; do
     checks=$((checks + 1))
@@ -19,8 +19,7 @@ for threads in 2 3 7; do
     done
 done
 
-# verify computes the results of the reference and of a backend again; a changed result is
-# found.
+# verify computes the results of the reference and of a backend again, and must find a changed result.
 run 0 verify b --rerun
 run 0 verify b --rerun --backend cpu:isa=scalar,threads=3,grain=1
 run 2 verify b --backend cpu:threads=2
@@ -31,15 +30,14 @@ if [ -e "$build/.libs/mirror.so" ]; then
     checks=$((checks + 1))
     grep -q "import/0 plugin:./thesis_f32.so gives another result here (differs" out || fail "another result than the bundle's: $(cat out)"
 
-    # A backend that never ends is stopped after the limit, and its case has a verdict of its
-    # own.
+    # A backend that does not end is stopped after the limit, and its case has a verdict of its own.
     run 1 validate --only sweep/1 --backends 'plugin:mirror.so,break=hang;cpu:isa=scalar,threads=1' --limit 3 --out late --json
     check "late" "$(value findings.0.verdict) $(value findings.0.backend)" "timed out plugin:mirror.so,break=hang"
     check "the other backend" "$(value results.equal)" 1
     run 0 verify late
 
-    # junit.xml: one test for each case on each backend; differing results are failures, absent
-    # backends are skipped.
+    # junit.xml has one test for each case on each backend. Differing results are failures, and
+    # absent backends are skipped.
     run 1 validate --only mesh/1 --backends 'cpu:isa=scalar,threads=1;plugin:mirror.so,break=snap;cl:platform=77' --out j
     suite() { grep -A2 "<testsuite name=\"$1\"" j/junit.xml; }
     for expected in 'cpu:isa=scalar,threads=1|failures="0" errors="0" skipped="0"|time="[0-9.]*"/>' \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A worker passes the path counts of a backend to its parent in the end record of a trace. The
- * counts are summed over workers by name, and a damaged record adds no invented counts.
+ * parent adds the counts of all workers by name. A damaged record must add no false counts.
  * Covers: REQ-VAL-PATHS
  */
 #include "harness.h"
@@ -22,7 +22,7 @@ static void visit_given(const ost_backend *backend, ost_path_visit *visit, void 
         visit(user, names[i], given[i]);
 }
 
-/* Returns a trace that consists only of its end record, with these counts. */
+/* Returns a trace that consists only of an end record with these counts. */
 static trace ended_with(const char *name, uint64_t a, uint64_t b, uint64_t c)
 {
     static const ost_backend_ops table = {.name = "test", .paths = visit_given};
@@ -68,7 +68,10 @@ static void summed(void **state)
     trace_free(&two);
 }
 
-/* For every prefix of the record's body the complete entries are added, and nothing is read beyond its end. */
+/*
+ * For every prefix of the record's body, the complete entries must be added and nothing may be
+ * read beyond the prefix.
+ */
 static void damaged(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Performs a case with functions that a backend lacks, and with functions that fail: only the
- * former leave a record that is not compared. The reference is changed slot by slot and
- * compared with itself.
+ * Performs a case with missing functions and with failing functions. Only a missing function may
+ * lead to a record that is not compared. The reference is changed slot by slot and compared with
+ * itself.
  * Covers: REQ-EVIDENCE
  */
 #include "harness.h"
@@ -105,7 +105,10 @@ static void a_failure_is_no_absence(void **state)
     scene_free(&s);
 }
 
-/* The first bone that each tool cuts has a quarter of the tool's voxel size, which must be an allowed spacing. */
+/*
+ * The first bone that each tool cuts has a spacing of a quarter of the tool's voxel size. This
+ * spacing must be allowed.
+ */
 static void the_finest_tools_are_performed(void **state)
 {
     static const int numbers[] = {9, 17, 27, 36}; /* with seed 1 their tools have voxels below 4 * OST_SPACING_MIN */

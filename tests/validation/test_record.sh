@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# The files of a bundle in addition to the comparison: requirements traced both ways,
-# tools and libraries as they are, a bill of materials that has SPDX 2.3's form,
-# checks of common mistakes, and a signature over the manifest.
+# Tests the files of a bundle other than the comparison: requirements traced in both directions,
+# tools and libraries as present on the machine, a bill of materials in the form of SPDX 2.3,
+# checks for common mistakes, and a signature over the manifest.
 # Covers: REQ-RECORD, REQ-TRACE
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -13,7 +13,7 @@ checks=$((checks + 1))
 [ "$(value common_mistakes.passed)" -ge 20 ] || fail "only $(value common_mistakes.passed) checks of common mistakes"
 run 0 verify b
 
-# The table in the bundle equals the tree's, including the tests that no requirement names.
+# The table in the bundle must equal that of the source tree, including the tests that no requirement names.
 "$source_folder/docs/check-requirements" --table "$source_folder" >table
 checks=$((checks + 1))
 cmp -s table b/requirements.csv || fail "requirements.csv is not what check-requirements --table gives"
@@ -24,14 +24,14 @@ checks=$((checks + 1))
 grep '^requirement,"AR-CUB-2",' b/trace.csv | grep -q '"stage cubic; check layers-linear","cubic: [1-9][0-9]* records equal; layers-linear: passed","cases.jsonl common.json"$' ||
     fail "AR-CUB-2 is not traced to its stage and check: $(grep AR-CUB-2 b/trace.csv)"
 
-# The digests are those of the files.
+# The digests must be those of the files.
 check "the program's SHA-256" "$("$json_get" program.sha256 <b/tools.json)" "$(sha256sum <"$osteon" | cut -d' ' -f1)"
 "$json_get" libraries <b/tools.json >/dev/null || fail "no libraries in tools.json"
 sed -n 's/^ *"file": "\(.*\)",$/\1/p' b/tools.json >files
 sed -n 's/^ *"sha256": "\(.*\)",$/\1/p' b/tools.json | head -n "$(wc -l <files)" >digests
 checks=$((checks + 1))
 paste -d' ' digests files | sed 's/ /  /' | sha256sum --quiet -c - >out 2>&1 || fail "libraries are not what tools.json says: $(head -n 3 out)"
-# Each library that the dynamic loader maps for the command is listed.
+# Each library that the dynamic loader maps for the command must be listed.
 if command -v ldd >/dev/null; then
     checks=$((checks + 1))
     ldd "$osteon" 2>/dev/null | sed -n 's/.* => \(\/[^ ]*\) .*/\1/p' | while read -r file; do
@@ -44,7 +44,7 @@ check "libraries in soup.csv" "$(grep -c '"linked"\|"loaded by another library' 
 if command -v python3 >/dev/null; then
     checks=$((checks + 1))
     python3 "$source_folder/tests/validation/spdx.py" b/sbom.spdx.json >out 2>&1 || fail "sbom.spdx.json: $(cat out)"
-    # The check of the form must refuse a broken file.
+    # The format check must refuse a broken file.
     sed 's/"SPDX-2.3"/"SPDX-9"/' b/sbom.spdx.json >broken
     checks=$((checks + 1))
     ! python3 "$source_folder/tests/validation/spdx.py" broken >out 2>&1 || fail "a broken bill of materials passes"
@@ -52,8 +52,8 @@ else
     echo "no python3: the form of sbom.spdx.json is not checked"
 fi
 
-# No field of the list refers its reader elsewhere, and independent checkers accept the bill of
-# materials.
+# No field of the list may refer the reader elsewhere, and independent checkers must accept the
+# bill of materials.
 checks=$((checks + 2))
 ! grep -q 'see its package\|not known here' b/soup.csv || fail "soup.csv: $(grep 'see its package\|not known here' b/soup.csv | head -n 2)"
 ! grep -q '"supplier": "NOASSERTION"' b/sbom.spdx.json || ! command -v dpkg-query >/dev/null || fail "a package without its supplier: $(grep -c '"supplier": "NOASSERTION"' b/sbom.spdx.json)"

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# The complete smoke tier on every available backend, twice, and in three shards that are merged:
-# the bundles are byte-identical except for the files with times and machines (a bundle's README.md
-# lists them).
+# Runs the complete smoke tier on every available backend, twice in a single run and once in three
+# shards that are merged. The bundles must be byte-identical except for the files with times and
+# machines (a bundle's README.md lists them).
 #
 #   one run == another run == shards 1/3, 2/3, 3/3 --merge-->
 #

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A case is made from its name and the campaign's seed, and is the same on every machine and
- * with every compiler, so that two sites compare the same input. The digests here were made by
- * gcc 12 on x86-64; this test shows that clang makes the same ones (two random draws in one
- * list of arguments would be made in an order that the compiler chooses).
+ * A case is generated from its name and the campaign's seed. It must be the same on every machine
+ * and with every compiler, so that two sites compare the same input. The digests here were
+ * computed with gcc 12 on x86-64. The test shows that clang computes the same ones: if one list
+ * of arguments contained two random draws, their order would depend on the compiler.
  *
- * The operation's bone is made in floating point (phantom), so it is not tested here.
+ * The bone of the family for operations is generated in floating point (phantom), so it is not
+ * tested here.
  * Covers: REQ-EVIDENCE
  */
 #include "harness.h"
@@ -13,7 +14,7 @@
 #include "validation/perform.h"
 #include "validation/scene_parts.h"
 
-/* SHA-256 over the digests of a family's cases, in hexadecimal. */
+/* Computes the SHA-256 over the digests of a family's cases, in hexadecimal. */
 static void family_digest(plan_tier tier, const char *only, int most, char out[2 * sizeof(ost_digest) + 1])
 {
     ost_error err = {0};
@@ -45,11 +46,11 @@ static void campaigns(void **state)
         const char *digest;
     } rows[] = {
         {PLAN_SMOKE, "import", 7, "c9d4686acb5fe3b5bc6a0f3a3f20916c4367f84cbc48e1f6981b157eed100c81"},
-        /* computed by a program of its own from draw.h, the description of the case and the order of scene_digest */
+        /* computed by a separate program from draw.h, the description of the case and the order of scene_digest */
         {PLAN_SMOKE, "import/7", 99, "dd2f0af38ef77641aa8732c2118c60c104c4f61c4ad7f1bc6aca6b3853c0427c"},
         {PLAN_SMOKE, "mesh", 99, "e0382851553eae28b444416d254a92e9df2c634bd5451522f75894491442f8f9"},
         {PLAN_SMOKE, "poses", 4, "8b022b3f72300c358b762a4a6688c9f564a2b1d739326970d805e9854c560fa9"},
-        /* computed likewise */
+        /* computed in the same way */
         {PLAN_SMOKE, "poses/4", 99, "140b34ba992cc48acf44abc5c197276580ba6f0736613133e7aae15a3f9ea323"},
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
@@ -72,7 +73,7 @@ static void campaigns(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* The scenes of the sensitivity proof. */
+/* Tests the scenes of the sensitivity proof. */
 static void small_scenes(void **state)
 {
     static const char *const digests[] = {"b989fb0af4513d73", "2523469b8e032ca3", "e6a459417cda61eb",
@@ -102,8 +103,8 @@ static void small_scenes(void **state)
 }
 
 /*
- * Small bones are fetched completely, so that a change is located in its tick, however thin the
- * random voxels are.
+ * Small bones are fetched completely, so that a difference is located in its tick even if the
+ * random voxels are very thin.
  */
 static void small_bones_are_fetched_whole(void **state)
 {
@@ -120,7 +121,7 @@ static void small_bones_are_fetched_whole(void **state)
                      y = (g->dims.y * g->spacing.y + n - 1) / n, z = (g->dims.z * g->spacing.z + n - 1) / n;
         const ost_geometry bone = {{(int32_t)x, (int32_t)y, (int32_t)z}, {n, n, n}, g->origin};
         assert_true(x * y * z <= PERFORM_ALL_VOXELS);
-        for (size_t i = 0; i < s.path.count; i++) /* no tick is refused because of the size of the tool's voxels */
+        for (size_t i = 0; i < s.path.count; i++) /* no tick may be refused because of the size of the tool's voxels */
             assert_ok(
                 ost_map_make(&s.path.ticks[i].pose, &bone, &s.tools[s.path.ticks[i].tool].cutting.grid, &map, &err));
         scene_free(&s);
@@ -146,8 +147,8 @@ static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 }
 
 /*
- * For both rules that truncate, the smoke tier has a case in which int(i * (c / s)) is another
- * voxel, for any seed.
+ * For both rules that truncate, and for any seed, the smoke tier must have a case in which int(i
+ * * (c / s)) selects a wrong voxel.
  */
 static void ratios_decide_a_voxel(void **state)
 {
@@ -173,8 +174,8 @@ static void ratios_decide_a_voxel(void **state)
 }
 
 /*
- * import/7: y alone is interpolated; the bone has dims of 32 or 31 voxels; the offsets grow through
- * odd and even ppm of an odd spacing and stay below 2.2 um.
+ * Tests import/7: only y is interpolated; the bone has dims of 32 or 31 voxels; the offsets
+ * increase through odd and even ppm of an odd spacing and stay below 2.2 um.
  */
 static void drifting_samples(void **state)
 {
@@ -203,7 +204,7 @@ static void drifting_samples(void **state)
     scene_free(&s);
 }
 
-/* Computes a position in tool coordinates, in voxels, of a tool whose grid has its corner at 0. */
+/* Computes a position in the coordinates of a tool whose grid has its corner at 0, in voxels. */
 static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], double out[3])
 {
     const ost_pose *p = &tick->pose;
@@ -249,7 +250,7 @@ static void corners_of_cubes(void **state)
                 (const ost_pm[]){o.x + s.cubic * 23 / 2, o.y + s.cubic * 23 / 2, o.z + s.cubic * 23 / 2}, middle);
         int64_t square = 0;
         for (int a = 0; a < 3; a++) {
-            int64_t cell = 2 * (int64_t)(middle[a] / 2); /* its first tool voxel */
+            int64_t cell = 2 * (int64_t)(middle[a] / 2); /* the cell's first tool voxel */
             cell -= middle[a] < (double)cell ? 2 : 0;
             const int64_t gap = cell > 0 ? cell - 1 : cell < 0 ? -(cell + 2) : 0;
             square += gap * gap;
@@ -275,7 +276,7 @@ static void corners_of_cubes(void **state)
     scene_free(&s);
 }
 
-/* Tests the purpose of each case of the family `reach`; the numbers are those of its description. */
+/* Tests that each case of the family `reach` serves its purpose. The numbers are those of its description. */
 static void reach_has_what_it_is_for(void **state)
 {
     ost_error err = {0};
@@ -297,7 +298,10 @@ static void reach_has_what_it_is_for(void **state)
             assert_true(s.tools[0].cutting.grid.dims.x > 512);
             assert_true(s.tools[1].cutting.grid.dims.x == 257);
             assert_true(s.tools[0].noncutting.triangle_count > 0);
-            /* Units of the map from a voxel's middle to the bar's end, times 2; an odd number is a tie. */
+            /*
+             * The distance from a voxel's middle to the bar's end in units of the map, times 2.
+             * An odd number is a tie.
+             */
             for (size_t n = 0; n < 3; n++) {
                 const ost_tool_geometry *bar = &s.tools[0].cutting.grid;
                 const ost_pm end = s.path.ticks[n].pose.t.x + bar->corner.x + bar->dims.x * bar->voxel -
@@ -328,7 +332,7 @@ static void reach_has_what_it_is_for(void **state)
             size_t on_a_line = 0;
             assert_int_equal((d.x * s.rect.spacing.x + s.cubic - 1) / s.cubic % 8, 1);
             assert_int_equal(d.x * s.rect.spacing.x % s.cubic, 0);
-            for (size_t t = 0; t < m->triangle_count; t++) { /* distinct corners without an area */
+            for (size_t t = 0; t < m->triangle_count; t++) { /* triangles of distinct corners without an area */
                 int64_t e[2][3];
                 for (int k = 0; k < 2; k++) {
                     const ost_pm3 a = m->vertices[m->triangles[t][0]], b = m->vertices[m->triangles[t][k + 1]];
@@ -339,7 +343,7 @@ static void reach_has_what_it_is_for(void **state)
                 on_a_line += e[0][0] && e[1][0] && e[0][0] != e[1][0] && e[0][0] * e[1][1] == e[0][1] * e[1][0] &&
                              e[0][1] * e[1][2] == e[0][2] * e[1][1] && e[0][0] * e[1][2] == e[0][2] * e[1][0];
             }
-            /* dropped when the mesh is snapped */
+            /* these triangles are dropped when the mesh is snapped */
             assert_int_equal(m->triangle_count - plates->cutting.triangle_count, 4);
             assert_int_equal(on_a_line, 4);
             assert_int_equal(plates->noncutting.triangle_count, 10); /* a box without one face */
@@ -369,8 +373,8 @@ static void reach_has_what_it_is_for(void **state)
             for (int c = 0; c < 64; c++)
                 assert_int_equal(places[c], 1 + (c == d.x % 64 - 1));
             /*
-             * More than 2^16 of them contain the centre of a row in their bounds along y and z;
-             * 2^9 units are half a voxel.
+             * More than 2^16 triangles contain the centre of a row in their bounds along y and z.
+             * Half a voxel is 2^9 units.
              */
             const ost_snapped_mesh *fine = &s.tools[0].cutting;
             int64_t with_rows = 0;

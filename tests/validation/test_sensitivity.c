@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Deliberate mistakes: every mistake that changed a result is found and located, and correct
- * results cause no alarm. Also tests that workers that crash, hang or report errors are
- * distinguished.
+ * Tests deliberate mistakes: every mistake that changed a result must be found and located, and
+ * correct results must cause no alarm. Also tests that crashed workers, hung workers and workers
+ * that report errors are distinguished.
  * Covers: REQ-SENSITIVITY
  */
 #include "harness.h"
@@ -27,17 +27,14 @@ static void proved(void **state)
     assert_ok(sensitivity_run(seed, DEVIATION_KINDS - 1, 2, NULL, NULL, &s, &err));
     if (s.first_problem[0])
         fail_msg("%s", s.first_problem);
-    /*
-     * The number for smoke: each kind is tried once, and a kind that changed nothing is tried
-     * in four more scenes.
-     */
+    /* In the smoke tier each kind is tried once; a kind that changed nothing is tried in four more scenes. */
     assert_int_equal(sensitivity_injections(PLAN_SMOKE), DEVIATION_KINDS - 1);
     assert_true(s.all.injected >= DEVIATION_KINDS - 1);
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
         assert_true(s.of[k].changed ? s.of[k].injected >= 1 : s.of[k].injected == 5);
     assert_int_equal(s.false_alarms, 0);
     assert_true(s.clean_runs >= 4);
-    assert_true(s.kinds_changed >= 50); /* 58 to 61 for seven seeds; the others need a rare scene */
+    assert_true(s.kinds_changed >= 50); /* 58 to 61 kinds for seven seeds; the others need a rare scene */
     assert_int_equal(s.kinds_noticed, s.kinds_changed);
     assert_int_equal(s.all.detected, s.all.changed);
     assert_int_equal(s.all.located, s.all.changed);
@@ -46,13 +43,13 @@ static void proved(void **state)
     sensitivity one, two;
     assert_ok(sensitivity_run(seed, 24, 1, NULL, NULL, &one, &err));
     assert_ok(sensitivity_run(seed, 24, 3, NULL, NULL, &two, &err));
-    /* The result does not depend on the thread that runs a scene. */
-    /* it is followed by padding, which is not initialized */
+    /* The result must not depend on the thread that runs a scene. */
+    /* the last member is followed by padding, which is not initialized */
     assert_memory_equal(&one, &two, offsetof(sensitivity, first_problem));
     assert_string_equal(one.first_problem, two.first_problem);
 }
 
-/* Kinds that need a special scene: the scene is there, the kind is triggered, and its changes are found. */
+/* Some kinds need a special scene. The scenes must include it, trigger the kind, and the changes must be found. */
 static void rare_kinds_are_triggered(void **state)
 {
     static const deviation_kind rare[] = {DEVIATION_CONTRACTED_MULTIPLY_ADD,
@@ -85,7 +82,10 @@ static void rare_kinds_are_triggered(void **state)
     }
 }
 
-/* The sentence of the verdict counts kinds, says who made the mistakes, and names what was not shown. */
+/*
+ * The sentence of the verdict must count the kinds, state where the mistakes were made, and count
+ * the kinds that changed nothing.
+ */
 static void statement_says_what_it_is_of(void **state)
 {
     (void)state;
@@ -118,7 +118,7 @@ static void trace_of(ost_backend *backend, const scene *s, int fd, trace *out)
     assert_ok(trace_open(name, out, &err));
 }
 
-/* A resampling that is wrong only at exact multiples differs in a case of the smoke tier, for any seed. */
+/* For any seed, a resampling that is wrong only at exact multiples must change a case of the smoke tier. */
 static void smoke_sees_exact_multiples(void **state)
 {
     (void)state;
@@ -186,7 +186,7 @@ static void workers(void **state)
     assert_int_equal(r.code, 11);
     r = result_of("exec sleep 60", 0.2);
     assert_int_equal(r.end, WORKER_LATE);
-    /* An endless line does not use more memory. */
+    /* An endless line must not use more memory. */
     r = result_of("head -c 100000 /dev/zero | tr '\\0' x >&2; exit 2", 60);
     assert_int_equal(r.end, WORKER_FAILED);
     assert_int_equal(strlen(r.text), sizeof r.text - 1);

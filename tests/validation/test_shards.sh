@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs the commands for many machines in docs/reference/campaigns.md literally, with two shards of a few
-# cases instead of eight of the full tier. A script of the same form replaces sbatch; parallel
-# is GNU's, if it is installed.
+# Runs the commands for many machines literally as written in docs/reference/campaigns.md, but
+# with two shards of a few cases instead of eight of the full tier. A script with the same
+# interface replaces sbatch. GNU parallel is used if it is installed.
 # Covers: REQ-SHARDS
 . "${srcdir:-.}/tests/app/lib.sh"
 small="--only import/ --backends cpu:isa=scalar,threads=1"
@@ -31,7 +31,7 @@ exit $worst
 END
 chmod +x bin/sbatch
 
-# Writes each block of the section to a file, and replaces its large parameters by small ones.
+# Writes each block of the section to a file, and replaces large parameters by small ones.
 awk '/^## /{ on = $0 == "## Many machines" } on && /^```/{ if (open) close(file); else file = "block-" ++n; open = !open; next } on && open { print >file }' \
     "$source_folder/docs/reference/campaigns.md"
 check "blocks" "$(echo block-*)" "block-1 block-2"
@@ -52,7 +52,7 @@ for block in block-1 block-2; do
     rm -rf shards bundle
 done
 
-# Runs one of many tasks again, as the script's comment describes.
+# Runs one of many tasks again, as described in the script's comment.
 mkdir shards
 # shellcheck disable=SC2086 # words
 SHARDS=2 SLURM_ARRAY_TASK_COUNT=1 SLURM_ARRAY_TASK_ID=2 examples/cluster/shards.sbatch $small >out 2>err || fail "one task: $(cat err)"

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Signatures of bundles: made by osteon sign and osteon validate --sign, verified by osteon
-# verify --trust, and independently by openssl. Each envelope that is broken, too large, of
-# another bundle or of another key gives one line.
+# Tests signatures of bundles: they are made by osteon sign and osteon validate --sign, and
+# verified by osteon verify --trust and, independently, by openssl. An envelope that is broken,
+# too large, or of another bundle or key must be reported in one line.
 # Covers: REQ-SIGN
 . "${srcdir:-.}/tests/app/lib.sh"
 command -v openssl >/dev/null || { echo "skipped: no openssl"; exit 77; }
@@ -30,7 +30,7 @@ check "checked" "$(value signatures_checked)" true
 check "its meaning" "$(value signatures.0.meaning)" "performed as the protocol says"
 check "its key" "$(value signatures.0.keys.0)" "$(openssl pkey -in tester.key -pubout -outform DER | sha256sum | cut -d' ' -f1)"
 
-# A reviewer signs as well, with a key of the other kind that is encrypted.
+# A reviewer signs as well, with an encrypted key of the other kind.
 sleep 1
 run 0 sign b --key reviewer.key --by "A. Reviewer" --meaning "reviewed and accepted"
 sleep 1
@@ -61,7 +61,8 @@ check "results_root" "$("$json_get" results_root <b/manifest.json)" "$("$json_ge
 run 1 verify plain --trust trusted
 grep -q "signatures/ has no signature" out || fail "no signature: $(cat out)"
 
-# Independent verification: PAE is computed here, and openssl verifies.
+# Independent verification: the PAE (pre-authentication encoding) is computed here, and openssl
+# verifies the signature.
 "$python" - b trusted <<'PY' || fail "openssl and the specification do not agree"
 import base64, glob, hashlib, json, subprocess, sys
 bundle, keys = sys.argv[1:]
@@ -119,7 +120,7 @@ PY
 fresh
 run 0 verify x --trust trusted
 edit 'e["payload"] = e["payload"].replace("+", "-").replace("/", "_"); s["keyid"] = "somebody"; e["more"] = 1'
-run 0 verify x --trust trusted # URL-safe base64, a wrong key hint, an unknown field: DSSE allows them
+run 0 verify x --trust trusted # DSSE allows URL-safe base64, a wrong key hint and an unknown field
 edit 'del s["keyid"]'
 run 0 verify x --trust trusted
 fresh; edit 'p["subject"][0]["digest"]["sha256"] = "0" * 64; e["payload"] = pack(p)'; broken "wrong signature: the key that it names did not sign this"
@@ -151,13 +152,13 @@ rm -rf x y; cp -r b x
 run 1 verify x --trust trusted/reviewer.pem
 check "signers that are not trusted" "$(grep -c 'by no trusted key' out)" 2
 run 1 verify x --trust stranger.pem
-# A valid signature by a trusted key, but of another bundle.
+# A signature by a trusted key is valid, but belongs to another bundle.
 run 0 validate --only import/1 --backends "$one" --out other --sign tester.key --quiet
 fresh; rm "$envelope"; cp other/signatures/* x/signatures/; broken "about another bundle"
 # Without --trust the contents of the envelope are still compared.
 run 1 verify x
 grep -q "about another bundle" out || fail "another bundle's envelope without --trust: $(cat out)"
-# A bundle that was changed is not signed, and neither is one with broken signatures.
+# osteon sign must refuse a changed bundle and a bundle with broken signatures.
 rm -rf x; cp -r plain x; echo >>x/README.md
 run 1 sign x --key tester.key --meaning performed
 [ ! -e x/signatures ] || fail "a changed bundle was signed"
@@ -208,7 +209,7 @@ grep -q "no time stamp of this envelope" out || fail "another authority: $(cat o
 refuse 2 "no certificate" verify x --trust trusted --timestamp-ca tester.key
 cp "$envelope.tsr" of_another.tsr
 fresh
-edit 'e["more"] = 1' # the signature is valid, but the time stamp is for other bytes
+edit 'e["more"] = 1' # the signature is valid, but the time stamp was made for other bytes
 cp of_another.tsr "$envelope.tsr"
 run 1 verify x --trust trusted --timestamp-ca ca.pem
 grep -q "no time stamp of this envelope" out || fail "another envelope's stamp: $(cat out)"
@@ -229,7 +230,7 @@ from securesystemslib.signer import SSlibKey
 bundle, keys = sys.argv[1:]
 for name, key in zip(sorted(glob.glob(bundle + "/signatures/*.intoto.jsonl")), ("tester", "reviewer", "tester")):
     e = json.load(open(name))
-    keyid = e["signatures"][0]["keyid"] # from_dict removes it
+    keyid = e["signatures"][0]["keyid"] # from_dict removes this field
     envelope = Envelope.from_dict(e)
     trusted = SSlibKey.from_crypto(load_pem_public_key(open(f"{keys}/{key}.pem", "rb").read()), keyid=keyid)
     envelope.verify([trusted], 1)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The second implementation of the steps before the voxels: the examples of docs/spec/arithmetic.md,
- * wide integers compared with __int128, digests of bones, and the differences that a comparison with
- * it names.
+ * Tests the second implementation of the steps before the voxels: the examples of
+ * docs/spec/arithmetic.md, wide integers compared with __int128, digests of bones, and the
+ * differences that a comparison with this implementation reports.
  *
  * Covers: AR-INT-1, AR-INT-2, AR-POSE-4, AR-CUB-1, AR-TOOL-2, AR-MESH-3, AR-MESH-4, AR-SWEEP-1..5,
  * AR-MAP-1..5, AR-MOTOR-2..7, AR-REM-7, AR-DIG-2..5
@@ -59,7 +59,7 @@ static ost_i128 decimal(const char *text)
     return negative ? -v : v;
 }
 
-/* The example of section 12. */
+/* Tests the example of section 12. */
 static void map_of_the_text(void **state)
 {
     (void)state;
@@ -96,7 +96,7 @@ static void map_of_the_text(void **state)
         assert_true(box.lo[a] <= voxel[a] && voxel[a] < box.hi[a]);
 }
 
-/* The examples of section 11. */
+/* Tests the examples of section 11. */
 static void sweep_and_motor_of_the_text(void **state)
 {
     (void)state;
@@ -107,7 +107,7 @@ static void sweep_and_motor_of_the_text(void **state)
     const ost_pose first = steps_sweep_pose(&a, &b, 1, 3);
     assert_int_equal(first.t.x, 100000000);
     assert_int_equal(first.t.y, 133333333);
-    /* 2 |d| = n s exactly is sufficient; one more picometre is not. */
+    /* 2 |d| = n s exactly is sufficient, but one picometre more is not. */
     const ost_pose exact = {{2 * 470 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0},
                    more = {{2 * 470 * UM + 1, 0, 0}, OST_Q30_ONE, 0, 0, 0};
     assert_int_equal(steps_sweep_count(&a, &exact, &tool, 470 * UM), 4);
@@ -177,7 +177,7 @@ static void grid_of_the_text(void **state)
     assert_int_equal(snapped.dropped_triangles, 1);
     ost_snapped_mesh_free(&snapped);
 
-    /* AR-CUB-1's example: 201 layers of 1 mm to 0.47 mm. */
+    /* AR-CUB-1's example: 201 layers of 1 mm become voxels of 0.47 mm. */
     const ost_geometry rect = {{256, 234, 201}, {470 * UM, 470 * UM, 1000 * UM}, {0, 0, 0}},
                        cubic = steps_cubic(&rect, 470 * UM);
     assert_int_equal(cubic.dims.z, 428);
@@ -192,13 +192,13 @@ static void events_by_hand(void **state)
     const ost_tool_geometry tool = {{4, 4, 4}, 500 * UM, {-1000 * UM, -1000 * UM, -1000 * UM}};
     const ost_pose at = {{0, 0, 0}, OST_Q30_ONE, 0, 0, 0};
     ost_tick ticks[] = {
-        {.t_ns = 0, .rpm = 200, .pose = at},         /* first of its tool */
+        {.t_ns = 0, .rpm = 200, .pose = at},         /* the first tick of its tool */
         {.t_ns = 1000000, .rpm = 200, .pose = at},   /* in the same period */
-        {.t_ns = 3000000, .rpm = 0, .pose = at},     /* motor off: never */
-        {.t_ns = 3500000, .rpm = 200, .pose = at},   /* first after the motor was off */
+        {.t_ns = 3000000, .rpm = 0, .pose = at},     /* motor off: no removal */
+        {.t_ns = 3500000, .rpm = 200, .pose = at},   /* the first tick after the motor was off */
         {.t_ns = 3600000, .rpm = 200, .pose = at, .lifted = true},
         {.t_ns = 6000000, .rpm = 200, .pose = at},   /* the next period */
-        {.t_ns = 106000000, .rpm = 200, .pose = at}, /* after a third of a turn: refused */
+        {.t_ns = 106000000, .rpm = 200, .pose = at}, /* after a third of a revolution: refused */
         {.t_ns = 46000000, .rpm = 200, .pose = at, .tool = 1},
     };
     static const int events[] = {1, 0, 0, 1, 1, 1, 2, 1};
@@ -212,7 +212,7 @@ static void events_by_hand(void **state)
     steps_history_free(&h);
 }
 
-/* One word in one of the two traces of a case of steps is changed; the comparison names it. */
+/* Changes one word in one of the two traces of a case. The comparison must name the word. */
 static void a_difference_is_named(void **state)
 {
     (void)state;
@@ -231,7 +231,7 @@ static void a_difference_is_named(void **state)
     for (int second = 0; second < 2; second++) {
         assert_ok(trace_create(paths[second], &w, &err));
         if (second)
-            s.path.ticks[5].pose.t.x++; /* not used by the second implementation, which turns the path's rows itself */
+            s.path.ticks[5].pose.t.x++; /* not used by the second implementation, which rotates the path's rows */
         assert_ok(second ? perform_second(dense, &s, 0, w, &why, &err)
                          : perform(dense, &s, 0, w, NULL, NULL, &why, &err));
         assert_ok(trace_close(w, &err));
@@ -244,7 +244,7 @@ static void a_difference_is_named(void **state)
 
     assert_ok(trace_create(paths[0], &w, &err));
     trace_free(&t[0]);
-    /* with the changed tick, as if src/core had turned it in that way */
+    /* performed with the changed tick, as if src/core had rotated the row in that way */
     assert_ok(perform(dense, &s, 0, w, NULL, NULL, &why, &err));
     assert_ok(trace_close(w, &err));
     assert_ok(trace_open(paths[0], &t[0], &err));
@@ -260,7 +260,7 @@ static void a_difference_is_named(void **state)
     ost_backend_close(dense);
 }
 
-/* A box may be larger than necessary, and none is needed if no voxel is reached. */
+/* A box may be larger than necessary, and no box is needed if no voxel is reached. */
 static void boxes_are_bounds(void **state)
 {
     (void)state;
@@ -278,13 +278,13 @@ static void boxes_are_bounds(void **state)
     least[REACHES + 1] = 3;
     least[REACHES + 4] = 9;
     assert_true(trace_word_holds(TRACE_STEPS, REACHES + 1, a, b) && trace_word_holds(TRACE_STEPS, REACHES + 4, a, b));
-    is[REACHES + 1] = 4; /* begins one too late */
-    is[REACHES + 4] = 8; /* ends one too early */
+    is[REACHES + 1] = 4; /* begins one voxel too late */
+    is[REACHES + 4] = 8; /* ends one voxel too early */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES + 1, a, b) || trace_word_holds(TRACE_STEPS, REACHES + 4, a, b));
     is[REACHES] = 0; /* omitted although voxels are reached */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES, a, b));
 
-    /* A tick: a flag that boxes meet, then the range of chunks, first and end of each axis. */
+    /* Words of a tick: a flag that boxes meet, then the first and end chunk of each axis. */
     enum { MEET = 2, FIRST_Y = 6, END_Y = 7 };
     uint64_t has[13] = {0}, needs[13] = {0};
     const uint8_t *x = (const uint8_t *)has, *y = (const uint8_t *)needs;
@@ -304,7 +304,7 @@ static void boxes_are_bounds(void **state)
                  trace_word_holds(TRACE_TICK, END_Y, x, y));
 }
 
-/* The bone of the example of AR-DIG, and bones of random dims, for which the library computes the same digest. */
+/* Tests the bone of AR-DIG's example and bones of random dims. The library must compute the same digests. */
 static void digests_of_bones(void **state)
 {
     enum { MOST = 97 };

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# osteon validate --with-suite: the results of tests in a bundle, and the findings of verify
-# about them. The suite is a simulated program tests/run-test: its tests pass, fail, skip, hang,
-# are ended by a signal and print endlessly.
+# Tests osteon validate --with-suite: the results of tests in a bundle, and the problems that
+# verify reports about them. A simulated program tests/run-test is the suite. Its tests pass,
+# fail, skip, hang, are ended by a signal, or print endlessly.
 # Covers: REQ-SUITE
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -18,7 +18,7 @@ END
 chmod +x suite/tests/run-test
 campaign="validate --only import/0 --backends cpu:isa=scalar,threads=1"
 
-# A folder that is no suite is refused before anything runs.
+# A folder that is not a suite must be refused before anything runs.
 refuse 2 "needs --out" $campaign --with-suite suite
 refuse 2 "with --shard, only the first" $campaign --with-suite suite --shard 2/2 --out b
 refuse 2 "nowhere: has no program tests/run-test" $campaign --with-suite nowhere --out b
@@ -29,7 +29,7 @@ refuse 2 "no program that can be executed" $campaign --with-suite folder --out b
 checks=$((checks + 1))
 [ ! -e b ] || fail "a refused suite leaves a bundle"
 
-# One test passes; absent tests are skipped, with the reason.
+# One test passes. Absent tests are skipped, and the reason is given.
 run 0 $campaign --with-suite suite --out b --json
 named=$(sed 1d b/requirements.csv | grep -v '^,' | cut -d, -f4 | tr ';' '\n' | grep . | sort -u | wc -l | tr -d ' ')
 check "passed" "$(value suite.passed)" 1
@@ -46,7 +46,7 @@ grep -q 'id="suite"' b/report.html && ! grep -q 'SUITE FAILED' b/report.html || 
 run 0 verify b --json
 check "verify's count" "$(value suite.passed)" 1
 
-# The suite of a shard is part of the merged bundle.
+# The suite of a shard must be part of the merged bundle.
 mkdir shards
 run 0 validate --only import --backends cpu:isa=scalar,threads=1 --shard 1/2 --with-suite suite --out shards/1
 run 0 validate --only import --backends cpu:isa=scalar,threads=1 --shard 2/2 --out shards/2
@@ -62,8 +62,7 @@ grep -q 'no test of the suite ran' err || fail "a suite that did not run: $(cat 
 run 0 verify none
 check "results_root of other results of the suite" "$("$json_get" results_root <none/manifest.json)" "$("$json_get" results_root <b/manifest.json)"
 
-# Tests that fail in every way; none of their processes continues, and none of their output is
-# stored.
+# The tests fail in every way. None of their processes may continue, and none of their output may be stored.
 cat >suite/tests/run-test <<END
 #!/bin/sh
 case \$1 in
@@ -109,7 +108,7 @@ run 0 verify failed
 checks=$((checks + 1))
 grep -q 'the test suite FAILED: 2 passed, 6 failed' out || fail "verify does not say that the suite failed: $(cat out)"
 
-# Forged files without a corrected manifest and log: verify names suite.json and the error.
+# Files are forged without correcting the manifest and the log. verify must name suite.json and the error.
 cp -r failed forged
 sed 's/"failed": 6/"failed": 5/' failed/suite.json >forged/suite.json
 run 1 verify forged
@@ -139,7 +138,7 @@ run 1 verify without
 checks=$((checks + 1))
 grep -q 'suite.json belongs to no bundle of this protocol' out || fail "a suite put in: $(cat out)"
 
-# The build's own program runs a test as make check does.
+# The build's own program must run a test as make check does.
 if [ -x "$build/tests/core/test_pose" ]; then
     "$build/tests/run-test" tests/core/test_pose.c >out 2>&1
     check "tests/run-test tests/core/test_pose.c" $? 0

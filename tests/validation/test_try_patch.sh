@@ -1,9 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# validation/try-patch: a patch is detected, located and reproduced by the command that it
-# prints; a patch that changes no result is not detected; one that does not apply or compile is
-# refused. The tree and the build are not changed.
+# Tests validation/try-patch. A patch that changes a result must be detected, located and
+# reproduced by the command that try-patch prints. A patch that changes no result must not be
+# detected. A patch that does not apply or compile must be refused. The tree and the build must
+# not change.
 # Covers: REQ-TRY-PATCH
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -15,7 +16,7 @@ done
 file=src/cpu/import/ct.c
 before=$(cksum "$source_folder/$file" "$build/osteon")
 
-# change NAME FROM TO: makes NAME.patch, which replaces one text of the file
+# change NAME FROM TO: makes NAME.patch, which replaces FROM by TO in the file
 change() {
     mkdir -p a/src/cpu/import b/src/cpu/import
     cp "$source_folder/$file" a/$file

@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# A user's own files as cases of a campaign: run on every backend, equal in shards and without,
-# computed again by those who have the files, never named in the bundle; invalid files are
-# refused.
+# Tests a user's own files as cases of a campaign. The cases run on every backend, give equal
+# results with and without shards, and can be computed again by anyone who has the files. The
+# bundle must not contain the names of the files. Invalid files must be refused.
 # Covers: REQ-USER-FILES
 . "${srcdir:-.}/tests/app/lib.sh"
 
 one='cpu:isa=scalar,threads=1'
-# Names that occur nowhere else in a bundle.
+# These names must occur nowhere else in a bundle.
 ct=Doe-Jane-1961.txt mesh=prototype-q17.stl path=monday-session.csv
 ct_text 22 20 14 0.5 'i * 40 - k * 3 - 100' >$ct
 "$osteon" phantom glenoid --scale 0.25 --spacing 1.6,1.6,2 --out second.nrrd >/dev/null || fail "no phantom"
@@ -25,14 +25,14 @@ for file in $ct second.nrrd $mesh $path; do
     checks=$((checks + 1))
     grep -q "\"$(sha256sum <$file | cut -d' ' -f1)\",$(wc -c <$file | tr -d ' ')," b/inputs.csv || fail "$file is not in inputs.csv"
 done
-# The bone of the CT is the one that osteon import makes.
+# The bone of the CT must equal the bone that osteon import makes.
 "$osteon" import $ct --cubic 0.4 --out bone.nrrd --json >out || fail "import"
 for stage in 0 1 2 3; do
     checks=$((checks + 1))
     grep -q "\"$(value "stages.$stage.name")\": \"$(value "stages.$stage.sha256")\"" b/protocol.json || fail "stage $(value "stages.$stage.name") of import is not in protocol.json"
 done
 
-# Computed again from the files alone, in any order, and not from other files.
+# verify computes the results again from the files alone, in any order, and not from other files.
 run 0 verify b
 run 0 verify b --rerun --path $path --tool $mesh --ct second.nrrd --ct $ct --json
 check "made again" "$(value rerun)" true
@@ -42,7 +42,7 @@ sed '30s/[0-9]$/7/; 30s/$/1/' $ct >changed.txt
 refuse 2 "none of the files given with --ct is the bundle's" verify b --rerun --path $path --tool $mesh --ct second.nrrd --ct changed.txt
 refuse 2 "No such file" verify b --rerun --path nowhere --tool $mesh --ct second.nrrd --ct $ct
 
-# Two runs, and shards: a protocol's options in any order.
+# A second run and a run in shards must give the same results, with the protocol's options in any order.
 run 0 validate --voxel 0.6 --only user --backends "$one;cpu:isa=scalar,threads=2" --cubic=0.4 --path $path --tool $mesh --ct $ct --tool builtin:burr --ct second.nrrd --out again --quiet
 mkdir shards
 for i in 1 2; do
@@ -64,14 +64,14 @@ run 0 validate --only user --backends "$one" --tool $mesh --shard 1/1 --out alon
 run 0 validate --merge alone --out single
 check "merge of one" "$(head -n 1 out)" "EQUAL: 1 case from 1 shard"
 
-# A part of a user's case needs the files; without them it is refused.
+# A case that is a part of a user's case needs the files; without them it is refused.
 echo '{"osteon_case": 1, "id": "user/1", "tier": "smoke", "seed": "1", "keep": {"crop": [[2, 0, 0], [20, 18, 12]], "ticks": [[0, 9]], "no_tools": [1]}}' >part.json
 run 0 validate --case part.json --backends "$one" --ct $ct --tool $mesh --tool builtin:burr --path $path --json
 check "part" "$(value equal)" true
 refuse 2 "give them with --ct, --tool and --path" validate --case part.json --backends "$one"
 
-# A backend that differs in it: the difference is located, reduced, and reproduced by the case
-# and the files.
+# A backend differs in the user's case. The difference must be located, reduced, and reproduced
+# from the case and the files.
 if cp "$build/.libs/thesis_f32.so" . 2>/dev/null; then
     run 1 validate --only user/1 --backends "$one;plugin:./thesis_f32.so" --ct $ct --tool $mesh --out differs --json
     small=$(value findings.0.reproduce)
@@ -84,8 +84,8 @@ else
     echo "no shared objects were built here: no backend that differs"
 fi
 
-# Inputs that are refused before anything runs.
-# bad TEXT ARGUMENT...: checks that the arguments are refused in a line that contains TEXT
+# bad TEXT ARGUMENT...: checks that the arguments are refused, before anything runs, in a line
+# that contains TEXT
 bad() {
     text=$1
     shift

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the first difference between two outcomes of one scene by comparing only the outcomes:
- * stage, call, and the least voxel, leaf and chunk.
+ * Finds the first difference between two outcomes of a scene from the outcomes alone: the stage,
+ * the call, and the least voxel, leaf and chunk.
  */
 #ifndef OST_TESTS_VALIDATION_DIFFERENCE_H
 #define OST_TESTS_VALIDATION_DIFFERENCE_H
@@ -28,7 +28,7 @@ static inline void lower_to(int64_t *least, int64_t value)
         *least = value;
 }
 
-/* size: 1 or 2 bytes per voxel; chunk_size 0: without chunks. */
+/* Compares two grids of `size` (1 or 2) bytes per voxel; chunk_size 0 means that the grids have no chunks. */
 static inline void differ_voxels(difference *f, const void *a, const void *b, size_t size, ost_dims d, int chunk_size)
 {
     const unsigned char *p = a, *q = b;
@@ -68,7 +68,7 @@ static inline void differ_reports(difference *f, const ost_removal_report *a, co
         f->report = true;
 }
 
-/* Sets stage and call if a part of the finding differs; returns true then. */
+/* Sets stage and call, and returns true, if a part of the finding differs. */
 static inline bool is_here(difference *f, deviation_stage stage, uint64_t call)
 {
     f->stage = stage;
@@ -102,7 +102,7 @@ static inline difference first_difference(const scene *s, const outcome *a, cons
         if (is_here(&f, DEVIATION_REMOVE, (uint64_t)e))
             return f;
     }
-    /* Occupancy affects no density, only the count after the last event. */
+    /* Occupancy affects no density; it affects only the count after the last event. */
     f.report = a->info[1].active_voxels != b->info[1].active_voxels;
     is_here(&f, DEVIATION_REMOVE, EVENTS - 1);
     return f;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs one scene through every stage: samples, rect grid, cubic grid, bone, a tool from meshes,
- * and events; all results of a backend are stored.
+ * Runs a scene through every stage (samples, rect grid, cubic grid, bone, a tool from meshes, and
+ * events) and stores all results of a backend.
  *
- * The scenes are made so that every mistake of validation/dense can have an effect: densities
- * at the threshold and at the borders of classes, duplicates, voxels without a sample, vertices
- * on voxel centres, leaks, meshes within meshes, poses within a rounding of the border of tool
- * voxels, sweeps, and distant tools.
+ * The scenes are made so that every mistake of validation/dense can have an effect: densities at
+ * the threshold and at the borders of classes, duplicates, voxels without a sample, vertices on
+ * voxel centres, leaks, meshes within meshes, poses within a rounding error of the borders of
+ * tool voxels, sweeps, and distant tools.
  */
 #ifndef OST_TESTS_VALIDATION_SCENE_H
 #define OST_TESTS_VALIDATION_SCENE_H
@@ -25,7 +25,7 @@ typedef struct scene {
     ost_pm cubic;
     ost_resample rule;
     int chunk_size;
-    /* tools: one voxelized, one of random classes */
+    /* tools: one voxelized from meshes, one with random classes */
     ost_snapped_mesh cutting, noncutting;
     bool two_meshes;
     ost_fill_rule fill;
@@ -40,7 +40,7 @@ typedef struct scene {
 
 /* ------------------------------------------------------------------ make */
 
-/* Varied densities, uniform ones, or almost no bone; many mistakes have no effect on the last two. */
+/* Densities of a scene: varied, uniform, or almost no bone. Many mistakes have no effect in UNIFORM and EMPTY. */
 typedef enum flavour { VARIED, UNIFORM, EMPTY } flavour;
 
 static inline int16_t scene_density(test_rng *rng, flavour f)
@@ -121,8 +121,8 @@ static inline void add_triangle(ost_snapped_mesh *m, size_t a, size_t b, size_t 
 }
 
 /*
- * Sets a range about a voxel's centre with an odd half width, so that a line from corner to
- * corner meets the centre exactly.
+ * Sets a range around a voxel's centre. Its half width is odd, so that a diagonal between corners
+ * passes exactly through the centre.
  */
 static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *hi)
 {
@@ -133,7 +133,7 @@ static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *
     *hi = middle + half;
 }
 
-/* Adds a box or a tetrahedron of either orientation; with `leaks` without one face. */
+/* Adds a box or a tetrahedron of either orientation; with `leaks`, one face is missing. */
 static inline void add_body(ost_snapped_mesh *m, test_rng *rng, bool leaks)
 {
     static const uint8_t faces[12][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
@@ -224,8 +224,8 @@ static inline ost_geometry cubic_of(const scene *s)
 }
 
 /*
- * Returns a random pose in the bone, or one within some picometres of a pose at which borders
- * of tool voxels meet voxels of the bone.
+ * Returns a random pose in the bone, or a pose within a few nanometres of one at which the
+ * borders of tool voxels coincide with borders of bone voxels.
  */
 static inline ost_pose scene_pose(const scene *s, test_rng *rng, ost_pm voxel)
 {

@@ -59,7 +59,7 @@ static void equals_the_reference(void **state)
     ost_backend_close(ref);
 }
 
-/* Positions off the lattice, outside the grid and beyond all valid lengths; conflicts; lines out of order. */
+/* Tests positions off the lattice, outside the grid and beyond all valid lengths; conflicts; and lines out of order. */
 static void reports_what_is_wrong_with_samples(void **state)
 {
     (void)state;
@@ -108,8 +108,8 @@ static void reports_what_is_wrong_with_samples(void **state)
 }
 
 /*
- * A bone uploaded slice by slice, in any order, equals a bone uploaded at once; downloaded
- * slices equal the uploaded ones.
+ * A bone uploaded slice by slice, in any order, must equal a bone uploaded at once; downloaded
+ * slices must equal the uploaded ones.
  */
 static void slices_are_the_whole(void **state)
 {

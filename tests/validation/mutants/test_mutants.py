@@ -3,7 +3,7 @@
 """Tests the generator of mutants and their measurement, on snippets and on a toy program.
 
     snippet --> exactly the mutants computed by hand
-    toy program with three mutants --> identical code, killed by its trace, survived
+    toy program with three mutants --> one has identical code, one is killed by its trace, one survives
 
 Covers: REQ-MUTANTS
 """
@@ -27,7 +27,7 @@ import trial  # noqa: E402
 
 
 def changes(text, *names, file="src/core/a.c"):
-    """Returns the lines that mutants of some operators make of a source's one line."""
+    """Returns the lines into which the mutants of some operators change a one-line source."""
     return sorted(operators.applied(text, m) for m in operators.mutants_of(file, text) if m.operator in names)
 
 
@@ -98,7 +98,7 @@ class Generator(unittest.TestCase):
         self.assertEqual(len({m.id for m in mutants}), len(mutants))
 
     def test_backends_of_files(self):
-        """A file without known backends would count as survived; so every file that is built here has some."""
+        """A file without known backends would count as survived, so every file that is built here must have some."""
         lists = (["ref", "cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2", "cpu:isa=avx2,threads=1", "cpu:isa=avx2,threads=2", "cpu:isa=avx512,threads=2",
                   "cpu:voxelizer=embree,threads=2", "cl:platform=0,device=0"],
                  ["ref", "dense", "cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2,grain=1", "cpu:isa=avx2,threads=3,grain=1", "cpu:isa=avx512,threads=1",
@@ -112,7 +112,7 @@ class Generator(unittest.TestCase):
                 self.assertLessEqual(set(found), set(available))
 
     def test_survivors_ran_everywhere(self):
-        """"Survived" refers to a tier, so no backend of it that runs the file may be omitted."""
+        """The result "survived" applies to a tier, so no backend of the tier that runs the file may be omitted."""
         cpu = ["cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2,grain=1", "cpu:isa=avx2,threads=1", "cpu:isa=avx2,threads=3,grain=1",
                "cpu:isa=avx512,threads=7,grain=1", "cpu:isa=avx512vbmi,threads=1", "cpu:threads=3", "cpu:voxelizer=embree,threads=2"]
         cl = ["cl:platform=0,device=0,kernels=cpu", "cl:platform=0,device=0,kernels=gpu,staging=65536"]
@@ -126,7 +126,7 @@ class Generator(unittest.TestCase):
         self.assertEqual(scope.subjects("src/cpu/x86/remove_avx2.c", available)[0], "cpu:isa=avx2,threads=3,grain=1")
 
     def test_order_of_families(self):
-        """The family that detects most mutants per second runs first."""
+        """The family that detects the most mutants per second must run first."""
         campaign = trial.Campaign("none", tempfile.mkdtemp(prefix="osteon-mutants-"), trial.Limits(), ["case"], ["slow", "quick", "useless"])
         self.addCleanup(shutil.rmtree, campaign.work)
         campaign.tried = {"slow": [9, 90.0], "quick": [3, 5.0], "useless": [1, 50.0]}
@@ -158,8 +158,8 @@ static int unused_half(int v) { return v & 7; }
 int toy_value(int v);
 int toy_value(int v) { return v > 100 ? unused_half(v) : scaled(v); }
 """
-# A worker with one case: a record of stage `case`, one of stage `rect` with the values, and the
-# end.
+# A worker with one case. Its trace is a record of stage `case`, a record of stage `rect` with the
+# values, and the end.
 MAIN = """
 #include <stdint.h>
 #include <stdio.h>
@@ -222,8 +222,8 @@ class OnAToy(unittest.TestCase):
         self.assertEqual(self.outcome("7", "15", "unused_half(int v) {")["outcome"], "survived")
         self.assertEqual(self.outcome("100", "101", "toy_value(int v) {")["outcome"], "survived")
         self.assertEqual(self.outcome(">", ">=", "toy_value(int v) {")["outcome"], "survived")
-        # No value is greater than this one, so the compiler removes the code after the test:
-        # identical object code.
+        # No value is greater than this one, so the compiler removes the code after the test and
+        # the object code is identical.
         text = TOY.replace("v > 100", "v > 0x7fffffff")
         with open(os.path.join(self.build.source, "src/cpu/ref/toy.c"), "w", encoding="utf-8") as f:
             f.write(text)
@@ -259,7 +259,7 @@ class Table(unittest.TestCase):
                          [6, 1, 1, 4, 1, 2, 1, 1])
 
     def test_last_row_counts(self):
-        """A survivor that is run again by name keeps its sample's seed and gets the new outcome."""
+        """When a survivor is run again by name, it must keep its sample's seed and receive the new outcome."""
         path = os.path.join(tempfile.mkdtemp(prefix="osteon-mutants-"), "r.csv")
         self.addCleanup(shutil.rmtree, os.path.dirname(path))
         with open(path, "w", newline="", encoding="utf-8") as f:
@@ -274,14 +274,14 @@ class Table(unittest.TestCase):
         row = {"file": "src/core/a.c", "line": "1", "operator": "bound", "old": "<", "new": "<=", "text": "a", "how": "", "by": "", "tiers": "smoke"}
         rows = {str(i): {**row, "id": str(i), "outcome": o} for i, o in enumerate(["killed by smoke"] * 60 + ["survived"] * 40)}
         files = [table.count_file("src/core/a.c", 100, list(rows.values()), {})]
-        self.assertEqual(table.judge(files, rows, {}, 69, False), [])  # the interval ends at 69.1 %
+        self.assertEqual(table.judge(files, rows, {}, 69, False), [])  # the interval's upper limit is 69.1 %
         self.assertEqual(len(table.judge(files, rows, {}, 70, False)), 1)
         self.assertEqual(len(table.judge(files, rows, {}, 0, True)), 40)
         known = {str(i): {"id": str(i), "kind": kind, "text": "a", "reason": "r"} for i, kind in
                  zip(range(60, 100), ["equivalent"] * 10 + ["no result"] * 10 + ["open"] * 20)}
         files = [table.count_file("src/core/a.c", 100, list(rows.values()), known)]
         self.assertEqual([files[0][c] for c in ("differing", "equivalent", "no result", "smoke", "survived")], [100, 10, 10, 60, 20])
-        self.assertEqual(table.judge(files, rows, known, 80, True), [])  # 60 of 80: up to 83 %
+        self.assertEqual(table.judge(files, rows, known, 80, True), [])  # 60 of 80: the upper limit is 83 %
         self.assertEqual(len(table.judge(files, {}, {}, 0, False)), 0)
         self.assertEqual(len(table.judge([], {}, {}, 0, False)), 1)
 

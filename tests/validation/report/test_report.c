@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * report.html: it follows from the bundle, escapes its input, has no dead links, and shows
- * differences.
+ * Tests report.html: it must follow from the bundle, escape its input, have no dead links, and
+ * show differences.
  *
- * The bundles are made here from a protocol and cases written by hand; the traces of a
- * difference are two records of a small bone each.
+ * The bundles are made here from a protocol and cases written by hand. The traces of a difference
+ * are two records of a small bone each.
  */
 #include "harness.h"
 
@@ -86,8 +86,8 @@ static void put_text_file(bundle *b, const char *name, const char *text)
 }
 
 /*
- * Writes one of two traces of a case. Their chunks are equal. In the tick that follows, the other
- * trace removes one voxel less in one leaf and does not change another leaf.
+ * Writes one of two traces of a case. The chunks of both are equal. In the tick that follows, the
+ * trace with `other` removes one voxel less in one leaf and leaves another leaf unchanged.
  */
 static void write_trace(const char *path, bool other)
 {
@@ -120,7 +120,7 @@ static void write_trace(const char *path, bool other)
     assert_ok(trace_close(w, &err));
 }
 
-/* Stores the pictures of case session/1 on backend 1 by the campaign's hook. */
+/* Stores the pictures of case session/1 on backend 1 through the campaign's hook. */
 static void put_difference(bundle *b)
 {
     ost_error err = {0};
@@ -210,14 +210,14 @@ static void remember(void *user, bundle_problem_kind what, const char *file, con
     char *all = user;
     const size_t used = strlen(all);
     if (strcmp(file, REPORT_FILE) != 0 && strncmp(file, "pictures/", 9) != 0)
-        return; /* these bundles are of no campaign, so their other files do not follow from a plan */
+        return; /* no campaign made these bundles, so their other files do not follow from a plan */
     about_page++;
     snprintf(all + used, 4096 - used, "%s %s\n", file, problem);
 }
 
 /*
- * Returns the number of problems that the check reports for the page and its pictures; `all`
- * receives them as lines.
+ * Returns the number of problems that the check reports for the page and its pictures, and
+ * appends them to `all`, one per line.
  */
 static int problems_of(const char *folder, char all[4096])
 {
@@ -269,7 +269,7 @@ static void clear(const char *folder)
 
 /* ----------------------------------------------------------------- tests */
 
-/* Removes the time, the only difference between two pages of equal results here. */
+/* Removes the time from a page. It is the only difference between two pages of equal results here. */
 static void without_time(char *html)
 {
     static const char row[] = "<tr><th>Begun</th><td>";
@@ -327,7 +327,7 @@ static void says_the_verdict_first(void **state)
     }
 }
 
-/* Only text written by the program itself may be between < and >. */
+/* Only text that the program itself writes may occur between < and >. */
 static void escapes_what_it_is_given(void **state)
 {
     static const char *const bad[] = {"<script", "<img src=x", "onerror=\"", "alert('x')", "\x01", "<b>x"};
@@ -393,7 +393,7 @@ static void shows_a_difference(void **state)
     free(html);
 }
 
-/* The page shows sums by stage, the missed mistakes separately, and every kind in a collapsed section. */
+/* The page must show the sums per stage, the missed mistakes separately, and every kind in a collapsed section. */
 static void sums_up_mistakes(void **state)
 {
     (void)state;
@@ -447,7 +447,7 @@ static void a_changed_byte_is_noticed(void **state)
         assert_int_equal(stat(path, &info), 0);
         const long at = (long)(rng_next(&rng) % (uint64_t)info.st_size);
         flip(folder, name, at);
-        /* one for the manifest, and one for the page, which no longer follows from the bundle */
+        /* one problem for the manifest, and one for the page, which no longer follows from the bundle */
         assert_true(problems_of(folder, all) >= 2);
         assert_non_null(strstr(all, name));
         assert_non_null(strstr(all, REPORT_FILE " does not follow"));
@@ -488,7 +488,7 @@ typedef struct written {
     char verdict[16], junit[2048], tap[2048];
 } written;
 
-/* No file with the verdict, for people or for machines, may say that anything is equal. */
+/* Checks that no file with the verdict, whether for people or for programs, says that anything is equal. */
 static ost_status says_nothing_equal(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
     written *w = user;
@@ -520,8 +520,8 @@ static void write_all(const json_t *protocol, const json_t *cases, written *w)
 }
 
 /*
- * All cases refused, only the reference, or no available backend: none of these may be reported
- * as equal anywhere.
+ * If all cases were refused, if only the reference ran, or if no backend was available, nothing
+ * may be reported as equal.
  */
 static void nothing_compared(void **state)
 {
@@ -558,7 +558,7 @@ static void nothing_compared(void **state)
     }
 }
 
-/* One of two cases was refused: the other one counts, and the refused one is not a success. */
+/* One of two cases was refused. The other case counts, and the refused case is not a success. */
 static void one_refused(void **state)
 {
     ost_error err = {0};
