@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reading NIfTI-1 and -2: types, byte orders, pairs, scaling, units, and which of sform, qform
- * and pixdim is used.
+ * Tests reading NIfTI-1 and NIfTI-2: types, byte orders, pairs of header and image, scaling,
+ * units, and the choice among sform, qform and pixdim.
  *
  * Covers: AR-LEN-4, AR-GRID-4, AR-FILE-4, AR-FILE-5, AR-FILE-6, REQ-NIFTI
  */
@@ -86,7 +86,7 @@ static void pairs(void **state)
         write_file("p.img", "skip\0\1\2\3\4\5\6\7", 12);
         s.vox_offset = 4;
         write_nifti("p.hdr", &s, NULL, 0);
-        read_it("p.img", &v, &report); /* the image's name finds the header */
+        read_it("p.img", &v, &report); /* reads the header too when the image is named */
         assert_int_equal(v.voxels[7], 7);
         ost_volume_free(&v);
     }
@@ -97,7 +97,7 @@ static void slope_and_intercept(void **state)
     (void)state;
     static const struct {
         double slope, inter;
-        int expected[3]; /* densities of 1, 2 and 3 */
+        int expected[3]; /* expected densities of the stored values 1, 2 and 3 */
         int rounded;
     } cases[] = {
         {0, 500, {1, 2, 3}, 0},     {1, -1024, {-1023, -1022, -1021}, 0}, {0.5, 0, {0, 1, 2}, 4},
@@ -127,12 +127,12 @@ static void slope_and_intercept(void **state)
     assert_refused(at("s.nii"), NULL, OST_ERR_INPUT, "scl_inter");
 }
 
-/* Finds which of the three is used: each has different sizes. */
+/* Tests which of sform, qform and pixdim is used. Each gives different sizes. */
 static void sform_qform_or_pixdim(void **state)
 {
     (void)state;
     static const struct {
-        int sform, qform, expected; /* 1 sform, 2 qform, 3 pixdim alone */
+        int sform, qform, expected; /* 1 sform, 2 qform, 3 only pixdim */
     } cases[] = {{1, 1, 1}, {2, 1, 1}, {1, 0, 1}, {0, 1, 2}, {4, 1, 2}, {3, 2, 2}, {4, 0, 1}, {0, 0, 3}};
     const ost_pm mm = OST_PM_PER_MM;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -151,8 +151,8 @@ static void sform_qform_or_pixdim(void **state)
             ost_volume_report report;
             ost_error err = {0};
             /*
-             * Both forms refer to the patient and disagree, so one must be chosen;
-             * forms_that_disagree tests that choice.
+             * Both forms refer to the patient and disagree, so an option must select one.
+             * forms_that_disagree tests this option.
              */
             const bool both = cases[i].expected == 1 && cases[i].qform > 0;
             const ost_volume_options by_sform = {.form = both ? OST_FORM_SFORM : OST_FORM_AUTO};
@@ -176,9 +176,9 @@ static void sform_qform_or_pixdim(void **state)
 }
 
 /*
- * A grid of 2 x 2 x 2 voxels of 1 mm. The forms are equal except for the sform's origin, moved
- * along R, and its z step: the farthest corner is moved by the sum of both. Up to one voxel
- * counts as agreement; beyond it a form must be chosen.
+ * Reads a grid of 2 x 2 x 2 voxels of 1 mm. The forms are equal except for the sform's z step and
+ * its origin, which is moved along R. The farthest corner moves by the sum of both changes. Forms
+ * that differ by at most one voxel agree; if they differ by more, an option must select one.
  */
 static void forms_that_disagree(void **state)
 {
@@ -223,8 +223,8 @@ static void forms_that_disagree(void **state)
 }
 
 /*
- * Without forms the orientation letters give the directions of i, j and k. Tests all 48 codes;
- * voxel (0, 0, 0) stays at the origin.
+ * Without forms the orientation letters give the directions of i, j and k. Tests all 48 codes.
+ * Voxel (0, 0, 0) must stay at the origin.
  */
 static void without_forms(void **state)
 {
@@ -280,8 +280,8 @@ static void without_forms(void **state)
 }
 
 /*
- * Quaternions of quarter turns, also with the rounding error of float32's sqrt(1/2): the
- * spacing is that of pixdim.
+ * Reads quaternions of quarter turns, also with the rounding error of float32's sqrt(1/2). The
+ * spacing must be that of pixdim.
  */
 static void quarter_turns(void **state)
 {
@@ -338,7 +338,7 @@ static void units_and_float32(void **state)
             for (int version = 1; version <= 2; version++) {
                 nifti_spec s = nifti_plain(version);
                 double unit = units == 1 ? 0.001 : units == 3 ? 1000 : 1;
-                s.units = units | 8; /* the upper bits: seconds */
+                s.units = units | 8; /* the upper bits hold the time unit, seconds */
                 s.sform_code = 1;
                 s.srow[0][0] = -spacings[i] * unit;
                 s.srow[1][1] = -spacings[i] * unit;
@@ -398,7 +398,7 @@ static void oblique(void **state)
     ost_volume_free(&v);
 }
 
-/* Without libnifti the file's kind is still recognized, and the error names the package to install. */
+/* Without libnifti the kind of the file must still be recognized, and the error must name the package to install. */
 static void without_libnifti(void **state)
 {
     (void)state;

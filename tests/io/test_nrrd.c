@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reading NRRD: every type, byte order and encoding, all forms of detached data, spaces and
- * units. Every file is made byte by byte from the format's description, without osteon's
- * writer.
+ * Tests reading NRRD: every type, byte order and encoding, all forms of detached data, spaces and
+ * units. Every file is built byte by byte from the format's description, without osteon's writer.
  *
  * Covers: AR-LEN-3, AR-GRID-4, AR-FILE-4, AR-FILE-5, AR-FILE-6, REQ-NRRD
  */
@@ -10,7 +9,7 @@
 
 enum { NX = 4, NY = 3, NZ = 5, COUNT = NX * NY * NZ };
 
-/* Returns distinct small values that every type down to int8 (shifted) can hold. */
+/* Returns distinct small values that every type can hold; int8 holds them with an offset. */
 static int density(int n)
 {
     return n * 2 + 1;
@@ -57,7 +56,7 @@ static void put_text_voxels(bytes *b, int from, int count)
     put_text(b, "\n");
 }
 
-/* Reads the file and compares every voxel; the grid must be NX x NY x NZ in the file's order. */
+/* Reads the file and compares every voxel. The grid must have NX x NY x NZ voxels in the file's order. */
 static ost_volume_report assert_reads(const char *name)
 {
     ost_error err = {0};
@@ -80,7 +79,7 @@ static void every_type_order_and_encoding(void **state)
     static bytes file, raw;
     for (size_t t = 0; t < sizeof type_cases / sizeof type_cases[0]; t++) {
         for (int variant = 0; variant < 6; variant++) {
-            /* raw and gzip in both orders, text, and gzip in two members */
+            /* raw and gzip in both byte orders, text, and gzip in two members */
             bool big = variant & 1;
             const char *encoding = variant < 2    ? "raw"
                                    : variant < 4  ? (big ? "gz" : "gzip")
@@ -171,7 +170,7 @@ static void beyond_int16_is_said_or_clamped(void **state)
     }
 }
 
-/* The extremes of every integer type are read as values, in text as in raw: AR-FILE-4. */
+/* AR-FILE-4: the extreme values of every integer type must be read as values, both as text and raw. */
 static void ends_of_types_are_values(void **state)
 {
     (void)state;
@@ -212,7 +211,10 @@ static void write_header(const char *name, const char *fields)
     write_file(name, file.data, file.size);
 }
 
-/* Writes the voxels from..from+count as big-endian int16 after `lines` and `skipped`, compressed if `packed`. */
+/*
+ * Writes the voxels from..from+count as big-endian int16 after `lines` and `skipped`; compresses
+ * the data if `packed`.
+ */
 static void write_part(const char *name, const char *lines, const char *skipped, int from, int count, bool packed)
 {
     static bytes file, raw;
@@ -340,7 +342,10 @@ static void spaces_and_units(void **state)
     assert_grid(&g, 488281250, 470000000, mm, -57340000000, 0, 10 * mm);
     assert_string_equal(report.orientation, "LPS");
     assert_int_equal(v[1], 1);
-    /* RAS with positive steps: x and y run backward in LPS, so the last voxel along each comes first. */
+    /*
+     * RAS with positive steps: x and y decrease in LPS, so the last voxel along each of these
+     * axes becomes the first.
+     */
     read_grid("space: RAS\nspace directions: (1,0,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\n", &g, &report, v);
     assert_grid(&g, mm, 2 * mm, 3 * mm, -11 * mm, -22 * mm, 30 * mm);
     assert_string_equal(report.orientation, "RAS");
@@ -360,7 +365,7 @@ static void spaces_and_units(void **state)
     assert_string_equal(report.orientation, "");
     read_grid("space dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n", &g, &report, v);
     assert_grid(&g, mm, mm, mm, 0, 0, 0);
-    /* Off-diagonal values below a picometre, and a long decimal. */
+    /* Off-diagonal values are below a picometre, and a decimal has many digits. */
     read_grid("space: LPS\nspace directions: (0.46999999999999997,1e-17,0) (0,0.47000000000000003,0) (0,0,1)\n", &g,
               &report, v);
     assert_grid(&g, 470000000, 470000000, mm, 0, 0, 0);
@@ -377,8 +382,8 @@ static void spaces_and_units(void **state)
 }
 
 /*
- * In a space that names no patient axes, the coordinates are mapped by the orientation letters:
- * directions and origin are turned together.
+ * If the space does not define patient axes, the orientation letters map the coordinates:
+ * directions and origin are transformed together.
  */
 static void a_space_without_a_patient(void **state)
 {
@@ -401,7 +406,7 @@ static void a_space_without_a_patient(void **state)
         assert_true(report.assumed);
         assert_string_equal(ost_meta_get(&v.meta, OST_META_ORIENTATION), "assumed LPS");
         assert_grid(&v.geometry, mm, 2 * mm, 3 * mm, 10 * mm, 20 * mm, 30 * mm);
-        /* The fact is kept when the volume is written and read again, and an option cannot override it. */
+        /* The fact must be preserved when the volume is written and read again, and an option cannot override it. */
         assert_ok(ost_volume_write(at("again.nrrd"), &v, NULL, &err));
         ost_volume_free(&v);
         assert_ok(ost_volume_read(at("again.nrrd"), NULL, &v, &report, &err));
@@ -409,7 +414,7 @@ static void a_space_without_a_patient(void **state)
         ost_volume_free(&v);
         assert_refused(at("again.nrrd"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE,
                        "import the CT itself with --orientation RAS");
-        /* RAS, as in spaces_and_units. */
+        /* Expects the same values as for RAS in spaces_and_units. */
         assert_ok(ost_volume_read(at("space.nrrd"), &(ost_volume_options){.orientation = "RAS"}, &v, &report, &err));
         assert_false(report.assumed);
         assert_grid(&v.geometry, mm, 2 * mm, 3 * mm, -11 * mm, -22 * mm, 30 * mm);
@@ -450,7 +455,7 @@ static void keys_become_meta(void **state)
                     "osteon_side:=right\nDICOM:0008,0060:=CT\nosteon_note:=back\\\\slash: and\\nline\n\nx");
     write_file("m.nrrd", file.data, file.size);
     assert_ok(ost_volume_read_header(at("m.nrrd"), &g, &meta, NULL, &err));
-    assert_int_equal(meta.count, 3); /* the third is the assumed orientation */
+    assert_int_equal(meta.count, 3); /* the third fact is the assumed orientation */
     assert_string_equal(ost_meta_get(&meta, "side"), "right");
     assert_string_equal(ost_meta_get(&meta, "note"), "back\\slash: and line");
 }

@@ -58,9 +58,9 @@ static void all_48_ways(void **state)
 }
 
 /*
- * Axes tilted by less than the limit: the grid's origin is the position of the file's voxel
- * that becomes its first, in all components, and a volume stored backward along an axis gives
- * the same grid.
+ * The axes are tilted by less than the limit. All components of the grid's origin must be those
+ * of the file's voxel that becomes the first one. A volume that is stored backward along an axis
+ * must give the same grid.
  */
 static void tilted_axes_flip_about_their_ends(void **state)
 {
@@ -73,7 +73,7 @@ static void tilted_axes_flip_about_their_ends(void **state)
         for (int a = 0; a < 3; a++) {
             sizes[a] = (int32_t)rng_range(&rng, 1, 60);
             affine.origin[a] = rng_range(&rng, -100000000000, 100000000000);
-            for (int w = 0; w < 3; w++) /* 2 * 64 * 500,000 is below an eighth of 0.6 mm */
+            for (int w = 0; w < 3; w++) /* below the limit: 2 * 64 * 500,000 is less than an eighth of 0.6 mm */
                 affine.column[a][w] = w == to[a]
                                           ? rng_range(&rng, 600000000, 900000000) * (rng_range(&rng, 0, 1) ? 1 : -1)
                                           : rng_range(&rng, -500000, 500000);
@@ -99,15 +99,15 @@ static void tilted_axes_flip_about_their_ends(void **state)
 }
 
 /*
- * A tilt that moves the farthest voxel by 1/8 of a voxel still counts as straight, one more
- * picometre does not; short axes count as 65 voxels.
+ * An axis counts as straight if its tilt moves the farthest voxel by at most 1/8 of a voxel. One
+ * picometre more makes it tilted. Short axes count as 65 voxels.
  */
 static void an_eighth_of_a_voxel_is_the_border(void **state)
 {
     (void)state;
     ost_error err = {0};
     ost_placement p;
-    const ost_pm voxel = 800000000; /* an eighth: 100,000,000 */
+    const ost_pm voxel = 800000000; /* an eighth of it is 100,000,000 */
     ost_affine affine = {.column = {{voxel, 0, 0}, {0, voxel, 0}, {0, 0, voxel}}};
     const int32_t longer[3] = {201, 9, 9}, shorter[3] = {3, 3, 3};
     affine.column[0][1] = 500000; /* 200 steps */
@@ -142,10 +142,10 @@ static void angles_and_flat_axes(void **state)
 }
 
 /*
- * A volume turned by the exact angle of (3, 4, 5): columns (0.6, 0.8, 0), (-0.8, 0.6, 0), (0,
- * 0, 1) mm. The nearest file voxel of each result voxel is found by comparing the squared
- * distances of all. A voxel is not checked if there is a tie, or if the nearest centre is
- * farther than half a voxel along a file axis.
+ * Resamples a volume rotated by the angle of the (3, 4, 5) triangle, which is exact: columns
+ * (0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1) mm. The nearest file voxel of each result voxel is
+ * found by comparing the squared distances of all file voxels. A voxel is not checked if there is
+ * a tie, or if the nearest centre is farther than half a voxel along a file axis.
  */
 static void resampling_finds_the_nearest(void **state)
 {
@@ -185,7 +185,7 @@ static void resampling_finds_the_nearest(void **state)
                 int64_t d = q[w] - affine.origin[w];
                 for (int a = 0; a < 3; a++)
                     d -= at[a] * affine.column[a][w];
-                d /= 1000000; /* nanometres, so that the squares fit */
+                d /= 1000000; /* in nanometres, so that the squares do not overflow */
                 square += d * d;
             }
             if (square < best) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Output files exist completely under their name or not at all: names, links, permissions, full
- * disks, limits, and kills at random moments.
+ * Tests that an output file exists under its name either completely or not at all: names, links,
+ * permissions, full disks, limits, and kills at random moments.
  * Covers: REQ-PART-FILES
  */
 #include "harness.h"
@@ -181,7 +181,7 @@ static void devices_are_written_in_place(void **state)
     }
 }
 
-/* A limit of the file size simulates a full disk: a write fails part-way. */
+/* A limit on the file size simulates a full disk: a write fails after a part of the data. */
 static void a_limit_leaves_nothing(const char *folder)
 {
     pid_t child = fork();
@@ -229,7 +229,7 @@ static void a_new_file_takes_a_free_name(const char *folder)
     assert_int_equal(ost_outfile_put_new(path, "two", 3, &taken, &err), OST_ERR_IO);
     assert_true(taken);
     assert_content(path, "one");
-    /* A link occupies the name, even a dangling one. */
+    /* A symbolic link occupies the name, even if its target does not exist. */
     assert_int_equal(symlink("nowhere", link), 0);
     assert_int_equal(ost_outfile_put_new(link, "two", 3, &taken, &err), OST_ERR_IO);
     assert_true(taken);
@@ -246,7 +246,7 @@ static void test_a_new_file_takes_a_free_name(void **state)
     for_both_ways(a_new_file_takes_a_free_name);
 }
 
-/* Links under every temporary name that can be derived from process id and number do not interfere. */
+/* Symbolic links under every temporary name that can be derived from process id and number must not interfere. */
 static void hidden_names_cannot_be_guessed(void **state)
 {
     (void)state;
@@ -288,7 +288,7 @@ static void write_forever(const char *path)
     }
 }
 
-/* The child repeatedly writes a file of the same name; at any moment the file is absent or complete. */
+/* The child writes a file of the same name repeatedly. At any moment the file must be absent or complete. */
 static void killed_at_any_moment(void **state)
 {
     (void)state;
@@ -322,8 +322,8 @@ static void killed_at_any_moment(void **state)
         if (there)
             assert_int_equal(st.st_size, 64 * 4096);
         /*
-         * A signal that can be caught leaves no hidden file either. The handler may not be
-         * installed immediately.
+         * After a signal that can be caught, no hidden file may remain either. The handler may
+         * not be installed yet when the signal arrives.
          */
         if (number == SIGTERM)
             assert_int_equal(scratch_count(folder), there);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Paths as text: exact integers, writing and reading back, metres and gzip, rows without a
+ * Tests paths as text: exact integers, writing and reading back, metres and gzip, rows without a
  * pose, gaps in time and space, and each kind of broken file.
  *
  * Covers: AR-POSE-2, AR-PATH-1, AR-PATH-2, AR-PATH-3, AR-PATH-4, AR-PATH-5
@@ -37,7 +37,7 @@ static void rows_are_exact(void **state)
     assert_int_equal(path.ticks[0].pose.qw, OST_Q30_ONE);
     assert_int_equal(path.ticks[1].pose.qx, -OST_Q30_ONE / 2);
     assert_int_equal(path.ticks[1].tool, 3);
-    /* 70710678 * 2^30 / 10^8 = 759250123.72..., by Python's fractions */
+    /* 70710678 * 2^30 / 10^8 = 759250123.72..., computed with Python's fractions */
     assert_int_equal(path.ticks[2].pose.qw, 759250124);
     ost_path_free(&path);
 }
@@ -54,7 +54,7 @@ static void what_is_written_reads_back(void **state)
         assert_ok(ost_path_init(&path, 5000, &err));
         int64_t t = rng_range(&rng, -1000000000, 1000000000);
         for (size_t i = 0; i < path.count; i++) {
-            /* A unit quaternion of random direction, exact in its integers. */
+            /* Makes a unit quaternion of random direction; its integers are exact. */
             double q[4], norm = 0;
             for (int a = 0; a < 4; a++) {
                 q[a] = (double)rng_range(&rng, -1000000, 1000000);
@@ -114,7 +114,7 @@ static void a_tools_number_and_the_longest_times(void **state)
     ost_path_free(&path);
 }
 
-/* The same rows in metres, compressed, with columns that are not read, and by hand. */
+/* Reads the same rows in metres, compressed, with additional columns, and written by hand. */
 static void a_trackers_file_is_a_path(void **state)
 {
     (void)state;
@@ -153,7 +153,7 @@ static void a_trackers_file_is_a_path(void **state)
         assert_true(report.begin_ns == 0 && report.end_ns == 21000000);
         ost_path_free(&path);
     }
-    /* A truncated file is not a path. */
+    /* A truncated file must be refused. */
     size_t size;
     char *bytes = scratch_read(name, &size);
     ost_path path;
@@ -163,7 +163,7 @@ static void a_trackers_file_is_a_path(void **state)
     free(bytes);
 }
 
-/* Rows at these times (ms) and positions (mm), and which of them are lifted. */
+/* Times (ms) and positions (mm) of rows, and the rows that must be lifted. */
 typedef struct gap_case {
     const char *header;
     ost_path_options options;
@@ -176,19 +176,19 @@ static void rows_far_apart_are_a_gap(void **state)
 {
     (void)state;
     static const gap_case cases[] = {
-        /* The example of docs/spec/arithmetic.md: intervals of 3.5 ms, and one of 98. */
+        /* The example of docs/spec/arithmetic.md: intervals of 3.5 ms, and one interval of 98 ms. */
         {"", {0}, 6, {0, 3.5, 7, 10.5, 108.5, 112}, {0}, {[4] = true}},
-        /* With intervals of one second, ten seconds are no gap yet, and more than ten are one. */
+        /* If the usual interval is one second, an interval of ten seconds is not a gap, but a longer one is. */
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000}, {0}, {false}},
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000.001}, {0}, {[4] = true}},
         {"", {0}, 2, {0, 60000}, {0, 300}, {false}},
-        /* Intervals of up to 50 ms are never a gap. */
+        /* An interval of at most 50 ms is never a gap. */
         {"", {0}, 5, {0, 1, 2, 52, 102.001}, {0}, {[4] = true}},
-        /* In space: more than 5 mm and more than ten times the usual distance. */
+        /* A gap in space is more than 5 mm and more than ten times the usual distance. */
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 0.01, 0.02, 5.02, 10.021}, {[4] = true}},
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 1, 2, 12, 22.001}, {[4] = true}},
         {"", {0}, 4, {0, 1, 2, 3}, {0, 20, 40, 60}, {false}},
-        /* Given by options: in time, in both, none. */
+        /* Limits given by options: in time, in time and space, none. */
         {"", {10000000, 0}, 4, {0, 10, 20.001, 30}, {0, 1, 2, 3}, {[2] = true}},
         {"", {10000000, OST_PM_PER_MM / 2}, 4, {0, 1, 2, 13}, {0, 0.5, 1.001, 1}, {[2] = true, [3] = true}},
         {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
@@ -220,7 +220,7 @@ static void rows_far_apart_are_a_gap(void **state)
         assert_int_equal(report.gaps, gaps);
         ost_path_free(&path);
     }
-    /* Rows of another tool are not neighbours. */
+    /* Gaps are not searched between rows of different tools. */
     ost_error err = {0};
     ost_path path;
     assert_ok(read_text("0 0 0 0 1 0 0 0 0\n0.001 0 0 0 1 0 0 0 0\n0.002 99 0 0 1 0 0 0 1\n", &path, &err));
@@ -301,7 +301,10 @@ static void broken_paths_are_refused(void **state)
     }
 }
 
-/* Cuts up to the last column; a cut inside the last column leaves a valid number. */
+/*
+ * Truncates the row at every position before the last column. A row truncated inside the last
+ * column still has a valid number there.
+ */
 static void a_row_cut_anywhere(void **state)
 {
     (void)state;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the reading of scans in one pass with the two passes that read any text: summary,
- * digest, geometry, grid and report are equal, and so is every error, for any change of the
- * text.
+ * Compares reading a scan in one pass with the two passes that read any text. Summary, digest,
+ * geometry, grid, report and every error must be equal, whatever change is made to the text.
  *
  * Covers: AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-DIG-6
  */
@@ -29,7 +28,7 @@ static int remove_folder(void **state)
     return 0;
 }
 
-/* --------------------------------------------------------------- making texts */
+/* ------------------------------------------------------------- generated texts */
 
 typedef struct text {
     char *bytes;
@@ -51,14 +50,14 @@ static void put(text *t, const char *format, ...)
 
 typedef struct recipe {
     int dims[3];
-    int order[3];       /* axes from the fastest to the slowest */
+    int order[3];       /* axes from the fastest to the slowest one */
     int step[3];        /* in 10^-places mm; negative: descending */
     int thirds[3];      /* thirds of 10^-places mm added to step, rounded when written */
     int64_t start[3];
     int places;
     const char *separator, *ending, *head;
     bool widths;        /* densities and positions are padded to a fixed width */
-    bool trimmed;       /* positions without trailing zeros, so that their lengths and places differ */
+    bool trimmed;       /* positions have no trailing zeros, so their lengths and columns differ */
     bool last_newline;
 } recipe;
 
@@ -172,7 +171,7 @@ static void crop_to(outcome *o, const ost_voxel_box *crop)
     o->rect.dims = (ost_dims){crop->hi[0] - crop->lo[0], crop->hi[1] - crop->lo[1], crop->hi[2] - crop->lo[2]};
 }
 
-/* crop: a part of the grid, chosen by the two passes; lo[0] < 0: no crop. */
+/* Imports in two passes. `crop` is the part of the grid to read; with lo[0] < 0 the complete grid is read. */
 static outcome two_passes(ost_backend *backend, const char *path, ost_pm3 given, const ost_voxel_box *crop)
 {
     outcome o = {.status = OST_OK};
@@ -270,8 +269,8 @@ static int next_turn(void)
 }
 
 /*
- * Reads the text both ways and imports it; the import's error must be that of the two passes.
- * Returns true if the text was accepted as a scan.
+ * Reads the text both ways and imports it. The import must return the error of the two passes, if
+ * any. Returns true if the text was accepted as a scan.
  */
 static bool compare(ost_backend *backend, const text *t, ost_pm3 given, test_rng *rng)
 {
@@ -385,7 +384,7 @@ static void what_is_done_to_a_scan_shows(void **state)
         case 1: /* duplicate a line */
             replace(&t, at, 0, n + 1 < t.lines ? line : "1 2 3 4\n");
             break;
-        case 2: /* change a density */
+        case 2: /* change the density */
         case 3: {
             size_t sign = strlen(r.separator), begin = end - strlen(r.ending) * (n + 1 < t.lines || r.last_newline);
             size_t last = begin;
@@ -404,7 +403,7 @@ static void what_is_done_to_a_scan_shows(void **state)
                     : round / 13 % 3 == 1 ? "# osteon spacing_mm: 1 1 1\n"
                                           : "\n");
             break;
-        case 6: /* cut the text off at any position */
+        case 6: /* truncate the text at any position */
             t.size = at + (size_t)rng_range(&rng, 0, (int64_t)length - 1);
             break;
         case 7: /* write the same number differently */
@@ -412,7 +411,7 @@ static void what_is_done_to_a_scan_shows(void **state)
             if (t.bytes[at + 1] == '-')
                 replace(&t, at, 2, "-0");
             break;
-        case 8: /* insert a blank before or after the line */
+        case 8: /* insert a space before or after the line */
             replace(&t, rng_range(&rng, 0, 1) ? at : end - strlen(r.ending) * (n + 1 < t.lines || r.last_newline), 0,
                     " ");
             break;
@@ -447,7 +446,7 @@ static void what_is_done_to_a_scan_shows(void **state)
     }
 }
 
-/* Texts of one row, one column, one slice, a few lines, and no line. */
+/* Tests texts of one row, one column, one slice, a few lines, and no line. */
 static void small_texts(void **state)
 {
     static const char *const texts[] = {
@@ -499,7 +498,7 @@ static void reading_can_be_cancelled(void **state)
         int calls = 0;
         const ost_text_raster_options options = {.threads = threads, .progress = cancel, .user = &calls};
         ost_status status = ost_text_raster_read(path, &options, &summary, &raster, &found, &err);
-        /* A thread that got no piece makes no call. */
+        /* A thread without a piece makes no call. */
         if (calls > 0) {
             assert_int_equal(calls, 1);
             assert_int_equal(status, OST_ERR_CANCELLED);
@@ -512,7 +511,7 @@ static void reading_can_be_cancelled(void **state)
     unmake(&t);
 }
 
-/* Compares every variant with the one in C: the same lines, densities and end. */
+/* Compares every SIMD variant with the one in C: lines, densities and end must be equal. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -536,7 +535,7 @@ static void kernels_agree(void **state)
         }
         size_t size = 0, begins[LINES];
         char *text_at = bytes;
-        /* The bytes after the end are newlines, or digits that could continue the text. */
+        /* The bytes after the end are newlines or digits that could continue the text. */
         memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', CAPACITY + OST_TEXT_MARGIN);
         for (int i = 0; i < LINES; i++) {
             lengths[i] = (uint8_t)rng_range(&rng, 1, OST_TEXT_COLUMN_MAX);
@@ -553,10 +552,10 @@ static void kernels_agree(void **state)
             size += (size_t)snprintf(text_at + size, CAPACITY - size, "%.*s%.*s%.*s%s%s", (int)pattern.before.length,
                                      pattern.before.text, (int)lengths[i], columns[i].text, (int)pattern.after.length,
                                      pattern.after.text, density, pattern.carriage ? "\r" : "");
-            if (rng_range(&rng, 0, 15) == 0) /* replace a byte by a random one, which may be equal */
+            if (rng_range(&rng, 0, 15) == 0) /* replaces a byte by a random one, which may be equal */
                 text_at[begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin) - 1)] =
                     "0159.- /:\r"[rng_range(&rng, 0, 9)];
-            if (rng_range(&rng, 0, 30) == 0) /* a shorter line, which may be empty */
+            if (rng_range(&rng, 0, 30) == 0) /* shortens a line, possibly to length 0 */
                 size = begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin));
             text_at[size++] = '\n';
         }
@@ -568,7 +567,7 @@ static void kernels_agree(void **state)
             for (int from = 0; from < LINES; from++) {
                 if (begins[from] > behind)
                     break;
-                /* The last byte that a kernel may read is the last one of the allocation. */
+                /* The last byte that a kernel may read is the last byte of the allocation. */
                 char *copy = malloc(behind + OST_TEXT_MARGIN);
                 assert_non_null(copy);
                 memcpy(copy, bytes, behind + OST_TEXT_MARGIN);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The session file: the records that are written are read back, for any damage of the bytes,
- * and the recorder never blocks its caller.
+ * Tests session files: records must be read back as written, any damage of the bytes must be
+ * handled, and the recorder must never block its caller.
  *
- * Every byte of a session is damaged in turn, and the file is cut at every length; the
+ * Every byte of a session is damaged in turn, and the file is truncated at every length. The
  * positions of the blocks determine which records must remain.
  * Covers: REQ-PART-FILES, REQ-SESSION-FILE, REQ-RECORDER
  */
@@ -84,7 +84,7 @@ static const uint32_t block_records[BLOCKS] = {3, 1, 5, 2};
 typedef struct sample {
     bytes b;
     size_t begin[BLOCKS + 3];
-    uint64_t first[BLOCKS + 1]; /* first tick of a block of records */
+    uint64_t first[BLOCKS + 1]; /* first tick of each block of records */
 } sample;
 
 static ost_session_header *make_header(void)
@@ -136,7 +136,7 @@ static void make_sample(sample *s)
 
 static ost_status open_bytes(const unsigned char *data, size_t size, ost_session **out, ost_error *err)
 {
-    /* A file in memory, since some file systems take milliseconds to rewrite a file. */
+    /* The file is in memory, because some file systems take milliseconds to rewrite a file. */
     static int fd = -1;
     char path[40];
     if (fd < 0)
@@ -207,7 +207,7 @@ static void what_is_put_is_read(void **state)
     ost_session_close(session);
 }
 
-/* Version 1: every block has that version, and the two bytes for the motor in a tick are 0. */
+/* In version 1 every block has this version number, and the two bytes for the motor in a tick are 0. */
 static void version_1_is_read(void **state)
 {
     (void)state;
@@ -236,7 +236,7 @@ static void version_1_is_read(void **state)
     ost_session_close(session);
 }
 
-/* The bytes of a tick by hand, from docs/spec/session.md: the layout must not change. */
+/* The bytes of a tick, written by hand from docs/spec/session.md. The layout must not change. */
 static void bytes_are_as_documented(void **state)
 {
     (void)state;
@@ -329,8 +329,9 @@ static void cut_anywhere_it_keeps_its_whole_blocks(void **state)
 }
 
 /*
- * Bytes are inserted, removed or repeated, blocks exchanged, blocks of another session
- * appended: the reader never returns more than was written, and keeps the order.
+ * Bytes are inserted, removed or repeated, blocks are exchanged, and blocks of another session
+ * are appended. The reader must never return more records than were written, and must keep their
+ * order.
  */
 static void noise_is_survived(void **state)
 {
@@ -354,7 +355,7 @@ static void noise_is_survived(void **state)
                 memmove(data + at + n, data + at, size - at);
                 size += n;
                 break;
-            case 2: /* overwrite with noise */
+            case 2: /* overwrite bytes with random ones */
                 for (size_t i = at; i < at + take; i++)
                     data[i] = (unsigned char)rng_next(&rng);
                 break;
@@ -406,7 +407,7 @@ static void repair_keeps_what_is_whole(void **state)
     ost_session_close(fixed);
     ost_session_close(session);
 
-    /* The repaired file still records the gap. */
+    /* The repaired file must still record the gap. */
     make_sample(&s);
     s.b.data[s.begin[2] + 5] ^= 1;
     assert_ok(open_bytes(s.b.data, s.b.size, &session, &err));
@@ -476,13 +477,13 @@ static void a_table_for_others(void **state)
 
 /* -------------------------------------------------------------- recording */
 
-/* A disk that blocks while it is held, and fails with an errno while `fails` is set. */
+/* A disk that blocks while `held` is locked, and fails with an errno while `fails` is set. */
 typedef struct disk {
     bytes b;
     pthread_mutex_t held;
     _Atomic int fails;
     _Atomic bool half;  /* a failing write stores half of its bytes */
-    size_t capacity;    /* capacity in bytes; 0: unlimited */
+    size_t capacity;    /* in bytes; 0: unlimited */
     _Atomic int appends;
 } disk;
 
@@ -539,7 +540,7 @@ static void wait_until_written(ost_recorder *recorder, uint64_t records)
     } while (state.written < records);
 }
 
-/* A symbolic link with the recording's name is neither followed nor replaced, whatever its target. */
+/* A symbolic link with the recording's name must be neither followed nor replaced, whatever its target. */
 static void a_recording_follows_no_link(void **state)
 {
     (void)state;
@@ -580,7 +581,7 @@ static void a_recording_is_a_session(void **state)
     assert_non_null(strstr(err.text, "another recording"));
     put_ticks(recorder, 0, 100, true);
     wait_until_written(recorder, 100);
-    /* The file can be read while it is written. */
+    /* The file must be readable while it is written. */
     ost_session *session;
     assert_ok(ost_session_open(path, &session, &err));
     assert_int_equal(check_ticks(session), 100);
@@ -593,7 +594,7 @@ static void a_recording_is_a_session(void **state)
     assert_true(ost_session_summary_of(session)->ended);
     assert_int_equal(ost_session_summary_of(session)->complete_ticks, 10000);
     ost_session_close(session);
-    /* The recorder replaces an existing file by a shorter one. */
+    /* The recorder must replace an existing file even by a shorter one. */
     assert_ok(ost_recorder_open(path, header, NULL, &recorder, &err));
     assert_ok(ost_recorder_close(recorder, NULL, &err));
     assert_ok(ost_session_open(path, &session, &err));
@@ -603,8 +604,8 @@ static void a_recording_is_a_session(void **state)
 }
 
 /*
- * A disk that does not respond: puts succeed until the ring is full and then fail at once, and
- * the loss is reported everywhere.
+ * The disk does not respond. Records are accepted until the ring is full; after that
+ * ost_recorder_put must fail at once. Every interface must report the loss.
  */
 static void a_full_ring_is_counted_and_said(void **state)
 {
@@ -677,7 +678,7 @@ static void a_full_disk_that_is_emptied_in_time_costs_nothing(void **state)
     ost_session_close(session);
 }
 
-/* The waiting records exceed the free space of the disk: as many as fit are stored, beginning with the first. */
+/* The waiting records exceed the free space of the disk. As many as fit must be stored, beginning with the first. */
 static void a_nearly_full_disk_takes_what_fits(void **state)
 {
     (void)state;

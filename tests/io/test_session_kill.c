@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A process that records a tick every millisecond is killed at random moments. Each time the
- * session opens, its ticks are complete and without a gap, and there are at least as many as the
- * recorder had reported as written before the kill.
+ * Kills a process that records a tick every millisecond at random moments. Each time the session
+ * must open, its ticks must be complete and without a gap, and there must be at least as many
+ * ticks as the recorder had reported as written before the kill.
  *
  *   child:  tick, put, store the number of ticks that the recorder has written  (shared memory)
  *   parent: sleeps, SIGKILL, reads
  *
- * The milliseconds that a kill cost are printed but not tested, since they are a time. 12 kills,
- * 200 with OST_TEST_LONG=1.
+ * The number of milliseconds that each kill lost is printed but not tested, because it depends on
+ * timing. The test makes 12 kills, or 200 with OST_TEST_LONG=1.
  * Covers: REQ-SESSION-FILE
  */
 #include "harness.h"
@@ -35,7 +35,7 @@ static int64_t now_ns(void)
     return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
 }
 
-/* All fields of a tick except its time follow from its number. */
+/* Returns a tick whose fields, except for the time, follow from its number. */
 static ost_record record_of(uint64_t number)
 {
     return (ost_record){.kind = OST_RECORD_TICK,

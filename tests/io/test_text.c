@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * CT text: valid texts, and the error for each kind of broken file.
+ * Tests CT text: valid texts, and the error for each kind of broken file.
  *
  * Covers: AR-CT-1, AR-CT-2, AR-CT-8
  */
@@ -9,7 +9,7 @@
 #include "io/text/scan.h"
 #include "io/scratch_group.h"
 
-/* Reads all rows of a text, at most `capacity`. */
+/* Reads the rows of a text, at most `capacity` of them. */
 static ost_status read_rows(const char *text, size_t size, ost_text_row *rows, size_t capacity, size_t *count,
                             ost_error *err)
 {
@@ -100,7 +100,7 @@ static void broken_texts_are_refused(void **state)
         const char *text;
         const char *says;
     } cases[] = {
-        /* cut at every kind of position */
+        /* truncated at every kind of position */
         {"1 2 3 4\n1", ":2: 1 value; expected 4"},
         {"1 2 3 4\n1 2", ":2: 2 values; expected 4"},
         {"1 2 3 4\n1 2 3", ":2: 3 values; expected 4"},
@@ -141,7 +141,7 @@ static void broken_texts_are_refused(void **state)
         {"1 2 3 4.5\n", ":1: column 4 (density) is '4.5'; expected a whole number"},
         {"1 2 3 1e-1\n", ":1: column 4 (density) is '1e-1'; expected a whole number"},
         {"1 2 3 4.00000000000000000000000001\n", ":1: column 4 (density)"},
-        /* number of columns */
+        /* wrong number of columns */
         {"1 2 3 4 5\n", ":1: 5 values; expected 4"},
         {"1,,3,4\n", ":1: value 2 is empty"},
         {",1,2,3\n", ":1: value 1 is empty"},
@@ -198,8 +198,8 @@ static void broken_texts_are_refused(void **state)
 }
 
 /*
- * AR-CT-8: a fact that decides about the grid may be repeated with equal values in any
- * notation; for other facts the last value counts.
+ * AR-CT-8: a fact that determines the grid may be repeated with equal values in any notation. For
+ * other facts the last value counts.
  */
 static void facts_may_be_repeated(void **state)
 {
@@ -226,7 +226,7 @@ static void facts_may_be_repeated(void **state)
     ost_text_source_close(&source);
 }
 
-/* A fact that is too long is refused, and never truncated to another number. */
+/* A fact that is too long must be refused and never truncated to another number. */
 static void long_facts_are_refused(void **state)
 {
     (void)state;
@@ -248,7 +248,7 @@ static void long_facts_are_refused(void **state)
     }
 }
 
-/* Zero bytes at every position are refused; strings cannot express these cases. */
+/* Zero bytes at every position must be refused. Strings cannot express these cases. */
 static void zero_bytes_are_refused(void **state)
 {
     (void)state;
@@ -284,7 +284,10 @@ static void lines_without_end_are_refused(void **state)
     }
 }
 
-/* Lines cross the buffer's end at every position; the rows are the same, in portions of any size. */
+/*
+ * Lines cross the buffer's end at every position. The rows must be the same, and so must rows
+ * that are read in portions of any size.
+ */
 static void blocks_do_not_show(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Volumes as text: the bytes, reading back, full disks and kills.
+ * Tests volumes as text: the bytes, reading back, full disks and kills.
  *
  * Covers: AR-CT-8, AR-FILE-7, AR-FILE-8
  */
@@ -52,13 +52,13 @@ static void the_bytes(void **state)
                               "-0.47 -0.50 8000.00 -100\n"
                               "0.00 -0.50 8000.00 9\n");
     free(text);
-    /* One decimal: rounded half to even, and no minus sign before a zero. */
+    /* One decimal: values are rounded half to even, and zero has no minus sign. */
     volume.geometry = (ost_geometry){{2, 1, 1}, {450000000, 500000000, 1000000000}, {-450000000, -20000000, 350000000}};
     assert_ok(ost_text_write_volume(path, &volume, 1, &err));
     text = scratch_read(path, NULL);
     assert_non_null(strstr(text, "\n-0.4 0.0 0.4 -32768\n0.0 0.0 0.4 -1\n"));
     free(text);
-    /* Integer millimetres are written without a point. */
+    /* Integer millimetres are written without a decimal point. */
     volume.geometry = (ost_geometry){{1, 1, 1}, {1000000000, 1000000000, 1000000000}, {-3000000000, 0, 12000000000}};
     assert_ok(ost_text_write_volume(path, &volume, 0, &err));
     text = scratch_read(path, NULL);
@@ -79,7 +79,7 @@ static void too_few_decimals_are_refused(void **state)
     assert_ok(ost_text_write_volume(path, &volume, 3, &err));
 }
 
-/* For any volume and any number of decimals the import restores geometry and densities. */
+/* For any volume and any number of decimals the import must restore geometry and densities. */
 static void what_is_written_reads_back(void **state)
 {
     (void)state;
@@ -117,8 +117,8 @@ static void what_is_written_reads_back(void **state)
 }
 
 /*
- * A text written by osteon that was cut at any byte is refused: the fact `dims` and the end of
- * the last line show the cut.
+ * A text that osteon wrote must be refused if it is truncated at any byte. The fact `dims` and
+ * the end of the last line reveal the truncation.
  */
 static void a_cut_text_is_refused(void **state)
 {
@@ -134,7 +134,7 @@ static void a_cut_text_is_refused(void **state)
     assert_ok(ost_text_write_volume(path, &volume, 4, &err));
     size_t size;
     char *text = scratch_read(path, &size);
-    /* Before the first fact is complete, the number of lines is not known. */
+    /* Before the first fact is complete, the expected number of lines is not known. */
     for (size_t cut = 0; cut < size; cut++) {
         ost_bone *bone;
         ost_status status = ost_import(backend, scratch_write(folder, "cut.txt", text, cut), NULL, &bone, NULL, &err);

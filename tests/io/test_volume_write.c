@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writing and reading back: volumes as NRRD and NIfTI, plain and compressed, at spacings that
- * floats cannot hold; the bytes themselves; tools; bones.
+ * Tests writing and reading back volumes as NRRD and NIfTI, plain and compressed, at spacings
+ * that floats cannot represent. Also tests the bytes of the files, and tools and bones as files.
  *
  * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, AR-FILE-8, REQ-CT-SAME
  */
@@ -39,7 +39,7 @@ static char *read_all(const char *path, size_t *size)
     return data;
 }
 
-/* Every format preserves the thesis' spacings and offsets, and writing twice gives the same file. */
+/* Every format must preserve the thesis' spacings and offsets, and writing twice must give the same file. */
 static void every_format_keeps_the_volume(void **state)
 {
     (void)state;
@@ -52,7 +52,7 @@ static void every_format_keeps_the_volume(void **state)
     test_rng rng = rng_seeded("volumes");
     ost_error err = {0};
     for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++) {
-        /* Two origins each, since every file is synced to disk, which takes time. */
+        /* Only two origins are used for each, because every file is synced to disk, which takes time. */
         for (size_t turn = 0; turn < 2; turn++) {
             size_t o = (s + turn) % (sizeof origins / sizeof origins[0]);
             ost_volume v;
@@ -87,8 +87,8 @@ static void every_format_keeps_the_volume(void **state)
 }
 
 /*
- * AR-FILE-8: facts are read back in their order, with any bytes in their values; keys of the
- * grid itself do not override its geometry.
+ * AR-FILE-8: facts must be read back in their order, with any bytes in their values. Keys that
+ * belong to the grid itself must not override its geometry.
  */
 static void facts_keep_their_order(void **state)
 {
@@ -106,7 +106,7 @@ static void facts_keep_their_order(void **state)
     make_volume(&v, &g, &rng);
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
         assert_ok(ost_meta_set(&v.meta, keys[k], values[k], &err));
-    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err)); /* the position of the first is unchanged */
+    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err)); /* the fact keeps its first position */
     for (size_t f = 0; f < sizeof formats / sizeof formats[0]; f++) {
         if (!HAS_NIFTI && strstr(formats[f], ".nii"))
             continue;
@@ -124,7 +124,7 @@ static void facts_keep_their_order(void **state)
     ost_volume_free(&v);
 }
 
-/* If a NRRD has a key twice, the last value is stored in the first position; blanks around a value are removed. */
+/* If a NRRD contains a key twice, the last value is stored in the first position. Spaces around a value are removed. */
 static void facts_of_a_nrrd(void **state)
 {
     (void)state;
@@ -143,8 +143,8 @@ static void facts_of_a_nrrd(void **state)
 }
 
 /*
- * Without osteon's comment the lengths are the shortest decimals of the float32 values, which
- * is exact for up to six digits.
+ * Without osteon's comment the lengths are the shortest decimals of the float32 values. These are
+ * exact for up to six digits.
  */
 static void nifti_without_its_comment(void **state)
 {
@@ -173,7 +173,7 @@ static void nifti_without_its_comment(void **state)
     }
 }
 
-/* If another program moves the volume in the header, osteon's comment is out of date. */
+/* If another program has moved the volume in the header, osteon's comment is outdated and must not be used. */
 static void a_changed_nifti_header_counts(void **state)
 {
     (void)state;
@@ -278,8 +278,9 @@ static void import_digests(ost_backend *backend, const char *name, ost_geometry 
 }
 
 /*
- * The same volume as text (4, 6 and as many decimals as needed), NRRD and NIfTI is imported to
- * one bone. For text without its comments the spacing is inferred from the coordinates.
+ * Imports the same volume as text (with 4, 6 and as many decimals as needed), NRRD and NIfTI.
+ * Every format must give the same bone. For text without its comments the spacing is inferred
+ * from the coordinates.
  */
 static void every_format_imports_to_the_same_bone(void **state)
 {
@@ -327,7 +328,7 @@ static void every_format_imports_to_the_same_bone(void **state)
 
 /* ------------------------------------------------------------------- tools */
 
-/* Compares by fields, since the struct has padding. */
+/* Compares the fields one by one, because the struct has padding. */
 static void assert_tool_geometry(const ost_tool_geometry *a, const ost_tool_geometry *b)
 {
     assert_memory_equal(&a->dims, &b->dims, sizeof a->dims);
@@ -359,7 +360,7 @@ static void tools(void **state)
     }
 }
 
-/* A voxel of 1 um + 1 pm, whose half is added to the corner: ten places, computed by hand. */
+/* A voxel of 1 um + 1 pm has a half that needs ten decimal places in the corner. The text is computed by hand. */
 static void a_tool_of_an_odd_voxel(void **state)
 {
     (void)state;
@@ -402,7 +403,10 @@ static void foreign_tools(void **state)
     assert_int_equal(tool.geometry.corner.z, pm("2.75"));
     assert_int_equal(tool.voxels[1], OST_TOOL_NONCUTTING);
     ost_tool_volume_free(&tool);
-    /* A corner that is 1 pm (1e-9 mm) away from origin - voxel / 2 is used; 2 pm away it is refused below. */
+    /*
+     * A corner that differs by 1 pm (1e-9 mm) from origin - voxel / 2 is accepted; a difference
+     * of 2 pm is refused below.
+     */
     write_tool("type: uint8\nspacings: 1 1 1\nosteon_tool_corner_mm:=-0.500000001 -0.499999999 -0.5\n", "1 2");
     assert_ok(ost_tool_volume_read(at("t.nrrd"), &tool, &err));
     assert_int_equal(tool.geometry.corner.x, -500000001);

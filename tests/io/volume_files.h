@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Byte-by-byte files for the tests of volumes: a scratch folder, plain and gzip writing, a
- * volume to fill them with.
+ * Helpers for tests that build volume files byte by byte: a scratch folder, plain and gzip
+ * writing, and a volume as content.
  */
 #ifndef OST_TESTS_VOLUME_FILES_H
 #define OST_TESTS_VOLUME_FILES_H
@@ -45,7 +45,7 @@ static inline int drop_scratch(void **state)
     return scratch[0] ? nftw(scratch, remove_one, 8, FTW_DEPTH | FTW_PHYS) : 0;
 }
 
-/* Returns a path in the scratch folder; four may be in use at once. */
+/* Returns a path in the scratch folder. At most four results are valid at the same time. */
 static inline const char *at(const char *name)
 {
     static char paths[4][600];
@@ -118,7 +118,7 @@ static inline uint64_t double_bits(double value)
     return bits;
 }
 
-/* Checks that reading fails with this status and that the error has the file's name and these words. */
+/* Checks that reading fails with this status and that the error contains the file's name and these words. */
 static inline void assert_refused(const char *path, const ost_volume_options *options, ost_status expected,
                                   const char *words)
 {

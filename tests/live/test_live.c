@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The live state of a changing bone: with a viewer of random speed the surface
- * ends bit-identical to one made from the bone itself; states are complete and
- * never go back; a take that was interrupted loses nothing.
+ * Tests the live state of a changing bone. With a viewer of random speed the surface must end
+ * bit-identical to one made from the bone itself. States must be complete and must never go
+ * backward. After an interrupted call of ost_live_take nothing may be lost.
  * Covers: REQ-LIVE
  */
 #include <pthread.h>
@@ -124,7 +124,7 @@ typedef struct viewer_thread {
     bool torn;
 } viewer_thread;
 
-/* All fields of a state follow from its number. */
+/* Returns a state whose fields all follow from its number. */
 static ost_live_state state_of(uint64_t tick)
 {
     ost_live_state s = {
@@ -164,7 +164,7 @@ static void *work(void *user)
     return NULL;
 }
 
-/* The grids are as wide as their chunks, so that into_surface can derive the size. */
+/* Each grid is as wide as its chunks, so that into_surface can derive the chunk size. */
 static void a_viewer_ends_with_the_bone(void **state)
 {
     test_rng rng = rng_seeded("live");
@@ -172,7 +172,7 @@ static void a_viewer_ends_with_the_bone(void **state)
         ost_error err = {0};
         const ost_geometry g = cubic_geometry(n, 100, 70, MM, (ost_pm3){0, 0, 0});
         int16_t *voxels = random_densities(&rng, &g, 7);
-        /* Some chunks are empty from the start. */
+        /* Some chunks are empty at the start. */
         for (size_t i = 0; i < voxel_count(&g) / 3; i++)
             voxels[i] = 0;
         ost_bone *bone = bone_of(*state, &g, n, voxels);
@@ -284,7 +284,7 @@ static void an_empty_bone_can_be_looked_at(void **state)
     assert_int_equal(ost_live_create(NULL, &live, &err), OST_ERR_USAGE);
 }
 
-/* An operation publishes its own ticks. */
+/* An operation must publish its own ticks. */
 static void an_operation_shows_itself(void **state)
 {
     ost_error err = {0};

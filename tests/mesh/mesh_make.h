@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Meshes for tests, made on the lattice: snapped meshes with arbitrary coordinates, many of
- * them on voxel centres, where ownership is most difficult.
+ * Makes meshes for tests on the lattice. Their coordinates are arbitrary, but many lie on voxel
+ * centres, where the ownership of a centre is hardest to determine.
  */
 #ifndef OST_TESTS_MESH_MAKE_H
 #define OST_TESTS_MESH_MAKE_H
@@ -14,7 +14,7 @@
 
 enum { MAKE_F = 10, MAKE_ONE = 1 << MAKE_F, MAKE_HALF = MAKE_ONE / 2 };
 
-/* Returns an empty snapped mesh with memory for these counts. Voxels of 1 mm, corner at 0. */
+/* Returns an empty snapped mesh with memory for these counts. Its voxels are 1 mm wide and its corner is at 0. */
 static inline ost_snapped_mesh make_snapped(ost_dims dims, size_t vertices, size_t triangles)
 {
     ost_snapped_mesh m = {.grid = {.dims = dims, .voxel = OST_PM_PER_MM}, .fraction_bits = MAKE_F};
@@ -60,8 +60,8 @@ static inline uint32_t make_random_vertex(ost_snapped_mesh *m, test_rng *rng)
 }
 
 /*
- * Returns a closed mesh: an n x m net bent into a torus with its vertices at random positions,
- * so that it intersects itself.
+ * Returns a closed mesh: an n x m net bent into a torus. Its vertices are at random positions, so
+ * that it intersects itself.
  */
 static inline ost_snapped_mesh make_closed(test_rng *rng, ost_dims dims, uint32_t n, uint32_t m)
 {
@@ -99,7 +99,7 @@ static inline void make_inside_out(ost_snapped_mesh *m, size_t t)
     }
 }
 
-/* Returns the grid made by the group's backend; owned by the caller. noncutting and report may be NULL. */
+/* Returns the grid that the group's backend makes; the caller owns it. noncutting and report may be NULL. */
 static inline uint8_t *make_grid_of_two(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                                         ost_fill_rule rule, ost_voxelize_report *report)
 {

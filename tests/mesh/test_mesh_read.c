@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mesh files: the same box in every format gives the same mesh; units; errors for broken files;
- * and an STL that is read back unchanged after writing.
+ * Tests mesh files: the same box in every format must give the same mesh, and an STL must be read
+ * back as it was written. Also tests units and the errors for broken files.
  *
  * Covers: AR-MESH-1, AR-MESH-2
  */
@@ -42,12 +42,12 @@ static void add_float(bytes *b, float value)
     add(b, &value, sizeof value);
 }
 
-/* The box [0, 10] x [0, 20] x [-5, 25]: its faces as quads, outward. */
+/* The box [0, 10] x [0, 20] x [-5, 25]. Its faces are quads with outward normals. */
 static const float corners[8][3] = {{0, 0, -5}, {10, 0, -5}, {0, 20, -5}, {10, 20, -5},
                                     {0, 0, 25}, {10, 0, 25}, {0, 20, 25}, {10, 20, 25}};
 static const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
 
-/* Returns the vertex of corner c of triangle t of the twelve. */
+/* Returns the vertex at corner c of triangle t of the twelve triangles. */
 static int corner_of(int t, int c)
 {
     return quads[t / 2][c == 0 ? 0 : c + t % 2];
@@ -140,7 +140,7 @@ static void ply(bytes *b, const char *format, bool wide)
     }
 }
 
-/* A 3DS file with a material, a local frame and a keyframer, all of which are skipped. */
+/* Writes a 3DS file with a material, a local frame and a keyframer. The reader must skip all three. */
 static void three_ds(bytes *b)
 {
     const uint32_t vertices = 2 + 8 * 12, faces = 2 + 12 * 8, frame = 48,
@@ -202,7 +202,7 @@ static void every_format_reads_the_same_box(void **state)
         assert_int_equal(mesh.vertex_count, 8);
         assert_int_equal(report.file_triangles, which < 4 || which == 10 ? 12 : which == 4 ? 8 : 6);
         assert_int_equal(report.bodies, 1);
-        /* Triangles in the file's order, and their corners too. */
+        /* The triangles and their corners must be in the file's order. */
         for (int t = 0; t < 12; t++)
             for (int c = 0; c < 3; c++) {
                 const ost_pm3 *p = &mesh.vertices[mesh.triangles[t][c]];
@@ -219,7 +219,10 @@ static void every_format_reads_the_same_box(void **state)
     }
 }
 
-/* A file cut at any position or with any bytes changed gives an error that names the file, or a valid mesh. */
+/*
+ * For a file truncated at any position, or with any bytes changed, reading must return either an
+ * error that names the file or a valid mesh.
+ */
 static void no_cut_and_no_change_surprises(void **state)
 {
     (void)state;
@@ -252,7 +255,10 @@ static void no_cut_and_no_change_surprises(void **state)
                 assert_ptr_equal(strstr(err.text, path), err.text);
                 assert_null(mesh.vertices);
             }
-            /* A cut file is refused, except text that was cut after everything that matters. */
+            /*
+             * A truncated file must be refused, except for text formats, which may be truncated
+             * after all necessary data.
+             */
             if (cut && status == OST_OK && which != 4 && which != 3 && which != 5 && which != 9)
                 fail_msg("%s cut at %zu of %zu was read", names[which], broken.size, b.size);
         }
@@ -273,7 +279,7 @@ static void units_are_believed_or_guessed(void **state)
         {"10", OST_UNIT_CM, 100000000000, NULL},
         {"0.5", OST_UNIT_M, 500000000000, NULL},
         {"1", OST_UNIT_INCH, 25400000000, NULL},
-        {"0.1", OST_UNIT_INCH, 2540000038, NULL},   /* float32 0.1 = 0.100000001490116...; times 25.4 */
+        {"0.1", OST_UNIT_INCH, 2540000038, NULL},   /* 0.1 as float32 is 0.100000001490116...; times 25.4 */
         {"0.1", OST_UNIT_MM, 100000001, NULL},      /* 100000001.49 */
         {"0.1", OST_UNIT_UM, 100000, NULL},
         {"0.5", OST_UNIT_UM, 500000, NULL},
@@ -434,7 +440,7 @@ static void bodies_are_joined_and_counted(void **state)
                             &report, &err));
     assert_int_equal(mesh.triangle_count, 3);
     assert_int_equal(mesh.vertex_count, 3);
-    assert_int_equal(report.bodies, 2); /* one is empty */
+    assert_int_equal(report.bodies, 2); /* one body is empty */
     assert_string_equal(report.format, "STL (ASCII)");
     ost_mesh_free(&mesh);
     static const char two_objects[] = "o a\nv 0 0 0\nv 9 0 0\nv .0 9. +0\nf 1 2 3\no empty\no b\nv 0 0 9\nf 1 2 -1\n";
@@ -471,7 +477,7 @@ static void an_stl_comes_back(void **state)
     assert_int_equal(size[0], size[1]);
     assert_memory_equal(content[0], content[1], size[0]);
     assert_memory_not_equal(content[0], "solid", 5);
-    /* Normals point outward: that of a triangle at the lower pole points down. */
+    /* Normals must point outward: the normal of a triangle at the lower pole points down. */
     float z;
     memcpy(&z, content[0] + 84 + 8, 4);
     assert_true(z < -0.9f);

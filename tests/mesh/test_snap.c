@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests a tool's grid from its bounds, and vertices on its lattice: the thesis' numbers, ties,
- * limits, and a mesh moved by complete voxels.
+ * Tests computing a tool's grid from its bounds and moving vertices to the lattice: the thesis'
+ * numbers, ties, limits, and a mesh moved by an integer number of voxels.
  *
  * Covers: AR-TOOL-1, AR-TOOL-2, AR-TOOL-3, AR-MESH-3, AR-MESH-4, AR-DIG-7
  */
@@ -9,10 +9,10 @@
 
 static ost_pm mm(double value)
 {
-    return (ost_pm)(value * 1e6 + (value < 0 ? -0.5 : 0.5)) * 1000; /* to the nearest nanometre; for literals */
+    return (ost_pm)(value * 1e6 + (value < 0 ? -0.5 : 0.5)) * 1000; /* rounded to the nearest nanometre; for literals */
 }
 
-/* docs/spec/arithmetic.md, AR-TOOL-2, which computes these by hand. */
+/* docs/spec/arithmetic.md, AR-TOOL-2, computes these numbers by hand. */
 static void the_reamer_has_the_thesis_grids(void **state)
 {
     (void)state;
@@ -38,7 +38,7 @@ static void the_reamer_has_the_thesis_grids(void **state)
     }
 }
 
-/* Each side has one or two void voxels, and the grid holds every point of the bounds, at any position. */
+/* At any position, each side must have one or two void voxels, and the grid must contain every point of the bounds. */
 static void every_grid_has_its_margin(void **state)
 {
     (void)state;
@@ -93,7 +93,7 @@ static void limits_are_said(void **state)
     assert_ok(ost_tool_geometry_from_bounds((ost_pm3){0, 0, 0}, (ost_pm3){mm(4093), mm(1), mm(1)}, mm(1), &g, &err));
 }
 
-/* Makes a triangle in picometres, with one unused vertex. */
+/* Makes a triangle with coordinates in picometres, and one unused vertex. */
 static void four_vertices(ost_mesh *mesh, const ost_pm3 p[4], uint32_t a, uint32_t b, uint32_t c)
 {
     ost_error err = {0};
@@ -107,7 +107,7 @@ static void four_vertices(ost_mesh *mesh, const ost_pm3 p[4], uint32_t a, uint32
 static void vertices_snap_to_even(void **state)
 {
     (void)state;
-    /* lattice of 2000 pm */
+    /* The lattice has a step of 2000 pm. */
     const ost_tool_geometry grid = {.dims = {8, 8, 8}, .voxel = 1024 * 2000, .corner = {-4000, 0, 0}};
     const ost_pm3 p[4] = {
         {-4000 + 1000, 3000, 0}, {5000 - 4000, 4999, 1024 * 2000}, {0, 8 * 1024 * 2000, 5001}, {1, 2, 3}};
@@ -152,8 +152,8 @@ static void fraction_bits_fit_the_grid(void **state)
 }
 
 /*
- * Vertices that coincide, or three on a line, even if only after rounding to the lattice, make
- * a triangle without area, which is dropped.
+ * A triangle whose vertices coincide or lie on a line has no area and is dropped, even if this
+ * happens only by rounding to the lattice.
  */
 static void what_has_no_area_is_dropped(void **state)
 {
@@ -173,7 +173,7 @@ static void what_has_no_area_is_dropped(void **state)
         assert_int_equal(out.triangle_count, 0);
         assert_int_equal(out.dropped_triangles, 1);
         ost_snapped_mesh_free(&out);
-        mesh.vertices[1].z += 2000; /* one more lattice step makes an area */
+        mesh.vertices[1].z += 2000; /* one more lattice step gives the triangle an area */
         assert_ok(ost_mesh_snap(&mesh, &grid, &out, &err));
         assert_int_equal(out.triangle_count, 1);
         ost_snapped_mesh_free(&out);
@@ -182,8 +182,8 @@ static void what_has_no_area_is_dropped(void **state)
 }
 
 /*
- * A mesh that is moved by complete voxels has the same solid voxels in the world, also for
- * points on surfaces; only the grid's bounds may differ where they are ties.
+ * A mesh that is moved by an integer number of voxels must have the same solid voxels in the
+ * world, also for points on surfaces. Only the grid's bounds may differ, where they are ties.
  */
 static void a_whole_voxel_shift_moves_the_grid(void **state)
 {
@@ -252,7 +252,7 @@ static void the_digest_is_of_these_bytes(void **state)
         10, 0, 0, 0,                                                                 /* f */
         3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0,      /* vertices, triangles, dropped */
         0, 4, 0, 0, 0, 8, 0, 0, 1, 0, 0, 0,                                          /* 1024 2048 1 */
-        2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 7, 0, 0, 0,      /* the other two */
+        2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 7, 0, 0, 0,      /* the other two vertices */
         2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0,                                          /* the triangle 2 0 1 */
     };
     ost_error err = {0};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the parametric tools: they are closed, outward and of the right size, have the thesis'
- * grids even after rounding to an STL's float32, and a turning reamer sweeps the right shape.
+ * Tests the parametric tools. Their meshes must be closed, have outward normals and the right
+ * size, and give the thesis' grids even after rounding to an STL's float32. A rotating reamer
+ * must sweep the right shape.
  *
  * Covers: REQ-VOLUME, AR-TOOL-2
  */
@@ -55,8 +56,8 @@ static ost_snapped_mesh snap(const ost_mesh *mesh, ost_pm voxel)
 }
 
 /*
- * Returns the number of voxels that the box of a triangle touches; the count of solid voxels
- * and the volume can only differ there.
+ * Returns the number of voxels that the bounding box of a triangle touches. The count of solid
+ * voxels and the volume can differ only there.
  */
 static int64_t surface_voxels(const ost_snapped_mesh *mesh)
 {
@@ -132,8 +133,8 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
     ost_mesh_free(&mesh);
     make(OST_TOOL_BURR, &(ost_tool_options){.segments = 1024}, &mesh);
     /*
-     * A sphere of radius 3, and a shaft of radius 1 from where the two meet to 26, minus the
-     * cap within the shaft.
+     * A sphere of radius 3 and a shaft of radius 1, which begins where its side meets the sphere
+     * and ends at 26, minus the cap of the sphere within the shaft.
      */
     const double pi = 3.14159265358979, root = 3 + sqrt(8.0), cap = 6 - root;
     const double volume = pi * 4 / 3 * 27 - pi * cap * cap * (9 - cap) / 3 + pi * (26 - root);
@@ -143,8 +144,8 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
 }
 
 /*
- * Head and shaft are closed, coincide on the seam, and together have the volume of the complete
- * tool; a burr's sphere is complete, and its shaft begins inside it.
+ * Head and shaft must be closed, coincide at the seam, and together have the volume of the
+ * complete tool. A burr's sphere is complete, and its shaft begins inside the sphere.
  */
 static void heads_and_shafts_are_the_tool(void **state)
 {
@@ -156,7 +157,7 @@ static void heads_and_shafts_are_the_tool(void **state)
     make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_HEAD}, &head);
     make(OST_TOOL_REAMER, &(ost_tool_options){.part = OST_TOOL_SHAFT}, &shaft);
     assert_true(fabs(ost_mesh_volume_mm3(&head) + ost_mesh_volume_mm3(&shaft) - ost_mesh_volume_mm3(&complete)) < 1e-3);
-    /* The hub is 13.2 to 14.8 mm wide at its widest, and lies behind the cutting face. */
+    /* The hub has a diameter of 13.2 to 14.8 mm at its widest point, and lies behind the cutting face. */
     ost_pm3 lo, hi;
     assert_ok(ost_mesh_bounds(&shaft, &lo, &hi, &err));
     assert_true(hi.x <= 7400000000 && hi.z == 20300000000 && lo.z > 12000000000);
@@ -178,9 +179,9 @@ static void heads_and_shafts_are_the_tool(void **state)
 }
 
 /*
- * A turning tool sweeps, at each distance from the axis, the space down to the lowest point of
- * the mesh there. No vertex of the reamer is below the sphere of 27 mm about (0, 0, 27), and on
- * every ring some vertices lie on it, all around.
+ * At each distance from the axis, a rotating tool sweeps the space down to the lowest point of
+ * the mesh at that distance. No vertex of the reamer may lie below the sphere of radius 27 mm
+ * around (0, 0, 27). On every ring, all the way round, some vertices must lie on the sphere.
  */
 static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the voxelizer with an oracle that implements AR-VOX differently, and checks the laws
- * that any voxelizer must obey.
+ * Compares the voxelizer with an oracle that implements AR-VOX differently, and checks invariants
+ * of voxelization.
  *
- * The oracle decides one voxel at a time. It has no rules for ties: coordinates are scaled by
- * 2^50 and the row is displaced by (2^22, 1) in (y, z), a real displacement that is small
- * enough to change no other sign, in 128 bits. A 3 x 3 determinant gives the side of the
+ * The oracle classifies one voxel at a time and has no rules for ties. It scales coordinates by
+ * 2^50 and displaces the row by (2^22, 1) in (y, z), computing with 128 bits. This displacement
+ * is real, but small enough to change no other sign. A 3 x 3 determinant gives the side of the
  * triangle's plane on which the centre lies.
  *
  * Covers: AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7
@@ -22,8 +22,8 @@ static int sign(wide v)
 }
 
 /*
- * Returns the side of a -> b on which the displaced point of the row lies, in the (y, z) plane;
- * scaled values are below 2^71, products below 2^92.
+ * Returns the side of the edge a -> b on which the displaced point of the row lies in the (y, z)
+ * plane. Scaled values are below 2^71, products below 2^92.
  */
 static int side(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
 {
@@ -32,7 +32,7 @@ static int side(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
     return sign((wide)(b[1] - a[1]) * (pz - a[2] * scale) - (wide)(b[2] - a[2]) * (py - a[1] * scale));
 }
 
-/* det(b - a, c - a, p - a): positive on the side to which the outward normal points. */
+/* Computes det(b - a, c - a, p - a), which is positive on the side to which the outward normal points. */
 static wide plane(const int32_t *a, const int32_t *b, const int32_t *c, const int64_t p[3])
 {
     wide m[3][3];
@@ -46,8 +46,8 @@ static wide plane(const int32_t *a, const int32_t *b, const int32_t *c, const in
 }
 
 /*
- * Counts the triangles that cross the row of p at or before p (with `all`: anywhere): their
- * signed sum and their number.
+ * Sums the signs of the triangles that cross the row of p at or before p (with `all`: anywhere),
+ * and counts these triangles.
  */
 static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all, int *winding, int *count)
 {
@@ -60,9 +60,9 @@ static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all
         if (s == 0 || s != side(b, c, p[1], p[2]) || s != side(c, a, p[1], p[2]))
             continue;
         /*
-         * Counter-clockwise in (y, z) means an outward normal toward +x: the row leaves there,
-         * and p is past the plane if the determinant is not negative. Clockwise triangles have
-         * the opposite signs.
+         * A triangle that is counter-clockwise in (y, z) has an outward normal toward +x. The row
+         * leaves the mesh there, and p is past the plane if the determinant is not negative.
+         * Clockwise triangles have the opposite signs.
          */
         if (!all && s * sign(plane(a, b, c, p)) < 0)
             continue;
@@ -170,7 +170,7 @@ static void no_mesh_on_centres_leaks(void **state)
     }
 }
 
-/* The widest lattice: x up to 2^20 at f = 8. */
+/* Tests the widest lattice: x up to 2^20 at f = 8. */
 static void the_widest_lattice_is_exact(void **state)
 {
     (void)state;
@@ -202,7 +202,7 @@ static void the_widest_lattice_is_exact(void **state)
     }
 }
 
-/* ------------------------------------------------------------------- laws */
+/* ------------------------------------------------------------- invariants */
 
 /* Returns true if p lies on a triangle or its border. */
 static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
@@ -230,13 +230,13 @@ static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
 }
 
 /*
- * A map of the grid onto another: axis a of the new grid is axis from[a] of the old one,
- * reversed where flip[a] is set.
+ * A map of the grid onto another grid. Axis a of the new grid is axis from[a] of the old one,
+ * reversed if flip[a] is set.
  */
 typedef struct placing {
     int from[3];
     bool flip[3];
-    bool odd; /* reverses the orientation of triangles */
+    bool odd; /* true if the map reverses the orientation of triangles */
 } placing;
 
 static int32_t dim(ost_dims d, int a)
@@ -265,7 +265,10 @@ static ost_snapped_mesh placed(const ost_snapped_mesh *mesh, const placing *q)
     return out;
 }
 
-/* Mirroring, quarter turns and permutations move the grid with the mesh wherever no centre lies on the surface. */
+/*
+ * Mirroring, quarter turns and permutations of the mesh must transform the grid in the same way
+ * wherever no centre lies on the surface.
+ */
 static void the_grid_moves_with_the_mesh(void **state)
 {
     (void)state;
@@ -315,8 +318,8 @@ static void the_grid_moves_with_the_mesh(void **state)
 }
 
 /*
- * Two tetrahedra on both sides of a shared face form a bipyramid; the union of their grids is
- * the bipyramid's grid, with or without the cut.
+ * Two tetrahedra on both sides of a shared face form a bipyramid. The union of their grids must
+ * be the bipyramid's grid, and each centre on the shared face belongs to only one of them.
  */
 static void two_closed_halves_make_the_whole(void **state)
 {
@@ -360,7 +363,7 @@ static void two_closed_halves_make_the_whole(void **state)
     }
 }
 
-/* ------------------------------------------------------- boxes, by hand */
+/* ------------------------------------------------- boxes computed by hand */
 
 static const int64_t lo3[3] = {MAKE_ONE, MAKE_ONE, MAKE_ONE}, hi3[3] = {7 * MAKE_ONE, 6 * MAKE_ONE, 5 * MAKE_ONE};
 
@@ -380,8 +383,8 @@ static void a_box_inside_out_is_solid(void **state)
 }
 
 /*
- * In a box from centre to centre, a centre on a low face is inside and one on a high face
- * outside, so the volume is right.
+ * In a box from voxel centre to voxel centre, a centre on a low face is inside and a centre on a
+ * high face is outside. Therefore the number of voxels equals the volume.
  */
 static void a_box_on_centres_is_half_open(void **state)
 {
@@ -409,7 +412,7 @@ static void shells_nest(void **state)
     ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 16, 24);
     make_box(&mesh, lo3, hi3);
     make_box(&mesh, lo, hi);
-    free(make_grid(&mesh, OST_FILL_WINDING, &report)); /* both outward: the winding number is 2 inside */
+    free(make_grid(&mesh, OST_FILL_WINDING, &report)); /* both have outward normals: the winding number is 2 inside */
     assert_int_equal(report.solid_voxels, outer);
     free(make_grid(&mesh, OST_FILL_PARITY, &report));
     assert_int_equal(report.solid_voxels, outer - inner);
@@ -422,8 +425,8 @@ static void shells_nest(void **state)
 }
 
 /*
- * Without one of the two triangles of the face x = hi, the rows that cross the missing one leak
- * and stay void; the others are filled.
+ * One of the two triangles of the face x = hi is missing. The rows that would cross it leak and
+ * stay void; the other rows are filled.
  */
 static void a_hole_leaks_and_is_not_filled(void **state)
 {

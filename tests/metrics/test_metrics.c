@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Metrics of a bone whose cuts are known: a block with a flat face, a sphere
- * reamed into it along a tilted axis, and a hole drilled along another, with the
- * poses of the tools; landmarks, a rim and a tool's path with closed forms of
- * their own.
+ * Tests the metrics of a bone with known cuts: a block with a flat face, a sphere reamed into it
+ * along a tilted axis, and a hole drilled along another axis, with the poses of the tools. Also
+ * tests landmarks, a rim and a tool's path, each against a closed form.
  * Covers: REQ-METRICS
  */
 #include "harness.h"
@@ -16,8 +15,8 @@
 #define PI 3.14159265358979323846
 
 /*
- * Inward is +x, a right shoulder. The face is the plane x = 0; the block is 40 mm deep, 46 from
- * front to back and 50 high, where the grid ends.
+ * The bone is a right shoulder, and inward is +x. The face is the plane x = 0. The block is 40 mm
+ * deep, 46 mm from front to back, and 50 mm high, up to the ends of the grid.
  */
 typedef struct cuts {
     double radius, depth;       /* of the sphere; depth is along its axis through the face's centre */
@@ -59,8 +58,8 @@ static void make(const cuts *c, ost_volume *before, ost_volume *after)
 }
 
 /*
- * The tools' poses: the reamer enters along its axis and the drill along its own, 0.1 mm a
- * tick, and both return without cutting.
+ * The tools' poses. The reamer and the drill each enter along their own axis by 0.1 mm per tick
+ * and return without cutting.
  */
 enum { REAMER, DRILL, TICKS_MAX = 1000 };
 static const ost_metrics_tool tools[] = {{OST_METRICS_REAMER, 18, 20}, {OST_METRICS_DRILL, 3, 30}};
@@ -73,7 +72,7 @@ static ost_metrics_motion motion_of(const cuts *c)
     const double axis[2][3] = {{1 / size, -back / size, -up / size},
                                {cos(c->hole_up_deg * PI / 180), 0, -sin(c->hole_up_deg * PI / 180)}};
     const double entry[2][2] = {{c->entry_y, c->entry_z}, {c->hole_y, 0}};
-    /* The drill's tip is as deep along x as the hole; the reamer's tip moves its depth along its axis. */
+    /* The drill's tip is as deep along x as the hole. The reamer's tip moves along its axis by the depth. */
     const double deep[2] = {c->depth, c->hole_depth / axis[DRILL][0]};
     size_t count = 0;
     for (int tool = 0; tool < 2; tool++)
@@ -113,7 +112,7 @@ static ost_metrics measure(const cuts *c, ost_status expected)
         assert_true(fabs((double)(value) - (expected)) <= (bound));                               \
     } while (0)
 
-/* A spherical cap in a plane: volume pi h^2 (R - h / 3); the mean depth is nearly half of the largest. */
+/* A spherical cap in a plane has the volume pi h^2 (R - h / 3); its mean depth is nearly half of its greatest depth. */
 static void a_straight_one(void **state)
 {
     (void)state;
@@ -124,7 +123,7 @@ static void a_straight_one(void **state)
     NEAR(m.floor_mm2, PI * rim - PI * 9, 0.1 * PI * rim); /* cuts shallower than half a voxel are not measured */
     NEAR(m.sphere_mm, 27, 1);
     NEAR(m.centre_depth_mm, 3, 0.25);
-    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* without the hole and the cells that it touches */
+    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* without the hole and the cells that touch it */
     NEAR(m.depth_mean_mm, (cap - PI * 9 * 3) / (PI * rim - PI * 9), 0.2);
     assert_true(m.reamed);
     NEAR(m.tilt_deg, 0, 1e-6);
@@ -138,7 +137,7 @@ static void a_straight_one(void **state)
     NEAR(m.hole_angle_deg, 0, 1e-6);
     NEAR(m.hole_entry_mm, 0, 1e-6);
     NEAR(m.hole_wall_mm, 6, 0.01);
-    /* The plate lies from 2 to 4 mm; the cap removed its part deeper than 2. */
+    /* The plate lies at depths of 2 to 4 mm. The cap removed the part of the plate that is between 2 and 3 mm deep. */
     const double taken = PI * 1 * (27 - 1.0 / 3);
     NEAR(m.plate_mm3, 2 * (PI * rim - PI * 9), 0.15 * 2 * PI * rim);
     NEAR(m.plate_kept_percent, 100 * (1 - taken / (2 * PI * rim)), 4);
@@ -146,7 +145,7 @@ static void a_straight_one(void **state)
     assert_true(m.removed_by_class_mm3[0] > m.removed_by_class_mm3[2] && m.removed_by_class_mm3[1] > 0);
 }
 
-/* Tilt and entry do not affect each other: each is measured as it was made. */
+/* Tilt and entry must not affect each other: each must be measured as it was made. */
 static void tilted_and_displaced_ones(void **state)
 {
     (void)state;
@@ -181,7 +180,7 @@ static void a_crooked_hole(void **state)
     NEAR(m.hole_entry_mm, 4, 0.1);
     NEAR(m.hole_depth_mm, 20, 0.01);
     assert_false(m.hole_breach);
-    /* Near the block's side, and through it. */
+    /* The hole is near the block's side, then through it. */
     const cuts near_side = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 18};
     NEAR(measure(&near_side, OST_OK).hole_wall_mm, 2, 0.75);
     const cuts through = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 21};
@@ -201,7 +200,7 @@ static void too_deep(void **state)
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
     NEAR(m.over_max_mm, 2.5, 0.3);
     NEAR(m.over_percent, 100 * (2 * 27 * 1.5 - 1.5 * 1.5) / (2 * 27 * 5.5 - 5.5 * 5.5), 4);
-    /* The cap below plan and margin has a height of 1.5 mm. */
+    /* The part of the cap below plan and margin has a height of 1.5 mm. */
     NEAR(m.over_mm3, PI * 1.5 * 1.5 * (27 - 0.5), 0.12 * PI * 1.5 * 1.5 * 26.5);
     NEAR(m.centre_depth_mm, 5.5, 0.25);
     assert_int_equal(ost_metrics_make(&before, &before, 120, &classes, &plan, NULL, &m, &err), OST_ERR_INPUT);
@@ -210,9 +209,9 @@ static void too_deep(void **state)
 }
 
 /*
- * Over-reaming grows with the depth.  The part of a cap of height h that is deeper
- * than plan and margin is a cap of h - 4 mm, whose volume is pi h^2 (R - h / 3);
- * no depth makes it count as a hole, and a drill's hole adds nothing to it.
+ * Over-reaming must grow with the depth. The part of a cap of height h that is deeper than plan
+ * and margin is a cap of height h - 4 mm, and the volume of a cap is pi h^2 (R - h / 3). No depth
+ * may make the cap count as a hole, and a drill's hole must add nothing to the over-reaming.
  */
 static void the_deeper_the_worse(void **state)
 {
@@ -227,7 +226,7 @@ static void the_deeper_the_worse(void **state)
                             .hole_depth = drilled ? 22 : 0};
             const ost_metrics m = measure(&c, OST_OK);
             const double h = depth - 4, cap = PI * h * h * (27 - h / 3);
-            /* The drill follows the reamer: of the cap below, the drill's cylinder counts as the hole. */
+            /* The drill follows the reamer. The drill's cylinder within the lower cap counts as the hole. */
             const double hole = drilled ? PI * 9 * h : 0;
             NEAR(m.over_mm3, cap - hole, 0.04 * cap + 5 + (drilled ? 0.2 * hole : 0));
             NEAR(m.over_max_mm, drilled ? fmax(0, m.over_max_mm) : depth - 3, 0.3);
@@ -241,8 +240,8 @@ static void the_deeper_the_worse(void **state)
 }
 
 /*
- * Landmarks that rotate the scapula's lateral axis by a known angle: the planned face's version
- * or inclination is that angle.
+ * Landmarks rotate the scapula's lateral axis by a known angle, which must be the planned face's
+ * version or inclination.
  */
 static void in_the_scapulas_frame(void **state)
 {
@@ -276,7 +275,7 @@ static void in_the_scapulas_frame(void **state)
     NEAR(m.inclination_planned_deg, 5, 1e-6);
     NEAR(m.version_deg, 8, 0.1);
     NEAR(m.inclination_deg, 1, 0.1);
-    /* A left shoulder: inward is -x, and the direction of the back is unchanged. */
+    /* In a left shoulder inward is -x, and the direction of the back is unchanged. */
     plan = (ost_metrics_plan){.axis = {-1, 0, 0},
                               .left = true,
                               .depth_mm = 3,
@@ -294,8 +293,8 @@ static void in_the_scapulas_frame(void **state)
 }
 
 /*
- * A tapering stump: an oval face of 26 x 34 mm whose half axes shrink by 0.4 mm per millimetre;
- * cut by a sphere off its centre.
+ * A tapering stump has an oval face of 26 x 34 mm, whose half axes shrink by 0.4 mm per
+ * millimetre of depth. A sphere whose centre is off the stump's axis cuts it.
  */
 static void the_rim(void **state)
 {
@@ -321,7 +320,10 @@ static void the_rim(void **state)
             }
     const ost_metrics_plan plan = {.axis = {1, 0, 0}, .depth_mm = depth};
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
-    /* In each direction, the position where the stump's side and the sphere meet: a fixed point. */
+    /*
+     * Computes for each direction, by fixed-point iteration, the position where the stump's side
+     * and the sphere meet.
+     */
     int lowered = 0;
     double most = 0, side[2] = {0, 0};
     for (int k = 0; k < 7200; k++) {
@@ -359,8 +361,8 @@ static void the_rim(void **state)
 }
 
 /*
- * 8 mm through air, 3 mm into bone at 1.5 mm/s, two turns of 5 mm radius about the axis, a
- * plunge of 2 mm at 40 mm/s, and out.
+ * The tool moves 8 mm through air and 3 mm into bone at 1.5 mm/s, makes two turns of 5 mm radius
+ * about the axis, plunges 2 mm at 40 mm/s, and leaves.
  */
 static void the_technique(void **state)
 {
@@ -394,8 +396,8 @@ static void the_technique(void **state)
     assert_ok(ost_technique_make(m, ALL + 1, &plan, &t, &err));
     NEAR(t.seconds, ALL * 1e-3, 1e-9);
     /*
-     * Where the direction reverses between two positions 20 ms apart, up to the complete
-     * distance of these 20 ms is missed.
+     * Where the direction reverses between two positions 20 ms apart, up to the complete distance
+     * covered in these 20 ms is not measured.
      */
     NEAR(t.path_mm, 8 + 3 + 2 * 2 * PI * 5 + 2 + 13, 0.8);
     NEAR(t.contact_s, (ADVANCE + TURNS + PLUNGE) * 1e-3, 1e-9);
@@ -413,8 +415,8 @@ static void the_technique(void **state)
     assert_int_equal(t.plunges, 1);
     NEAR(t.plunge_mm, 2, 0.05);
     /*
-     * The approach of the built-in paths, 20 mm/s in contact, along an axis on which no step is
-     * exact: no plunge.
+     * The approach of the built-in paths: 20 mm/s in contact, along an axis on which no step is
+     * exact. This must not count as a plunge.
      */
     const ost_metrics_plan oblique = {.axis = {0.817462, 0.406924, -0.407639}};
     for (int i = 0; i <= ALL; i++) {
@@ -425,7 +427,7 @@ static void the_technique(void **state)
     assert_ok(ost_technique_make(m, ALL + 1, &oblique, &t, &err));
     NEAR(t.inward_max_mm_s, 20, 0.01);
     assert_int_equal(t.plunges, 0);
-    /* Faster for a second, with a speed that varies about the limit: one plunge. */
+    /* A faster approach for one second, with a speed that varies around the limit, must count as one plunge. */
     for (int i = 0; i <= ALL; i++)
         for (int a = 0; a < 3; a++)
             m[i].mm[a] = (fmin(i, 1000) * 0.025 + (i < 1000 ? 0.05 * sin(i * 0.5) : 0)) * oblique.axis[a];
@@ -435,8 +437,8 @@ static void the_technique(void **state)
         for (int a = 0; a < 3; a++)
             m[i].mm[a] = 0;
     /*
-     * Lifted off for 0.3 s in the middle: two contacts, one pass; for 0.6 s: two of both. Also
-     * without any force.
+     * The tool is lifted off for some time in the middle. 0.3 s give two contacts and one pass;
+     * 0.6 s give two contacts and two passes. No force is recorded.
      */
     for (int lift = 300; lift <= 600; lift += 300) {
         for (int i = 0; i <= ALL; i++) {

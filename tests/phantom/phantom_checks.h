@@ -15,8 +15,8 @@ typedef struct chunk_count {
 } chunk_count;
 
 /*
- * Counts the chunks of the bone that an import makes, by AR-CUB's rule written out: cubic dims =
- * ceil(dims * rect / cubic), source = floor(i * cubic / rect).
+ * Counts the chunks of the bone that an import makes by the rule AR-CUB, written out here: cubic
+ * dims = ceil(dims * rect / cubic), source = floor(i * cubic / rect).
  */
 static inline chunk_count count_chunks(const ost_volume *v)
 {
@@ -47,7 +47,7 @@ static inline chunk_count count_chunks(const ost_volume *v)
 }
 
 /*
- * Computes the size of the greatest set of active voxels that are connected by faces, and the
+ * Computes the size of the largest set of active voxels that are connected by faces, and the
  * number of all active voxels.
  */
 static inline void count_connected(const ost_volume *v, int64_t *greatest, int64_t *all)
@@ -100,8 +100,8 @@ static inline void read_vector(const ost_volume *v, const char *key, double out[
 }
 
 /*
- * Returns the density, interpolated between voxel centres, at a point of the patient in mm;
- * outside the grid that of the nearest voxel.
+ * Returns the density at a point of the patient in mm, interpolated between voxel centres.
+ * Outside the grid, returns the density of the nearest voxel.
  */
 static inline double density_at(const ost_volume *v, const double mm[3])
 {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The trabecular cores at the thesis' size: Tables 3.1 and 3.2, and their spongy structure: the
- * share of bone, the thickness of struts, the width of spaces.
+ * Tests the trabecular cores at the thesis' size: Tables 3.1 and 3.2, and the spongy structure,
+ * that is the proportion of bone, the thickness of struts and the width of spaces.
  *
- * Measured for seed 1: core 1 250 of 250 chunks, core 2 1051 of 1200 (the
- * thesis: 1060).  A cylinder of 5 mm radius in the box of 314 x 316 voxels
- * reaches 88 of the 100 columns of chunks: 88 * 12 = 1056, counted by hand
- * from the distance of each column's nearest corner to the axis.
+ * Measured for seed 1: 250 of 250 chunks of core 1 and 1051 of 1200 chunks of core 2 are active
+ * (the thesis: 1060 for core 2). A cylinder of 5 mm radius in the box of 314 x 316 voxels reaches
+ * 88 of the 100 columns of chunks, which gives 88 * 12 = 1056 chunks. The 88 columns were counted
+ * by hand from the distance of each column's nearest corner to the axis.
  *
  * Covers: REQ-PHANTOM, AR-CUB-1, AR-CUB-2
  */
@@ -24,8 +24,8 @@ static ost_volume make(ost_phantom_kind kind)
 }
 
 /*
- * Returns the mean length, in mm, of runs of active (or inactive) voxels along x, y and z,
- * without the runs at the border.
+ * Returns the mean length in mm of runs of active (or inactive) voxels along x, y and z,
+ * excluding runs at the border.
  */
 static double mean_run(const ost_volume *v, bool active)
 {
@@ -58,9 +58,9 @@ static double mean_run(const ost_volume *v, bool active)
 }
 
 /*
- * A line crosses a rod or plate obliquely, so its run is longer than the thickness: on average
- * by the factor pi/2 for a long cylinder and 2 for a plate.  So struts of 0.15-0.25 mm have runs
- * of 0.24-0.5 mm.
+ * A line crosses a rod or plate obliquely, so its run is longer than the thickness, on average by
+ * the factor pi/2 for a long cylinder and 2 for a plate. Therefore struts of 0.15-0.25 mm have
+ * runs of 0.24-0.5 mm.
  */
 static void test_core_1(void **state)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The cellular foam at the thesis' size, 60 million voxels: Tables 3.1 and
- * 3.2.  Measured for seed 1: 1665 of 1900 chunks active (the thesis: 1669;
- * a cylinder of 5 mm radius reaches 88 of 100 columns, 88 * 19 = 1672).
+ * Tests the cellular foam at the thesis' size of 60 million voxels: Tables 3.1 and 3.2. Measured
+ * for seed 1: 1665 of 1900 chunks are active. The thesis gives 1669; a cylinder of 5 mm radius
+ * reaches 88 of 100 columns, 88 * 19 = 1672 chunks.
  *
  * Covers: REQ-PHANTOM, AR-CUB-1, AR-CUB-2
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Generated bones: names, options, seeds, sides, and the data in their headers.  Coarse grids;
- * the tests of full size are in the other files of this folder.
+ * Tests generated bones: names, options, seeds, sides, and the data in their headers. The grids
+ * are coarse; the other files of this folder test the bones at full size.
  *
  * Covers: REQ-PHANTOM, AR-GRID-1
  */
@@ -64,7 +64,7 @@ static void test_a_seed_makes_one_grid(void **state)
         ost_phantom_options o = {.spacing = core ? (ost_pm3){MM / 5, MM / 5, MM / 5}
                                                  : (ost_pm3){3 * MM, 3 * MM, 3 * MM}};
         ost_volume a = make((ost_phantom_kind)kind, o);
-        o.seed = 1; /* the seed that 0 selects */
+        o.seed = 1; /* 0 selects this seed */
         ost_volume b = make((ost_phantom_kind)kind, o);
         o.seed = 2;
         ost_volume c = make((ost_phantom_kind)kind, o);
@@ -91,7 +91,7 @@ static void test_left_is_the_mirror_of_right(void **state)
     for (int64_t row = 0; row < (int64_t)d.y * d.z; row++)
         for (int i = 0; i < d.x; i++)
             assert_int_equal(left.voxels[row * d.x + i], right.voxels[row * d.x + d.x - 1 - i]);
-    /* The first voxel of one is the last of the other, on the other side of the midline. */
+    /* The first voxel of one bone is the last voxel of the other, mirrored at the midline. */
     assert_int_equal(left.geometry.origin.x, -(right.geometry.origin.x + (d.x - 1) * right.geometry.spacing.x));
     assert_int_equal(left.geometry.origin.y, right.geometry.origin.y);
     double at[2][3], axis[2][3];
@@ -108,7 +108,7 @@ static void test_left_is_the_mirror_of_right(void **state)
 }
 
 /*
- * LPS+: a right glenoid lies at negative x and faces the patient's right and a little forward,
+ * In LPS+ a right glenoid lies at negative x. It faces the patient's right and slightly forward,
  * so inward is +x and +y.
  */
 static void test_the_glenoid_looks_outward(void **state)
@@ -131,7 +131,7 @@ static void test_the_glenoid_looks_outward(void **state)
     }
 }
 
-/* For every seed the bone is one connected piece and does not touch the box's sides. */
+/* For every seed the bone must be one connected piece and must not touch the box's sides. */
 static void test_seeds_keep_the_bone_whole(void **state)
 {
     (void)state;
@@ -154,8 +154,8 @@ static void test_seeds_keep_the_bone_whole(void **state)
 }
 
 /*
- * A block is skipped if its centre is far enough from the bone (ct.c).  This requires that
- * distances overstate by at most half.
+ * A block is skipped if its centre is far enough from the bone (ct.c). This requires that
+ * distances are overestimated by at most half.
  */
 static void test_distances_can_be_relied_on(void **state)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scapula and its glenoid at the thesis' size: Tables 3.1 and 3.2, one connected bone, and
- * the layers that a reamer cuts.
+ * Tests the scapula and its glenoid at the thesis' size: Tables 3.1 and 3.2, the connectedness of
+ * the bone, and the layers that a reamer cuts.
  *
- * Measured for seed 1: 202 of 896 chunks active (the thesis: 202 in Table 3.2,
- * 199 in Table 3.7), 18 of 18 in the glenoid.
+ * Measured for seed 1: 202 of 896 chunks of the scapula are active (the thesis: 202 in Table 3.2,
+ * 199 in Table 3.7), and 18 of 18 chunks of the glenoid.
  *
  * Covers: REQ-PHANTOM, AR-CUB-1, AR-CUB-2
  */
@@ -66,7 +66,7 @@ static void test_no_crumbs(void **state)
     assert_int_equal(greatest, all);
 }
 
-/* The smaller phantom is cut out of the larger one, voxel for voxel. */
+/* The smaller phantom must be a crop of the larger one, voxel for voxel. */
 static void test_the_glenoid_is_a_crop(void **state)
 {
     (void)state;
@@ -86,7 +86,7 @@ static void test_the_glenoid_is_a_crop(void **state)
 }
 
 /*
- * Samples inward along the axis from outside the face, every 0.05 mm: soft tissue, cartilage
+ * Samples along the axis, inward from outside the face, every 0.05 mm: soft tissue, cartilage
  * [120, 150), compact bone [650, ...), spongy bone [150, 650).
  */
 static void test_layers_along_the_axis(void **state)
@@ -132,7 +132,7 @@ static void test_densities(void **state)
         highest = hu > highest ? hu : highest;
         in_class[hu < 120 ? 0 : hu < 150 ? 1 : hu < 650 ? 2 : 3]++;
     }
-    assert_in_range(lowest + 1024, 0, 400); /* air in the lung */
+    assert_in_range(lowest + 1024, 0, 400); /* HU of air in the lung */
     assert_in_range(highest, 1200, 2000);
     int64_t active = count - in_class[0];
     print_message("# of %lld active voxels %lld cartilage, %lld spongy, %lld compact\n", (long long)active,
@@ -143,8 +143,8 @@ static void test_densities(void **state)
 }
 
 /*
- * The bone is denser at the back (Frich et al.): compares both sides of the axis, along the face
- * and 6 to 10 mm deep.
+ * The bone is denser at the back (Frich et al.). Compares both sides of the axis, along the face
+ * and at depths of 6 to 10 mm.
  */
 static void test_denser_posteriorly(void **state)
 {
@@ -152,7 +152,7 @@ static void test_denser_posteriorly(void **state)
     double at[3], axis[3];
     read_vector(&scapula, OST_META_GLENOID_AT, at);
     read_vector(&scapula, OST_META_GLENOID_AXIS, axis);
-    /* Horizontal and along the face: perpendicular to the axis in the axial plane, pointing backward (+y). */
+    /* The direction along the face that is perpendicular to the axis in the axial plane and points backward (+y). */
     double back[3] = {-axis[1], axis[0], 0}, mean[2] = {0, 0};
     for (int side = 0; side < 2; side++)
         for (double u = 4; u < 8; u += 0.25)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A plugin that wraps the library's own reference, for tests: results through the
- * plugin interface must be equal to those without it.  It also misbehaves on
- * request.
+ * A plugin for tests that wraps the library's own reference. Its results through the plugin
+ * interface must be equal to those without the interface. An option makes it misbehave.
  *
  *   plugin:mirror.so              the reference
  *   plugin:mirror.so,break=WHAT   misbehaves; WHAT is an argument of broken() below
@@ -50,7 +49,7 @@ static int32_t m_open(const char *options, const ost_plugin_host *host, ost_plug
     if (broken("open"))
         raise(SIGSEGV);
     if (broken("options")) {
-        memset(error->text, 'x', error->text_size); /* without a NUL: the host must not read beyond the buffer */
+        memset(error->text, 'x', error->text_size); /* no NUL: the host must not read beyond the buffer */
         free(self);
         current = NULL;
         return OST_PLUGIN_USAGE;
@@ -80,7 +79,7 @@ static int32_t m_finish(ost_plugin_instance *self, ost_plugin_error *error)
     return put_error(ost_backend_finish(self->ref, &err), &err, error);
 }
 
-/* Objects are the library's own, cast to the plugin's types. */
+/* Objects of the plugin interface are the library's own objects, cast to the plugin's types. */
 static ost_geometry geometry_of(const ost_plugin_geometry *g)
 {
     return (ost_geometry){{g->dims[0], g->dims[1], g->dims[2]},
@@ -221,7 +220,7 @@ static int32_t m_voxelize(ost_plugin_instance *self, const ost_plugin_tool_geome
     const ost_snapped_mesh first = mesh_of(g, cutting),
                            second = noncutting ? mesh_of(g, noncutting) : (ost_snapped_mesh){.vertices = NULL};
     if (broken("voxelize"))
-        return OST_PLUGIN_OK; /* without an object */
+        return OST_PLUGIN_OK; /* returns no object */
     const ost_status status = ost_voxelize(self->ref, &first, noncutting ? &second : NULL,
                                            parity ? OST_FILL_PARITY : OST_FILL_WINDING, &own, (ost_tool **)out, &err);
     r->solid_voxels = own.solid_voxels;
@@ -265,7 +264,7 @@ static ost_int128 joined(ost_plugin_int128 v)
     return (ost_int128){v.low, v.high};
 }
 
-/* Also calls the host's block_base, which must agree with the map. */
+/* Also calls the host's block_base. Its result must agree with the map. */
 static int same_base(const ost_map *map, const ost_plugin_map *given)
 {
     const int32_t block[3] = {1, 0, 2};

@@ -1,8 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# osteon compare: a plugin, its dump and the reference's dump, margins, and
-# dumps that are wrong.
+# Tests osteon compare: a plugin, its dump and the reference's dump, margins, and invalid dumps.
 # Covers: REQ-COMPARE
 . "${srcdir:-.}/tests/app/lib.sh"
 cp "$build/.libs/thesis_f32.so" . || {
@@ -10,13 +9,14 @@ cp "$build/.libs/thesis_f32.so" . || {
     exit 77
 }
 
-# The reference against its own dump is equal; the thesis' differs, the same by the plugin and by its dump.
+# The reference must equal its own dump. The thesis' backend differs, and in the same way as a
+# plugin and as its dump.
 run 0 validate --worker ref --dump same --only import/1
 run 0 compare same --json
 check "equal" "$(value equal)" true
 run 1 compare plugin:./thesis_f32.so --only import/1 --json
 has stages.0.different_voxels margins.0.stages.0.bins.21 margins.0.stages.0.max_2_20
-# The same class and place as validate has.
+# Class and position must be those that validate reports.
 place() { for key in stage class class_hint chunk.0 chunk.1 chunk.2 voxel.0 voxel.1 voxel.2 reference got; do value "$1.0.$key"; done; }
 place cases >compared
 run 1 validate --backends plugin:./thesis_f32.so --only import/1 --json
@@ -39,7 +39,7 @@ sums >plugged
 checks=$((checks + 1))
 cmp -s dumped plugged || fail "by the dump: $(tr '\n' ' ' <dumped), by the plugin: $(tr '\n' ' ' <plugged)"
 
-# A user's own files, as for validate: by the plugin and by dumps of them.
+# Compares a user's own files, as validate does, with the plugin and with dumps.
 ct_text 20 18 12 0.5 'i * 40 + j - k * 3' >ct.txt
 own="--only user --ct ct.txt --cubic 0.7 --tool builtin:peg"
 # shellcheck disable=SC2086 # words
@@ -52,8 +52,9 @@ own="--only user --ct ct.txt --cubic 0.7 --tool builtin:peg"
 }
 refuse 2 "needs --ct, --tool or --path" compare own --cubic 0.7
 
-# A margin derived by hand: the sample at 2.3 mm on a lattice of 1 mm leaves its voxel, which ends at
-# 2.5, after 0.2 of a voxel: floor(0.2 * 2^20) = 209715. The dump has no sample in voxel (2, 1, 1).
+# A margin derived by hand: the sample at 2.3 mm on a lattice of 1 mm would leave its voxel, which
+# ends at 2.5 mm, if it moved by 0.2 of a voxel: floor(0.2 * 2^20) = 209715. The dump has no
+# sample in voxel (2, 1, 1).
 awk 'BEGIN { for (k = 0; k < 5; k++) for (j = 0; j < 6; j++) for (i = 0; i < 7; i++)
     print (i == 2 && j == 1 && k == 1 ? 2.3 : i), j, k, 200 + i + 10 * j + 100 * k }' >off.txt
 run 0 validate --worker ref --dump moved --only user --ct off.txt --spacing 1,1,1 --tool builtin:peg
@@ -61,19 +62,20 @@ printf '\000\000' | dd of=moved/user-1/rect.raw bs=1 seek=$((2 * (2 + 7 * (1 + 6
 run 1 compare moved --ct off.txt --spacing 1,1,1 --tool builtin:peg --json
 check "a margin in 2^-20 of a voxel" "$(value margins.0.stages.0.decided) $(value margins.0.stages.0.max_2_20)" "1 209715"
 
-# As evidence: the margins are in the bundle, and follow from its cases.
+# The bundle must contain the margins, and they must follow from its cases.
 run 1 validate --only import/1 --backends dump:theirs --out b
 grep -q '^import/1,"dump:theirs",rect,1,' b/margins.csv || fail "no margins in the bundle: $(cat b/margins.csv)"
 grep -q "Margins of differing decisions" b/report.html || fail "no margins in the report"
 grep -q "so the difference is not only rounding" b/report.html || fail "what the margins mean is not in the report"
 run 0 verify b
 
-# ticks and tools: nothing but rounding at borders, and a dump of some stages alone
+# In ticks and tools, only rounding at borders may differ. Also compares a dump of only some stages.
 run 1 compare plugin:./thesis_f32.so --only poses/1 --json
 check "second stage that differs" "$(value margins.0.stages.1.stage)" tool
 tools=$(value margins.0.stages.1.voxels)
 
-# Apart: the tool's differences stay the tool's, and the chunks' have no part that they were given.
+# With --apart, the differences of the tool must be unchanged, and the differences of the chunks
+# must not include those of their input.
 run 1 compare plugin:./thesis_f32.so --only poses/1 --apart --json
 check "apart" "$(value apart)" true
 check "tool voxels apart" "$(value margins.0.stages.1.voxels)" "$tools"
@@ -96,17 +98,17 @@ rm -f some/poses-1/tick-*.raw some/poses-1/final.raw
 mv t23 some/poses-1/tick-23.raw
 run 0 compare some
 grep -q "of .* records are in the dump" out || fail "what was not dumped is not said: $(cat out)"
-# one voxel of the last tick: found, and where it is
+# A change of one voxel in the last tick must be found and located.
 printf '\001\000' | dd of=some/poses-1/tick-23.raw bs=1 seek=2 conv=notrunc 2>/dev/null
 run 1 compare some
 grep -q "poses/1 on dump:some: tick 23: 1 voxel, the first at (1, 0, 0): 1" out || fail "a changed voxel: $(cat out)"
 
-# a dump of all families: a case whose import is refused has a record without a grid
+# In a dump of all families, a case whose import is refused has a record without a grid.
 run 0 validate --worker ref --dump refused --only reach/2
 run 2 compare refused
 grep -q "no grid of these cases found" err || fail "a dump of a refused import: $(cat err)"
 
-# > in place of >= at the threshold: a class, and every voxel on the border
+# With > instead of >= at the threshold, the class must be named, and every voxel at the border differs.
 if command -v python3 >/dev/null; then
     run 0 validate --export-cases thresholds --only import/1
     cp -r same greater
@@ -123,7 +125,7 @@ END
     case $(value cases.0.class_text) in *"the threshold itself, are missing and nothing denser: > in place of >="*) ;; *) fail "> for >=: $(value cases.0.class_text)" ;; esac
     check "> for >=: voxels, on the border, unexplained" "$(value margins.0.stages.0.voxels) $(value margins.0.stages.0.bins.0) $(value margins.0.stages.0.unexplained)" \
         "$(cat count) $(cat count) 0"
-    # One voxel of another density is another mistake.
+    # One voxel of another density is a different mistake.
     printf '\0\0' | dd of=greater/import-1/chunks.raw bs=1 seek=$((2 * $(python3 -c '
 import array, sys
 v = array.array("h", open(sys.argv[1], "rb").read()); print(v.index(max(v)))' greater/import-1/chunks.raw))) conv=notrunc 2>/dev/null
@@ -133,7 +135,7 @@ v = array.array("h", open(sys.argv[1], "rb").read()); print(v.index(max(v)))' gr
     [ "$(value cases.0.class)" != threshold ] || fail "a dense voxel that is lost is called threshold"
 fi
 
-# what is wrong is one line with the file's name
+# An invalid dump must be reported in one line with the file's name.
 spoil() {
     status=$1 text=$2
     shift 2
@@ -166,14 +168,14 @@ refuse 2 "docs/spec/dumps.md" compare none
 refuse 2 "nobody" compare nobody
 refuse 2 "--worker needs --trace or --dump" validate --worker ref --trace x --dump y
 
-# inputs for another program
+# Exports inputs for another program.
 run 0 validate --export-cases inputs --only poses/1
 for file in cases.json poses-1/case.json poses-1/samples.txt poses-1/path.csv poses-1/tool-0.obj poses-1/tool-0.stl; do
     [ -s "inputs/$file" ] || fail "no $file among the inputs"
 done
 refuse 2 "inputs: File exists" validate --export-cases inputs --only poses/1
 
-# the steps before the voxels, computed by a program in Python from docs/spec/arithmetic.md alone
+# A Python program computes the steps before the voxels from docs/spec/arithmetic.md alone.
 if command -v python3 >/dev/null; then
     steps=$source_folder/examples/dump/steps.py
     for family in steps sweep mesh; do
@@ -182,7 +184,7 @@ if command -v python3 >/dev/null; then
         run 0 compare "$family-steps" --json
         check "$family: equal" "$(value equal)" true
     done
-    # The same files by the reference: each record of steps is in both dumps, with the same content.
+    # The reference dumps the same files. Each record of steps must be in both dumps with the same content.
     run 0 validate --worker ref --dump steps-ref --only steps/
     checks=$((checks + 1))
     python3 - steps-ref steps-steps <<'END' || fail "the files of steps.py and of the reference differ"
@@ -191,7 +193,8 @@ names = [{os.path.relpath(n, top) for n in glob.glob(top + "/*/*.json")} for top
 assert names[0] == names[1] and len(names[0]) > 100, names
 assert all(json.load(open(sys.argv[1] + "/" + n)) == json.load(open(sys.argv[2] + "/" + n)) for n in names[0])
 END
-    # One wrong integer is found, by its name and its pose; a bundle states who computed the steps.
+    # A wrong integer must be found and named together with its pose. A bundle must state who
+    # computed the steps.
     wrong() {
         rm -rf wrong
         cp -r steps-steps wrong
@@ -219,7 +222,7 @@ END
     checks=$((checks + 1))
     ! grep -q "received sweep" b-steps/report.html || fail "the report says that the steps were supplied"
     run 0 verify b-steps
-    # what is not such a file is one line with its name and the member
+    # An invalid file must be reported in one line with its name and the member.
     bad() {
         wrong "$1" "$2"
         refuse 2 "wrong/steps-0/$1.json: \"$3\" must be" compare wrong

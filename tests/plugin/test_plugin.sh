@@ -1,16 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Plugins: one that is the reference gives the reference's results through the
-# interface; wrong ones are refused, each with its line; one that crashes fails
-# its case alone.
+# Tests plugins. A plugin that wraps the reference must give the reference's results through the
+# interface. Invalid plugins must be refused, each with its own message. If a plugin crashes, only
+# the current case may fail.
 # Covers: REQ-PLUGIN
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# mirror.so is linked to the library; the others of its name too
+# mirror.so is linked to the library, and so are other plugins.
 LD_LIBRARY_PATH=$build/.libs${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export LD_LIBRARY_PATH
-# A crash is to end a process, also where a sanitizer would rather tell of it.
+# A crash must end the process, even if a sanitizer would report it instead.
 ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}handle_segv=0
 export ASAN_OPTIONS
 for file in mirror thesis_f32 broken_abi broken_size broken_slot broken_arithmetic broken_refuses old_table; do
@@ -20,7 +20,7 @@ for file in mirror thesis_f32 broken_abi broken_size broken_slot broken_arithmet
     }
 done
 
-# what is refused, and how
+# Plugins and options that must be refused, with the expected messages.
 ream() {
     status=$1 text=$2
     shift 2
@@ -43,17 +43,17 @@ ream 3 "but no object" --backend plugin:mirror.so,break=nothing
 ream 2 "contract=on or contract=off" --backend plugin:thesis_f32.so,contract=maybe
 [ ! -e x.nrrd ] || fail "an output was left by a plugin that was refused"
 
-# the reference by way of the interface is the reference, at every stage
+# The reference as a plugin must equal the reference at every stage.
 for case in import/1 mesh/1 sweep/1; do
     run 0 validate --only $case --backends plugin:mirror.so --json
     check "$case equal" "$(value equal)" true
 done
 
-# and given the reference's grids at every stage
+# The same must hold if each stage receives the reference's grids.
 run 0 compare plugin:mirror.so --only sweep/1 --apart
 
-# A mistake while it runs is a line, and that case's alone.
-# fails WHAT TEXT CASE
+# fails WHAT TEXT CASE: checks that an error at run time is reported in a line with TEXT and fails
+# only this case
 fails() {
     run 1 validate --only "$3" --backends "plugin:mirror.so,break=$1" || return
     checks=$((checks + 1))
@@ -65,7 +65,8 @@ fails lost "the device?went away" sweep/1
 fails report "reported chunk -3" sweep/1
 fails stats "-1 active chunks" sweep/1
 fails voxelize "but no object" mesh/1
-# Steps that a plugin makes itself are compared and named; an older table, which has no slot for them, is handed the host's.
+# Steps that a plugin computes itself must be compared and named. An older table has no slot for
+# the steps and receives the host's.
 fails snap "snap 0: mesh digest is" mesh/1
 fails steps "steps 0: step yz (pose 1) is" sweep/1
 run 0 validate --only sweep/1 --backends plugin:mirror.so
@@ -76,7 +77,7 @@ grep -q '^ *supplied by src/core and not compared: sweep, map, boxes, poses and 
 refuse 2 "ended by signal 11" validate --only mesh/1 --backends plugin:mirror.so,break=open
 refuse 2 "slot collide of its table is NULL" validate --only mesh/1 --backends plugin:broken_slot.so
 
-# the example: built as a user would, it is the one that make check built
+# The example, built as a user would build it, must behave like the one that make check built.
 if [ "${MAKE:-}" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     cp -r "$source_folder/examples/plugin" example
     chmod -R u+w example
