@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the digests that every campaign checks from AR-DIG by this implementation.
+"""Computes the digests that every campaign checks, with the oracle's implementation of AR-DIG.
 
 The two grids are described in the comment in validation/common/golden.c.
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Computes every case of dump_events again, in Python's integers and fractions; the results must be bit-identical.
+"""Computes every case of dump_events again in Python's integers and fractions; the results must
+be bit-identical.
 
 The library uses a matrix of integer products, one common divisor and 128 bits; this program
 uses quaternions that rotate vectors (q' v q / N) and fractions of any length. The two have
-only the rules in common:
+only the rules of docs/spec/arithmetic.md in common:
 
     AR-SWEEP   the number of poses of an event, and the poses
     AR-MAP     steps, bases, far blocks; also that the coordinates used are
@@ -15,8 +16,8 @@ Covers: AR-INT-3, AR-POSE-4, AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-3, AR-SWEEP-4, AR-
 AR-MAP-7, AR-REM-1, AR-REM-2, AR-REM-6, AR-CLS-1
 
 Usage: check_events.py [DUMPER] [COUNT]    (default: tests/oracle/dump_events, 2000)
-OST_TEST_SEED=N replays a run; OST_TEST_BACKENDS="ref cpu:isa=avx2" selects the backends (tests/backends.h): the dumps
-of all must be the same text. Exit status 77 without a dumper.
+OST_TEST_SEED=N replays a run. OST_TEST_BACKENDS="ref cpu:isa=avx2" selects the backends (tests/backends.h); the dumps
+of all backends must be the same text. The exit status is 77 without a dumper.
 """
 
 import math
@@ -32,7 +33,7 @@ SWEEP_MAX = 4096
 
 
 def rhe(value):
-    """Nearest, ties to even, as Python's own round does for fractions."""
+    """Returns the nearest integer, ties to even, as Python's own round does for fractions."""
     return round(Fraction(value))
 
 
@@ -55,7 +56,7 @@ def dot(a, b):
 
 
 def turn(q, v):
-    """R(q) v, exactly: q v q' / N."""
+    """Computes R(q) v exactly, as q v q' / N."""
     conjugate = (q[0], -q[1], -q[2], -q[3])
     n = dot(q, q)
     return tuple(Fraction(c, n) for c in times(times(q, (0, *v)), conjugate)[1:])
@@ -99,7 +100,7 @@ class Pose:
 
 
 def least_root(ratio):
-    """The least n >= 1 with n^2 >= ratio."""
+    """Returns the least n >= 1 with n^2 >= ratio."""
     n = max(1, math.isqrt(ratio.numerator // ratio.denominator))
     while n * n < ratio:
         n += 1
@@ -107,7 +108,7 @@ def least_root(ratio):
 
 
 def sweep_count(a, b, tool, s):
-    """AR-SWEEP-1 to 3; 0 when refused."""
+    """Returns the number of poses by AR-SWEEP-1 to AR-SWEEP-3, or 0 if the sweep is refused."""
     if 2 * dot(a.q, b.q) ** 2 < dot(a.q, a.q) * dot(b.q, b.q):
         return 0
     far = 0
@@ -125,7 +126,7 @@ def sweep_pose(a, b, k, n):
 
 
 class Map:
-    """AR-MAP of one pose; bases are cached by block."""
+    """The map of one pose by AR-MAP; bases are cached per block."""
 
     def __init__(self, pose, s, o, tool):
         self.pose, self.s, self.o, self.tool = pose, s, o, tool
@@ -211,7 +212,7 @@ class Checker:
                 self.far_block_is_outside(m, block)
 
     def deviation(self, m, block, dims):
-        """AR-MAP-6 at two of the block's corners and one voxel within."""
+        """Checks AR-MAP-6 at two of the block's corners and at one voxel inside it."""
         for d in ((15, 15, 15), (15, 0, 15), (7, 11, 3)):
             voxel = [min(16 * b + i, n - 1) for b, i, n in zip(block, d, dims)]
             for used, exact in zip(m.used(voxel), m.exact(voxel)):

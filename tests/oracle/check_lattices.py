@@ -2,17 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the pseudo-code of docs/spec/arithmetic.md, AR-CT-3 and AR-CT-7, against the reader of CT texts.
 
-    docs/spec/arithmetic.md --its ```python block, as it stands--> spacings  |  equal for every text, and
+    docs/spec/arithmetic.md --its ```python block, unchanged---> spacings  |  equal for every text, and
     random lattices ---> texts ---> dump_lattices (src/io/text) ------> |  refused by both or by neither
 
-The texts have all numbers of digits that occur in practice, with and without trailing zeros, absent
-layers, noise that fits a lattice or does not, thirds of a millimetre, exponents, and facts in
-comments. The oracle's own search for spacings (osteon_oracle.py) must agree as well.
+The texts contain numbers with every count of digits that occurs in practice, with and without
+trailing zeros, absent layers, noise that fits a lattice or does not, thirds of a millimetre,
+exponents, and facts in comments. The oracle's own search for spacings (osteon_oracle.py) must agree as well.
 
 Covers: AR-CT-3, AR-CT-4, AR-CT-7, AR-CT-8
 
 Usage: check_lattices.py [DUMPER] [COUNT]    (default: tests/oracle/dump_lattices, 500)
-OST_TEST_SEED=N replays a run. Exit status 77 when there is no dumper.
+OST_TEST_SEED=N replays a run. The exit status is 77 without a dumper.
 """
 
 import functools
@@ -68,9 +68,9 @@ def spacing(rng):
     if kind == 2:
         return Fraction(rng.choice(("0.3", "0.032", "0.47", "0.48828125", "0.488281", "1", "1.25", "5")))
     if kind == 3:
-        return Fraction(rng.randrange(95 * MM, 101 * MM), MM)  # about the greatest spacing
+        return Fraction(rng.randrange(95 * MM, 101 * MM), MM)  # around the greatest spacing
     if kind == 4:
-        return Fraction(rng.randrange(900, 3000), 10**6)  # about the smallest
+        return Fraction(rng.randrange(900, 3000), 10**6)  # around the smallest spacing
     return Fraction(rng.randrange(1000, 2 * 10**6), 10 ** rng.randrange(5, 7))
 
 
@@ -89,7 +89,8 @@ def axis_coordinates(rng, step):
 
 
 def facts(rng, grid):
-    """Returns comments with facts: mostly true, sometimes repeated, false or broken; grid is that of the samples, or None."""
+    """Returns comments with facts: mostly true, sometimes repeated, false or broken. `grid` is the grid
+    of the samples, or None."""
     lines = []
     if grid is None or rng.random() < 0.6:
         return lines
@@ -111,7 +112,7 @@ def mm(pm):
 
 
 def random_text(rng, names):
-    """Returns a text in which each axis' coordinates occur."""
+    """Returns a text that contains every coordinate of each axis at least once."""
     step = spacing(rng)
     axes = []
     for _ in range(3):
@@ -139,7 +140,8 @@ def random_text(rng, names):
 
 
 def expected(text, names):
-    """Returns (dims, spacing, origin) by the program in the document; AR-CT-4 and AR-CT-8 by the oracle."""
+    """Returns (dims, spacing, origin). The program in the document computes the spacing, and the oracle
+    applies AR-CT-4 and AR-CT-8."""
     given = oracle.given_spacing(text)
     found = [None] * 3
     for a in range(3):

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the built command on small generated inputs and compares every grid, count and digest with the oracle's.
+"""Runs the built command on small generated inputs and compares every grid, count and digest with
+those of the oracle.
 
     CT text ---osteon import-----> BONE.nrrd, stages   |  all bit-identical to the results
     STL -------osteon voxelize---> TOOL.nrrd           |  of docs/spec/arithmetic.md alone
@@ -17,9 +18,9 @@ AR-REM-7, AR-REM-8, AR-CLS-1, AR-CLS-2, AR-DIG-2, AR-DIG-3, AR-DIG-4, AR-DIG-5, 
 AR-FILE-2, AR-FILE-3, AR-LAW-4, AR-LAW-7, AR-LAW-8, REQ-ORACLE
 
 Usage: check_pipeline.py [OSTEON]    (default: $OSTEON, else ./osteon)
-OST_TEST_SEED=N replays a run; OST_TEST_BACKENDS="ref cpu:isa=avx2" selects the backends (tests/backends.h): every command
-runs on each of them, and all must print the same object, which contains the file's digest. Exit status 77 if there is
-no command to run.
+OST_TEST_SEED=N replays a run. OST_TEST_BACKENDS="ref cpu:isa=avx2" selects the backends (tests/backends.h). Every
+command runs on each backend, and all must print the same object, which contains the file's digest. The exit status is 77 if
+there is no command to run.
 """
 
 import gzip
@@ -56,7 +57,7 @@ def equal(what, command, expected):
 
 
 class Runner:
-    """The built command in a scratch folder."""
+    """Runs the built command in a scratch folder."""
 
     def __init__(self, program, folder, rng):
         self.program, self.folder, self.rng = program, folder, rng
@@ -70,7 +71,8 @@ class Runner:
         return self.path(name)
 
     def run(self, *arguments):
-        """Returns the JSON object of a verb, which must be the same on every backend except for times; status 3 means that a library is missing."""
+        """Returns the JSON object that a verb prints. It must be the same on every backend except for times.
+        Status 3 means that a library is missing."""
         objects = []
         for backend in BACKENDS:
             done = subprocess.run([self.program, *arguments, "--backend", backend, "--json"], capture_output=True, check=False)
@@ -91,7 +93,7 @@ class NotHere(Exception):
 
 
 def timeless(value):
-    """Returns the parts of an object that may not differ from run to run."""
+    """Returns the parts of an object that must not differ between runs."""
     if isinstance(value, dict):
         return {key: timeless(item) for key, item in value.items() if key not in TIMES}
     return [timeless(item) for item in value] if isinstance(value, list) else value
@@ -101,7 +103,7 @@ def timeless(value):
 
 
 def blob(rng, dims):
-    """Returns densities of all classes, some inactive, some negative: an ellipsoid with noise."""
+    """Returns the densities of a noisy ellipsoid: all classes occur, and some densities are inactive or negative."""
     nx, ny, nz = dims
     out = []
     for k in range(nz):
@@ -123,7 +125,7 @@ def written(value, decimals, strip):
 
 
 def ct_text(rng, dims, spacing, start, decimals, strip=False, shuffle=False, absent=0.0, repeated=0, separator=" ", head=""):
-    """Returns a CT text of a blob; decimals may be more than the spacing needs, or fewer."""
+    """Returns a CT text of an ellipsoid. The number of decimals may be greater or smaller than the spacing requires."""
     lines = []
     voxels = iter(blob(rng, dims))
     axes = [[written(Fraction(o) + n * Fraction(s), decimals, strip) for n in range(count)]
@@ -168,7 +170,7 @@ def check_import(runner, name, content, options=(), chunk=32, **how):
 
 
 def equal_file(name, path, grid, facts):
-    """Compares a written NRRD with a grid."""
+    """Compares a NRRD that osteon wrote with a grid."""
     got, meta = files.read_nrrd(path)
     equal(f"{name}: dims of the file", got.dims, grid.dims)
     equal(f"{name}: spacing of the file", got.spacing, grid.spacing)
@@ -194,8 +196,8 @@ def imports(runner):
     check_import(runner, "tenths", ct_text(rng, (33, 12, 14), ("0.3", "0.3", "0.3"), ("0", "-57.34", "0"), 4, separator="\t"))
     check_import(runner, "given-in-text", ct_text(rng, (20, 10, 1), ("0.488281",) * 3, ("1", "1", "1"), 3,
                                                   head="# osteon spacing_mm: 0.488281 0.488281 2.5\r\n"))
-    # Written with few decimals, but the text has the spacing as a fact: the third of a voxel
-    # that rounding hides in the first layer is known.
+    # The text has few decimals but contains the spacing as a fact. Therefore the third of a voxel
+    # that rounding hides in the first layer is determined.
     check_import(runner, "origin-in-text", ct_text(rng, (12, 10, 9), ("0.48828125",) * 3, ("0.02", "0", "0"), 1,
                                                    head="# osteon dims: 12 10 9\n# osteon spacing_mm: 0.48828125 0.48828125 0.48828125\n"
                                                         "# osteon origin_mm: 0.02 0 0\n"))
@@ -206,20 +208,20 @@ def imports(runner):
     for rule in ("nearest", "thesis"):
         check_import(runner, rule, ct_text(rng, (23, 11, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),
                      ("--cubic", "0.45", "--resample", rule), cubic=450000000, rule=rule)
-    # AR-GRID-5: a sample outside the crop may be anywhere between the layers, and may be
-    # repeated with another density.
+    # AR-GRID-5: a sample outside the crop may be anywhere between the layers, and may be repeated
+    # with another density.
     content = ct_text(rng, (20, 12, 9), ("0.7", "0.9", "1.1"), ("1", "-2", "3"), 2, shuffle=True)
     content += "1.3 -2 3 5\n1 -2 3 31000\n"
     check_import(runner, "part", content, ("--crop", "4:17,2:11,1:7", "--spacing", "0.7,0.9,1.1"), spacing=(700000000, 900000000, 1100000000),
                  crop=((4, 2, 1), (17, 11, 7)))
-    # The records of AR-DIG-6 are x, y, z also if z changes fastest from line to line.
+    # The records of AR-DIG-6 are in the order x, y, z even if z changes fastest from line to line.
     lines = ct_text(rng, (9, 12, 14), ("0.5", "0.75", "1.25"), ("-3", "2", "7"), 2).splitlines(keepends=True)
     check_import(runner, "z-fastest", "".join(sorted(lines, key=lambda line: [Fraction(word) for word in line.split()[:3]])))
     thresholds(runner)
 
 
 def thresholds(runner):
-    """AR-DIG-1: thresholds that select the same voxels make equal bones with different digests."""
+    """AR-DIG-1: thresholds that select the same voxels must give equal bones with different digests."""
     content = ct_text(runner.rng, (9, 8, 7), ("0.7",) * 3, ("0", "0", "0"), 1)
     content = "".join(line if not 119 <= float(line.split()[3]) <= 130 else line.rsplit(" ", 1)[0] + " 100\n"
                       for line in content.splitlines(keepends=True))
@@ -255,7 +257,7 @@ def float32(value):
 
 
 def floats(runner):
-    """Compares a CT as NIfTI, whose lengths are float32, with the oracle and with the NRRD of the same CT."""
+    """Compares a CT as NIfTI, whose lengths are float32, with the oracle and with the same CT as NRRD."""
     rng, dims = runner.rng, (7, 6, 5)
     for name, spacing, origin in (("shoulder", ("0.841796875", "0.841796875", "5"), ("-198.912109375", "-117.8", "-159.03")),
                                   ("seventh-digit", ("0.4882812", "0.4882813", "0.625"), ("12.3", "-0.1", "431.217"))):
@@ -275,8 +277,8 @@ def floats(runner):
             out = runner.path(f"{name}-{kind}-bone.nrrd")
             runner.run("import", runner.path(f"{name}.{kind}"), "--cubic", spacing[0], "--out", out)
             equal_file(f"{name}.{kind}", out, bone, {"resample": "linear"})
-    # The same grid written with other digits of the same float32: equal, and reported as equal
-    # only to the precision of float32.
+    # The same grid is written with other digits of the same float32. It must be reported as
+    # equal, but only to the precision of float32.
     coarse = runner.write("coarse.nrrd", open(runner.path("shoulder.nrrd"), encoding="ascii").read().replace("0.841796875", "0.8417969"))
     got = runner.run("diff", runner.path("shoulder.nii"), coarse)
     equal("two spellings of a float32", (got["equal"], got["rounded_geometry"]), (True, True))
@@ -291,7 +293,8 @@ def floats(runner):
 
 
 def tetrahedron(rng, size):
-    """Returns a closed tetrahedron, outward or inward, on multiples of 1/8 mm: exact in any float."""
+    """Returns a closed tetrahedron with outward or inward normals. Its coordinates are multiples of 1/8
+    mm, which every float type represents exactly."""
     while True:
         points = [[Fraction(rng.randrange(-size * 8, size * 8 + 1), 8) for _ in range(3)] for _ in range(4)]
         edges = [[p - q for p, q in zip(point, points[0])] for point in points[1:]]
@@ -325,7 +328,7 @@ def stl(mesh):
 
 
 def as_read(mesh):
-    """Returns the contents of an STL of the mesh: three vertices per triangle, in picometres, equal ones merged."""
+    """Returns the mesh as read from an STL: three vertices per triangle, in picometres, with equal vertices merged."""
     points, triangles = mesh
     corners = [tuple(tools.vertex_pm(float(c)) for c in points[v]) for triangle in triangles for v in triangle]
     return tools.weld(corners, [(n, n + 1, n + 2) for n in range(0, len(corners), 3)])
@@ -357,22 +360,22 @@ def meshes(runner):
     several = join(*(tetrahedron(rng, 3) for _ in range(3)))
     for rule in ("winding", "parity"):
         check_voxelize(runner, f"crossing-{rule}", several, "0.5", rule)
-    # Every face and edge of these two on voxel centres, and one inside the other.
+    # All faces and edges of these two bodies lie on voxel centres, and one body is inside the other.
     quarter = Fraction(1, 4)
     on_centres = join(box([quarter] * 3, [4 + quarter] * 3), box([1 + quarter] * 3, [2 + quarter] * 3))
     for rule in ("winding", "parity"):
         check_voxelize(runner, f"on-centres-{rule}", on_centres, "0.5", rule)
     points, triangles = box([Fraction(-2)] * 3, [Fraction(2)] * 3)
     check_voxelize(runner, "leaking", (points, triangles[1:]), "0.5")
-    # A sliver of 1/1024 of 1/1000 of a voxel's width is dropped by snapping: a tetrahedron on a
-    # far larger lattice.
+    # A sliver of 1/1024 of 1/1000 of a voxel's width is dropped when the mesh is snapped. The
+    # sliver is a tetrahedron on a much larger lattice.
     sliver = [[Fraction(0)] * 3, [Fraction(600)] + [Fraction(0)] * 2, [Fraction(0), Fraction(1, 128), Fraction(0)], [Fraction(0)] * 2 + [Fraction(1, 128)]]
     check_voxelize(runner, "sliver", join((sliver, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), box([Fraction(0)] * 3, [Fraction(600)] * 3)),
                    "60")
 
 
 def solid_set(runner, name, mesh, voxel):
-    """Returns the solid voxels in world coordinates: their centres in picometres."""
+    """Returns the centres of the solid voxels in world coordinates, in picometres."""
     out = runner.path(name + ".nrrd")
     got = runner.run("voxelize", runner.write(name + ".stl", stl(mesh)), "--voxel", voxel, "--out", out)
     equal(f"{name}: leaking_rows", got["leaking_rows"], 0)
@@ -383,7 +386,7 @@ def solid_set(runner, name, mesh, voxel):
 
 
 def laws(runner):
-    """Tests AR-LAW-4, AR-LAW-7 and AR-LAW-8 on the command without the oracle, so that there is no common mistake."""
+    """Tests AR-LAW-4, AR-LAW-7 and AR-LAW-8 on the command without the oracle, which excludes a common mistake."""
     points, triangles = tetrahedron(runner.rng, 3)
     whole = solid_set(runner, "law", (points, triangles), "0.5")
     equal("AR-LAW-8: faces reversed", solid_set(runner, "reversed", (points, [(a, c, b) for a, b, c in triangles]), "0.5"), whole)
@@ -391,8 +394,8 @@ def laws(runner):
     moved = [[c + d for c, d in zip(point, shift)] for point in points]
     equal("AR-LAW-4: a mesh moved by whole voxels", solid_set(runner, "moved", (moved, triangles), "0.5"),
           {tuple(c + int(d * MM) for c, d in zip(centre, shift)) for centre in whole})
-    # A box cut at x = 1/8, where there is no centre (they are at odd quarters): the union of
-    # the halves is the box.
+    # A box is cut at x = 1/8, where there are no voxel centres (they are at odd quarters). The
+    # union of the halves must be the box.
     low, high, cut = [Fraction(-2)] * 3, [Fraction(2)] * 3, Fraction(1, 8)
     halves = solid_set(runner, "left", box(low, [cut, *high[1:]]), "0.5") | solid_set(runner, "right", box([cut, *low[1:]], high), "0.5")
     equal("AR-LAW-7: two halves", halves, solid_set(runner, "box", box(low, high), "0.5"))
@@ -407,7 +410,8 @@ def decimal_of(value, places):
 
 
 def turned(rng, any_turn):
-    """Returns a quaternion in nine places: within some degrees of the identity, or any, with quarter turns among them."""
+    """Returns a quaternion with nine decimals: within a few degrees of the identity, or, if any_turn,
+    sometimes any rotation, including quarter turns."""
     if any_turn and rng.random() < 0.3:
         return rng.choice((("0.707106781", "0", "0", "0.707106781"), ("0", "1", "0", "0"), ("0.5", "-0.5", "0.5", "0.5")))
     spread = 0.55 if any_turn else 0.06
@@ -417,7 +421,8 @@ def turned(rng, any_turn):
 
 
 def path(rng, bone, ticks, step_mm, tool_count, any_turn, every_ms=1):
-    """Returns a path through the bone's middle; some steps are a multiple of a voxel, so that borders are met."""
+    """Returns a path through the bone's middle. Some steps are multiples of a voxel, so that poses lie
+    exactly on borders."""
     at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
     rows, tool = ["t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool"], 0
     for tick in range(ticks):
@@ -434,7 +439,8 @@ def path(rng, bone, ticks, step_mm, tool_count, any_turn, every_ms=1):
 
 
 def tracked_path(rng, bone, rows, metres):
-    """Returns the rows of a simulated tracker: every 3.5 ms, some lost, some omitted, with a jump, and with additional columns."""
+    """Returns the rows of a simulated tracker, one every 3.5 ms. Some rows are lost or omitted, there is
+    a jump, and there are additional columns."""
     unit, places = ("m", 12) if metres else ("mm", 9)
     at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
     text, missing = [f"t_s,x_{unit},y_{unit},z_{unit},qw,qx,qy,qz,movement,tool" + (",lifted" if metres else "")], rng.randrange(3, rows)
@@ -453,7 +459,7 @@ def tracked_path(rng, bone, rows, metres):
 
 
 def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), contents=None, max_gap=None, rate=None, rpm=200, every_ms=1, **how):
-    """Compares osteon ream with the oracle, on a copy of the bone."""
+    """Compares osteon ream with the oracle, which works on a copy of the bone."""
     left = oracle.Bone(bone, bone.threshold)
     if rate:
         how["period_ns"], options = events.period(rate), (*options, "--rate", rate)
@@ -498,7 +504,7 @@ def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), content
 
 
 def check_off(runner, bone, bone_file, tool_file):
-    """AR-MOTOR-5: with --rpm 0 a path through the bone's middle removes nothing."""
+    """AR-MOTOR-5: with --rpm 0 a path through the bone's middle must remove nothing."""
     content = path(runner.rng, bone, 20, Fraction(6, 10), 1, True)
     got = runner.run("ream", "--bone", bone_file, "--tool", tool_file, "--path", runner.write("off.csv", content), "--rpm", "0",
                      "--out", runner.path("off.nrrd"))

@@ -1,20 +1,24 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Balls and ellipsoids at random positions in CTs of random spacings: the bone's position must be the body's.
+"""Checks that the bone's position is that of the body, for balls and ellipsoids in CTs of random position and spacing.
 
     body (mm) --partial volumes--> CT.nrrd --osteon import--> BONE.nrrd --> centroid, volume
 
-A CT voxel has 1000 times the part of its box that lies inside the body, and the threshold is 500, so that the bone's
-surface is where half a voxel is inside. By the linear rule
-  centroid  lies within 0.05 of the CT's voxel on that axis (or of the cubic voxel where that is larger); voxels are
-            counted by their centres, which alone causes an error of some hundredths for a radius of ten voxels; here it has twenty
-  volume    is off by at most 3 (0.086 s / r) + (s / r)^2 + (c / r)^2 of itself, s the CT's largest spacing, c the cubic
-            one, r the body's smallest radius. The first term: where a plane cuts a voxel in the part f, the half
-            level lies (f - 1/2)(1 - f)/f from the plane, at most 0.086 of a voxel. The second: averaging over a box
-            (variance s^2 / 12) and between voxels (at most s^2 / 4) moves a sphere's half level inwards by the variance
-            over r, of which three r-ths are volume. The third: centres counted instead of volume.
-The centroid is so exact because the parts f differ over a face and their 0.086 cancel. If the cubic voxel is nearly the
-CT's they do not cancel, and the worst error is 0.086 of a voxel; such spacings are in the table and not in the test.
+The density of a CT voxel is 1000 times the fraction of its box that lies inside the body, and the threshold is 500.
+Therefore the bone's surface lies where half a voxel is inside. By the linear rule
+  centroid  may be off by at most 0.05 of the CT's voxel on each axis (or of the cubic voxel, if that is larger).
+            Voxels are counted by their centres; this alone causes an error of some hundredths for a radius of ten
+            voxels. Here the radius is twenty voxels.
+  volume    may be off by at most 3 (0.086 s / r) + (s / r)^2 + (c / r)^2 of its value, where s is the CT's largest
+            spacing, c the cubic spacing, and r the body's smallest radius.
+            First term: if a plane cuts the fraction f off a voxel, the half level lies (f - 1/2)(1 - f)/f from the
+            plane, which is at most 0.086 of a voxel.
+            Second term: averaging over a box (variance s^2 / 12) and between voxels (at most s^2 / 4) moves a
+            sphere's half level inwards by the variance divided by r. The volume changes by 3 / r of this distance.
+            Third term: centres are counted instead of volume.
+The centroid is that exact because the fractions f vary over a face, so that the errors of up to 0.086 cancel. They do
+not cancel if the cubic voxel is nearly the CT's; the worst error is then 0.086 of a voxel. Such spacings are in the
+table but not in the test.
 The expected values are computed from the body's formula and from the file alone.
 
 Covers: AR-CUB-1, AR-CUB-2
@@ -35,11 +39,11 @@ import time
 from itertools import accumulate
 
 RULES = ("linear", "nearest", "thesis")
-SUB = 3  # columns of a voxel along x and along y; along z the part is exact
+SUB = 3  # columns per voxel along x and along y; along z the fraction is exact
 
 
 def ct_of(centre, radii, spacing, margin=2):
-    """(dims, origin, densities) of an ellipsoid whose grid begins at a random phase; x fastest."""
+    """Returns (dims, origin, densities) of an ellipsoid, with x fastest; the grid begins at a random phase."""
     low = [c - r - (margin + random.random()) * s for c, r, s in zip(centre, radii, spacing)]
     dims = [math.ceil((c + r - o) / s) + margin for c, r, s, o in zip(centre, radii, spacing, low)]
     nx, ny, nz = dims
@@ -97,7 +101,7 @@ def read_nrrd(path):
 
 
 def measure(path):
-    """Centroid and volume of a bone's active voxels."""
+    """Returns the centroid and the volume of a bone's active voxels."""
     dims, c, origin, densities = read_nrrd(path)
     nx, ny, nz = dims
     along = [[0] * n for n in dims]
@@ -154,7 +158,8 @@ def lattice(rng, least=0.4):
 
 
 def beats(spacing, cubic):
-    """Returns True if the cubic voxel is nearly but not exactly the CT's: the same part f then occurs all over a face."""
+    """Returns True if the cubic voxel is nearly but not exactly the CT's. The same fraction f then
+    occurs all over a face."""
     return any(s != cubic and abs(s / cubic - 1) < 0.15 for s in spacing)
 
 
@@ -201,8 +206,8 @@ def main():
         if count:
             table(placement, rng, count)
             return 0
-        # In version 1 of the arithmetic the first was 2.46 mm (0.49 voxels) too high and the
-        # second 0.35 mm (0.44) off on each axis.
+        # In version 1 of the arithmetic the first bone was 2.46 mm (0.49 voxels) too high and the
+        # second 0.35 mm (0.44 voxels) off on each axis.
         placement.check("thick slices", [0, 0, 0], [12.5] * 3, [0.8, 0.8, 5], 0.8)
         placement.check("finer cubes", [0, 0, 0], [12.5] * 3, [0.8, 0.8, 0.8], 0.5)
         for number in range(4):

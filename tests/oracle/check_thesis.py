@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the numbers of docs/design/thesis-notes.md again: the results of the thesis' algorithms implemented literally.
+"""Computes the numbers of docs/design/thesis-notes.md again, with literal implementations of the
+thesis' algorithms.
 
 Covers: AR-CUB-2, AR-TOOL-2, REQ-NOTES
 """
@@ -18,12 +19,14 @@ MM = 10**9
 
 
 def f32(value):
-    """One rounding to float32. A sum or quotient of two float32 in double is exact enough that this rounds it correctly."""
+    """Rounds once to float32. A sum or quotient of two float32 in double is exact enough for this
+    rounding to be correct."""
     return struct.unpack("<f", struct.pack("<f", value))[0]
 
 
 def literal_import(size, minimum, decimals, count):
-    """Alg. 2.4 as written: text to float, (p - min) / size in float, truncated. Returns (empty layers, layers met twice)."""
+    """Computes Alg. 2.4 literally: text to float, (p - min) / size in float, truncated. Returns (empty
+    layers, layers that occur twice)."""
     s, low = f32(float(size)), f32(float(minimum))
     met = Counter()
     for k in range(count):
@@ -38,11 +41,12 @@ def lost_layers():
              ("0.488281", "0", 6): 25, ("0.48828125", "0", 6): 6, ("0.47", "-57.34", 6): 32}
     for (size, minimum, decimals), lost in table.items():
         assert literal_import(size, minimum, decimals, 600) == (lost, lost), (size, minimum, decimals)
-        # The same positions through AR-CT-3 and AR-CT-4: each layer occurs once.
+        # By AR-CT-3 and AR-CT-4 each layer must occur exactly once for the same positions.
         c = [rhe((Fraction(minimum) + k * Fraction(size)) * 10**decimals) * 10 ** (9 - decimals) for k in range(60)]
         axis = Axis(c, {10 ** (9 - decimals)})
         assert [rhe(Fraction(p - c[0], axis.spacing)) for p in c] == list(range(60))
-    # Alg. 2.3: dims = round((ceilMultiple(max) - floorMultiple(min)) / size), one layer short on multiples of the size.
+    # Alg. 2.3: dims = round((ceilMultiple(max) - floorMultiple(min)) / size) is one layer short
+    # if the positions are multiples of the size.
     size, count = Fraction(3, 10), 600
     low, high = Fraction(0), (count - 1) * size
     assert rhe((ceil(high / size) * size - floor(low / size) * size) / size) == count - 1
@@ -63,7 +67,8 @@ def vacuous_choice():
 
 
 def intersection_box():
-    """Alg. 2.8 in two axes (the third is not needed): a corner of the bone inside the tool, outside the box."""
+    """Computes Alg. 2.8 in two axes (the third is not needed). A corner of the bone is inside the tool
+    but outside the box."""
     turn = ((Fraction(3, 5), Fraction(-4, 5)), (Fraction(4, 5), Fraction(3, 5)))
     back = tuple(zip(*turn))
 
@@ -83,7 +88,7 @@ def intersection_box():
 
 
 def tables():
-    # Table 3.5: 18 chunks at 0.0545 ms are 0.982 ms, so its two rows of times are exchanged.
+    # Table 3.5: 18 chunks at 0.0545 ms take 0.982 ms, so the table's two rows of times are exchanged.
     for total, chunk in ((982, 545), (975, 542), (967, 538)):
         assert abs(Fraction(total, 1000) - 18 * Fraction(chunk, 10000)) < Fraction(2, 1000)
     # Chunk counts: 199 and 202 chunks of 32^3 int16, and 448 chunks of the grid before it is made cubic.
@@ -100,7 +105,7 @@ def tables():
 
 
 def pose_centre():
-    """The centre of the reamer's box by Alg. 2.1 moves with the voxel."""
+    """By Alg. 2.1 the centre of the reamer's box moves with the voxel size."""
     centres = []
     for voxel in (MM, MM // 2):
         ends = []

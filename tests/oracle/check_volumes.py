@@ -9,7 +9,7 @@
 Covers: AR-GRID-4, AR-FILE-4, AR-FILE-5
 
 Usage: check_volumes.py [OSTEON] [COUNT]    (default: $OSTEON, else ./osteon; 80)
-OST_TEST_SEED=N replays a run. Exit status 77 when there is no command.
+OST_TEST_SEED=N replays a run. The exit status is 77 without a command.
 """
 
 import itertools
@@ -37,13 +37,14 @@ SIGNS = {"LPS": (1, 1, 1), "RAS": (-1, -1, 1), "LAS": (1, -1, 1)}
 
 
 def orient(sizes, directions, origin):
-    """AR-FILE-5: returns (dims, spacing, origin, for every axis w the file's axis and whether it is flipped)."""
+    """Applies AR-FILE-5: returns (dims, spacing, origin, and for every axis w the file's axis and
+    whether it is flipped)."""
     if any(abs(c) > 10**11 for d in directions for c in d):
         raise oracle.Refused("a voxel of more than 100 mm")
     (a, b, c), (d, e, f), (g, h, i) = directions
     if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) == 0:
         raise oracle.Refused("no space")
-    best = max(itertools.permutations(range(3)),  # in the order of the text; max takes the first of equals
+    best = max(itertools.permutations(range(3)),  # in the document's order; max returns the first of equal ones
                key=lambda keeps: abs(directions[0][keeps[0]] * directions[1][keeps[1]] * directions[2][keeps[2]]))
     axis = [best.index(w) for w in range(3)]
     spacing = [abs(directions[axis[w]][w]) for w in range(3)]
@@ -59,7 +60,7 @@ def orient(sizes, directions, origin):
 
 
 def density(value, kind, clamp):
-    """AR-FILE-4: value is a Fraction."""
+    """Converts a file's value, a Fraction, to a density by AR-FILE-4."""
     low, high = TYPES[kind][1:]
     if low is not None and (value.denominator != 1 or not low <= value <= high):
         raise oracle.Refused(f"{value} is no {kind}")
@@ -82,6 +83,7 @@ def rect_of(sizes, directions, origin, values, kind, clamp):
 
 
 # ----------------------------------------------------------------- the files
+# --------------------------------------------------------------- the files
 
 
 def mm(pm):
@@ -90,7 +92,7 @@ def mm(pm):
 
 
 def random_file(rng):
-    """Returns (bytes, rect_of's arguments)."""
+    """Makes a random file. Returns its bytes and the arguments of rect_of."""
     sizes = [rng.randrange(1, 7) for _ in range(3)]
     if rng.random() < 0.3:
         sizes[rng.randrange(3)] = rng.randrange(60, 90)
@@ -130,7 +132,7 @@ def random_file(rng):
 
 
 def case(rng, program, folder):
-    """Makes a random file for random_cases.agree: the oracle's digest of its rect grid, and the command's."""
+    """Makes a random file for random_cases.agree. Returns the oracle's digest of its rect grid, and the command's."""
     path, out = os.path.join(folder, "v.nrrd"), os.path.join(folder, "o.nrrd")
     content, arguments = random_file(rng)
     with open(path, "wb") as file:
@@ -152,7 +154,7 @@ def main():
         print(f"# {program} is not built")
         return SKIP
     rng = random.Random(random_cases.seeded("check_volumes"))
-    # AR-FILE-5's example
+    # The example of AR-FILE-5.
     example = orient([201, 3, 3], [[-800000000, 400000, 0], [0, 800000000, 0], [0, 0, 800000000]], [100 * 10**9, 20 * 10**9, -5 * 10**9])
     assert example[2] == [-60 * 10**9, 20080000000, -5 * 10**9], example
     with tempfile.TemporaryDirectory() as folder:

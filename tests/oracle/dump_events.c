@@ -13,9 +13,9 @@
  * Densities and tool classes are functions of the voxel's number and the case's seed (`mix`
  * below), so that grids need not be printed.
  *
- * A third of the poses is random. The others are constructed for borders: the 24 rotations of a
- * cube by quaternions of several lengths, up to 1/1000 off, with translations at multiples of
- * half a voxel and of half a unit of 2^-20.
+ * A third of the poses is random. The others are constructed to lie on borders: the 24 rotations
+ * of a cube, by quaternions whose lengths differ from 1 by up to 1/1000, with translations at
+ * multiples of half a voxel and of half a unit of 2^-20.
  */
 #include <osteon/backend.h>
 
@@ -50,8 +50,8 @@ static void fail(const ost_error *err)
 /* ---------------------------------------------------------------- cases */
 
 /*
- * Makes a random rotation: a point of the 4-ball times 2^30, divided by an integer root, so
- * that |q| is 1 to a few parts in a million.
+ * Makes a random rotation. A random point of the 4-ball, times 2^30, is divided by an integer
+ * root so that |q| is 1 to within a few parts per million.
  */
 static void random_turn(int32_t q[4])
 {
@@ -72,8 +72,8 @@ static void random_turn(int32_t q[4])
 }
 
 /*
- * Makes one of the 24 rotations of a cube: one, two or four components of one magnitude, with
- * |q| at, just within or between the limits.
+ * Makes one of the 24 rotations of a cube: one, two or four components have the same magnitude,
+ * and |q| is at a limit, just within it, or between the limits.
  */
 static void cube_turn(int32_t q[4])
 {
@@ -96,8 +96,8 @@ static void cube_turn(int32_t q[4])
 }
 
 /*
- * Returns a pose around t, depending on the style: anywhere, at multiples of half the unit, or
- * at multiples of half a tool voxel.
+ * Returns a pose around the position `around`. By `style`, the pose is at any position, at
+ * multiples of half a tool voxel, or at multiples of half the unit 2^-20 of a tool voxel.
  */
 static ost_pose make_pose(int style, ost_pm3 around, ost_pm spread, ost_pm tool_voxel)
 {
@@ -121,7 +121,7 @@ typedef struct sizes {
     ost_pm bone, tool;
 } sizes;
 
-/* Returns sizes with the ratios 1, 2, 16 and the thesis', for round and for binary voxels. */
+/* Returns voxel sizes with the ratios 1, 2, 16 and the thesis', both for decimal and for binary sizes. */
 static sizes make_sizes(void)
 {
     static const sizes some[] = {
@@ -199,10 +199,10 @@ static void dump_sweep(void)
         {pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, -s.tool * 3}};
     ost_pose a = make_pose((int)pick(0, 2), (ost_pm3){0, 0, 0}, OST_PM_PER_MM * 100, s.tool), b;
     switch (pick(0, 4)) {
-    case 0: /* any two poses, often with too large a turn */
+    case 0: /* any two poses, often with too large a rotation */
         b = make_pose((int)pick(0, 2), a.t, s.bone * 40, s.tool);
         break;
-    case 1: /* a multiple of half a bone voxel along one axis, so that n is at its border */
+    case 1: /* a multiple of half a bone voxel along one axis, so that n is at a border */
         b = a;
         b.t.y += s.bone / 2 * pick(-5000, 5000) + pick(-1, 1);
         break;
@@ -239,8 +239,8 @@ static void dump_sweep(void)
 /* ------------------------------------------------------------------ maps */
 
 /*
- * Moves everything as far off as the ranges of AR-MAP-7 allow: bone and pose at opposite ends
- * of 16 m, |q| near 1.001.
+ * Moves bone, tool and pose as far away as the ranges of AR-MAP-7 allow: bone and pose are at
+ * opposite ends of 16 m, and |q| is near 1.001.
  */
 static void go_to_the_limits(ost_geometry *g, ost_tool_geometry *tool, ost_pose *pose)
 {

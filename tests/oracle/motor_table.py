@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The table of a motor's turns, RHE(2^30 sin(pi k / 4096)) for 0 <= k <= 2048, in decimals of 60 digits.
+"""Computes the table of a motor's rotation, RHE(2^30 sin(pi k / 4096)) for 0 <= k <= 2048, with decimals of 60 digits.
 
     motor_table.py --print           writes src/core/motor_table.h
     motor_table.py [MOTOR_TABLE.H]   compares the numbers of that file, one by one
 
-pi is Machin's sum of two arctangents, a sine its Taylor series. The program checks that no number is near a half, so that
-the rounding does not depend on the method.
+pi is computed by Machin's formula with two arctangents, and a sine by its Taylor series. The program checks that no
+number is near a half, so that the rounding does not depend on the method.
 
 Covers: AR-MOTOR-3
 """
@@ -50,12 +50,12 @@ def rhe(value):
 
 
 def table():
-    """Sines of the first quarter."""
+    """Returns the sines of the first quarter of a revolution."""
     return [rhe(ONE * sine(PI * k / STEPS)) for k in range(STEPS // 2 + 1)]
 
 
 def spins(quarter):
-    """(C_k, S_k) for every k of a turn, from the sines of the first quarter."""
+    """Computes (C_k, S_k) for every k of a revolution from the sines of the first quarter."""
     half = STEPS // 2
     return [(quarter[half - k], quarter[k]) if k <= half else (-quarter[k - half], quarter[STEPS - k]) for k in range(STEPS)]
 

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """A second implementation of the arithmetic of osteon: numbers, texts, grids, chunks, digests.
 
-Written from docs/spec/arithmetic.md alone, in Python's integers and fractions, without regard
-to speed: every rule is implemented as the document states it, and named by its identifier.
-This implementation and the C library have only the document in common, so where they
-differ one of the two (or the document) is wrong.
+It is written from docs/spec/arithmetic.md alone, in Python's integers and fractions, without
+regard to speed. Every rule is implemented as the document states it, and its identifier is given.
+This implementation and the C library have only the document in common. If they differ, one of
+the two (or the document) is wrong.
 
     osteon_oracle         numbers, text -> rect -> cubic -> bone, digests
     osteon_oracle_tool    mesh -> snapped mesh -> tool grid
     osteon_oracle_events  poses -> sweep -> map -> removal
     osteon_oracle_files   NRRD and STL files
 
-Run as a program it checks itself against the examples of the document.
+If this file is run as a program, it checks itself against the examples of the document.
 """
 
 import collections
@@ -34,17 +34,17 @@ class Refused(Exception):
 
 
 def floor(r):
-    """AR-INT-1"""
+    """Returns the greatest integer that is at most r (AR-INT-1)."""
     return r.numerator // r.denominator
 
 
 def ceil(r):
-    """AR-INT-1"""
+    """Returns the least integer that is at least r (AR-INT-1)."""
     return -floor(-r)
 
 
 def rhe(r):
-    """AR-INT-2: the nearest integer, of two the even one."""
+    """AR-INT-2: returns the nearest integer, or the even one of two equally near integers."""
     n, d = (r, 1) if isinstance(r, int) else (r.numerator, r.denominator)
     low = n // d
     below, above = n - low * d, (low + 1) * d - n
@@ -58,7 +58,7 @@ DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.(\d*))?|\.(\d+))(?:[eE]([+-]?\d+))?", re.
 
 @functools.lru_cache(maxsize=None)
 def decimal(text):
-    """AR-LEN-2: (exact value, places) of a complete text, or None."""
+    """AR-LEN-2: returns (exact value, decimal places) if the complete text is a number, or None."""
     match = DECIMAL.fullmatch(text)
     if not match:
         return None
@@ -71,7 +71,7 @@ def decimal(text):
 
 @functools.lru_cache(maxsize=None)
 def length(value_mm):
-    """AR-LEN-3, AR-LEN-1"""
+    """Converts millimetres to picometres (AR-LEN-3, AR-LEN-1)."""
     pm = rhe(value_mm * PM_PER_MM)
     if abs(pm) > LENGTH_MAX:
         raise Refused(f"{float(value_mm)} mm is beyond 8 m")
@@ -79,7 +79,7 @@ def length(value_mm):
 
 
 def shortest_decimal(value, bits):
-    """AR-LEN-4: the decimal that a finite float32 or float64 stands for."""
+    """AR-LEN-4: returns the decimal that a finite float32 or float64 represents."""
     exact = Fraction(value)
     if exact == 0:
         return exact
@@ -105,7 +105,7 @@ def shortest_decimal(value, bits):
 
 
 def nearest_float(value, bits):
-    """The float32 or float64 nearest to a rational, ties to even, as a Fraction (overflow is not handled)."""
+    """Returns the float32 or float64 nearest to a rational as a Fraction, ties to even (overflow is not handled)."""
     if value == 0:
         return Fraction(0)
     mantissa, least = (24, -149) if bits == 32 else (53, -1074)
@@ -126,7 +126,7 @@ Geometry = collections.namedtuple("Geometry", "dims spacing origin")
 
 
 def check_limits(dims, spacing, origin):
-    """AR-GRID-3"""
+    """Refuses a grid beyond the limits of AR-GRID-3."""
     nx, ny, nz = dims
     if not all(1 <= n <= 16384 for n in dims) or nx * ny * nz > 2**36:
         raise Refused(f"dims {dims}")
@@ -139,7 +139,7 @@ def check_limits(dims, spacing, origin):
 
 
 class Grid:
-    """AR-GRID-1, AR-GRID-2: dims, spacing, origin and a list of values, x fastest."""
+    """A grid by AR-GRID-1 and AR-GRID-2: dims, spacing, origin and a list of values, x fastest."""
 
     def __init__(self, dims, spacing, origin, voxels=None):
         self.dims, self.spacing, self.origin = tuple(dims), tuple(spacing), tuple(origin)
@@ -151,7 +151,7 @@ class Grid:
         return i + self.dims[0] * (j + self.dims[1] * k)
 
     def check(self):
-        """AR-GRID-3"""
+        """Refuses a grid beyond the limits of AR-GRID-3."""
         check_limits(self.dims, self.spacing, self.origin)
         return self
 
@@ -160,7 +160,8 @@ class Grid:
 
 
 class Text:
-    """The samples of a CT text, the coordinates of each axis that AR-CT-3 needs, and the facts in its comments."""
+    """The samples of a CT text, the coordinates of each axis as AR-CT-3 needs them, and the facts in the
+    text's comments."""
 
     def __init__(self, content):
         self.samples, self.meta, self.own = [], {}, {}
@@ -184,12 +185,13 @@ class Text:
 
     @staticmethod
     def _fields(line):
-        """AR-CT-1: blanks, or one comma or semicolon among them, between fields."""
+        """AR-CT-1: splits a line into fields, which are separated by blanks, of which one may be a comma or
+        semicolon."""
         line = line.strip(" \t")
         return re.split(r"[ \t]*[,;][ \t]*|[ \t]+", line) if line else []
 
     def _fact(self, comment, number):
-        """AR-CT-8"""
+        """Reads a fact from a comment (AR-CT-8)."""
         match = re.fullmatch(r"[ \t]*osteon[ \t]+([^ \t:]+):(.*)", comment, re.S)
         if not match:
             return
@@ -215,7 +217,7 @@ class Text:
             raise Refused("more than 32 facts")
 
     def _sample(self, fields, number):
-        """AR-CT-2"""
+        """Reads the four fields of a sample (AR-CT-2)."""
         if len(fields) != 4:
             raise Refused(f"line {number}: {len(fields)} fields")
         numbers = [decimal(field) for field in fields]
@@ -232,7 +234,7 @@ class Text:
 
 
 class Axis:
-    """AR-CT-3: the coordinates of one axis, their steps, the unit to which they hold, and the spacing."""
+    """An axis in AR-CT-3: its coordinates, their steps, the unit for which they hold, and the spacing."""
 
     def __init__(self, coordinates, units, rounded=0):
         self.c = sorted(set(coordinates))
@@ -255,7 +257,7 @@ class Axis:
         raise Refused("no spacing fits: give one")
 
     def _rounded_steps(self, gaps, spans):
-        """Step 3 with one unit: the steps, or None."""
+        """Performs step 3 with one unit. Returns the steps, or None."""
         u, steps = self.unit, [0]
         gap = min((g for g in gaps if g > u), default=None)
         if gap is None:
@@ -280,7 +282,8 @@ class Axis:
         return max(off) - min(off)
 
     def feasible(self):
-        """Step 4: the least and the greatest feasible spacing, from all pairs of coordinates."""
+        """Performs step 4: returns the least and the greatest feasible spacing, computed from all pairs of
+        coordinates."""
         low, high = Fraction(1), Fraction(self.c[-1] - self.c[0] + self.unit)
         for i, (c, k) in enumerate(zip(self.c, self.steps)):
             for c2, k2 in zip(self.c[i + 1:], self.steps[i + 1:]):
@@ -293,7 +296,7 @@ class Axis:
 
 
 def spacing_from_steps(axes, thirds=False):
-    """AR-CT-3 steps 4 and 5 for one axis, AR-CT-7 for several: a spacing or None."""
+    """Performs AR-CT-3 steps 4 and 5 for one axis, and AR-CT-7 for several axes. Returns a spacing or None."""
     leading = max(axes, key=lambda axis: axis.steps[-1])  # the first of equals
     ratio = leading.ratio
     ends = [axis.feasible() for axis in axes]
@@ -301,7 +304,7 @@ def spacing_from_steps(axes, thirds=False):
     for digits in range(10):
         unit = 10 ** (9 - digits)
         least, greatest = ceil(Fraction(low, unit)), floor(Fraction(high, unit))
-        if least <= greatest:  # the feasible multiple nearest to the ratio is one of its neighbours, or an end
+        if least <= greatest:  # the feasible multiple nearest to the ratio is one of its neighbours or an end
             near = {min(max(m, least), greatest) for m in (floor(ratio / unit), ceil(ratio / unit))}
             return min((m * unit for m in near), key=lambda s: (abs(s - ratio), s))
     if thirds and leading.spread(rhe(ratio)) <= leading.unit + leading.steps[-1]:
@@ -310,7 +313,7 @@ def spacing_from_steps(axes, thirds=False):
 
 
 def infer_spacing(text):
-    """AR-CT-3 and AR-CT-7: the spacing of all three axes."""
+    """Returns the spacing of all three axes (AR-CT-3, AR-CT-7)."""
     axes = [Axis([s[a] for s in text.samples], text.units[a], text.rounded[a]) for a in range(3)]
     spacing = [axis.spacing for axis in axes]
 
@@ -327,12 +330,12 @@ def infer_spacing(text):
 
 
 def given_spacing(text):
-    """AR-CT-8"""
+    """Returns the spacing that the text states as a fact, or None (AR-CT-8)."""
     return text.own.get("spacing_mm")
 
 
 def rect_geometry(text, spacing):
-    """AR-CT-4 and AR-CT-8: the rect grid, without voxels."""
+    """Returns the rect grid without voxels (AR-CT-4, AR-CT-8)."""
     if not text.samples:
         raise Refused("no sample")
     low = [min(s[a] for s in text.samples) for a in range(3)]
@@ -352,7 +355,7 @@ def rect_geometry(text, spacing):
 
 
 def text_to_rect(text, spacing=None, duplicates="error", crop=None):
-    """AR-CT-4..6 and AR-GRID-5 (crop: lo and hi). Returns the rect grid and a report."""
+    """Applies AR-CT-4..6, and AR-GRID-5 with the crop lo and hi. Returns the rect grid and a report."""
     if not text.samples:
         raise Refused("no sample")
     spacing = spacing or given_spacing(text) or infer_spacing(text)
@@ -395,7 +398,7 @@ def text_to_rect(text, spacing=None, duplicates="error", crop=None):
 
 
 def samples_digest(text):
-    """AR-DIG-6"""
+    """Computes the digest of a text's samples (AR-DIG-6)."""
     records = b"".join(struct.pack("<3qiI", *sample, 0) for sample in text.samples)
     return hashlib.sha256(records).hexdigest()
 
@@ -404,7 +407,8 @@ def samples_digest(text):
 
 
 def axis_taps(n, s, c, rule):
-    """AR-CUB-2 to 4 along one axis: for each cubic voxel the rect voxels used, each with its weight (a Fraction)."""
+    """Applies AR-CUB-2 to AR-CUB-4 along one axis. Returns for each cubic voxel the rect voxels used,
+    each with its weight (a Fraction)."""
     taps = []
     for i in range(ceil(Fraction(n * s, c))):
         if rule == "thesis":
@@ -420,7 +424,7 @@ def axis_taps(n, s, c, rule):
 
 
 def rect_to_cubic(rect, cubic=None, rule="linear"):
-    """AR-CUB"""
+    """Resamples a rect grid to a cubic one (AR-CUB)."""
     c = rect.spacing[0] if cubic is None else cubic
     xs, ys, zs = (axis_taps(n, s, c, rule) for n, s in zip(rect.dims, rect.spacing))
     origin = tuple(o + rhe(Fraction(c - s, 2)) for o, s in zip(rect.origin, rect.spacing))
@@ -437,7 +441,7 @@ def rect_to_cubic(rect, cubic=None, rule="linear"):
 
 
 class Bone(Grid):
-    """AR-CHK-1: active densities, 0 elsewhere."""
+    """A bone by AR-CHK-1: the active densities, and 0 elsewhere."""
 
     def __init__(self, cubic, threshold=120):
         kept = [v if v >= threshold else 0 for v in cubic.voxels]
@@ -445,11 +449,11 @@ class Bone(Grid):
         self.threshold = threshold
 
     def chunk_dims(self, n):
-        """AR-CHK-2"""
+        """Returns the number of chunks along each axis (AR-CHK-2)."""
         return tuple(ceil(Fraction(d, n)) for d in self.dims)
 
     def active(self):
-        """(i, j, k) of every active voxel, x fastest."""
+        """Yields (i, j, k) of every active voxel, x fastest."""
         nx, ny, nz = self.dims
         at = 0
         for k in range(nz):
@@ -464,7 +468,7 @@ class Bone(Grid):
         return i // n + cx * (j // n + cy * (k // n))
 
     def info(self, n):
-        """AR-CHK-2, AR-CHK-4"""
+        """Returns the bone's counts of chunks and voxels, and the size of its chunks in bytes (AR-CHK-2, AR-CHK-4)."""
         voxels = 0
         active = set()
         for at in self.active():
@@ -485,7 +489,7 @@ def sha256(data):
 
 
 def leaves(grid, kind):
-    """AR-DIG-2"""
+    """Returns the digests of a grid's leaves (AR-DIG-2)."""
     pack = struct.Struct("<32B" if kind == KIND_TOOL else "<32h").pack
     nx, ny, nz = grid.dims
     out = []
@@ -506,7 +510,7 @@ def leaves(grid, kind):
 
 
 def tree(digests):
-    """AR-DIG-3"""
+    """Returns the root of the hash tree over these digests (AR-DIG-3)."""
     if len(digests) == 1:
         return digests[0]
     k = 1
@@ -516,7 +520,7 @@ def tree(digests):
 
 
 def grid_digest(grid, kind):
-    """AR-DIG-4"""
+    """Returns the digest of a grid (AR-DIG-4)."""
     found = leaves(grid, kind)
     threshold = grid.threshold if kind == KIND_BONE else 0
     header = b"OSTEONG1" + struct.pack("<II", ARITHMETIC_VERSION, kind) + struct.pack("<3iI", *grid.dims, 0)
@@ -526,6 +530,7 @@ def grid_digest(grid, kind):
 
 
 # --------------------------------------------------------------- self-check
+# -------------------------------------------------------------- self-test
 
 
 def self_check():
@@ -550,7 +555,7 @@ def self_check():
         assert shortest_decimal(value, 64) == Fraction(repr(value))
     assert [floor(Fraction(i * 469999999, 10**9)) for i in (100, 200, 300, 400)] == [46, 93, 140, 187]
 
-    # AR-CT-3: every difficult lattice, at 4 and 6 decimals, is restored completely.
+    # AR-CT-3: every difficult lattice must be restored completely at 4 and at 6 decimals.
     for spacing in ("0.3", "0.032", "0.488281", "0.47", "0.48828125"):
         for start in ("0", "-57.34", "12.3456"):
             for decimals in (4, 6):
@@ -569,7 +574,7 @@ def self_check():
     assert axis.feasible() == (488280852, 488281081) and axis.spacing == 488281000
     axis = Axis([470000000 * k for k in (0, 1, 2, 5, 6, 100)], {10**9, 10**8, 10**7})  # 0 .47 .94 2.35 2.82 47
     assert axis.steps == [0, 1, 2, 5, 6, 100] and axis.spacing == 470000000
-    axis = Axis([rhe(Fraction(k, 3) * 10**9) for k in range(50)], {1}, 1)  # thirds, to nine places
+    axis = Axis([rhe(Fraction(k, 3) * 10**9) for k in range(50)], {1}, 1)  # thirds with nine decimal places
     assert axis.steps == list(range(50)) and axis.spacing == 333333333
 
     text = Text("x y z HU\n# osteon spacing_mm: 0.47 0.47 1\n-57.34 0 1 120.0\r\n-56.40,0;1 1.2e2 # two on\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Poses, sweep, map and removal, by docs/spec/arithmetic.md sections 5, 11 to 14."""
+"""Implements poses, sweep, map and removal by docs/spec/arithmetic.md, sections 5 and 11 to 14."""
 
 import itertools
 import math
@@ -12,14 +12,14 @@ Q = 2**30
 
 
 class Pose:
-    """AR-POSE-1: t in picometres, q times 2^30."""
+    """A pose by AR-POSE-1: t in picometres, q times 2^30."""
 
     def __init__(self, t, q):
         self.t, self.q = tuple(t), tuple(q)
 
     @classmethod
     def from_decimals(cls, texts):
-        """AR-POSE-2, AR-POSE-3 from seven decimals x y z qw qx qy qz."""
+        """Makes a pose by AR-POSE-2 and AR-POSE-3 from the seven decimals x y z qw qx qy qz."""
         values = [decimal(text)[0] for text in texts]
         pose = cls([length(v) for v in values[:3]], [rhe(v * Q) for v in values[3:]])
         if not 999**2 * 2**60 <= 10**6 * pose.norm <= 1001**2 * 2**60:
@@ -33,14 +33,14 @@ class Pose:
 
     @property
     def matrix(self):
-        """AR-POSE-4: M, with R = M / norm."""
+        """Returns the matrix M of AR-POSE-4, with R = M / norm."""
         w, x, y, z = self.q
         return ((w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
                 (2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
                 (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z))
 
     def image(self, point):
-        """AR-SWEEP-1"""
+        """Returns the image of a point of the tool, by AR-SWEEP-1."""
         return tuple(rhe(Fraction(sum(m * c for m, c in zip(row, point)), self.norm)) + t for row, t in zip(self.matrix, self.t))
 
 
@@ -49,7 +49,7 @@ def dot(a, b):
 
 
 def sweep_count(a, b, tool, bone_voxel):
-    """AR-SWEEP-2, AR-SWEEP-3"""
+    """Returns the number of poses from a to b, by AR-SWEEP-2 and AR-SWEEP-3."""
     if 2 * dot(a, b) ** 2 < a.norm * b.norm:
         raise Refused("a turn of more than 90 degrees")
     ends = [(c, c + n * tool.spacing[0]) for c, n in zip(tool.origin, tool.dims)]
@@ -63,7 +63,7 @@ def sweep_count(a, b, tool, bone_voxel):
 
 
 def sweep_pose(a, b, k, n):
-    """AR-SWEEP-4"""
+    """Returns pose k of n from a to b, by AR-SWEEP-4."""
     sign = -1 if dot(a, b) < 0 else 1
     return Pose([rhe(Fraction((n - k) * p + k * q, n)) for p, q in zip(a.t, b.t)],
                 [rhe(Fraction((n - k) * p + k * sign * q, n)) for p, q in zip(a.q, b.q)])
@@ -75,13 +75,13 @@ UNKNOWN = None  # AR-MOTOR-1: an unknown speed
 
 
 class Motor:
-    """AR-MOTOR-2 to AR-MOTOR-4"""
+    """A motor by AR-MOTOR-2 to AR-MOTOR-4."""
 
     def __init__(self):
         self.phase, self.time = 0, None
 
     def turn(self, t_ns, hand, rpm):
-        """Returns the tool's pose of a tick."""
+        """Returns the tool's pose at a tick."""
         if self.time is not None and rpm:
             self.phase = (self.phase + rpm * (t_ns - self.time)) % TURN
         self.time = t_ns
@@ -92,7 +92,7 @@ class Motor:
 
 
 def ticks_of_rows(rows, rpm):
-    """AR-MOTOR-7: converts the rows of a device to the rows of ticks, which are still device poses."""
+    """AR-MOTOR-7: converts a device's rows to rows of ticks, which still have device poses."""
     before = None
     for row in rows:
         m = 1
@@ -110,7 +110,7 @@ def ticks_of_rows(rows, rpm):
 
 
 class Map:
-    """AR-MAP"""
+    """The map of a pose by AR-MAP."""
 
     def __init__(self, pose, bone, tool):
         s, st = bone.spacing[0], tool.spacing[0]
@@ -125,11 +125,11 @@ class Map:
         self.bases = {}
 
     def exact(self, voxel):
-        """AR-MAP-1"""
+        """Returns the exact tool coordinates of a bone voxel, by AR-MAP-1."""
         return [Fraction(self.origin[a] + sum(i * self.column[b][a] for b, i in enumerate(voxel)), self.divisor) for a in range(3)]
 
     def used(self, voxel):
-        """AR-MAP-4"""
+        """Returns the rounded tool coordinates that are used for a bone voxel, by AR-MAP-4."""
         i, j, k = voxel
         block = (i // 16, j // 16, k // 16)
         base = self.bases.get(block)
@@ -151,12 +151,12 @@ DEFAULT_CLASSES = (("cartilage", 120), ("cancellous", 150), ("cortical", 650))
 
 
 def class_of(density, classes=DEFAULT_CLASSES):
-    """AR-CLS-1"""
+    """Returns the density class by AR-CLS-1."""
     return max((c for c, (_, border) in enumerate(classes) if border <= density), default=0)
 
 
 class Session:
-    """AR-SWEEP-5, AR-MOTOR-5, AR-MOTOR-6, AR-REM: ticks on a bone, one tool or several."""
+    """Performs ticks on a bone with one tool or several, by AR-SWEEP-5, AR-MOTOR-5, AR-MOTOR-6 and AR-REM."""
 
     def __init__(self, bone, tools, sweep=True, period_ns=0, classes=DEFAULT_CLASSES):
         self.bone, self.tools, self.sweep, self.period, self.classes = bone, tools, sweep, period_ns, classes
@@ -190,7 +190,7 @@ class Session:
         self.event(poses, shape)
 
     def event(self, poses, tool):
-        """AR-REM-1, AR-REM-2, AR-REM-6. Returns the hit and the touched voxels."""
+        """Removes the hit voxels by AR-REM-1, AR-REM-2 and AR-REM-6. Returns the hit and the touched voxels."""
         self.removals += 1
         self.poses += len(poses)
         maps = [Map(pose, self.bone, tool) for pose in poses]
@@ -224,7 +224,7 @@ def integer(text, least, most):
 
 
 def read_rows(content):
-    """AR-PATH-1 to AR-PATH-3: returns the rows, and whether a column is called `lifted`."""
+    """AR-PATH-1 to AR-PATH-3: returns the rows, and whether a column has the name `lifted`."""
     names, rows, first = None, [], True
     for line in content.splitlines():
         fields = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
@@ -254,7 +254,8 @@ def read_rows(content):
 
 
 def read_path(content, max_gap=None):
-    """AR-PATH-4, AR-PATH-5: returns [Row], each with a pose. max_gap: None, or (T in ns, D in pm), each None if it is off."""
+    """AR-PATH-4, AR-PATH-5: returns a list of rows, each with a pose. max_gap is None or (T in ns, D in
+    pm), where None means no limit."""
     rows, says = read_rows(content)
     ticks, lost = [], False
     for row in rows:
@@ -278,7 +279,7 @@ def read_path(content, max_gap=None):
 
 
 def join(paths, tool_count):
-    """AR-PATH-6"""
+    """Joins paths to one, by AR-PATH-6."""
     ticks = []
     for k, path in enumerate(paths):
         if all(row.tool == 0 for row in path):
@@ -296,7 +297,7 @@ def join(paths, tool_count):
 
 
 def period(rate):
-    """AR-PATH-7, for a decimal in hertz."""
+    """Returns the period in nanoseconds for a frequency given as a decimal in hertz, by AR-PATH-7."""
     u = rhe(decimal(rate)[0] * 10**6)
     if not 10**3 <= u <= 10**12:
         raise Refused(f"rate {rate}")
@@ -350,19 +351,19 @@ def self_check():
 
     assert [class_of(d) for d in (1, 119, 120, 149, 150, 649, 650, 3000)] == [0, 0, 0, 0, 1, 1, 2, 2]
 
-    # A block of bone with voxels of 1 mm, and a tool of 4^3 voxels of 1 mm that moves along x:
-    # the remaining voxels are easily counted.
+    # A block of bone with voxels of 1 mm, and a tool of 4^3 voxels of 1 mm that moves along x, so
+    # that the remaining voxels are easily counted.
     mm = 10**9
     bone = Bone(Grid((20, 20, 20), (mm,) * 3, (0, 0, 0), [700] * 8000))
     box = Grid((4, 4, 4), (mm,) * 3, (-2 * mm,) * 3, [1] * 64)
     session = Session(bone, [box])
-    half = mm // 2  # centres of bone voxels at tool voxel centres
+    half = mm // 2  # places the centres of bone voxels at tool voxel centres
     session.tick(0, Pose((2 * mm - half, 2 * mm - half, 2 * mm - half), one))
     assert session.removed == 64
     session.tick(1, Pose((7 * mm - half, 2 * mm - half, 2 * mm - half), one))
     assert session.removed == 9 * 16 and session.poses == 1 + 10 and session.by_class == [0, 0, 144]
-    # On the border: a tool corner on voxel centres removes the voxels on the low side and not
-    # those on the high one (half-open).
+    # A tool corner lies on voxel centres. The tool removes the voxels on its low side but not
+    # those on its high side (half-open).
     bone = Bone(Grid((8, 1, 1), (mm,) * 3, (0, 0, 0), [700] * 8))
     Session(bone, [box]).tick(0, Pose((4 * mm, 0, 0), one))
     assert bone.voxels == [700, 700, 0, 0, 0, 0, 700, 700]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads the NRRD files that osteon writes (docs/spec/arithmetic.md section 16), attached, raw or gzip.
 
-An independent reader, so that the comparison uses the file's content and not the data
-that one library has written and read back.
+The reader is independent of osteon, so that the comparison uses the file's content and not data
+that the same library has written and read back.
 """
 
 import gzip
@@ -13,7 +13,7 @@ from osteon_oracle import Grid, decimal, length
 
 
 def read_nrrd(path):
-    """Returns (Grid, facts). A tool's grid has its corner as origin (AR-FILE-3)."""
+    """Reads a NRRD. Returns (Grid, facts). The origin of a tool's grid is its corner (AR-FILE-3)."""
     with open(path, "rb") as file:
         content = file.read()
     head, blank, body = content.partition(b"\n\n")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mesh -> snapped mesh -> tool grid, by docs/spec/arithmetic.md sections 9 and 10.
+"""Implements mesh -> snapped mesh -> tool grid by docs/spec/arithmetic.md, sections 9 and 10.
 
 The crossing of a row with a triangle's plane is computed as a fraction and
-compared with voxel centres, where the C code evaluates a determinant. The
+compared with voxel centres, whereas the C code evaluates a determinant. The
 ownership rule is checked here against the limit that it represents: a point
 moved by (e, e^2) with small e.
 """
@@ -17,7 +17,7 @@ UNIT_PM = {"um": 10**6, "mm": 10**9, "cm": 10**10, "m": 10**12, "inch": 25400000
 
 
 def vertex_pm(value, unit="mm"):
-    """AR-MESH-2: value is a binary float, taken exactly."""
+    """AR-MESH-2: the value is a binary float and is taken exactly."""
     pm = rhe(Fraction(value) * UNIT_PM[unit])
     if abs(pm) > LENGTH_MAX:
         raise Refused("a vertex beyond 8 m")
@@ -25,14 +25,14 @@ def vertex_pm(value, unit="mm"):
 
 
 def weld(vertices, triangles):
-    """AR-MESH-5"""
+    """Merges equal vertices, by AR-MESH-5."""
     number = {}
     renumbered = [number.setdefault(vertex, len(number)) for vertex in vertices]
     return list(number), [tuple(renumbered[v] for v in triangle) for triangle in triangles]
 
 
 class ToolGeometry:
-    """AR-TOOL-1, AR-TOOL-2"""
+    """A tool's grid by AR-TOOL-1 and AR-TOOL-2."""
 
     def __init__(self, meshes, voxel):
         used = [vertices[v] for vertices, triangles in meshes for triangle in triangles for v in triangle]
@@ -47,7 +47,7 @@ class ToolGeometry:
 
 
 class SnappedMesh:
-    """AR-MESH-3, AR-MESH-4"""
+    """A snapped mesh by AR-MESH-3 and AR-MESH-4."""
 
     def __init__(self, vertices, triangles, geometry):
         self.geometry = geometry
@@ -62,7 +62,7 @@ class SnappedMesh:
         self.dropped = len(triangles) - len(self.triangles)
 
     def digest(self):
-        """AR-DIG-7"""
+        """Computes the mesh's digest, by AR-DIG-7."""
         g = self.geometry
         data = b"OSTEONM1" + struct.pack("<I3i4qi", ARITHMETIC_VERSION, *g.dims, g.voxel, *g.corner, g.fraction_bits)
         data += struct.pack("<QQQ", len(self.vertices), len(self.triangles), self.dropped)
@@ -78,7 +78,7 @@ def cross(v0, v1, v2):
 
 
 def owns(corners, y, z):
-    """AR-VOX-2 on a turned triangle's (y, z) corners."""
+    """Returns true if the triangle with these (y, z) corners, in counter-clockwise order, owns the point (AR-VOX-2)."""
     for (ay, az), (by, bz) in zip(corners, corners[1:] + corners[:1]):
         dy, dz = by - ay, bz - az
         e = dy * (z - az) - dz * (y - ay)
@@ -115,7 +115,7 @@ def crossings(mesh):
 
 
 def solid(mesh, rule="winding"):
-    """AR-VOX-4..6: returns ({(i, j, k)}, leaking rows)."""
+    """Applies AR-VOX-4..6: returns ({(i, j, k)}, leaking rows)."""
     inside, leaking = set(), 0
     for (j, k), row in crossings(mesh).items():
         total = sum(delta for _, delta in row) if rule == "winding" else len(row) % 2
@@ -130,7 +130,7 @@ def solid(mesh, rule="winding"):
 
 
 class Tool(Grid):
-    """AR-VOX-7, AR-TOOL-3, AR-TOOL-4: classes on the grid whose origin is the corner."""
+    """A tool by AR-VOX-7, AR-TOOL-3 and AR-TOOL-4: classes on a grid whose origin is the corner."""
 
     def __init__(self, cutting, voxel, noncutting=None, rule="winding"):
         meshes = [cutting] + ([noncutting] if noncutting else [])
@@ -167,12 +167,12 @@ def self_check():
         assert all(cube.voxels[cube.index(i, j, k)] == 1 for i in (1, 2) for j in (1, 2) for k in (1, 2))
         assert cube.digest() == "ad7035491dc6924fa37cc42501d0a7841ddae40b5aa6f9e05ba9a12fece8e4e7"
     assert cube.snapped[0].digest() == "e2dd61d51dcd7e4546f97a40558ece018087282fcee74ce609812734e178e91e"
-    first = [(0, 0), (2048, 2048), (0, 2048)]   # (y, z) of the face x = 0, turned
+    first = [(0, 0), (2048, 2048), (0, 2048)]   # (y, z) of the face x = 0, reversed
     second = [(0, 0), (2048, 0), (2048, 2048)]
     assert not owns(first, 512, 512) and owns(second, 512, 512)
 
-    # The rule is the limit of a point moved by (e, e^2); tested on every lattice point of
-    # random fans.
+    # The rule is the limit of a point that is moved by (e, e^2). It is tested on every lattice
+    # point of random fans.
     small = Fraction(1, 10**9)
     for fan in range(40):
         ring = [((fan * 7 + n * 5) % 9 - 4, (fan * 3 + n * n) % 9 - 4) for n in range(3)]
@@ -187,7 +187,7 @@ def self_check():
                             for (ay, az), (by, bz) in zip(ring, ring[1:] + ring[:1]))
                 assert owns(ring, y, z) == moved
 
-    leaky = Tool((corners, faces[:-2]), 500000000)  # without the top, which rows along x do not cross
+    leaky = Tool((corners, faces[:-2]), 500000000)  # without the top face, which rows along x do not cross
     assert leaky.leaking_rows == 0
     leaky = Tool((corners, faces[2:]), 500000000)  # without the face x = 0
     assert leaky.leaking_rows == 4 and not any(leaky.voxels)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random cases, each given to the oracle and to a program, which must agree or both refuse."""
+"""Runs random cases, each of which is given to the oracle and to a program. Both must agree or both must refuse."""
 
 import os
 import time
@@ -8,18 +8,18 @@ import osteon_oracle as oracle
 
 
 def seeded(test):
-    """Returns a seed, from OST_TEST_SEED or else from the clock, and prints it."""
+    """Returns a seed from OST_TEST_SEED, or otherwise from the clock, and prints it."""
     seed = int(os.environ.get("OST_TEST_SEED", "0"), 0) or time.time_ns() % 2**32
     print(f"# {test}: OST_TEST_SEED={seed}")
     return seed
 
 
 def agree(cases, least, most):
-    """Compares case by case; returns the exit status of the test.
+    """Compares the cases one by one and returns the exit status of the test.
 
     A case is (expected, got, shown): expected() returns the oracle's text or raises Refused, got is the program's
-    text, or "refused" if it refused, and shown is the case for people. More than `least` and fewer than `most` cases
-    must be refused: otherwise they are no mixture, and the test shows little.
+    text, or "refused" if it refused, and shown is the case as printed in messages. More than `least` and fewer than
+    `most` cases must be refused; otherwise the cases are not a mixture, and the test has little significance.
     """
     count = refused = 0
     for expected, got, shown in cases:
