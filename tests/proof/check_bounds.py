@@ -1,17 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Proves bounds of docs/spec/arithmetic.md, section 18, that cbmc does not decide, by exact integers (AR-INT-3).
+"""Proves with exact integers the bounds of docs/spec/arithmetic.md, section 18, that cbmc does not prove (AR-INT-3).
 
-There are two kinds of proofs; docs/qualification/proofs.md lists them together with those of cbmc:
+There are two kinds of proofs. docs/qualification/proofs.md lists them together with those of cbmc.
 
   expression  A C expression is read from its source without change and evaluated with intervals:
               each operand is an interval with the width of its C type, and each operation gives the
               exact interval of its results. A result that exceeds the width of its type or the
               stated bound is a failure. An expression that is not found in its source is a failure
-              too: the proof must then be reviewed.
-  argument    A short proof by hand whose finite part is computed here: an identity of polynomials of
-              degree at most 4 in each variable is checked at 5 values of each, a function that is
-              linear in each variable at the corners of its ranges, a root by exact comparison.
+              too, because the proof must then be reviewed.
+  argument    A short proof by hand whose finite part is computed here. An identity of polynomials of
+              degree at most 4 in each variable is checked at 5 values of each variable. A function that
+              is linear in each variable is checked at the corners of its ranges. A root is checked by
+              exact comparison.
 
 Each proof runs a second time with wider ranges, in which it must fail.
 
@@ -32,7 +33,7 @@ SPACING = 10**11
 N_MAX = 2**60 + 2**52  # OST_ROTATION_N_MAX, which ost_map_make and ost_sweep_count check
 N_MIN = 2**59
 Q_MAX = 1074815566  # 1.001 * 2^30 + 1
-IMAGE = 1386 * 10**10  # of a corner under a rotation: displacement
+IMAGE = 1386 * 10**10  # bound of a corner's image under a rotation
 
 
 class Failure(Exception):
@@ -53,7 +54,7 @@ def source(path):
 
 
 class Interval:
-    """The integers from low to high, in a signed type of so many bits."""
+    """The integers from low to high, in a signed type of `bits` bits."""
 
     def __init__(self, bits, low, high):
         require(-(2 ** (bits - 1)) <= low and high < 2 ** (bits - 1), f"[{low}, {high}] exceeds {bits} bits")
@@ -85,7 +86,8 @@ class Interval:
 
 
 class Cast:
-    """(type)x, written Cast(bits) ** x in Python: a power has the precedence of a cast."""
+    """Represents the cast (type)x, written as Cast(bits) ** x in Python, because a power has the
+    precedence of a cast."""
 
     def __init__(self, bits):
         self.bits = bits
@@ -130,7 +132,7 @@ VERTEX = int32(0, 2**20)
 EDGE = within(64, 2**20)
 NORMAL = within(64, 2**41)
 
-# Rule, source, expression, ranges of its operands, bound of its magnitude.
+# Rule, source, expression, ranges of its operands, and bound of its magnitude.
 EXPRESSIONS = [
     ("AR-POSE-3", "src/core/pose.c", "norm * 1000000", {"norm": within(128, 4 * 2**62)}, 2**84),
     ("AR-MESH-3", "src/core/mesh_snap.c", "(p - corner) << f",
@@ -143,7 +145,7 @@ EXPRESSIONS = [
     ("AR-CUB-2", "src/cpu/ref/import.c", "(2 * i + 1) * cubic - rect",
      {"i": int64(0, 2**14 - 1), "cubic": int64(10**6, SPACING), "rect": int64(10**6, SPACING)}, 2**52),
     ("AR-CUB-2", "src/cpu/ref/import.c", "(n - index * d) << WEIGHT_BITS",
-     {"n - index * d": int64(0, 2 * SPACING), "WEIGHT_BITS": int32(15, 15)}, 2**53),  # a remainder: below d
+     {"n - index * d": int64(0, 2 * SPACING), "WEIGHT_BITS": int32(15, 15)}, 2**53),  # a remainder is below d
     ("AR-VOX-1", "src/cpu/ref/voxelize.c", "u[Y] * v[Z] - u[Z] * v[Y]", dict.fromkeys(["u[Y]", "v[Z]", "u[Z]", "v[Y]"], EDGE), 2**41),
     ("AR-VOX-2", "src/cpu/ref/voxelize.c", "dy * (z - a[Z]) - dz * (y - a[Y])",
      {"dy": EDGE, "dz": EDGE, "z": int64(0, 2**20), "y": int64(0, 2**20), "a[Z]": VERTEX, "a[Y]": VERTEX}, 2**41),
@@ -163,7 +165,7 @@ EXPRESSIONS = [
      {"to[corner]": within(64, IMAGE), "from[corner]": within(64, IMAGE), "dt[axis]": within(64, 2 * LENGTH)}, 2**46),
     ("AR-SWEEP-2", "src/core/sweep.c", "(ost_i128)d * d", {"d": within(64, 2**46)}, 2**92),
     ("AR-SWEEP-2", "src/core/sweep.c", "n * n * voxel_squared", {"n": (128, 1, 4096), "voxel_squared": (128, 1, SPACING**2)}, 2**98),
-    ("AR-SWEEP-3", "src/core/sweep.c", "2 * d * d", {"d": within(128, N_MAX)}, 2**122),  # by Cauchy, d^2 <= Na Nb
+    ("AR-SWEEP-3", "src/core/sweep.c", "2 * d * d", {"d": within(128, N_MAX)}, 2**122),  # d^2 <= Na Nb (Cauchy)
     ("AR-SWEEP-4", "src/core/sweep.c", "(n - k) * a + k * b",
      {"(n - k)": int64(0, 4095), "k": int64(1, 4096), "a": within(64, LENGTH), "b": within(64, LENGTH)}, 2**56),
     ("AR-MAP-7", "src/core/map.c", "(ost_i128)r.n * tool->voxel", {"r.n": int64(N_MIN, N_MAX), "tool->voxel": int64(10**6, SPACING)}, 2**98),
@@ -198,9 +200,10 @@ def expression_holds(rule, path, expression, ranges, bound, wide):
 
 
 def rotation_entries(wide):
-    """AR-POSE-4, |M[a][b]| <= N: M M' = N^2 I, so the squares of a row sum to N^2.
+    """Proves |M[a][b]| <= N (AR-POSE-4): M M' = N^2 I, so the squares of a row sum to N^2.
 
-    Both sides have degree 4 at most in each component, so equality at five values of each is equality.
+    Both sides have degree 4 at most in each component. Therefore they are equal if they are equal at five values of
+    each component.
     """
     for w, x, y, z in itertools.product(range(5), repeat=4):
         n = w * w + x * x + y * y + z * z
@@ -221,9 +224,10 @@ def rotation_entries(wide):
 
 
 def rotation_norm(wide):
-    """AR-POSE-3, AR-MAP-7: N of a pose as read and of one between two, the rounding of four components included.
+    """Bounds N of a pose as read and of a pose between two, with the rounding of its components (AR-POSE-3, AR-MAP-7).
 
-    |q| between two ends is at most the longer end; each of four components is rounded by at most 1/2, |q| by at most 1.
+    |q| between two ends is at most that of the longer end. Rounding changes each of the four components by at most 1/2,
+    and therefore |q| by at most 1.
     """
     longest = isqrt(1002001 * 2**60 // 10**6) + 2 + wide * 2**20
     require(longest**2 <= N_MAX, "N exceeds OST_ROTATION_N_MAX")
@@ -233,7 +237,8 @@ def rotation_norm(wide):
 
 
 def weighted_sum(wide):
-    """AR-CUB-2, |S| <= 2^60 with every partial sum: each is linear in each weight and each voxel, so its extremes are at corners."""
+    """Proves |S| <= 2^60 (AR-CUB-2) with every partial sum. Each is linear in each weight and each
+    voxel, so its extremes are at corners."""
     one = 2**15
     for weights in itertools.product((0, one << wide), repeat=3):
         low = high = 0
@@ -247,7 +252,8 @@ def weighted_sum(wide):
 
 
 def motor_turn(wide):
-    """AR-MOTOR-4, |w C + z S| <= |q| |(C, S)| < 2^60.01 by Cauchy, with every entry of the table; its quotient fits int32."""
+    """Proves |w C + z S| <= |q| |(C, S)| < 2^60.01 (AR-MOTOR-4) by Cauchy's inequality, with every entry
+    of the table. The quotient fits int32."""
     table = re.search(r"motor_sine\[\] = \{(.*?)\}", source("src/core/motor_table.h"))
     sine = [int(v) for v in table[1].split(",") if v.strip()]
     require(len(sine) == 2049, "the table has 2049 sines")
@@ -258,25 +264,27 @@ def motor_turn(wide):
 
 
 def motor_unit(wide):
-    """AR-MOTOR-7: r = floor(sqrt N) and |c| <= sqrt N < r + 1, so 2^30 |c| / r < 2^30 + 2^30 / r, at most 2^30 + 2 for N >= 2^59."""
+    """AR-MOTOR-7: r = floor(sqrt N) and |c| <= sqrt N < r + 1. Therefore 2^30 |c| / r < 2^30 + 2^30 / r,
+    which is at most 2^30 + 2 for N >= 2^59."""
     require(Fraction(2**30, isqrt(N_MIN >> 8 * wide)) <= 2, "a component exceeds 2^30 + 2")
 
 
 def displacement(wide):
-    """AR-SWEEP-2: a corner of a box within 8 m is at most sqrt(3) * 8 m long, and so is its image, which RHE moves by 1/2 at most."""
+    """AR-SWEEP-2: a corner of a box within 8 m has a length of at most sqrt(3) * 8 m, and so has its
+    image, which RHE moves by at most 1/2."""
     image = isqrt(3 * (LENGTH << wide) ** 2) + 2
     require(image <= IMAGE, f"an image at {image} pm")
     along = 2 * image + 2 * LENGTH
     require(along < 2**46 and 4 * 3 * along**2 < 2**96, f"a displacement of {along} pm along an axis")
-    # A quotient of ost_rhe_by needs |n| <= 2^46 D.
+    # A quotient of ost_rhe_by requires |n| <= 2^46 D.
     require(3 * LENGTH <= 2**46, "|M c| exceeds 2^46 N")
 
 
 def map_sums(wide):
-    """AR-MAP-7: origin + sum i column, in the order of ost_map_block_base, at every voxel of a bone.
+    """Bounds origin + sum i column (AR-MAP-7), in the order of ost_map_block_base, at every voxel of a bone.
 
-    Each partial sum is linear in each entry of M and in each i s, and o + i s is within 8 m, so that i s is within
-    16 m and p - t = o + i s - t within 16 m; its extremes are at the corners of these ranges.
+    Each partial sum is linear in each entry of M and in each i s. o + i s is within 8 m, so i s is within 16 m and
+    p - t = o + i s - t is within 16 m. The extremes are at the corners of these ranges.
     """
     far = 2 * LENGTH << wide
     for signs in itertools.product((-1, 1), repeat=3):
@@ -296,8 +304,9 @@ def map_sums(wide):
 def map_steps(wide):
     """AR-MAP-3, AR-MAP-5: |column| = 2^20 |M| s <= 2^20 N 16 v = 2^24 divisor, so |step| <= 2^24.
 
-    The squares of a column of R sum to 1, so its magnitudes sum to at most sqrt(3), and steps, each rounded by at most
-    1/2, to at most sqrt(3) * 2^24 + 3/2; proofs by cbmc (map_coordinate) take its floor for given.
+    The squares of a column of R sum to 1, so its magnitudes sum to at most sqrt(3). The three steps, each rounded by at
+    most 1/2, therefore sum to at most sqrt(3) * 2^24 + 3/2. The proof by cbmc (map_coordinate) assumes the floor of
+    this sum.
     """
     require(2**20 * 16 << wide <= 2**24, "a step exceeds 2^24")
     twice = isqrt(4 * 3 * 2**48) + 3  # floor(2 sqrt(3) 2^24 + 3)
@@ -307,15 +316,17 @@ def map_steps(wide):
 
 
 def quotient(wide):
-    """AR-INT-2, ost_rhe_div128: n = q d + r with 0 <= r < d for the floor q, so |q d| <= |n| + d, for |n| < 2^126 and d < 2^98."""
+    """AR-INT-2, ost_rhe_div128: n = q d + r with 0 <= r < d for the quotient q rounded down. Therefore
+    |q d| <= |n| + d, for |n| < 2^126 and d < 2^98."""
     require(2**126 + (2**98 << 29 * wide) < 2**127, "q d exceeds 128 bits")
-    # The quotient by floor, and one more, fits the 64 bits of ost_rhe_by for |n| <= 2^46 d.
+    # For |n| <= 2^46 d, the quotient rounded down and the next integer fit the 64 bits of ost_rhe_by.
     require((2**46 << 17 * wide) + 2 < 2**63, "a quotient exceeds 64 bits")
 
 
 def divider(wide):
-    """ost_floor_by: |h I| < 2^126, e is within one of the floor, and so |e D| <= |n| + 2 D (src/core/divider.h)."""
-    d = 2**61  # the least: 2^124 / d - 2^124 / (d + 1) falls with d
+    """ost_floor_by: |h I| < 2^126 and e differs from the floor by at most one. Therefore |e D| <= |n| +
+    2 D (src/core/divider.h)."""
+    d = 2**61  # the worst case is the least d, because 2^124 / d - 2^124 / (d + 1) decreases with d
     error = Fraction(2**124, d) - Fraction(2**124, d + 1) + 1
     require(error <= 5, "X - I exceeds 5")
     require(2**124 // (2**61 + 1) < 2**63 and 2**124 // 2**62 >= 2**62, "I is outside [2^62, 2^63)")
@@ -326,13 +337,13 @@ def divider(wide):
 
 
 def density_sum(wide):
-    """AR-REM-6: at most 2^36 voxels of densities up to 2^15 in magnitude, in int64."""
+    """AR-REM-6: the densities of at most 2^36 voxels, each at most 2^15 in magnitude, are summed in int64."""
     require(2**36 * 2**15 << 13 * wide < 2**63, "a sum of densities exceeds int64")
     require("int64_t density[OST_CLASS_MAX]" in source("include/osteon/event.h"), "the sums have another type")
 
 
 def constants(wide):
-    """AR-LEN-1, AR-GRID-3, AR-POSE-3, AR-TOOL-1: the bounds themselves in their types."""
+    """AR-LEN-1, AR-GRID-3, AR-POSE-3, AR-TOOL-1: the bounds themselves fit their types."""
     require(LENGTH << wide < 2**43 and SPACING < 2**37 and 1001 * 2**30 < 1000 * 2**31, "a bound exceeds its type")
     text = source("include/osteon/length.h") + source("include/osteon/grid.h")
     for name, value in ("OST_LENGTH_MAX", "(INT64_C(8000) * OST_PM_PER_MM)"), ("OST_SPACING_MAX", "(100 * OST_PM_PER_MM)"):

@@ -3,7 +3,7 @@
 
 #include "core/divider.h"
 
-/* The inverse I and the shift of any divisor; the casts to 64 bits drop bits on purpose. */
+/* Proves the inverse I and the shift for any divisor. The casts to 64 bits drop bits on purpose. */
 void divider_inverse(void)
 {
     const ost_i128 divisor = nondet_int128();
@@ -12,7 +12,10 @@ void divider_inverse(void)
     ASSERT(by.inverse >= INT64_C(1) << 62 && by.shift >= 0 && by.shift <= 105);
 }
 
-/* h and h I for |n| <= 2^46 D, restated: n / 2^46 replaces the product, which may exceed 128 bits. */
+/*
+ * Proves h and h I for |n| <= 2^46 D with a copy of the expressions. n / 2^46 replaces the
+ * product, which may exceed 128 bits.
+ */
 void divider_estimate(void)
 {
     const ost_divider by = {.divisor = nondet_int128(), .inverse = nondet_int64(), .shift = any32(0, 105)};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proof.h"
 
-/* n / d and n % d do not overflow for any n and d >= 1, and neither do floor and ceiling. */
+/* Proves that n / d and n % d, floor and ceiling do not overflow for any n and any d >= 1. */
 void integer_floor(void)
 {
     const int64_t n = nondet_int64(), d = nondet_int64();
@@ -10,7 +10,7 @@ void integer_floor(void)
     (void)ost_ceil_div(n, d);
 }
 
-/* q d, n - q d and d - r for every n and d up to 2^62. */
+/* Proves q d, n - q d and d - r for every n and every d up to 2^62. */
 void integer_rhe(void)
 {
     const int64_t n = nondet_int64(), d = nondet_int64(), limit = INT64_C(1) << 62;

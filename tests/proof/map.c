@@ -5,17 +5,17 @@
 
 #include "core/divider.h"
 
-/* Returns any quotient: check_bounds.py bounds the division. */
+/* Returns any quotient, because check_bounds.py bounds the division. */
 #define ost_rhe_div128(n, d) nondet_int128()
 #include "core/map.c"
 
 /*
- * base + sum of d step, with every partial sum, for any base of a near block (AR-MAP-5);
- * restated, since the code is in loops of remove.c.
+ * Proves base + sum of d step, with every partial sum, for any base of a near block (AR-MAP-5).
+ * The expression is copied here, because the code is in loops of remove.c.
  */
 void map_coordinate(void)
 {
-    const int64_t most = 29058992; /* floor(sqrt(3) * 2^24 + 3/2): check_bounds.py */
+    const int64_t most = 29058992; /* floor(sqrt(3) * 2^24 + 3/2), proved by check_bounds.py */
     const int32_t base = any32(-(1 << 29), (1 << 30) + (1 << 29) - 1);
     int32_t step[3];
     int64_t sum = 0;
@@ -29,7 +29,7 @@ void map_coordinate(void)
     ASSERT(u > -(1 << 30));
 }
 
-/* A far block gives false, and the base of a near block fits int32, for any quotient. */
+/* For any quotient, a far block must give false, and the base of a near block must fit int32. */
 void map_base(void)
 {
     ost_map map;

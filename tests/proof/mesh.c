@@ -16,7 +16,7 @@ static int64_t snap_quotient(int64_t n, int64_t d)
 #include "core/mesh_snap.c"
 #undef ost_rhe_div
 
-/* Any vertex p, at most 4096 voxels of at most 100 mm, and a corner within 8 m. */
+/* Proves snap for any vertex p, at most 4096 voxels of at most 100 mm, and a corner within 8 m. */
 void mesh_snap(void)
 {
     const int32_t dim = any32(1, 4096);
@@ -37,7 +37,7 @@ void mesh_snap(void)
 #endif
 }
 
-/* Edges up to 2^20, products up to 2^40, which the source documents with a spare bit. */
+/* Proves has_area for edges up to 2^20 and products up to 2^40. The source documents one spare bit for the products. */
 void mesh_area(void)
 {
     int32_t p[3][3];

@@ -11,7 +11,7 @@ static ost_pose any_pose(int64_t limit)
                       .qz = (int32_t)any64(limit)};
 }
 
-/* P < U < 2^36 and 4096 P < 2^48; the table's entry belongs to the quarter. */
+/* Proves P < U < 2^36 and 4096 P < 2^48. The table's entry must belong to the quarter. */
 void motor_spin(void)
 {
     ost_motor motor = {.phase = nondet_int64()};
@@ -21,7 +21,7 @@ void motor_spin(void)
     BOUNDED(by.s, INT64_C(1) << 30);
 }
 
-/* Any two int64 times, any speed up to 3000: P stays below U. */
+/* For any two int64 times and any speed up to 3000, P must stay below U. */
 void motor_advance(void)
 {
     ost_motor motor = {.phase = nondet_int64(), .t_ns = nondet_int64(), .moved = true};
@@ -31,7 +31,7 @@ void motor_advance(void)
     ASSERT(motor.phase >= 0 && motor.phase < OST_MOTOR_TURN);
 }
 
-/* |q| <= 1.001 * 2^30 and |C|, |S| <= 2^30: each sum is below 2^62 and fits int64. */
+/* For |q| <= 1.001 * 2^30 and |C|, |S| <= 2^30, each sum must be below 2^62 and fit int64. */
 void motor_component(void)
 {
     const int64_t q = INT64_C(1074815566), sc = INT64_C(1) << 30; /* 1.001 * 2^30 + 1 */
@@ -55,7 +55,7 @@ void motor_turned(void)
     (void)turns_too_far(&a, &b);
 }
 
-/* (r + bit)^2 for any N below 2^62, and the root, which is below 2^31. */
+/* Proves (r + bit)^2 for any N below 2^62, and that the root is below 2^31. */
 void motor_root(void)
 {
     const int64_t n = nondet_int64();

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Definitions for the proofs of ranges (AR-INT-3), which cbmc reads and no compiler builds. A
- * harness includes a source of src, calls one of its functions with any input within the
- * documented range, and asserts the bound that docs/spec/arithmetic.md states; cbmc adds the checks
- * of overflow and conversion. A callee with a proof of its own may be replaced by its contract:
- * any result within its bound, and an assertion of its range of inputs.
+ * Definitions for the proofs of ranges (AR-INT-3). Only cbmc reads these files; no compiler
+ * builds them. A harness includes a source file of src, calls one of its functions with any input
+ * within the documented range, and asserts the bound that docs/spec/arithmetic.md states. cbmc
+ * adds the checks for overflow and conversion. A called function with a proof of its own may be
+ * replaced by its contract, which asserts its range of inputs and returns any result within its
+ * bound.
  *
- * With WIDE defined the range has one bit more, and the proof must fail.
+ * If WIDE is defined, the range is wider by one or more bits, and the proof must fail.
  */
 #ifndef OST_TESTS_PROOF_H
 #define OST_TESTS_PROOF_H
@@ -33,7 +34,7 @@ ost_i128 nondet_int128(void);
 #define WITHIN(value, limit) ASSUME((value) >= -(limit) && (value) <= (limit))
 #define BOUNDED(value, limit) ASSERT((value) >= -(limit) && (value) <= (limit))
 
-/* 8 m in picometres, and |q| of a pose that ost_rotation_fits accepts. */
+/* 8 m in picometres, and the limit of |q| for a pose that ost_rotation_fits accepts. */
 #define LENGTH (INT64_C(8000000000000) << WIDER)
 #define QUATERNION (((INT64_C(1) << 30) + (1 << 21)) << WIDER)
 

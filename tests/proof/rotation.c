@@ -12,8 +12,8 @@ static ost_pose any_pose(void)
 }
 
 /*
- * N and every entry, for any quaternion that ost_rotation_fits accepts: all sums of AR-POSE-4
- * are exact in int64.
+ * Proves N and every entry for any quaternion that ost_rotation_fits accepts: all sums of
+ * AR-POSE-4 must be exact in int64.
  */
 void rotation(void)
 {

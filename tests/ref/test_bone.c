@@ -9,7 +9,7 @@
 
 static const int sizes[] = {16, 32, 64};
 
-/* Odd dimensions, so that chunks and leaves extend beyond the grid. */
+/* The dimensions are odd, so that chunks and leaves extend beyond the grid. */
 static ost_geometry odd_geometry(void)
 {
     return cubic_geometry(70, 37, 41, 470 * UM, (ost_pm3){1, 2, 3});
@@ -114,10 +114,7 @@ static void chunk_size_does_not_show(void **state)
 
 static void leaves_are_those_of_the_dense_grid(void **state)
 {
-    /*
-     * Each leaf is gathered voxel by voxel from the download and hashed separately; also for
-     * one active voxel in an otherwise empty grid.
-     */
+    /* Each leaf is copied voxel by voxel from the dense grid and hashed separately. Only one voxel is active. */
     ost_error err = {0};
     test_rng rng = rng_seeded("leaves");
     ost_geometry g = odd_geometry();
@@ -169,7 +166,7 @@ static void memory_follows_the_voxels(void **state)
 
 /*
  * The figures above follow from the counts of active voxels. This test checks the chunks
- * themselves: a chunk has memory only if it has an active voxel.
+ * themselves: memory is allocated for a chunk only if it has an active voxel.
  */
 static void empty_chunks_have_no_memory(void **state)
 {

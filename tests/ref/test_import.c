@@ -34,8 +34,8 @@ static int16_t voxel_at(const ost_grid *grid, int32_t x, int32_t y, int32_t z)
 static void the_documents_example(void **state)
 {
     /*
-     * docs/spec/arithmetic.md, AR-CT: the spacing is 0.47 and the minimum -57.34; 4.0499 is off the
-     * lattice by 0.38319 of a voxel, 4.1799 by only 0.10659.
+     * docs/spec/arithmetic.md, AR-CT: the spacing is 0.47 and the minimum is -57.34. 4.0499 is
+     * off the lattice by 0.38319 of a voxel, 4.1799 by only 0.10659.
      */
     ost_error err = {0};
     ost_grid *grid = rect_grid(*state, 200, 1, 1, (ost_pm3){-57340000000, 0, 0});
@@ -74,8 +74,9 @@ static void a_density_beyond_int16_is_refused(void **state)
 static void borders_of_the_offsets(void **state)
 {
     /*
-     * The spacing is 8 units: an offset of exactly 1 unit is accepted silently, one of exactly
-     * 3 is counted and accepted, and one of 4 (a half) is rounded to even and rejected.
+     * The spacing is 8 units. An offset of exactly 1 unit is accepted without a count, an offset
+     * of exactly 3 units is counted and accepted, and an offset of 4 units (a half) is rounded to
+     * even and rejected.
      */
     ost_error err = {0};
     ost_geometry g = {.dims = {8, 1, 1}, .spacing = {8000000, 8000000, 8000000}};
@@ -154,8 +155,8 @@ static void a_zero_density_counts_as_seen(void **state)
 static void every_voxel_finds_its_place(void **state)
 {
     /*
-     * Positions k * 0.47 - 57.34 written with two decimals are exact: each voxel gets one
-     * sample, and none is off the lattice.
+     * Positions k * 0.47 - 57.34 are exact with two decimals. Therefore each voxel receives one
+     * sample, and no sample is off the lattice.
      */
     ost_error err = {0};
     enum { NX = 7, NY = 5, NZ = 4 };
@@ -163,7 +164,7 @@ static void every_voxel_finds_its_place(void **state)
     ost_grid *grid = rect_grid(*state, NX, NY, NZ, origin);
     ost_sample samples[NX * NY * NZ];
     for (int i = 0; i < NX * NY * NZ; i++) {
-        int v = (i * 61) % (NX * NY * NZ); /* an arbitrary order: 61 and 140 have no common divisor */
+        int v = (i * 61) % (NX * NY * NZ); /* in a scattered order: 61 and 140 have no common divisor */
         int x = v % NX, y = v / NX % NY, z = v / NX / NY;
         samples[i] = (ost_sample){origin.x + x * S, origin.y + y * S, origin.z + z * OST_PM_PER_MM, v - 70,
                                   (uint32_t)i};
@@ -206,12 +207,12 @@ static ost_pm3 origin_of(const ost_grid *grid)
 static void filler_voxels(void **state)
 {
     /*
-     * Three layers of 1 mm at 0.47 mm give ceil(3 / 0.47) = 7 layers, the first at (0.47 - 1) /
-     * 2 = -0.265 mm. Their centres in units of layers are -0.265, 0.205, 0.675, 1.145, 1.615,
-     * 2.085 and 2.555; the first and the last are clamped to 0 and 2. In the layers' own boxes,
-     * which begin at -0.5, the centres lie in 0 0 1 1 2 2 and, clamped, 2. The thesis divides
-     * 0, 0.47, 0.94, 1.41, 1.88, 2.35 and 2.82 by 1. Each layer is 1000 denser than the one
-     * before, and 1000 weights of 2^-15 round to the same value.
+     * Three layers of 1 mm at 0.47 mm give ceil(3 / 0.47) = 7 layers, the first at (0.47 - 1) / 2
+     * = -0.265 mm. The centres in units of layers are -0.265, 0.205, 0.675, 1.145, 1.615, 2.085
+     * and 2.555. The rule `linear` clamps the first to 0 and the last to 2. The rule `nearest`
+     * uses the layers' boxes, which begin at -0.5: the centres lie in 0 0 1 1 2 2 and, clamped,
+     * 2. The rule `thesis` divides 0, 0.47, 0.94, 1.41, 1.88, 2.35 and 2.82 by 1. Each layer is
+     * 1000 denser than the one before, and 1000 weights of 2^-15 round to the same value.
      */
     static const int expected[3][7] = {
         [OST_RESAMPLE_LINEAR] = {100, 305, 775, 1245, 1715, 2100, 2100},
@@ -246,9 +247,10 @@ static void coarser_than_the_scan(void **state)
 {
     /*
      * Seven layers of 0.3 mm at 0.47 mm give ceil(2.1 / 0.47) = 5 layers, the first at (0.47 -
-     * 0.3) / 2 = 0.085 mm. The centres are at 0.2833, 1.85, 3.4167 and 4.9833 layers and at
-     * 6.55, clamped to 6. In boxes that begin half a layer earlier they lie in 0 2 3 5 and
-     * 7.05, clamped. 0, 0.47, 0.94, 1.41 and 1.88 divided by 0.3 give 0 1 3 4 6.
+     * 0.3) / 2 = 0.085 mm. For the rule `linear` the centres are at 0.2833, 1.85, 3.4167 and
+     * 4.9833 layers, and at 6.55, clamped to 6. For the rule `nearest` the boxes begin half a
+     * layer earlier, and the centres lie in 0 2 3 5 and 7.05, clamped to 6. The rule `thesis`
+     * divides 0, 0.47, 0.94, 1.41 and 1.88 by 0.3, which gives 0 1 3 4 6.
      */
     static const int expected[3][5] = {
         [OST_RESAMPLE_LINEAR] = {383, 1950, 3517, 5083, 6100},
@@ -270,7 +272,7 @@ static void coarser_than_the_scan(void **state)
 
 static void origins_round_half_to_even(void **state)
 {
-    /* (c - s) / 2 for c = 1 mm: -1/2, -3/2, 1/2 and 5/2 pm are rounded to 0, -2, 0 and 2. */
+    /* For c = 1 mm, (c - s) / 2 is -1/2, -3/2, 1/2 and 5/2 pm, which are rounded to 0, -2, 0 and 2. */
     static const struct {
         ost_pm more, moved;
     } cases[] = {{1, 0}, {3, -2}, {-1, 0}, {-5, 2}};
@@ -285,8 +287,8 @@ static void origins_round_half_to_even(void **state)
 }
 
 /*
- * Returns the density of the middle voxel of the 3 x 3 x 3 voxels at 1 mm that 2 x 2 x 2 voxels
- * of 1.5 mm give: t = (3 - 1.5) / 3 = 1/2 on every axis.
+ * Resamples 2 x 2 x 2 voxels of 1.5 mm to 3 x 3 x 3 voxels of 1 mm. Returns the density of the
+ * middle voxel, for which t = (3 - 1.5) / 3 = 1/2 on every axis.
  */
 static int16_t mean_of_eight(ost_backend *backend, const int16_t voxels[8])
 {
@@ -305,8 +307,8 @@ static int16_t mean_of_eight(ost_backend *backend, const int16_t voxels[8])
 static void means_round_once_and_half_to_even(void **state)
 {
     /*
-     * 5/8, for which rounding after each axis would give 2, 1, 0; the ties 12/8 and 20/8; their
-     * negatives; the extremes of int16.
+     * The means are 5/8, for which rounding after each axis would give 2, 1, 0; the ties 12/8 and
+     * 20/8; their negatives; and the extremes of int16.
      */
     static const struct {
         int16_t voxels[8];
@@ -328,7 +330,7 @@ static void means_round_once_and_half_to_even(void **state)
 
 static void means_stay_between_their_neighbours(void **state)
 {
-    /* AR-CUB-2: no cubic voxel is denser than the densest rect voxel. */
+    /* AR-CUB-2: no cubic voxel may be denser than the densest rect voxel. */
     ost_error err = {0};
     test_rng rng = rng_seeded("means");
     for (int round = 0; round < 20; round++) {
@@ -359,10 +361,10 @@ static void means_stay_between_their_neighbours(void **state)
 static void a_seventh_digit_moves_nothing_by_a_voxel(void **state)
 {
     /*
-     * 60 layers at 0.4882812 or 0.4882813 mm, each 500 denser than the one before, in cubes of
-     * 0.4882812 mm. The last centre is 59.5 * 2 * 10^-7 of a layer off, which is 500 * 1.2 *
-     * 10^-5 densities: at most a difference of one rounding. The rule `thesis` takes another
-     * layer from the first one on: floor(i c / s) = i - 1.
+     * 60 layers of 0.4882812 or 0.4882813 mm, each 500 denser than the one before, become cubes
+     * of 0.4882812 mm. The last centre is off by 59.5 * 2 * 10^-7 of a layer, which is 500 * 1.2
+     * * 10^-5 densities. Therefore densities differ by at most one rounding. The rule `thesis`
+     * uses another layer from the first one on: floor(i c / s) = i - 1.
      */
     static const ost_pm near[2] = {488281200, 488281300};
     ost_error err = {0};
@@ -414,7 +416,7 @@ static void equal_spacing_changes_nothing(void **state)
 static void the_thesis_tables(void **state)
 {
     /*
-     * Tables 3.1 and 3.2. The scapula has its own dimensions: 201 layers of 1 mm are 428 layers
+     * Tables 3.1 and 3.2 of the thesis. The 201 layers of 1 mm of the scapula become 428 layers
      * of 0.47 mm (docs/design/thesis-notes.md).
      */
     const struct {
@@ -429,7 +431,7 @@ static void the_thesis_tables(void **state)
         {{49, 81, 41}, 470 * UM, 1000 * UM, {49, 81, 88}, {2, 3, 3}},
     };
     ost_error err = {0};
-    /* the two largest are only checked by their dimensions, below */
+    /* For the two largest models, only the dimensions are checked, below. */
     for (size_t i = 2; i < sizeof models / sizeof models[0]; i++) {
         ost_geometry g = {.dims = models[i].rect,
                           .spacing = {models[i].in_plane, models[i].in_plane, models[i].between}};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares sweep and map with values computed by hand or by other programs; tests/oracle
- * compares thousands of random ones with another implementation.
+ * Compares sweep and map with values computed by hand or by other programs. tests/oracle compares
+ * thousands of random cases with another implementation.
  * Covers: AR-SWEEP-1..6, AR-MAP-1..5, AR-POSE-4
  */
 #include "ref/scene.h"
@@ -40,7 +40,7 @@ static void the_documents_sweep(void **state)
 static void the_count_is_the_least(void **state)
 {
     (void)state;
-    /* If 2 |d| = n s holds exactly, the count is n; with one picometre more it is n + 1. */
+    /* If 2 |d| = n s exactly, the number of poses is n; with one picometre more it is n + 1. */
     ost_pose a = at_um(10, 20, 30);
     assert_int_equal(count_of(&a, &a, &small_tool, 470 * UM), 1);
     for (int n = 1; n <= OST_SWEEP_MAX; n = n < 8 ? n + 1 : 2 * n) {
@@ -60,24 +60,24 @@ static void the_count_is_the_least(void **state)
 static void a_turn_moves_the_corners(void **state)
 {
     /*
-     * An exact quarter turn about z, q = (c, 0, 0, c), of 90 degrees, which is allowed. The
-     * farthest corner in the plane is (+-2.5, +-5). It moves by the chord sqrt(2) * |(2.5, 5)|
-     * = sqrt(2 * 31.25) = 7.90569 mm, so that 0.47 mm gives n = ceil(2 * 7.90569 / 0.47) =
-     * ceil(33.64) = 34.
+     * An exact quarter turn of 90 degrees about z, q = (c, 0, 0, c), is allowed. The farthest
+     * corner in the plane is (+-2.5, +-5). It moves by the chord sqrt(2) * |(2.5, 5)| = sqrt(2 *
+     * 31.25) = 7.90569 mm. Therefore 0.47 mm gives n = ceil(2 * 7.90569 / 0.47) = ceil(33.64) =
+     * 34.
      */
     (void)state;
     ost_pose a = at_um(0, 0, 0), b = a;
     b.qw = b.qz = 759250125; /* 2^30 / sqrt(2) */
-    ost_pose c = {.qw = 759250124, .qz = 759250126}; /* a little more than a quarter turn */
+    ost_pose c = {.qw = 759250124, .qz = 759250126}; /* slightly more than a quarter turn */
     assert_int_equal(count_of(&a, &b, &small_tool, 470 * UM), 34);
     int count;
     assert_int_equal(ost_sweep_count(&a, &c, &small_tool, 470 * UM, &count, NULL), OST_ERR_RANGE);
-    /* -q is the same rotation, so there is no turn between the two. */
+    /* -q is the same rotation as q, so there is no rotation between the two. */
     ost_pose minus = {.t = a.t, .qw = -a.qw};
     assert_int_equal(count_of(&a, &minus, &small_tool, 470 * UM), 1);
     /*
-     * The sweep takes the short way: (759,250,125 + 2^30) / 2 = 916,495,974.5 and 759,250,125 /
-     * 2 = 379,625,062.5, rounded to even.
+     * The sweep interpolates the shorter way: (759,250,125 + 2^30) / 2 = 916,495,974.5 and
+     * 759,250,125 / 2 = 379,625,062.5, rounded to even.
      */
     ost_pose half = ost_sweep_pose(&b, &minus, 1, 2);
     assert_int_equal(half.qw, 916495974);
@@ -105,8 +105,8 @@ static void the_documents_map(void **state)
 static void quarter_turns_are_exact(void **state)
 {
     /*
-     * Bone voxel 1 mm, tool voxel 1/2 mm: each step is two tool voxels along the turned axis,
-     * whatever the quaternion's length.
+     * With bone voxels of 1 mm and tool voxels of 1/2 mm, each step is two tool voxels along the
+     * rotated axis, whatever the quaternion's length.
      */
     (void)state;
     ost_error err = {0};
@@ -116,15 +116,15 @@ static void quarter_turns_are_exact(void **state)
         ost_pose pose = {.t = {OST_PM_PER_MM, 0, 0}, .qw = lengths[i], .qz = lengths[i]};
         ost_map map;
         assert_ok(ost_map_make(&pose, &bone, &small_tool, &map, &err));
-        /* The tool's x axis is the bone's y, its y axis the bone's -x: R' is R transposed. */
+        /* The tool's x axis is the bone's y, and its y axis is the bone's -x: R' is R transposed. */
         static const int32_t two = 2 << 20;
         const int32_t steps[3][3] = {{0, -two, 0}, {two, 0, 0}, {0, 0, two}};
         assert_memory_equal(map.step, steps, sizeof steps);
         int32_t base[3];
         assert_true(ost_map_block_base(&map, (ost_dims){1, 2, 3}, base));
         /*
-         * p - t = (15, 32, 48) mm; in the tool's frame (32, -15, 48); minus the corner (34.5,
-         * -10, 48); in half millimetres (69, -20, 96).
+         * p - t = (15, 32, 48) mm, which is (32, -15, 48) in the tool's frame. Minus the corner
+         * this is (34.5, -10, 48), and in half millimetres (69, -20, 96).
          */
         assert_int_equal(base[0], 69 << 20);
         assert_int_equal(base[1], -(20 << 20));
@@ -134,7 +134,7 @@ static void quarter_turns_are_exact(void **state)
 
 static void far_blocks_are_said_so(void **state)
 {
-    /* Borders of AR-MAP-5 along x, one unit of 2^-20 apart; bone and tool voxel 2^30 pm. */
+    /* Tests the borders of AR-MAP-5 along x, one unit of 2^-20 apart. The voxels of bone and tool are 2^30 pm wide. */
     (void)state;
     ost_error err = {0};
     const ost_pm v = INT64_C(1) << 30; /* so that 2^-20 of a voxel is 1,024 pm */
@@ -161,7 +161,7 @@ static void far_blocks_are_said_so(void **state)
 
 static void ties_of_the_base_go_to_even(void **state)
 {
-    /* Half a unit of 2^-20 is 512 pm here: the bases are +-0.5, +-1.5 and +-2.5 units. */
+    /* Half a unit of 2^-20 is 512 pm here. The bases are +-0.5, +-1.5 and +-2.5 units. */
     (void)state;
     ost_error err = {0};
     const ost_pm v = INT64_C(1) << 30;
@@ -200,7 +200,7 @@ static void beyond_what_is_proved(void **state)
     assert_int_equal(ost_map_make(&far, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&pose, &broken, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&far, &pose, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
-    /* An uninitialized pose: its quaternion is zero, and N = 0 would be a divisor. */
+    /* In an uninitialized pose the quaternion is zero, so that N = 0 would be the divisor. */
     const ost_pose empty = {0};
     assert_int_equal(ost_map_make(&empty, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&empty, &empty, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
@@ -213,10 +213,10 @@ static void beyond_what_is_proved(void **state)
 }
 
 /*
- * A box of 1 mm from the origin into each octant, and a quarter turn about each axis. The
- * corner that is farthest from the axis moves by the chord sqrt(2) * |(1, 1)| = 2 mm, so that
- * 0.47 mm gives n = ceil(4 / 0.47) = ceil(8.51) = 9; any other corner gives ceil(6.02) = 7 or
- * less.
+ * A box of 1 mm extends from the origin into each octant, and is rotated by a quarter turn about
+ * each axis. The corner that is farthest from the axis moves by the chord sqrt(2) * |(1, 1)| = 2
+ * mm, so that 0.47 mm gives n = ceil(4 / 0.47) = ceil(8.51) = 9. Any other corner gives
+ * ceil(6.02) = 7 or less.
  */
 static void each_corner_counts(void **state)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal: small grids computed by hand, then the laws.
+ * Tests removal: small grids computed by hand, then the laws AR-LAW.
  * Covers: AR-REM-1..6, AR-CLS-1, AR-LAW-1, AR-LAW-2, AR-LAW-3, AR-LAW-5, AR-LAW-6
  */
 #include "ref/scene.h"
 
 static const int sizes[] = {16, 32, 64};
 
-/* -------------------------------------------------------------- by hand */
+/* ---------------------------------------------------- computed by hand */
 
 static void assert_gone(const int16_t *voxels, const ost_geometry *g, const int32_t lo[3], const int32_t hi[3])
 {
@@ -23,10 +23,10 @@ static void assert_gone(const int16_t *voxels, const ost_geometry *g, const int3
 static void a_small_cube(void **state)
 {
     /*
-     * Bone voxels of 1 mm have their centres on integer millimetres; the tool is a cube of 2
-     * mm. The tool's grid is half-open in its own frame: at t = 2 it covers the centres 2 and
-     * 3, at 2.5 the centres 3 and 4. Turned by a quarter about z, its y axis runs along the
-     * bone's -x, so that at t.x = 4 it covers -2 < x - 4 <= 0: 3 and 4.
+     * Bone voxels of 1 mm have their centres on integer millimetres. The tool is a cube of 2 mm.
+     * Its grid is half-open in its own frame: at t = 2 it covers the centres 2 and 3, at 2.5 the
+     * centres 3 and 4. Rotated by a quarter turn about z, its y axis points along the bone's -x.
+     * Therefore at t.x = 4 it covers -2 < x - 4 <= 0, the centres 3 and 4.
      */
     ost_error err = {0};
     const int32_t q = 759250125;
@@ -68,8 +68,8 @@ static void a_small_cube(void **state)
 static void classes_and_touch(void **state)
 {
     /*
-     * Five voxels in a row under three cutting tool voxels, one that does not cut, and a void
-     * one; densities on the borders of classes.
+     * Five voxels in a row lie under three cutting tool voxels, one non-cutting voxel and one
+     * void voxel. Their densities are on the borders of classes.
      */
     ost_error err = {0};
     ost_geometry g = cubic_geometry(5, 1, 1, OST_PM_PER_MM, (ost_pm3){0, 0, 0});
@@ -103,8 +103,8 @@ static void classes_and_touch(void **state)
     ost_bone_free(bone);
 
     /*
-     * A second pose one voxel further: it cuts voxel 3, which is therefore not touched any
-     * more, and touches voxel 4, which was under the void voxel in the first pose.
+     * The second pose is one voxel further. It cuts voxel 3, which therefore no longer counts as
+     * touched, and touches voxel 4, which was under the void voxel in the first pose.
      */
     poses[1].t.x = OST_PM_PER_MM;
     bone = bone_of(*state, &g, 32, voxels);
@@ -145,7 +145,7 @@ static void an_emptied_chunk_is_freed(void **state)
 
 /* -------------------------------------------------------- random scenes */
 
-/* A bone of 70 x 37 x 41 voxels of 0.47 mm, and a tool at a random position in it. */
+/* A bone of 70 x 37 x 41 voxels of 0.47 mm, and a tool at a random position inside the bone. */
 typedef struct scene {
     ost_geometry g;
     int16_t *voxels;
@@ -271,7 +271,7 @@ static void collision_reports_what_removal_takes(void **state)
         assert_same_report(&collided, &removed);
         ost_digest after = digest_of(bone);
         assert_int_equal(ost_digest_equal(&before, &after), removed.total_voxels == 0);
-        /* Removal is idempotent: the touched voxels are still present, the removed ones are not. */
+        /* Removal must be idempotent: the touched voxels are still present, and the removed voxels are not. */
         assert_ok(ost_bone_remove(bone, s.tool, &e.event, &collided, &err));
         assert_int_equal(collided.count, 0);
         assert_int_equal(collided.total_voxels, 0);
@@ -329,7 +329,7 @@ static void events_commute_and_only_take(void **state)
     for (int round = 0; round < test_rounds(20); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose p = random_pose(&rng, s.lo, s.hi), q = random_pose(&rng, s.lo, s.hi);
-        /* A bone with fewer active voxels: its remaining voxels are a subset of those of the full bone. */
+        /* In a bone with fewer active voxels, the remaining voxels must be a subset of those of the full bone. */
         int16_t *fewer = malloc(voxel_count(&s.g) * sizeof *fewer);
         for (size_t i = 0; i < voxel_count(&s.g); i++)
             fewer[i] = rng_range(&rng, 0, 1) ? s.voxels[i] : 0;
@@ -364,8 +364,8 @@ static void events_commute_and_only_take(void **state)
 static void moved_together_nothing_changes(void **state)
 {
     /*
-     * Adding the same vector to the bone and the pose changes nothing; content that is moved by
-     * complete blocks, with the tool moved along, gives the same result.
+     * Adding the same vector to the bone and the pose must change nothing. Moving the content by
+     * complete blocks, together with the tool, must give the same result.
      */
     test_rng rng = rng_seeded("moved");
     for (int round = 0; round < test_rounds(20); round++) {
@@ -419,8 +419,8 @@ static void moved_together_nothing_changes(void **state)
 }
 
 /*
- * Returns a pose whose quaternion is a quarter turn about `axis` times q of p, both in Q30
- * before the product is rounded.
+ * Returns the pose p rotated by a quarter turn about `axis`. Both quaternions are in Q30 before
+ * the product is rounded.
  */
 static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
 {
@@ -432,8 +432,8 @@ static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
     r[2] = u[0] * q[2] - u[1] * q[3] + u[2] * q[0] + u[3] * q[1];
     r[3] = u[0] * q[3] + u[1] * q[2] - u[2] * q[1] + u[3] * q[0];
     /*
-     * Only the 24 rotations of a cube are used. Their components are 0 or of one magnitude, so
-     * a common factor restores |q| = 1.
+     * Only the 24 rotations of a cube are used. Their components are 0 or have the same
+     * magnitude, so a common factor restores |q| = 1.
      */
     int nonzero = 0;
     for (int c = 0; c < 4; c++)
@@ -447,10 +447,10 @@ static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
 static void quarter_turns_turn_the_set(void **state)
 {
     /*
-     * A cube of 24^3 voxels about the frame's origin is turned together with the tool about
+     * A cube of 24^3 voxels around the frame's origin is rotated together with the tool about
      * each axis, up to three times in succession. Bone voxels of 1 mm have their centres at odd
      * halves. Tool voxels of 1/2 mm have their borders, relative to the pose, at multiples of
-     * 1/2. With t at odd quarters no centre is within 1/4 mm of a border, far more than
+     * 1/2. With t at odd quarters, no centre is within 1/4 mm of a border. This is far more than
      * AR-MAP-6 allows.
      */
     enum { N = 24 };
@@ -470,10 +470,7 @@ static void quarter_turns_turn_the_set(void **state)
         remove_at(bone, &g, tool, &pose, 1, &before);
         int16_t *left = content(bone, &g);
 
-        /*
-         * Axis a is mapped to b, and b to -a: the voxel with the coordinates (i_a, i_b) moves
-         * to (N - 1 - i_b, i_a).
-         */
+        /* Axis a is mapped to b, and b to -a. The voxel with the coordinates (i_a, i_b) moves to (N - 1 - i_b, i_a). */
         int16_t *left_turned = malloc(voxel_count(&g) * sizeof *left_turned);
         for (int v = 0; v < N * N * N; v++) {
             int at[3] = {v % N, v / N % N, v / N / N}, to[3];
