@@ -19,8 +19,8 @@ AR-FILE-2, AR-FILE-3, AR-LAW-4, AR-LAW-7, AR-LAW-8, REQ-ORACLE
 
 Usage: check_pipeline.py [OSTEON]    (default: $OSTEON, else ./osteon)
 OST_TEST_SEED=N replays a run. OST_TEST_BACKENDS="ref cpu:isa=avx2" selects the backends (tests/backends.h). Every
-command runs on each backend, and all must print the same object, which contains the file's digest. The exit status is 77 if
-there is no command to run.
+command runs on each backend, and all must print the same object, which contains the file's digest. The exit status is
+77 if there is no command to run.
 """
 
 import gzip

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames that keep unchanged parts: after any removal, motion of the tool or of the eye, change
- * of colours, clip plane, ghost or lines, and after any overwriting of the last frame, a frame
- * is bit-identical to one drawn from scratch.
+ * Tests frames that keep unchanged parts. A frame must be bit-identical to one drawn from scratch
+ * after any removal, any motion of the tool or of the camera, any change of colours, clip plane,
+ * ghost or lines, and any overwriting of the last frame.
  * Covers: REQ-FRAME-KEPT
  */
 #include <math.h>
@@ -29,10 +29,7 @@ static void ball(ost_volume *v, const int at[3], int radius, int16_t value)
             }
 }
 
-/*
- * Makes a body in the middle of its grid, so that there are positions of blocks that never had
- * an active voxel.
- */
+/* Makes a body in the middle of its grid. Some positions of blocks therefore never have an active voxel. */
 static ost_volume make_bone(test_rng *rng)
 {
     ost_error err = {0};
@@ -76,7 +73,7 @@ static ost_camera camera_of(test_rng *rng, int width, int height)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = (int32_t)(1000 * width), .width = width, .height = height};
-    const double far = rng_range(rng, 0, 4) ? 1 : 0.3; /* sometimes so near that voxels fill the frame */
+    const double far = rng_range(rng, 0, 4) ? 1 : 0.3; /* sometimes so near that the voxels fill the frame */
     const double to[3] = {50, 35, 34};
     double from[3];
     do
@@ -104,7 +101,7 @@ static void make(ost_viewer *v, const ost_volume *bone, ost_isa isa, int threads
     ost_tool_volume_free(&tool);
 }
 
-/* Makes one random change of the kinds that can occur between two frames. */
+/* Makes a random change of a kind that can occur between two frames. */
 static void change(ost_viewer *v, ost_volume *bone, test_rng *rng, ost_camera *camera)
 {
     ost_error err = {0};
@@ -149,8 +146,8 @@ static void change(ost_viewer *v, ost_volume *bone, test_rng *rng, ost_camera *c
 }
 
 /*
- * Writes over a frame as a window does with its HUD, and sometimes overwrites everything as
- * another renderer does.
+ * Writes over a part of the frame, as a window does with its HUD, and sometimes over the complete
+ * frame, as another renderer does.
  */
 static void write_over(ost_frame *f, test_rng *rng)
 {
@@ -188,11 +185,11 @@ static size_t cells_in(const ost_cells *c)
 }
 
 typedef struct drawn {
-    int frames, parts; /* number of frames, and of those drawn only in part */
-    size_t cells;      /* cells drawn in these parts */
+    int frames, parts; /* number of frames, and number of those that were drawn only in part */
+    size_t cells;      /* cells drawn in the partly drawn frames */
 } drawn;
 
-/* Draws a frame, and compares it with the same picture drawn by a new frame. */
+/* Draws a frame and compares it with the same picture drawn in a new frame. */
 static void draw(ost_viewer *v, const ost_camera *camera, drawn *d)
 {
     ost_error err = {0};

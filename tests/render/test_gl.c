@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares OpenGL's picture with the processor's: the same voxels in the same pixels, except
- * for a few pixels where a driver rounds differently. 30 of 921,600 may differ (1280 x 720), in
- * proportion in smaller frames but no fewer than 5; the number that differ is printed.  Skipped
- * without OpenGL that needs no display.
+ * Compares OpenGL's picture with the processor's. The same voxels must be in the same pixels,
+ * except for a few pixels where a driver rounds differently. In 1280 x 720 pixels, 30 of 921,600
+ * may differ; in smaller frames the number is proportional, but not less than 5. The number of
+ * differing pixels is printed. The test is skipped if OpenGL without a display is not available.
  *
- * OST_TEST_LONG=1: frames of 1280 x 720, and all tests a second time limited to OpenGL 3.3.
+ * OST_TEST_LONG=1 tests frames of 1280 x 720, and repeats all tests limited to OpenGL 3.3.
  * Covers: REQ-RENDER, REQ-GL-SAME, REQ-GL-HIDDEN
  */
 #include <math.h>
@@ -25,7 +25,7 @@ static ost_geometry grid(int x, int y, int z, ost_pm spacing)
     return (ost_geometry){{x, y, z}, {spacing, spacing, spacing}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
 }
 
-/* Makes a body of three lobes with a bowl and holes in it. */
+/* Makes a body of three lobes with a bowl and holes. */
 static ost_volume body(test_rng *rng, int n, ost_pm spacing)
 {
     ost_error err = {0};
@@ -57,8 +57,8 @@ static ost_surface surface_of(const ost_volume *v)
 }
 
 /*
- * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels;
- * aside: offset of the point looked at.
+ * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels.
+ * `aside` is the offset of the point at which the camera looks.
  */
 static ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside, int width,
                        int height)
@@ -74,7 +74,7 @@ static ost_camera look(const ost_geometry *g, double x, double y, double z, doub
 }
 
 typedef struct difference {
-    int colour, face, depth; /* number of pixels that differ */
+    int colour, face, depth; /* numbers of pixels that differ */
 } difference;
 
 static difference compare(const ost_frame *a, const ost_frame *b)
@@ -187,7 +187,7 @@ static void test_views(void **state)
         check_views(SMALL_W, SMALL_H, 96);
 }
 
-/* Only the changed blocks of a surface are uploaded, and they are drawn. */
+/* Only the changed blocks of a surface may be uploaded, and they must be drawn. */
 static void test_changes(void **state)
 {
     (void)state;
@@ -227,7 +227,7 @@ static void test_changes(void **state)
         assert_true((renewed > 0) == differs);
         check("after a change, as bricks", &bricks, &thing, 1, OST_STYLE_SMOOTH);
     }
-    /* another surface at the same address */
+    /* Draws another surface at the same address. */
     ost_surface_free(&s);
     ost_volume_free(&v);
     v = body(&rng, 50, OST_PM_PER_MM);
@@ -240,8 +240,8 @@ static void test_changes(void **state)
 }
 
 /*
- * The variants for comparison draw the same voxels; those that do not cut points at the frame's
- * edge are tested where nothing is cut.
+ * The variants for comparison must draw the same voxels. The variants that do not clip points at
+ * the frame's edge are tested where nothing is clipped.
  */
 static void test_variants(void **state)
 {
@@ -271,7 +271,7 @@ static void test_variants(void **state)
     ost_volume_free(&v);
 }
 
-/* Builds a body behind a wall, which has a window if open. */
+/* Builds a body behind a wall. If `open`, the wall has a window. */
 static void build(ost_volume *v, const ost_volume *shape, bool open)
 {
     const int n = v->geometry.dims.x;
@@ -285,8 +285,8 @@ static void build(ost_volume *v, const ost_volume *shape, bool open)
 }
 
 /*
- * Draws with and without occlusion, which must be bit-identical; returns the number of cells
- * that were skipped.
+ * Draws with and without occlusion and compares the pictures, which must be bit-identical.
+ * Returns the number of cells that were skipped.
  */
 static int same_without(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count)
 {
@@ -316,9 +316,9 @@ static int same_without(const char *name, const ost_gl_variant *variant, const o
 }
 
 /*
- * Skipping cells that are hidden by others changes no pixel of any frame, even if the eye moves
- * around in steps that bring other cells to the front, or if a window is cut into the wall that
- * hid them.
+ * Skipping cells that other cells hide must change no pixel of any frame. This includes frames in
+ * which the camera moves around in steps that bring other cells to the front, and frames in which
+ * a window is cut into the wall that hid cells.
  */
 static void test_occlusion(void **state)
 {
@@ -352,8 +352,8 @@ static void test_occlusion(void **state)
             hidden += same_without(names[i], &list[i], things, 1 + step % 2);
         }
         /*
-         * The eye stays before the wall: most cells behind it are skipped until the window
-         * opens, then drawn at once.
+         * The camera stays in front of the wall. Most cells behind the wall are skipped until the
+         * window opens, and are then drawn at once.
          */
         const ost_camera c = look(&v.geometry, 0.05, -1, 0.0, 0.9 * N, 0, W, H);
         const ost_frame_thing thing = {.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE};

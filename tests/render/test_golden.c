@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Golden pictures: a hash of the voxel and the face that each pixel shows.  The hashes were not
- * computed by the renderer but by walk() in this file: a ray of doubles through each pixel's
- * middle that steps from voxel to voxel of the dense volume, without points, rectangles, order
- * or lists.  The test repeats the walk, which must give the hash, and so must every instruction
- * set and number of threads.  Pixels whose rays pass within a thousandth of a pixel of an edge
- * are not part of the hash: the walk finds them, fewer than one in a hundred.
+ * Golden pictures: a hash of the voxel and the face that each pixel shows. The hashes were
+ * computed not by the renderer but by walk() in this file, which follows a ray of doubles through
+ * each pixel's middle from voxel to voxel of the dense volume. It uses no points, rectangles,
+ * order or lists. The test repeats the walk, which must give the hash. Every instruction set and
+ * number of threads must give the same hash. Pixels whose rays pass within a thousandth of a
+ * pixel of an edge are not part of the hash; the walk finds these pixels, which are fewer than
+ * one in a hundred.
  *
  * Covers: REQ-VIEWER
  */
@@ -63,7 +64,7 @@ typedef struct hit {
     double depth; /* along forward, in voxels */
 } hit;
 
-/* Returns the first voxel that the ray through pixel (x, y) hits. x and y need not be integers. */
+/* Returns the first voxel that the ray through pixel (x, y) hits. x and y may be fractions. */
 static hit walk(const ost_volume *v, const ost_eye *e, double x, double y)
 {
     const int dims[3] = {v->geometry.dims.x, v->geometry.dims.y, v->geometry.dims.z};
@@ -133,7 +134,7 @@ static void free_thing(thing *t)
     ost_volume_free(&t->volume);
 }
 
-/* Returns the nearer hit of two objects. scale: side of the second's voxels in voxels of the first. */
+/* Returns the nearer hit of two objects. `scale` is the side of the second object's voxels in voxels of the first. */
 static hit nearest(const thing *t, int count, double scale, double x, double y)
 {
     hit h = walk(&t[0].volume, &t[0].eye, x, y);
@@ -141,15 +142,15 @@ static hit nearest(const thing *t, int count, double scale, double x, double y)
         const hit other = walk(&t[1].volume, &t[1].eye, x, y);
         if (other.face != OST_NO_FACE && (h.face == OST_NO_FACE || other.depth * scale < h.depth))
             h = other;
-        h.voxel = -1; /* a frame stores the voxels of the first object alone */
+        h.voxel = -1; /* a frame stores only the voxels of the first object */
     }
     return h;
 }
 
 /*
- * The hit of each pixel.  If rays a thousandth of a pixel away hit another voxel or face, the
- * ray passes so close to an edge that both results are correct: such a pixel is not clear and
- * not compared.
+ * The hit of each pixel. If rays at a distance of a thousandth of a pixel hit another voxel or
+ * face, the ray passes so close to an edge that both results are correct. Such a pixel is not
+ * `clear` and is not compared.
  */
 typedef struct golden {
     hit pixel[H][W];
@@ -249,7 +250,7 @@ static void test_golden(void **state)
     static golden g;
     make_thing(&t[0], volume_of(100, 90, 110, MM, bone));
     make_thing(&t[1], volume_of(61, 61, 70, MM / 2, tool));
-    /* The tool's dome is in the bowl, its shaft points toward the viewer at an angle. */
+    /* The tool's dome is in the bowl, and its shaft points obliquely toward the viewer. */
     const double position[3] = {38, 16, 70}, turn[4] = {0.5, 0.7, 0.5, -0.1};
     ost_pose pose;
     assert_ok(ost_pose_from_doubles(position, turn, &pose, &err));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The features of a picture other than shape: each is compared with a separate definition in
- * this file that walks through all voxels.
+ * Tests the features of a picture other than shape. Each is compared with a separate definition
+ * in this file, which visits all voxels.
  *
  * Covers: REQ-LOOK
  */
@@ -29,7 +29,7 @@ static size_t index_of(int i, int j, int k)
 
 /*
  * Makes a bone of many densities, with rounded corners and pores. *after is the same bone after a
- * cylinder along x, from i = 46 to the end, has been removed.
+ * cylinder along x has been removed from i = 46 to the end.
  */
 static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
 {
@@ -43,7 +43,7 @@ static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
                 const double a = (i - 34) / 32.0, b = (j - 20) / 17.0, c = (k - 19) / 16.0,
                              e = (j - 20.0) * (j - 20.0) + (k - 17.0) * (k - 17.0);
                 const double shell = a * a * a * a + b * b * b * b + c * c * c * c;
-                /* pores, four voxels deep and more */
+                /* pores, at a depth of four voxels or more */
                 const bool bone = shell < 0.3 ? rng_range(rng, 0, 200) != 0 : shell < 1;
                 const int16_t v = bone ? (int16_t)rng_range(rng, 120, 1500) : 0;
                 before->voxels[index_of(i, j, k)] = v;
@@ -117,8 +117,8 @@ static bool shown(const ost_clip *c, const int v[3])
 }
 
 /*
- * Voxels next to the clip plane show the CT, each by its own density: -100 HU is black, 1300
- * white, in 126 steps.
+ * Voxels next to the clip plane must show the CT, each by its own density: -100 HU is black, and
+ * 1300 HU is white, in 126 steps.
  */
 static void check_clip(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
@@ -158,8 +158,8 @@ static void a_plane_shows_the_ct(void **state)
         }
         assert_ok(ost_clip_make(&v.bone.geometry, middle, normal, &clip, &err));
         /*
-         * The plane is at the requested position: to 2^-14 in direction over 80 voxels, and to
-         * one unit of rounding.
+         * The plane must be at the requested position, to within 2^-14 in direction over 80
+         * voxels and one unit of rounding.
          */
         double away = 0, length = 0;
         for (int a = 0; a < 3; a++) {
@@ -174,8 +174,8 @@ static void a_plane_shows_the_ct(void **state)
         assert_true(c.seen > 500 && c.painted > 50);
     }
     /*
-     * A picture has exactly these greys, whatever the light: the camera looks along x at a plane
-     * perpendicular to x.
+     * A picture must have exactly these greys whatever the light. The camera looks along x at a
+     * plane perpendicular to x.
      */
     const ost_clip across = {{-OST_CLIP_UNIT, 0, 0}, -(INT64_C(40) << 14)};
     ost_camera camera = {.focal_milli = 100000, .width = 64, .height = 64};
@@ -206,7 +206,7 @@ static void a_plane_shows_the_ct(void **state)
             pixels++;
         }
     assert_true(pixels > 300);
-    /* After the clip plane is removed, all shades are those of a bone that never had one. */
+    /* After the clip plane is removed, all shades must be those of a bone that never had a clip plane. */
     ost_viewer fresh;
     set_bone(&fresh, &after, &after);
     ost_viewer_set_clip(&v, NULL);
@@ -243,8 +243,8 @@ static void check_density(void *user, const int v[3], uint32_t point, uint32_t s
 }
 
 /*
- * Returns the squared distance to the nearest voxel that is neither bone nor pore.  Pores here
- * are single voxels, and the bone is far from the border.
+ * Returns the squared distance to the nearest voxel that is neither bone nor pore. Pores here are
+ * single voxels, and the bone is far from the border.
  */
 static int distance(const ost_volume *v, const int from[3])
 {
@@ -273,8 +273,8 @@ static void check_depth(void *user, const int v[3], uint32_t point, uint32_t sha
     const int exact = distance(c->before, v), got = block->depth[point & 0x7fff];
     assert_int_equal(got, exact);
     /*
-     * Voxels have half a millimetre: the scale ends at 10 mm, and half a voxel lies between the
-     * centre and its edge.
+     * Voxels are half a millimetre wide, and the scale ends at 10 mm. Half a voxel lies between
+     * the voxel's centre and its edge.
      */
     assert_int_equal(paint_of(shade), 1 + (int)floor((sqrt(got) - 0.5) * 0.5 / 10 * 126 + 0.5));
 }
@@ -294,7 +294,7 @@ static void colours_are_what_the_ct_says(void **state)
     assert_ok(ost_surface_update(&v.bone, &err));
     for_points(&v.bone, check_density, &c);
     assert_true(c.painted > 400);
-    /* A bone that was cut before the viewer started has the same shades. */
+    /* A bone that was cut before the viewer started must have the same shades. */
     ost_viewer late;
     set_bone(&late, &before, &after);
     ost_viewer_set_colouring(&late, OST_COLOUR_DENSITY);
@@ -312,8 +312,8 @@ static void colours_are_what_the_ct_says(void **state)
 }
 
 /*
- * Layers below a face: 2 mm of cartilage, 2 mm of hard bone, cancellous bone; and hard bone far
- * from the face.
+ * Below a face there are 2 mm of cartilage, 2 mm of hard bone, and cancellous bone. There is also
+ * hard bone far from the face.
  */
 static void tissues_by_class_and_place(void **state)
 {
@@ -356,8 +356,8 @@ static double luminance(uint32_t colour)
 }
 
 /*
- * The scale is ordered in lightness, each step darker than the one before; tissues differ in
- * lightness or in hue.
+ * The scale must be ordered in lightness, each step darker than the one before. Tissues must
+ * differ in lightness or in hue.
  */
 static void colours_can_be_told_apart(void **state)
 {
@@ -372,7 +372,7 @@ static void colours_can_be_told_apart(void **state)
             const int blue = abs((int)(ost_tissue_colours[a] >> 16) - (int)(ost_tissue_colours[b] >> 16));
             assert_true((x > y ? x / y : y / x) > 1.2 || red + blue > 120);
         }
-    /* A legend is drawn into its corner and nowhere else. */
+    /* A legend must be drawn in its corner and nowhere else. */
     static uint32_t pixels[300 * 200];
     const ost_sheet sheet = {.pixels = pixels, .stride = 300, .width = 300, .height = 200};
     ost_error err = {0};
@@ -421,7 +421,7 @@ static void what_went_just_now_is_shown(void **state)
         for_points(&v.bone, count_contact, &c);
         assert_true(aged < 2 ? c.painted > 400 : c.painted == 0);
         ost_surface_age(&v.bone);
-        /* Voxels that stay highlighted need no new lists. */
+        /* Voxels that stay highlighted must not require new lists. */
         for (int32_t b = 0; b < v.bone.used && aged == 0; b++)
             assert_false(v.bone.slot[b]->dirty);
     }
@@ -432,7 +432,7 @@ static void what_went_just_now_is_shown(void **state)
 
 /* ----------------------------------------------------------- recomputation */
 
-/* Removes a ball of bone, or restores all that was there. */
+/* Removes a ball of bone, or restores the complete bone. */
 static void bite(test_rng *rng, const ost_volume *before, ost_volume *now)
 {
     const int c[3] = {(int)rng_range(rng, -2, NX), (int)rng_range(rng, -2, NY), (int)rng_range(rng, -2, NZ)},
@@ -448,7 +448,7 @@ static void bite(test_rng *rng, const ost_volume *before, ost_volume *now)
             }
 }
 
-/* A block is the same whether it was updated or computed from scratch, with every instruction set. */
+/* With every instruction set, an updated block must equal a block computed from scratch. */
 static void only_what_changed_is_made_anew(void **state)
 {
     (void)state;
@@ -499,7 +499,7 @@ static void only_what_changed_is_made_anew(void **state)
                     assert_ok(ost_surface_update(s, &err));
                 }
                 assert_same_shades(&v[0].bone, &v[1].bone);
-                /* Exactly the blocks whose lists changed are in renewed. */
+                /* `renewed` must contain exactly the blocks whose lists changed. */
                 int named = 0;
                 for (int32_t b = 0; b < v[0].bone.used; b++)
                     named += v[0].bone.slot[b]->version != version[b];
@@ -510,7 +510,7 @@ static void only_what_changed_is_made_anew(void **state)
                 kept += v[0].bone.used - named;
             }
             assert_true(made > ROUNDS / 2 && kept > ROUNDS / 2 && looked_at >= made);
-            /* The result does not depend on the history of the bone. */
+            /* The result must not depend on the history of the bone. */
             ost_viewer fresh;
             set_bone(&fresh, &before, &now);
             if (!known)
@@ -564,8 +564,8 @@ static void see_through_and_lines(void **state)
     memcpy(plain, v.frame.planes.colour, count * sizeof *plain);
     memcpy(face, v.frame.planes.face, count);
     /*
-     * The ghost is faint behind the bone and stronger in front of it: 4 mm wide at 180 pixels
-     * focal length.
+     * The ghost must be faint behind the bone and stronger in front of it. It is 4 mm wide, at a
+     * focal length of 180 pixels.
      */
     double change[2] = {0, 0};
     for (int near = 0; near < 2; near++) {
@@ -593,8 +593,8 @@ static void see_through_and_lines(void **state)
     assert_memory_equal(v.frame.planes.colour, plain, count * sizeof *plain);
     int columns = 0, hidden = 0;
     /*
-     * A line across the picture adds one row's worth of colour in every column, at its position;
-     * a fifth of that behind the bone.
+     * A line across the picture adds, in every column at its position, as much colour as one
+     * complete row has. Behind the bone it adds a fifth of that.
      */
     for (int near = 0; near < 2; near++) {
         const ost_eye eye = ost_eye_make(&camera, &v.bone.geometry);
@@ -620,7 +620,7 @@ static void see_through_and_lines(void **state)
         }
     }
     assert_true(columns > W && hidden > 30);
-    /* The chunks that a tool's box meets: the corners are exact multiples of half a millimetre. */
+    /* Tests the chunks that a tool's box meets. The corners are exact multiples of half a millimetre. */
     const ost_overlay_scene scene = {.bone = &v.bone,
                                      .tool = &v.ghost,
                                      .tool_grid = t.geometry,
@@ -639,7 +639,7 @@ static void see_through_and_lines(void **state)
     assert_int_equal(hi[1], 2);
     assert_int_equal(lo[2], 0);
     assert_int_equal(hi[2], 3);
-    /* Every overlay draws something. */
+    /* Every overlay must draw something. */
     v.has_state = true;
     v.state = (ost_live_state){.ticks = 1, .pose = meets.pose};
     assert_ok(ost_viewer_add_tool(&v, &t, &err));
@@ -664,7 +664,7 @@ static void see_through_and_lines(void **state)
     ost_volume_free(&after);
 }
 
-/* All features together, with every instruction set and several threads. */
+/* Tests all features together, with every instruction set and several threads. */
 static void all_sets_show_the_same(void **state)
 {
     (void)state;
@@ -718,11 +718,11 @@ static void all_sets_show_the_same(void **state)
     ost_volume_free(&after);
 }
 
-/* OpenGL draws the same colours, planes and ghosts; without OpenGL nothing is compared. */
+/* OpenGL must draw the same colours, planes and ghosts. Without OpenGL nothing is compared. */
 static void opengl_shows_the_same(void **state)
 {
     (void)state;
-    enum { W = 160, H = 120, MOST = 2 }; /* 30 in 921,600, and one for each object drawn */
+    enum { W = 160, H = 120, MOST = 2 }; /* at most 30 pixels in 921,600, and one for each object drawn */
     ost_error err = {0};
     test_rng rng = rng_seeded("gl");
     ost_volume before, after;

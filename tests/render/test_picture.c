@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pictures without a display: the positions of objects in them, and their encoding as PNG. */
+/* Tests pictures made without a display: the positions of objects in them, and their encoding as PNG. */
 #include <math.h>
 #include <unistd.h>
 
@@ -14,8 +14,8 @@
 #include "render/views.h"
 
 /*
- * Returns a ball of 1000 HU, radius 8 mm, in a box of 24 x 20 x 16 mm, voxels of 0.5 x 0.5 x 1
- * mm; bitten: its front (y < 10 mm) is removed.
+ * Returns a ball of 1000 HU with a radius of 8 mm, in a box of 24 x 20 x 16 mm with voxels of 0.5
+ * x 0.5 x 1 mm. If `bitten`, its front (y < 10 mm) is removed.
  */
 static ost_volume ball_of_slices(bool bitten)
 {
@@ -79,8 +79,9 @@ static ost_lettering *letters(void)
 }
 
 /*
- * The bar is the greatest 1, 2 or 5 times a power of ten that fits: 60 pixels of 0.5 mm hold 20
- * mm, 40 pixels.  Its ends stand up at both sides.
+ * The bar's length is the greatest number of the form 1, 2 or 5 times a power of ten that fits.
+ * At 0.5 mm per pixel, 60 pixels hold a bar of 20 mm, which is 40 pixels long. Its ends are
+ * vertical strokes.
  */
 static void test_scale_bar(void **state)
 {
@@ -103,12 +104,12 @@ static void test_scale_bar(void **state)
         assert_int_equal(pixels[100 * 30 + x0 + 20], 0);
         assert_int_equal(pixels[100 * 35 + x0], 0);
     }
-    ost_scale_bar(l, &sheet, 10, 10, true, 60, 0, 1, INK); /* a scale that is not known draws nothing */
+    ost_scale_bar(l, &sheet, 10, 10, true, 60, 0, 1, INK); /* without a known scale nothing is drawn */
     assert_int_equal(pixels[100 * 9 + 10], 0);
     ost_lettering_free(l);
 }
 
-/* Drawing across every edge changes nothing outside the sheet, which is 8 x 8 within 16 x 24 pixels. */
+/* Drawing across every edge must change nothing outside the sheet, which is 8 x 8 within 16 x 24 pixels. */
 static void test_clipping(void **state)
 {
     (void)state;
@@ -128,7 +129,7 @@ static void test_clipping(void **state)
     ost_lettering_free(l);
 }
 
-/* Letters at the edges: those of the radiological axial slice, R at the left and A at the top. */
+/* Tests the letters at the edges. In the radiological axial slice, R is at the left and A at the top. */
 static void test_edges(void **state)
 {
     (void)state;
@@ -144,8 +145,8 @@ static void test_edges(void **state)
 }
 
 /*
- * The scale is 2 pixels a millimetre (48 for 24 mm): axial 48 x 40, coronal 48 x 32, sagittal 40
- * x 32, 8 pixels between.
+ * The scale is 2 pixels per millimetre (48 pixels for 24 mm). The slices are axial 48 x 40,
+ * coronal 48 x 32 and sagittal 40 x 32 pixels, with 8 pixels between them.
  */
 static void test_slices(void **state)
 {
@@ -157,14 +158,14 @@ static void test_slices(void **state)
     assert_ok(ost_picture_slices(&uncut, NULL, &o, &p, &err));
     assert_int_equal(p.width, 48 + 8 + 48 + 8 + 40);
     assert_int_equal(p.height, 40);
-    /* 1000 HU in a window of 400 +- 900 is (1000 + 500) / 1800 of white; 0 HU is 500 / 1800. */
+    /* In a window of 400 +- 900, 1000 HU is (1000 + 500) / 1800 of white, and 0 HU is 500 / 1800. */
     assert_in_range(pixel(&p, 30, 14)[0], 211, 214);
     assert_in_range(pixel(&p, 2, 12)[0], 69, 72);
     ost_picture_free(&p);
 
     o.at[0] = 24, o.at[1] = 20, o.at[2] = 8;
     assert_ok(ost_picture_slices(&cut, &uncut, &o, &p, &err));
-    const uint8_t *gone = pixel(&p, 20, 10), *left = pixel(&p, 20, 26); /* before and behind the border at 8 mm */
+    const uint8_t *gone = pixel(&p, 20, 10), *left = pixel(&p, 20, 26); /* in front of and behind the border at 8 mm */
     assert_true(gone[0] > gone[2] + 60);
     assert_int_equal(left[0], left[2]);
     ost_picture_free(&p);
@@ -176,8 +177,10 @@ static void test_slices(void **state)
     ost_volume_free(&cut);
 }
 
-/* Panels of 480 x 400, 480 x 320 and 400 x 320: letters in the middle of the edges unless the
-   directions are not known. */
+/*
+ * Panels of 480 x 400, 480 x 320 and 400 x 320 pixels. Letters must be in the middle of the edges
+ * unless the directions are unknown.
+ */
 static void test_letters_of_slices(void **state)
 {
     (void)state;
@@ -215,8 +218,9 @@ static void test_slices_of_volumes_that_do_not_match(void **state)
 }
 
 /*
- * Returns a ball of 1000 HU, radius 8 mm, in the middle of 24^3 mm, voxels of 0.5 mm; bitten: its
- * front (y < -4 mm) is removed.  The origin is such that the middle is at (0, 0, 0).
+ * Returns a ball of 1000 HU with a radius of 8 mm, in the middle of 24^3 mm with voxels of 0.5
+ * mm. If `bitten`, its front (y < -4 mm) is removed. The origin is chosen so that the middle is
+ * at (0, 0, 0).
  */
 static ost_volume cubes(bool bitten)
 {
@@ -240,10 +244,10 @@ static bool is_bone(const ost_picture *p, int x, int y)
 }
 
 /*
- * The silhouette of a ball of radius r in front of a camera at the distance d is a circle whose
- * radius in the plane through its centre is r d / sqrt(d^2 - r^2).  The extent of 40 mm is the
- * height of that plane, so d = 40 mm x 1.2071 = 48.28 mm and the radius is 8.112 mm, 40.6 of 200
- * pixels.  Voxels stick out of the ball by up to one of them, 2.5 pixels.
+ * The silhouette of a ball of radius r in front of a camera at the distance d is a circle, whose
+ * radius in the plane through the ball's centre is r d / sqrt(d^2 - r^2). The extent of 40 mm is
+ * the height of that plane, so d = 40 mm x 1.2071 = 48.28 mm and the radius is 8.112 mm, which is
+ * 40.6 of 200 pixels. Voxels extend beyond the ball by at most one voxel, which is 2.5 pixels.
  */
 static void test_view_silhouette(void **state)
 {
@@ -269,8 +273,9 @@ static void test_view_silhouette(void **state)
 }
 
 /*
- * From the front: warm bone in the middle, lit from the upper left; a bared front has the colour of its
- * depth, the back has not; without an extent all of the bone is in the picture and fills most of it.
+ * Seen from the front: the bone in the middle has a warm colour and is lit from the upper left. A
+ * cut front has the colour of its depth, but the back does not. Without an extent, the complete
+ * bone is in the picture and fills most of it.
  */
 static void test_view(void **state)
 {
@@ -287,7 +292,7 @@ static void test_view(void **state)
         assert_true(!is_bone(&p, i, 0) && !is_bone(&p, i, 199) && !is_bone(&p, 0, i) && !is_bone(&p, 199, i));
     ost_picture_free(&p);
 
-    /* 3.75 mm below the pole, the scale of 10 mm is green, which bone never is. */
+    /* On the scale of 10 mm, 3.75 mm below the pole is green. Uncut bone is never green. */
     assert_ok(ost_picture_view(&cut, &ball, &o, &p, &err));
     const uint8_t *bared = pixel(&p, 100, 100);
     assert_true(bared[1] > bared[0] + 20 && bared[1] > bared[2]);
@@ -310,22 +315,23 @@ static void test_view(void **state)
 }
 
 /*
- * The marks: a scale bar at the lower right, exact in the plane through the centre; letters at the
- * edges, which a tool and a file of unknown orientation do not have; a legend with `before` only.
+ * Tests the marks: a scale bar at the lower right, exact in the plane through the centre; letters
+ * at the edges, which a tool and a file of unknown orientation do not have; and a legend, which
+ * is drawn only with `before`.
  */
 static void test_view_marks(void **state)
 {
     (void)state;
     ost_error err = {0};
     ost_volume ball = cubes(false), cut = cubes(true);
-    for (int k = 0; k < 4; k++) { /* a bone; one of unknown orientation; a tool; a bone with the one before */
+    for (int k = 0; k < 4; k++) { /* a bone, a bone of unknown orientation, a tool, and a bone with the one before */
         ost_view_options o = {.width = 600, .height = 600, .extent_mm = 60, .unoriented = k == 1, .tool = k == 2};
         ost_picture p;
         int bar = 0, letter = 0, legend = 0;
         assert_ok(ost_picture_view(k == 3 ? &cut : &ball, k == 3 ? &ball : NULL, &o, &p, &err));
-        for (int x = 300; x < 600; x++) /* unit 5 / 6: the foot 10 pixels above the picture's, 2 x 5 / 6 thick */
+        for (int x = 300; x < 600; x++) /* 1 unit is 5 / 6 pixel; the bar's foot is 2 units thick */
             bar += pixel(&p, x, 600 - 10 - 1)[0] > 0xe0;
-        assert_int_equal(bar, 100); /* 10 mm of 60 mm in 600 pixels: 20 mm would be longer than 150 x 5 / 6 */
+        assert_int_equal(bar, 100); /* 10 mm of 60 mm in 600 pixels; 20 mm would be longer than 150 x 5 / 6 */
         for (int y = 280; y < 320; y++)
             for (int x = 0; x < 40; x++)
                 letter += pixel(&p, x, y)[0] > 0x50;
@@ -340,7 +346,10 @@ static void test_view_marks(void **state)
     ost_volume_free(&cut);
 }
 
-/* The box of the ball's voxels, whose centres are at most 8 mm from the middle: 16 voxels of 0.5 mm on both sides. */
+/*
+ * The box of the ball's voxels. Their centres are at most 8 mm from the middle, which is 16
+ * voxels of 0.5 mm on both sides.
+ */
 static void test_active_box(void **state)
 {
     (void)state;
@@ -360,7 +369,7 @@ static void test_active_box(void **state)
     ost_volume_free(&ball);
 }
 
-/* Without an active voxel there is only background, in every direction of view. */
+/* Without an active voxel there must be only background, in every direction of view. */
 static void test_view_of_nothing(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Points drawn through a camera: the surface is compared with a walk over all voxels, the
- * picture with a ray through every pixel and every voxel, instruction sets and threads with the
- * scalar functions.
+ * Tests points drawn through a camera. The surface is compared with a definition that visits all
+ * voxels, the picture with a ray through every pixel and every voxel, and instruction sets and
+ * threads with the scalar functions.
  *
  * Covers: REQ-RENDER
  */
@@ -21,7 +21,7 @@ static ost_geometry grid(int x, int y, int z)
         {x, y, z}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
 }
 
-/* Makes a ball with holes: it has surfaces inside, and blocks that are adjacent in all ways. */
+/* Makes a ball with holes. It has surfaces inside, and its blocks are adjacent in all ways. */
 static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
 {
     ost_error err = {0};
@@ -58,8 +58,8 @@ static uint32_t faces(const ost_volume *v, int i, int j, int k)
 }
 
 /*
- * Returns the amount of bone around a voxel by a sum over its neighbourhood, rounded between the
- * axes as shading.h specifies.
+ * Returns the amount of bone around a voxel. It is a sum over the voxel's neighbourhood, which is
+ * rounded between the axes as shading.h specifies.
  */
 static int field(const ost_volume *v, int i, int j, int k)
 {
@@ -75,7 +75,7 @@ static int field(const ost_volume *v, int i, int j, int k)
     return sum;
 }
 
-/* Returns the mean of 2^3 voxels, which are counted from (0, 0, 0). */
+/* Returns the mean of a cell of 2^3 voxels; cells are counted from (0, 0, 0). */
 static int cell(const ost_volume *v, int i, int j, int k)
 {
     int sum = 0;
@@ -99,8 +99,8 @@ static int field_of_cells(const ost_volume *v, int i, int j, int k)
 }
 
 /*
- * Interpolates the field of cells at a voxel, first along z, then y, then x, each time rounded;
- * a quarter of the field.
+ * Interpolates the field of cells at a voxel, first along z, then y, then x, rounding each time.
+ * Returns a quarter of the field.
  */
 static int wide(const ost_volume *v, int i, int j, int k)
 {
@@ -126,8 +126,8 @@ static int openness(int value)
 }
 
 /*
- * Uses the wide slope if it agrees with the fine one to within 45 degrees, the fine one if they
- * are 53 degrees apart or more, and a mixture between.
+ * Uses the wide slope if it agrees with the fine slope to within 45 degrees, the fine slope if
+ * they are 53 degrees apart or more, and a mixture of both otherwise.
  */
 static uint32_t shade_from(const float f[3], const float w[3], int fine, int wide_value)
 {
@@ -190,7 +190,7 @@ static void test_surface(void **state)
     assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
     assert_ok(ost_surface_update(&s, &err));
     assert_surface(&s, &v);
-    /* Complete planes of voxels are removed and restored: neighbouring blocks must be updated. */
+    /* Complete planes of voxels are removed and restored, so that neighbouring blocks must be updated. */
     for (int round = 0; round < 12; round++) {
         const int axis = (int)rng_range(&rng, 0, 2), at = (int)rng_range(&rng, 0, 63);
         const int16_t value = rng_range(&rng, 0, 2) ? 0 : 500;
@@ -207,7 +207,7 @@ static void test_surface(void **state)
     ost_volume_free(&v);
 }
 
-/* Every direction is restored within two degrees. */
+/* Every direction must be restored to within two degrees. */
 static void test_octahedral(void **state)
 {
     (void)state;
@@ -280,8 +280,8 @@ static ost_camera camera_at(const ost_volume *v, test_rng *rng, double distance,
 }
 
 /*
- * Returns true if the entire cube about voxel v lies beyond the near plane by more than `by`:
- * such voxels are drawn.
+ * Returns true if the entire cube around voxel v lies beyond the near plane by more than `by`.
+ * Such voxels are drawn.
  */
 static bool beyond_near(const ost_eye *e, const int v[3], double by)
 {
@@ -291,7 +291,10 @@ static bool beyond_near(const ost_eye *e, const int v[3], double by)
     return z > by;
 }
 
-/* Returns true if the ray of a pixel, in doubles, meets the cube about voxel v, grown by `grow`. */
+/*
+ * Returns true if the ray of a pixel, computed in doubles, meets the cube around voxel v after
+ * the cube is enlarged by `grow`.
+ */
 static bool meets(const ost_eye *e, double x, double y, const int v[3], double grow)
 {
     double in = -1e300, out = 1e300;
@@ -306,7 +309,7 @@ static bool meets(const ost_eye *e, double x, double y, const int v[3], double g
     return in <= out;
 }
 
-/* Returns true if the ray enters the cube well inside a face: at an edge, both faces are correct. */
+/* Returns true if the ray enters the cube well inside a face. At an edge, both faces are correct. */
 static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
 {
     double best = -1e300, second = -1e300, square = 0;
@@ -333,9 +336,9 @@ static uint32_t id_at(const ost_frame *f, size_t at)
 }
 
 /*
- * Compares each pixel with the nearest voxel that its ray meets.  If slightly smaller and
- * slightly larger cubes give different voxels, the result depends on rounding and the pixel is
- * not compared; few pixels are of this kind.
+ * Compares each pixel with the nearest voxel that its ray meets. If slightly smaller and slightly
+ * larger cubes give different voxels, the result depends on rounding and the pixel is not
+ * compared. There are few such pixels.
  */
 static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e, int *checked, int *doubtful)
 {
@@ -376,7 +379,7 @@ static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e,
             assert_int_equal(32 * block[0] + (int)(id & 31), who[0][0]);
             assert_int_equal(32 * block[1] + (int)(id >> 5 & 31), who[0][1]);
             assert_int_equal(32 * block[2] + (int)(id >> 10 & 31), who[0][2]);
-            /* The face is to the air, and the depth lies on it. */
+            /* The face must border on air, and the depth must lie on it. */
             const int face = f->planes.face[at];
             assert_in_range(face, 0, 5);
             if (clear_of_edges(e, x, y, who[0]))
@@ -402,7 +405,7 @@ static void test_against_rays(void **state)
         static const double distance[5] = {60, 30, 22, 300, 16};
         ost_camera c;
         ost_eye e;
-        /* From outside: the near plane would bare faces that are not to the air. */
+        /* The camera is outside the body, because the near plane would expose faces that do not border on air. */
         do {
             c = camera_at(&s.volume, &rng, distance[round], 33 + 7 * round, 29, round == 3 ? 300000 : 30000);
             e = ost_eye_make(&c, &s.volume.geometry);
@@ -434,7 +437,7 @@ static void assert_same(const ost_frame *a, const ost_frame *b)
     }
 }
 
-/* From far away, close up, at the edge, and from inside. */
+/* The views are from far away, close up, at the edge, and from inside. */
 static void test_sets_and_threads(void **state)
 {
     (void)state;
@@ -473,8 +476,8 @@ static void test_sets_and_threads(void **state)
 }
 
 /*
- * The arithmetic of the shades: words of all sizes, with every instruction set, compared with
- * weighted sums.
+ * Tests the arithmetic of the shades: words of all sizes, with every instruction set, are
+ * compared with weighted sums.
  */
 typedef struct words {
     uint8_t cells[3][28 * OST_CELLS], mean[OST_CELLS];
@@ -570,7 +573,7 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
     k->finer(both, odd, rows, &w->field[0]);
     for (int y = 0; y < OST_FIELD_ROWS; y++)
         for (int x = 0; x < OST_FIELD_ROWS; x++) {
-            int value[2][2][2]; /* x, y, z; the nearer one first */
+            int value[2][2][2]; /* x, y, z; the nearer cell is first */
             for (int i = 0; i < 8; i++)
                 value[i & 1][i >> 1 & 1][i >> 2] =
                     ((*both[(i >> 2) ^ odd])[y / 2 + ((i >> 1 & 1) ^ (y & 1))][x / 2 + ((i & 1) ^ (x & 1))] + 2) / 4;
@@ -585,8 +588,8 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 }
 
 /*
- * Compares shades for slopes of all sizes, also zero, that agree and that do not, and for every
- * number of points in a call.
+ * Compares shades for slopes of all sizes, including zero, that agree or do not agree, and for
+ * every number of points per call.
  */
 static void assert_shades(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
 {
@@ -693,7 +696,7 @@ static void test_rows(void **state)
                 assert_int_equal(behind[row], 0);
             }
             assert_int_equal(faces.begin[OST_BLOCK_ROWS], count);
-            /* The same bits behind faces that are all to the air. */
+            /* The same bits must be found behind faces that all border on air. */
             memset(faces.face, 0xff, sizeof faces.face);
             k.behind(&rim, &faces, behind);
             for (int cell = 0; cell < 32 * OST_BLOCK_ROWS; cell += 5) {
@@ -826,7 +829,7 @@ static void test_picture(void **state)
     assert_memory_not_equal(smooth.rgb, faces.rgb, (size_t)3 * 64 * 48);
     ost_picture_free(&smooth);
     ost_picture_free(&faces);
-    /* With no voxel at or above the threshold there is only background. */
+    /* If no voxel reaches the threshold, there must be only background. */
     options.threshold = 2000;
     assert_ok(ost_picture_points(&v, &c, &options, &faces, &err));
     for (size_t i = 0; i < (size_t)64 * 48; i++)

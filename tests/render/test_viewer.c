@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Bone and a tool in one frame: the nearer one is visible, at any orientation of the tool; all
- * instruction sets and numbers of threads give bit-identical pictures.  Every named camera
- * looks at its object.
+ * Tests bone and a tool in one frame. The nearer one must be visible, at any orientation of the
+ * tool, and all instruction sets and numbers of threads must give bit-identical pictures. Every
+ * named camera must look at its object.
  * Covers: REQ-VIEWER
  */
 #include <math.h>
@@ -29,7 +29,7 @@ static ost_volume block_of_bone(void)
     return v;
 }
 
-/* Makes a rod of half-millimetre voxels, 4 x 4 x 20 mm, from its origin up. */
+/* Makes a rod of half-millimetre voxels, 4 x 4 x 20 mm, which extends upward from its origin. */
 static ost_tool_volume rod(void)
 {
     ost_error err = {0};
@@ -67,7 +67,7 @@ static ost_camera camera_from(double x, double y, double z)
     return c;
 }
 
-/* Bone has a warm colour, steel a cold one. */
+/* Returns true if the pixel has a cold colour, which is steel; bone has a warm colour. */
 static bool is_steel(const ost_frame *f, int x, int y)
 {
     const uint32_t c = f->planes.colour[(size_t)y * (size_t)f->planes.stride + (size_t)x];
@@ -94,27 +94,27 @@ static void what_is_nearer_is_seen(void **state)
     assert_ok(ost_viewer_draw(&v, &c, &err));
     assert_int_equal(steel_pixels(&v.frame), 0);
     /*
-     * In front of the middle of the block: 4 x 20 mm at 58 mm and 250 pixels focal length, about
-     * 17 x 86 pixels.
+     * The tool is in front of the middle of the block. 4 x 20 mm at 58 mm and a focal length of
+     * 250 pixels are about 17 x 86 pixels.
      */
     put_tool(&v, (ost_pose){.t = {35 * MM, 0, 15 * MM}, .qw = OST_Q30_ONE});
     assert_ok(ost_viewer_draw(&v, &c, &err));
     const size_t before = steel_pixels(&v.frame);
     assert_in_range(before, 1350, 1650);
     /*
-     * The depth is the tool's, in bone voxels: its front is 58 mm away, although its own voxels
-     * are half as large.
+     * The depth must be the tool's, in bone voxels. The tool's front is 58 mm away, although its
+     * own voxels are half as large.
      */
     assert_true(is_steel(&v.frame, 150, 100));
     assert_true(fabsf(v.frame.planes.depth[100 * v.frame.planes.stride + 150] - 58) < 0.05f);
-    /* Behind the block and inside it, the tool is not visible. */
+    /* Behind the block and inside it, the tool must not be visible. */
     put_tool(&v, (ost_pose){.t = {35 * MM, 70 * MM, 15 * MM}, .qw = OST_Q30_ONE});
     assert_ok(ost_viewer_draw(&v, &c, &err));
     assert_int_equal(steel_pixels(&v.frame), 0);
     put_tool(&v, (ost_pose){.t = {35 * MM, 30 * MM, 15 * MM}, .qw = OST_Q30_ONE});
     assert_ok(ost_viewer_draw(&v, &c, &err));
     assert_in_range(steel_pixels(&v.frame), 0, before / 4); /* visible through the slots */
-    /* Lying on its side: a quarter turn about the line of sight. */
+    /* The tool lies on its side: it is rotated by a quarter turn about the line of sight. */
     put_tool(&v, (ost_pose){.t = {25 * MM, 0, 25 * MM}, .qw = 759250125, .qy = 759250125});
     assert_ok(ost_viewer_draw(&v, &c, &err));
     assert_in_range(steel_pixels(&v.frame), 1350, 1650);
@@ -199,13 +199,13 @@ static void views_look_where_they_say(void **state)
         const bool all = i == OST_VIEW_OVERVIEW || i == OST_VIEW_MEDIAL || i == OST_VIEW_INFERIOR;
         assert_true(fabs(o.at[0] - (all ? 0 : 30)) < 1e-9);
     }
-    /* Along a tool that works toward -y, from behind it. */
+    /* The camera looks along a tool that works toward -y, from behind the tool. */
     const ost_pose tool = {.t = {5 * MM, 6 * MM, 7 * MM}, .qw = 759250125, .qx = -759250125};
     double right[3], up[3], back[3];
     ost_orbit o = ost_view_orbit(OST_VIEW_TOOL, &s, &tool);
     ost_orbit_frame(&o, right, up, back);
     assert_true(back[1] > 0.999);
-    /* A drag to the right turns the object to the right; the wheel moves the camera nearer, up to a limit. */
+    /* A drag to the right must rotate the object to the right. The wheel moves the camera nearer, up to a limit. */
     const double azimuth = o.azimuth, distance = o.distance;
     ost_orbit_turn(&o, 10, 0, 480);
     assert_true(o.azimuth < azimuth);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests components, cuts and holes on random small volumes against an oracle: a flood fill, one
- * voxel at a time, and distances as integers of 128 bits.
+ * Compares components, cuts and holes of random small volumes with an oracle, which uses a flood
+ * fill, one voxel at a time, and computes distances as 128-bit integers.
  *
  * Covers: AR-SEG-1, AR-SEG-2, AR-SEG-3, AR-SEG-4, AR-SEG-5
  */
@@ -44,7 +44,10 @@ static void make(scene *s, test_rng *rng)
     s->options.cuts = s->cuts;
     s->options.cut_count = (size_t)rng_range(rng, 0, 2);
     for (size_t i = 0; i < s->options.cut_count; i++) {
-        /* Positions on voxel centres, and radii of complete voxels, so that some voxels lie exactly on the border. */
+        /*
+         * Positions are on voxel centres, and radii are integer numbers of voxels, so that some
+         * voxels lie exactly on the border.
+         */
         ost_segment_cut *c = &s->cuts[i];
         c->at = (ost_pm3){g.origin.x + rng_range(rng, 0, g.dims.x) * g.spacing.x,
                           g.origin.y + rng_range(rng, 0, g.dims.y) * g.spacing.y,
@@ -70,7 +73,7 @@ static bool is_cut(const scene *s, int32_t x, int32_t y, int32_t z)
     return false;
 }
 
-/* Marks the voxels that share faces with voxel `from`, directly or through others, and have the same flag. */
+/* Marks the voxels that are connected by faces to voxel `from`, directly or through others, and have the same flag. */
 static size_t flood(const scene *s, const bool *in, size_t from, bool *reached, size_t found[MOST])
 {
     const ost_dims d = s->ct.geometry.dims;
@@ -95,7 +98,7 @@ static size_t flood(const scene *s, const bool *in, size_t from, bool *reached, 
     return count;
 }
 
-/* Writes the label of each voxel; returns the number of labels. sizes[k]: the voxels of label k + 1. */
+/* Writes the label of each voxel and returns the number of labels. sizes[k] is the number of voxels of label k + 1. */
 static size_t expected_labels(const scene *s, int16_t *labels, uint64_t sizes[MOST], uint64_t filled[MOST])
 {
     static size_t members[MOST], starts[MOST];
@@ -117,7 +120,7 @@ static size_t expected_labels(const scene *s, int16_t *labels, uint64_t sizes[MO
             dense = dense || s->ct.voxels[members[m]] >= s->options.threshold;
         if (!dense || size < s->options.min_voxels)
             continue;
-        size_t rank = count++; /* behind all that are not smaller */
+        size_t rank = count++; /* after all components that are at least as large */
         for (; rank > 0 && sizes[rank - 1] < size; rank--) {
             sizes[rank] = sizes[rank - 1];
             starts[rank] = starts[rank - 1];
@@ -192,7 +195,7 @@ static void volumes_equal_the_oracle(void **state)
     assert_true(with_holes > 20 && with_cuts > 1000 && several > 300);
 }
 
-/* The bounds and the first voxel of each component, on a volume drawn by hand. */
+/* Tests the bounds and the first voxel of each component in a volume drawn by hand. */
 static void bounds_and_first_voxels(void **state)
 {
     (void)state;
@@ -209,7 +212,10 @@ static void bounds_and_first_voxels(void **state)
                 ct.voxels[x + 5 * (y + 3 * z)] = rows[z][y][x] == '#' ? 120 : 119;
     assert_ok(ost_segment_volume(&ct, NULL, &labels, &segments, &count, &err));
     assert_int_equal(count, 3);
-    /* 5 voxels: (3, 0, 0), (3, 1, 0) and the row at z = 1; then two of 2 voxels in the order of their first voxels */
+    /*
+     * The first component has 5 voxels: (3, 0, 0), (3, 1, 0) and the row at z = 1. Two components
+     * of 2 voxels follow, in the order of their first voxels.
+     */
     assert_int_equal(segments[0].voxels, 5);
     assert_int_equal(segments[1].voxels, 2);
     assert_int_equal(segments[2].voxels, 2);
@@ -225,7 +231,7 @@ static void bounds_and_first_voxels(void **state)
     ost_volume_free(&ct);
 }
 
-/* 32,768 single voxels are one component too many; with a least size of 2 there is none. */
+/* 32,768 single voxels are one component too many. With a least size of 2 there is no component. */
 static void too_many_components(void **state)
 {
     (void)state;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The broad phase may only skip: worlds with it and without it give the same
- * results, on random poses and on poses whose boxes just touch; and it does skip.
+ * Tests that the broad phase only skips work. Worlds with it and without it must give the same
+ * results, on random poses and on poses whose boxes just touch, and the broad phase must skip
+ * some poses.
  * Covers: AR-REM-5
  */
 #include "ref/scene.h"
@@ -30,7 +31,7 @@ static twin make_twin(ost_backend *backend, const ost_geometry *g, const int16_t
     return w;
 }
 
-/* Executes one tick in both worlds, compares them, and returns the first world's result. */
+/* Performs one tick in both worlds, compares the results, and returns that of the first world. */
 static ost_step_result step_both(twin *w, const ost_pose *pose)
 {
     ost_error err = {0};
@@ -46,7 +47,7 @@ static ost_step_result step_both(twin *w, const ost_pose *pose)
             (unsigned long long)r[0].report->total_voxels, (unsigned long long)r[0].report->touched_voxels,
             (unsigned long long)r[1].report->total_voxels, (unsigned long long)r[1].report->touched_voxels);
     assert_memory_equal(r[0].report->density, r[1].report->density, sizeof r[0].report->density);
-    /* The reported range of chunks contains all chunks that were hit. */
+    /* The reported range of chunks must contain all chunks that were hit. */
     int n = 32;
     int32_t cx = (w->g.dims.x + n - 1) / n, cy = (w->g.dims.y + n - 1) / n;
     for (size_t i = 0; i < r[0].report->count; i++) {
@@ -105,9 +106,9 @@ static void random_poses(void **state)
 static void boxes_that_just_touch(void **state)
 {
     /*
-     * A bone of one voxel and a tool of 2 x 3 x 4 voxels in all quarter turns,
-     * moved along each axis past the voxel in steps of 2^-20 of a tool voxel
-     * around the positions where the centre meets the tool's faces.
+     * A tool of 2 x 3 x 4 voxels, in all quarter turns, moves past a bone of one voxel along each
+     * axis. It moves in steps of 2^-20 of a tool voxel around the positions where the voxel's
+     * centre meets the tool's faces.
      */
     const ost_pm v = INT64_C(1) << 30, unit = 1024;
     ost_geometry g = cubic_geometry(1, 1, 1, v, (ost_pm3){0, 0, 0});
@@ -125,8 +126,8 @@ static void boxes_that_just_touch(void **state)
                 for (int32_t face = 0; face <= extent[axis]; face += extent[axis])
                     for (int64_t off = -30; off <= 30; off++) {
                         /*
-                         * The pose that puts the centre at `face` + off units along the tool's
-                         * axis, midway between its other faces.
+                         * The pose that puts the centre at `face` + `off` units along the tool's
+                         * axis, in the middle between its other faces.
                          */
                         ost_pm p[3] = {v, 3 * v / 2, 2 * v};
                         p[axis] = face * v + sign * off * unit / 2;
@@ -134,8 +135,9 @@ static void boxes_that_just_touch(void **state)
                         ost_map map;
                         assert_int_equal(ost_map_make(&turn, &g, ost_tool_geometry_get(tool), &map, NULL), OST_OK);
                         /*
-                         * Computes R p by the map's own steps. R is scaled by 2^20 here,
-                         * because bone and tool voxels are equal: exact for quarter turns.
+                         * Computes R p with the map's own steps. R is scaled by 2^20 here,
+                         * because the voxels of bone and tool have the same size. For quarter
+                         * turns this is exact.
                          */
                         ost_pose pose = turn;
                         ost_pm *t[3] = {&pose.t.x, &pose.t.y, &pose.t.z};
@@ -155,10 +157,10 @@ static void boxes_that_just_touch(void **state)
 static void corners_that_just_touch(void **state)
 {
     /*
-     * The farthest voxel of a block of 16^3, where the computed coordinates are
-     * least accurate, at each corner of a tool's grid in random rotations, a few
-     * units of 2^-20 beyond it.  By definition some of these voxels are removed
-     * although their centres lie outside the grid, which is why boxes are inflated.
+     * Tests the farthest voxel of a block of 16^3, where the computed coordinates are least
+     * accurate. The voxel is at each corner of a tool's grid, in random rotations, a few units of
+     * 2^-20 outside the grid. By definition some of these voxels are removed although their
+     * centres lie outside the grid. Therefore boxes are inflated.
      */
     test_rng rng = rng_seeded("corners");
     const ost_pm v = INT64_C(1) << 30;
@@ -197,19 +199,19 @@ static void corners_that_just_touch(void **state)
 static void separating_axes_separate(void **state)
 {
     /*
-     * A cube of voxel centres of 10 mm at the origin and a tool cube of 10 mm
-     * rotated by 45 degrees about z, edge first: the tool's bounds overlap the
-     * bone long before the tool does.
+     * The bone is a cube of 10 mm, measured between voxel centres, at the origin. The tool is a
+     * cube of 10 mm that is rotated by 45 degrees about z, with an edge first. The tool's bounds
+     * overlap the bone long before the tool itself does.
      */
     (void)state;
     ost_geometry g = cubic_geometry(11, 11, 11, OST_PM_PER_MM,
                                     (ost_pm3){-5 * OST_PM_PER_MM, -5 * OST_PM_PER_MM, -5 * OST_PM_PER_MM});
     ost_tool_geometry t = {{8, 8, 8}, OST_PM_PER_MM, {-4 * OST_PM_PER_MM, -4 * OST_PM_PER_MM, -4 * OST_PM_PER_MM}};
-    ost_box bone = ost_box_of_bone(&g), tool = ost_box_of_tool(&t); /* 10 mm including the inflation by a voxel */
+    ost_box bone = ost_box_of_bone(&g), tool = ost_box_of_tool(&t); /* 10 mm wide, including the inflation by a voxel */
     ost_pose pose = {.qw = 992008094, .qz = 410903207};            /* cos and sin of 22.5 degrees */
     /*
-     * Corner to corner along the diagonal: the half diagonals are sqrt(50) and 5, so the boxes
-     * separate at 5 sqrt(2) + 5 = 12.0711 mm.
+     * The cubes meet corner to corner along the diagonal. The half diagonals are sqrt(50) and 5,
+     * so the boxes separate at 5 sqrt(2) + 5 = 12.0711 mm.
      */
     const double diagonal = 0.7071067811865476;
     pose.t.x = pose.t.y = (ost_pm)(12.07 * diagonal * 1e9);
@@ -217,12 +219,12 @@ static void separating_axes_separate(void **state)
     pose.t.x = pose.t.y = (ost_pm)(12.0722 * diagonal * 1e9);
     assert_false(ost_boxes_meet(&bone, &tool, &pose));
     ost_voxel_box box = ost_box_voxels(&g, &tool, &pose);
-    assert_true(ost_voxel_box_holds(&box)); /* the bounds alone would not have skipped this pose */
+    assert_true(ost_voxel_box_holds(&box)); /* the bounds alone do not skip this pose */
 
     /*
-     * Edge against edge, q = (2, 0, 1, -2) / 3 and t = k (-4, -11, 11) mm: along
-     * the faces' axes the boxes overlap by more than 2 mm, and the cross product of
-     * the first axes separates them for k > 10/11 (computed in fractions).
+     * The cubes meet edge against edge: q = (2, 0, 1, -2) / 3 and t = k (-4, -11, 11) mm. Along
+     * the faces' axes the boxes overlap by more than 2 mm. The cross product of the first axes
+     * separates them for k > 10/11 (computed with fractions).
      */
     ost_pose q = {.qw = 715827883, .qy = 357913941, .qz = -715827883};
     q.t = (ost_pm3){-4 * 910 * UM, -11 * 910 * UM, 11 * 910 * UM};

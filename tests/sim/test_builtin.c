@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Built-in paths: the motion and speed of the working face, and the removed bone; reading the
- * glenoid's position from a grid's facts.
+ * Tests built-in paths: the motion and speed of the working face, and the removed bone. Also
+ * tests reading the glenoid's position from a grid's facts.
  */
 #include "ref/scene.h"
 
@@ -10,8 +10,8 @@
 #include <osteon/sim.h>
 
 /*
- * A tool of 36 x 36 x 20 mm about its z axis; its lowest point is assumed at corner + 3/2
- * voxels, here z = 0.
+ * A tool of 36 x 36 x 20 mm with z as its axis. Its lowest point is assumed to be at corner + 3/2
+ * voxels, which is z = 0 here.
  */
 static const ost_tool_geometry reamer = {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}};
 
@@ -60,7 +60,7 @@ static void it_runs_along_the_axis(void **state)
                 assert_true(off < 1e-6); /* the tip is the frame's origin, so t itself lies on the axis */
                 if (k > 0) {
                     assert_true(fabs(depth - last) < 0.0201);
-                    assert_memory_equal(q, before, sizeof q); /* the motor turns the tool, and not the path */
+                    assert_memory_equal(q, before, sizeof q); /* the motor rotates the tool, not the path */
                 }
                 last = depth;
                 deepest = depth > deepest ? depth : deepest;
@@ -74,11 +74,11 @@ static void it_runs_along_the_axis(void **state)
 }
 
 /*
- * The pressing hand: from 2 mm outside the face to 12 mm inside in half a second,
- * then 0.15 mm a second deeper to 24 mm, with 1.5 mm up and down; the tip at most
- * 6 mm from the axis, and the tool's own axis tilted by at most 3 degrees.  The
- * lateral motion begins gradually and completes full circles, and the path is the
- * same however long it is.
+ * The path simulates a hand that presses. The tip moves from 2 mm outside the face to 12 mm
+ * inside in half a second, and then 0.15 mm deeper per second, to 24 mm, with an oscillation of
+ * 1.5 mm along the axis. The tip is at most 6 mm from the axis, and the tool's own axis is tilted
+ * by at most 3 degrees. The lateral motion begins gradually and completes full circles. A longer
+ * path must begin with the same ticks.
  */
 static void a_hand_presses(void **state)
 {
@@ -121,7 +121,7 @@ static void a_hand_presses(void **state)
 
 static void ticks_are_gentle(void **state)
 {
-    /* No corner moves more than half of the thesis' voxel in a tick, so every event has one pose. */
+    /* No corner moves more than half of the thesis' voxel per tick, so every event has one pose. */
     (void)state;
     ost_error err = {0};
     ost_glenoid glenoid = {.axis = {0.9, 0.1, -0.2}};
@@ -148,8 +148,8 @@ static void ticks_are_gentle(void **state)
 static void a_reamer_leaves_the_spongy_bone(void **state)
 {
     /*
-     * A block with its face at z = 0 toward +z: 2 mm of cartilage, 1.9 mm of plate,
-     * then cancellous bone.  The reamer goes 3 mm deep, the peg 22 mm.
+     * A block with its face at z = 0 toward +z has 2 mm of cartilage, 1.9 mm of plate, and then
+     * cancellous bone. The reamer reaches a depth of 3 mm, the peg 22 mm.
      */
     ost_error err = {0};
     const ost_pm s = 500 * UM;
@@ -160,7 +160,7 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         voxels[i] = depth < 2000 * UM ? 130 : depth < 3900 * UM ? 1200 : 300;
     }
     ost_glenoid glenoid = {.axis = {0, 0, -1}};
-    /* Flat ends. The path uses z = corner + 3/2 voxels = 0 as the working face. */
+    /* The tools have flat ends. The path uses z = corner + 3/2 voxels = 0 as the working face. */
     const struct {
         ost_tool_geometry g;
         ost_builtin which;
@@ -184,10 +184,10 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         assert_ok(ost_world_add_tool(world, "tool", tool, NULL, &err));
         assert_ok(ost_builtin_path(tools[i].which, &glenoid, &tools[i].g, 0, &path, &err));
         ost_step_result r;
-        /* a hand's tick without a motor speed */
+        /* a tick of a device without a motor speed */
         assert_int_equal(ost_world_step(world, &path.ticks[0], &r, &err), OST_ERR_USAGE);
         assert_ok(ost_motor_path(&path, OST_RPM_REAMER, &(ost_motor){0}, &err));
-        for (size_t k = 0; k < path.count; k += 10) { /* every hundredth of a second is enough here */
+        for (size_t k = 0; k < path.count; k += 10) { /* one pose per hundredth of a second is sufficient here */
             assert_ok(ost_world_step(world, &path.ticks[k], &r, &err));
         }
         ost_world_totals totals;
@@ -199,8 +199,8 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         else
             assert_true(totals.removed_by_class[1] > totals.removed_by_class[0]);
         /*
-         * In the middle the depths 0.4, 0.9, ... are removed up to 3 or 22 mm, less the 0.25 mm
-         * before the tool's first layer.
+         * In the middle, the voxels at depths of 0.4, 0.9, ... mm are removed down to 3 or 22 mm,
+         * minus the 0.25 mm before the tool's first layer.
          */
         int16_t *after = content(bone, &g);
         int gone = 0;
@@ -289,8 +289,8 @@ static void the_grid_says_where(void **state)
 }
 
 /*
- * A left glenoid faces left, toward +x, so its inward axis has x < 0. Within 15 degrees of the
- * sagittal plane the side is unknown.
+ * A left glenoid faces left, toward +x, so its inward axis has x < 0. If the axis is within 15
+ * degrees of the sagittal plane, the side is unknown.
  */
 static void the_axis_determines_the_side(void **state)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Failover: a world that is moved to another backend, at any tick and repeatedly,
- * has the same grid and totals as one that was not moved.
+ * Tests failover. A world that is moved to another backend, at any tick and repeatedly, must have
+ * the same grid and totals as a world that is not moved.
  * Covers: REQ-FAILOVER
  */
 #include "ref/scene.h"
@@ -81,7 +81,7 @@ static void move(stage *s, ost_backend *to)
     stage before = *s;
     ost_tool *moved[OST_WORLD_TOOLS_MAX];
     assert_ok(ost_world_failover(s->world, to, &s->bone, moved, &err));
-    /* Tools that are not yet in the world are moved separately. */
+    /* Tools that have not been added to the world yet are moved separately. */
     for (int t = 0; t < TOOLS; t++) {
         s->tools[t] = moved[t];
         if (t >= s->count) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The site of an operation: bone in front of a face, along the axis and under a
- * tool, against counts made here from the definitions in docs/reference/metrics.md.
+ * Tests the site of an operation: bone in front of a face, along the axis and under a tool. The
+ * values are compared with counts made here from the definitions in docs/reference/metrics.md.
  * Covers: REQ-SITE
  */
 #include "ref/scene.h"
@@ -11,8 +11,8 @@
 #include <osteon/sim.h>
 
 /*
- * Random voxels, axis, centre and limits; sums in a different order. Voxels nearer than 1e-9 mm
- * to a border are not counted.
+ * Tests random voxels, axes, centres and limits. The sums are made in a different order, so
+ * voxels nearer than 1e-9 mm to a border are not compared.
  */
 static void random_sites(void **state)
 {
@@ -54,7 +54,7 @@ static void random_sites(void **state)
         int64_t found;
         double in, out;
         assert_ok(ost_bone_in_front(bone, &site, radius, reach, &found, &err));
-        assert_true(llabs(found - front) <= 1); /* a voxel on a border may fall on either side */
+        assert_true(llabs(found - front) <= 1); /* a voxel on a border may be counted on either side */
         assert_ok(ost_bone_along_axis(bone, &site, &in, &out, &err));
         const double share = 100 * s * s * s / (acos(-1) * 16 * 10);
         assert_true(fabs(in - fmin(100, (double)inward * share)) <= share * 1.001);
@@ -65,8 +65,8 @@ static void random_sites(void **state)
 }
 
 /*
- * A slab of bone, 20 mm thick, with a flat face at x = 0 of 40 x 40 mm; voxels of 1 mm with
- * their centres at halves.
+ * Makes a slab of bone, 20 mm thick, with a flat face of 40 x 40 mm at x = 0. Its voxels are 1 mm
+ * wide with centres at halves.
  */
 static ost_bone *slab(ost_backend *backend, int32_t x_from, int32_t x_to)
 {
@@ -106,8 +106,8 @@ static void faces_heads_and_reversed_axes(void **state)
 }
 
 /*
- * A cube of 4 mm, cutting below and not cutting above, without rotation: the voxels that it
- * covers at a position are a box.
+ * A cube of 4 mm that cuts at its lower part and does not cut at its upper part, without
+ * rotation. The voxels that it covers at a position form a box.
  */
 static void overlaps(void **state)
 {

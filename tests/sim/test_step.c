@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The world's step: sweep, tool switching, motor, removal period, errors, totals.
+ * Tests the step of a world: sweep, tool switching, motor, removal period, errors and totals.
  * Covers: AR-SWEEP-5, AR-SWEEP-6, AR-REM-7, AR-MOTOR-1, AR-MOTOR-5, AR-MOTOR-6
  */
 #include "ref/scene.h"
@@ -14,7 +14,7 @@ typedef struct lab {
     ost_world *world;
 } lab;
 
-/* 40 x 20 x 20 mm of bone at 1 mm, a peg of 2 x 2 x 6 mm and a plate of 6 x 6 x 1 mm. */
+/* A bone of 40 x 20 x 20 mm with voxels of 1 mm, a peg of 2 x 2 x 6 mm, and a plate of 6 x 6 x 1 mm. */
 static lab make_lab(ost_backend *backend, const ost_world_options *options)
 {
     ost_error err = {0};
@@ -63,8 +63,8 @@ static ost_step_result step(lab *l, ost_tick tick)
 static void a_sweep_leaves_no_gap(void **state)
 {
     /*
-     * 10 mm in one tick: 2 * 10 / 1 = 20 poses; the peg of 2 mm removes x = 4 to 15 at y 9 to
-     * 10, z 5 to 10.
+     * A motion of 10 mm in one tick has 2 * 10 / 1 = 20 poses. The peg of 2 mm removes x = 4 to
+     * 15 at y = 9 to 10 and z = 5 to 10.
      */
     lab l = make_lab(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 5000, 10000, 5000));
@@ -106,7 +106,7 @@ static void without_the_sweep_there_is_one(void **state)
     ost_step_result r = step(&l, tick_at(1, 0, 15000, 10000, 5000));
     assert_int_equal(r.pose_count, 1);
     assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
-    /* Neither limit applies: metres away, and half a turn. */
+    /* Although the tool is metres away and rotated by half a turn, neither limit applies. */
     step(&l, tick_at(2, 0, 7000000, 0, 0));
     ost_tick turned = tick_at(3, 0, 0, 0, 0);
     turned.pose.qw = 0;
@@ -121,15 +121,18 @@ static void a_tool_taken_up_does_not_sweep(void **state)
     step(&l, tick_at(0, 0, 5000, 10000, 5000));
     assert_int_equal(step(&l, tick_at(1, 1, 30000, 10000, 5000)).pose_count, 1);
     assert_int_equal(step(&l, tick_at(2, 1, 31000, 10000, 5000)).pose_count, 2);
-    /* Back to the peg, far from its last position: one pose again, then a sweep from there. */
+    /*
+     * The peg is selected again, far from its last position. The first event has one pose, and
+     * the next sweep begins there.
+     */
     assert_int_equal(step(&l, tick_at(3, 0, 35000, 10000, 5000)).pose_count, 1);
     assert_int_equal(step(&l, tick_at(4, 0, 35000, 13000, 5000)).pose_count, 6);
     free_lab(&l);
 }
 
 /*
- * 20 mm between two rows with the tool in bone: nothing between them is removed at any rate,
- * but the voxels at its new position are.
+ * The tool moves by 20 mm in bone while it is lifted. With and without a removal period, nothing
+ * between the two positions may be removed, but the voxels at the new position must be.
  */
 static void a_lifted_tool_does_not_sweep(void **state)
 {
@@ -142,10 +145,10 @@ static void a_lifted_tool_does_not_sweep(void **state)
         assert_true(r.removal);
         assert_int_equal(r.pose_count, 1);
         assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
-        /* The next tick sweeps again, from there. */
+        /* The next tick must sweep again, from the new position. */
         r = step(&l, tick_at(6, 0, 26000, 10000, 5000));
         assert_int_equal(r.pose_count, 2);
-        /* A rotation of 180 degrees, which no sweep can span, gives no sweep either. */
+        /* A rotation of 180 degrees, which no sweep can span, is allowed here, because the tick is lifted. */
         far = tick_at(7, 0, 25000, 10000, 5000);
         far.pose.qw = 0;
         far.pose.qx = OST_Q30_ONE;
@@ -158,8 +161,9 @@ static void a_lifted_tool_does_not_sweep(void **state)
 static void the_period_decides_which_ticks_remove(void **state)
 {
     /*
-     * 3 ms at 1 kHz from t = 1 ms: removals at 1 (first), 3, 6, 9; after the switch at 10,
-     * which is a first again, at 12.
+     * With a period of 3 ms at 1 kHz from t = 1 ms, removals occur at 1 (the first tick), 3, 6
+     * and 9 ms. The tool is switched at 10 ms, which is a first tick again, and the next removal
+     * occurs at 12 ms.
      */
     lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
     static const bool removes[] = {false, true, false, true, false, false, true, false, false, true, true, false, true};
@@ -168,8 +172,8 @@ static void the_period_decides_which_ticks_remove(void **state)
         assert_int_equal(r.removal, removes[t]);
         assert_int_equal(r.report != NULL, removes[t]);
         /*
-         * Sweeps begin at the last event, not at the last tick: 3 ticks of 0.5 mm with poses
-         * half a voxel, 0.5 mm, apart.
+         * Sweeps begin at the last event and not at the last tick: 3 ticks of 0.5 mm, with poses
+         * half a voxel (0.5 mm) apart.
          */
         assert_int_equal(r.pose_count, !removes[t] ? 0 : t == 1 || t == 10 ? 1 : t == 3 || t == 12 ? 2 : 3);
     }
@@ -182,7 +186,10 @@ static void the_period_decides_which_ticks_remove(void **state)
 
 static void negative_times_have_periods_too(void **state)
 {
-    /* floor, not truncation: -1 ms and 0 ms lie in different periods of 3 ms, -3 and -1 in the same. */
+    /*
+     * Periods are computed by floor, not by truncation: -1 ms and 0 ms are in different periods
+     * of 3 ms, -3 and -1 ms are in the same period.
+     */
     lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
     assert_true(step(&l, tick_at(-3, 0, 0, 0, 0)).removal);
     assert_false(step(&l, tick_at(-1, 0, 0, 0, 0)).removal);
@@ -198,7 +205,7 @@ static ost_tick motor_at(int64_t t_ms, int32_t rpm, int64_t x_um)
     return tick;
 }
 
-/* The peg moves through the complete bone in any rotation; the limits of sweeps do not apply either. */
+/* The peg moves through the complete bone in any rotation. The limits of sweeps must not apply either. */
 static void a_motor_that_is_off_removes_nothing(void **state)
 {
     lab l = make_lab(*state, NULL);
@@ -220,8 +227,8 @@ static void a_motor_that_is_off_removes_nothing(void **state)
 }
 
 /*
- * Motor on at 5 mm, off while the hand moves to 30 mm, on again: 2 mm from there are 4 poses,
- * and nothing between 5 and 30 mm is removed.
+ * The motor is on until the tool is at 5 mm, off while the tool moves to 30 mm, and then on
+ * again. A motion of 2 mm from there has 4 poses, and nothing between 5 and 30 mm is removed.
  */
 static void a_sweep_begins_where_the_motor_was_off(void **state)
 {
@@ -233,7 +240,7 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
         const ost_step_result r = step(&l, motor_at(3, 200, 32000));
         assert_true(r.removal); /* the first tick with the motor on, whatever the period */
         assert_int_equal(r.pose_count, 4);
-        /* A peg of 2 x 2 x 6 mm about x = 30.5, 31, 31.5 and 32: centres with 29.5 <= x < 33. */
+        /* The peg of 2 x 2 x 6 mm is at x = 30.5, 31, 31.5 and 32, and removes the centres with 29.5 <= x < 33. */
         assert_int_equal(r.report->total_voxels, 3 * 2 * 6);
         assert_int_equal(step(&l, motor_at(4, 200, 32000)).removal, !period);
         /* If a tool is selected while its motor is off, its sweep also begins at that pose. */
@@ -248,7 +255,7 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
     }
 }
 
-/* 3000 turns a minute are a quarter turn in 5 ms; a larger angle would be swept in the wrong direction. */
+/* At 3000 revolutions per minute, a quarter turn takes 5 ms. A larger angle would be swept in the wrong direction. */
 static void a_motor_turns_a_quarter_at_most(void **state)
 {
     ost_error err = {0};
@@ -269,7 +276,7 @@ static void a_motor_turns_a_quarter_at_most(void **state)
     tick.t_ns++;
     assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_USAGE);
     free_lab(&l);
-    /* Ticks between two events are added up: 2 + 2 + 2 ms. */
+    /* The rotations of ticks between two events are added: 2 + 2 + 2 ms. */
     l = make_lab(*state, &(ost_world_options){.removal_period_ns = 6000000});
     for (int t = 0; t < 6; t += 2)
         assert_int_equal(step(&l, motor_at(t, 3000, 20000)).removal, t == 0);
@@ -316,7 +323,7 @@ static void a_failed_step_changes_nothing(void **state)
         ost_digest after = digest_of(l.bone);
         assert_true(ost_digest_equal(&before, &after));
     }
-    /* The next sweep begins at the last valid tick: 2 mm, 4 poses. */
+    /* The next sweep must begin at the last valid tick: 2 mm, 4 poses. */
     assert_int_equal(step(&l, tick_at(6, 0, 7000, 10000, 5000)).pose_count, 4);
     free_lab(&l);
 }
@@ -336,8 +343,8 @@ static void far_from_the_bone_nothing_is_asked(void **state)
 static void an_event_is_in_its_chunks(void **state)
 {
     /*
-     * The peg at (15, 10, 5) mm covers x 14 to 16, inflated by a voxel of 0.5 mm: chunks 0 and
-     * 1 along x, 0 along y and z.
+     * The peg at (15, 10, 5) mm covers x = 14 to 16. Inflated by a voxel of 0.5 mm, it reaches
+     * chunks 0 and 1 along x and chunk 0 along y and z.
      */
     lab l = make_lab(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 15500, 10000, 5000));
@@ -364,7 +371,7 @@ static void what_a_world_refuses(void **state)
     ost_tool *foreign = solid_tool(other, (ost_tool_geometry){{1, 1, 1}, OST_PM_PER_MM, {0, 0, 0}}, OST_TOOL_CUTTING);
     assert_int_equal(ost_world_add_tool(l.world, "foreign", foreign, NULL, &err), OST_ERR_USAGE);
     ost_tool *fine = solid_tool(*state, (ost_tool_geometry){{1, 1, 1}, 62 * UM, {0, 0, 0}}, OST_TOOL_CUTTING);
-    /* 1 mm is more than 16 of its voxels */
+    /* 1 mm is more than 16 voxels of this tool */
     assert_int_equal(ost_world_add_tool(l.world, "fine", fine, NULL, &err), OST_ERR_RANGE);
     for (int i = 2; i < OST_WORLD_TOOLS_MAX; i++)
         assert_ok(ost_world_add_tool(l.world, NULL, l.peg, NULL, &err));

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The digest of a step.  The expected values were computed from docs/spec/session.md
- * in another language; 0xe220a8397b1dcdaf is the published first number of
- * SplitMix64 after seed 0.
+ * Tests the digest of a step. The expected values were computed from docs/spec/session.md in
+ * another language. 0xe220a8397b1dcdaf is the published first number of SplitMix64 after seed 0.
  * Covers: REQ-STEP-DIGEST
  */
 #include "harness.h"
@@ -53,9 +52,9 @@ static void whatever_differs_shows(void **state)
     SHOWS(chunks[0].chunk = 8);
     SHOWS(chunks[1].voxels[1]--);
     SHOWS(chunks[1].density[0] = 400);
-    /* One voxel more in one chunk and one less in another changes the digest. */
+    /* One more voxel in one chunk and one less in another must change the digest. */
     SHOWS((chunks[0].voxels[0]++, chunks[1].voxels[0]--));
-    /* Array elements beyond the world's classes do not. */
+    /* Array elements beyond the world's classes must not change the digest. */
     make();
     chunks[0].voxels[2] = 77;
     assert_true(ost_step_digest(&result, 2) == before);
