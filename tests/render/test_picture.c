@@ -329,7 +329,7 @@ static void test_view_marks(void **state)
         ost_picture p;
         int bar = 0, letter = 0, legend = 0;
         assert_ok(ost_picture_view(k == 3 ? &cut : &ball, k == 3 ? &ball : NULL, &o, &p, &err));
-        for (int x = 300; x < 600; x++) /* 1 unit is 5 / 6 pixel; the bar's foot is 2 units thick */
+        for (int x = 300; x < 600; x++) /* the bar's foot is 10 pixels above the edge, 2 x 5 / 6 thick */
             bar += pixel(&p, x, 600 - 10 - 1)[0] > 0xe0;
         assert_int_equal(bar, 100); /* 10 mm of 60 mm in 600 pixels; 20 mm would be longer than 150 x 5 / 6 */
         for (int y = 280; y < 320; y++)

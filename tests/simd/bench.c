@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Times of kernels, with the instruction sets in turn: in every round each is
- * called for about ROUND_NS, so that other load on the machine affects all of
- * them alike.  The output is the median of the rounds and its speed relative to
- * the scalar kernel.
+ * Times kernels, with the instruction sets in turn. In every round each instruction set is called
+ * for about ROUND_NS, so that other load on the machine affects all of them equally. The output
+ * is the median of the rounds and the speed relative to the scalar kernel.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +24,7 @@ static double now_ns(void)
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-/* Returns the time per call in ns. With prepare each call is timed separately. */
+/* Returns the time per call in ns. With `prepare`, each call is timed separately. */
 static double time_calls(check_call_fn *call, void (*prepare)(void *), check_fn *kernel, void *arguments, int calls)
 {
     double sum = 0;

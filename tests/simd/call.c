@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The state that a call must leave unchanged, beyond the registers that a
+ * The state that a call must leave unchanged, in addition to the registers that a
  * compiler preserves:
  *
- *   x86-64    MXCSR and the x87 control word; no x87 register in use (MMX
- *             would leave them so); the upper halves of the vector registers
- *             zero, since code of the baseline is slow otherwise (checked only
- *             where the compiler clears them: gcc does not below -O2)
+ *   x86-64    MXCSR and the x87 control word; no x87 register in use
+ *             (MMX would leave registers in use); the upper halves of the
+ *             vector registers are zero, because baseline code is slow
+ *             otherwise (checked only where the compiler clears them; gcc
+ *             does not below -O2)
  *   AArch64   FPCR
  *
  * The exception flags (inexact and so on) may change.
@@ -35,7 +36,7 @@ typedef struct machine_state {
     bool upper;
 } machine_state;
 
-/* Returns true if some upper half is not zero. */
+/* Returns true if any upper half is not zero. */
 static bool upper_in_use(void)
 {
     static uint64_t registers[16][4];
@@ -110,7 +111,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
     return false;
 }
 
-/* Uses upper halves and leaves them so, unless the compiler clears them. */
+/* Uses upper halves and leaves them in use, unless the compiler clears them. */
 static __attribute__((noinline, target("avx"))) void use_upper(float *eight)
 {
     const __m256 v = _mm256_loadu_ps(eight);
@@ -199,7 +200,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
 static sigjmp_buf landing;
 static volatile sig_atomic_t in_call, signal_caught;
 static void *volatile address_caught;
-static volatile sig_atomic_t call_number, call_seen; /* call_seen: the call that the watch's last tick interrupted */
+static volatile sig_atomic_t call_number, call_seen; /* call_seen: the call during the watch's last tick */
 
 static void land(int sig, siginfo_t *info, void *context)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Calls a kernel and reports what it does wrong as a sentence: a fault (and
- * where), a call that does not end, processor state that it did not restore.
+ * Calls a kernel and describes its errors in a sentence: a fault and its place, a call that does
+ * not end, or processor state that was not restored.
  */
 #ifndef OST_TESTS_SIMD_CALL_H
 #define OST_TESTS_SIMD_CALL_H
@@ -16,14 +16,16 @@ typedef void check_call_fn(check_fn *kernel, void *arguments);
 
 typedef enum call_end { CALL_RETURNED, CALL_FAULT, CALL_STATE } call_end;
 
-/* Must be called once before the first call_kernel. A call that takes longer than this many seconds of CPU time (or
-   up to twice as long) is ended. */
+/*
+ * Must be called once before the first call_kernel. A call that takes longer than this many
+ * seconds of CPU time is ended after at most twice this time.
+ */
 void call_watch(double seconds);
-/* Calls kernel through call. If the result is not CALL_RETURNED, text describes the error. */
+/* Calls `kernel` through `call`. If the result is not CALL_RETURNED, `text` describes the error. */
 call_end call_kernel(check_call_fn *call, check_fn *kernel, void *arguments, char *text, size_t size);
-/* Returns true if this machine and build detect upper halves of vector registers that are left in use. */
+/* Returns true if this machine and build can detect that upper halves of vector registers are left in use. */
 bool call_watches_halves(void);
-/* Returns true, after printing the reason, under valgrind, where these checks do not work. */
+/* Returns true and prints the reason if the program runs under valgrind, where these checks do not work. */
 bool call_under_valgrind(void);
 
 #endif

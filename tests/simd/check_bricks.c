@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * brick_row, any_active, drain: rows of voxels and bricks.
+ * Checks of brick_row, any_active and drain, which process rows of voxels and bricks.
  *
- * Densities come from the entire range of int16; most of them are the threshold,
- * one below it, or the ends of the range.
+ * Densities come from the entire range of int16. Most of them are the threshold, one below the
+ * threshold, or an end of the range.
  */
 #include "simd/check.h"
 
@@ -60,7 +60,7 @@ static void test_brick_row(check *c)
     const bool same_rows = check_chance(c, 4);
     const int16_t **rows = check_input(c, "rows", 16, sizeof *rows, sizeof *rows);
     for (int r = 0; r < 16; r++) {
-        if (r > 0 && same_rows && check_chance(c, 2)) { /* as rows of padding do */
+        if (r > 0 && same_rows && check_chance(c, 2)) { /* equal rows, as in padding */
             rows[r] = rows[r - 1];
             continue;
         }
@@ -117,7 +117,7 @@ static void call_any_active(check_fn *kernel, void *with)
     a->any = ((ost_any_active_fn *)kernel)(a->base, a->row, a->count, a->width, a->threshold);
 }
 
-/* Elements that belong to no row are active, so that reading one too many changes the result. */
+/* Elements that belong to no row are active, so that reading one element too many changes the result. */
 static void test_any_active(check *c)
 {
     const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64);
@@ -137,7 +137,7 @@ static void test_any_active(check *c)
     for (int r = 0; r < count; r++)
         for (int x = 0; x < width; x++)
             base[row[r] + (size_t)x] = some_density(c, threshold, 0);
-    const int active = (int)check_range(c, 0, 2); /* no voxel is active, one, or the last one */
+    const int active = (int)check_range(c, 0, 2); /* no voxel is active, one voxel is, or the last voxel is */
     const int r = active == 2 ? count - 1 : (int)check_range(c, 0, count - 1),
               x = active == 2 ? width - 1 : (int)check_range(c, 0, width - 1);
     if (active)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * vox_fill, vox_expand: crossings to solid bits to classes.
+ * Checks of vox_fill and vox_expand, which convert crossings to solid bits and solid bits to
+ * classes.
  *
- * This test allows what the contract of vox_fill allows: an instruction set may
- * report all rows of a block as unproven if one is, or if they begin differently;
- * their bits are then unspecified and not counted.  So bits are compared in rows
- * that both functions report as proven, and in all rows after ost_vox_fill_unproven,
- * where they must be equal.
+ * The check allows what the contract of vox_fill allows. An instruction set may report all rows
+ * of a block as unproven if one row is unproven, or if the rows begin differently. The bits of
+ * these rows are then unspecified and not counted. Therefore bits are compared in rows that both
+ * functions report as proven. After ost_vox_fill_unproven, the bits of all rows must be equal.
  */
 #include <string.h>
 
@@ -30,9 +30,9 @@ static void call_fill(check_fn *kernel, void *with)
 }
 
 /*
- * Makes the crossings of one row, by kind: none; entering and leaving in turn;
- * leaking; random; at every centre; of both signs at one centre.  Inside out: the
- * planes are exchanged.
+ * Makes the crossings of one row. The kinds are, from 0: none; alternately entering and leaving;
+ * leaking; random; at every centre; of both signs at one centre. If the mesh is inside out, the
+ * caller exchanges the planes.
  */
 static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)
 {
@@ -56,7 +56,7 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
         minus[(nx - 1) / 64] ^= bit;
         plus[(nx - 1) / 64] &= ~bit;
-        if (!(minus[(nx - 1) / 64] & bit)) { /* it left at this centre already: then clear the row */
+        if (!(minus[(nx - 1) / 64] & bit)) { /* the row already left at this centre, so it is cleared */
             memset(plus, 0, (size_t)(nx + 63) / 64 * sizeof *plus);
             memset(minus, 0, (size_t)(nx + 63) / 64 * sizeof *minus);
         }
@@ -73,7 +73,7 @@ static uint64_t bits_set(const fill_arguments *a, size_t words)
     return n;
 }
 
-/* Returns for a row whose crossings alternate: 1 if it enters first, 2 if it leaves first, 0 if it has none. */
+/* Returns for a row whose crossings alternate: 1 if it enters first, 2 if it leaves first, 0 if it has no crossing. */
 static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size_t words)
 {
     for (size_t w = 0; w < words; w++) {
@@ -84,7 +84,10 @@ static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size
     return 0;
 }
 
-/* Returns true if the row's block may be reported as unproven: one of its rows is, or they do not all begin alike. */
+/*
+ * Returns true if the row's block may be reported as unproven: one of its rows is unproven, or
+ * its rows begin differently.
+ */
 static bool block_is_open(const ost_vox_tile *tile, size_t first_row, size_t rows, size_t row, const uint64_t *before,
                           size_t plane_words)
 {
@@ -145,7 +148,7 @@ static void test_fill(check *c)
     const size_t words = (size_t)ost_vox_words(nx), in_block = words < OST_VOX_BLOCK ? OST_VOX_BLOCK / words : 1;
     const size_t all = (size_t)check_range(c, 1, words > 16 ? 5 : 40);
     const size_t plane_words = (all * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
-    /* From a block's first row to the end of a block or of the tile. */
+    /* The range begins at a block's first row and ends at the end of a block or of the tile. */
     size_t first = check_chance(c, 2) ? 0 : (size_t)check_range(c, 0, (int64_t)all - 1) / in_block * in_block,
            rows = all - first;
     if (check_chance(c, 2) && rows > in_block)
@@ -162,7 +165,7 @@ static void test_fill(check *c)
     memset(before, 0, 2 * plane_words * sizeof *before);
     memset(spill, 0, all * ((size_t)nx + 1) * sizeof *spill);
     memset(row_state[0], 0, all);
-    const int one_kind = (int)check_range(c, 0, 12); /* less than 6: of all rows; else by row */
+    const int one_kind = (int)check_range(c, 0, 12); /* below 6: the kind of all rows; otherwise rows differ */
     for (size_t r = 0; r < all; r++) {
         const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;
         const bool swap = inside_out != check_chance(c, 8);
@@ -258,7 +261,7 @@ static void test_expand(check *c)
 enum { ROWS = 1024, WORDS = 4 };
 
 typedef struct fill_bench {
-    fill_arguments arguments; /* must be first: calls receive a pointer to it */
+    fill_arguments arguments; /* must be the first member, because calls receive a pointer to it */
     const uint64_t *planes;
 } fill_bench;
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* gather_row: counts 0 to 64 in order, maps from all equal to far apart, and spans close to a register's width. */
+/*
+ * Checks of gather_row: counts from 0 to 64 in order, maps from all elements equal to far apart,
+ * and spans close to a register's width.
+ */
 #include "simd/check.h"
 
 #include "cpu/kernels.h"
@@ -26,10 +29,10 @@ static void make_map(check *c, int32_t *map, int count, int32_t first)
     for (int i = 0; i < count; i++) {
         map[i] = at;
         switch (kind) {
-        case 0: /* consecutive elements, or all the same one */
+        case 0: /* consecutive elements, or always the same element */
             at += step > 6;
             break;
-        case 1: /* by a ratio, as in resampling */
+        case 1: /* at a constant ratio, as in resampling */
             at = first + (int32_t)((i + 1) * step / 1000);
             break;
         case 2:
@@ -41,7 +44,7 @@ static void make_map(check *c, int32_t *map, int count, int32_t first)
         case 4: /* far apart */
             at += (int32_t)check_range(c, 0, 40);
             break;
-        case 5: /* rare leaps */
+        case 5: /* rare large steps */
             at += check_chance(c, 16) ? (int32_t)check_range(c, 25, 70) : 1;
             break;
         default: /* rare small steps, so that the map spans about 32 or 64 elements */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of blend_rows, stretch_row and weigh_rows: densities and weights at
- * both ends of their ranges, and sums that are ties or lie next to one.
+ * Checks of blend_rows, stretch_row and weigh_rows: densities and weights at both ends of their
+ * ranges, and sums that are ties or adjacent to ties.
  */
 #include "simd/check.h"
 
@@ -15,7 +15,7 @@ static int16_t some_density(check *c)
     return check_chance(c, 3) ? special[check_range(c, 0, 6)] : (int16_t)check_range(c, INT16_MIN, INT16_MAX);
 }
 
-/* Returns a weight; half of them are special ones that often make ties. */
+/* Returns a weight. Half of the weights are special ones that often cause ties. */
 static int some_weight(check *c, int least, int most)
 {
     static const int special[] = {0, 1, ONE / 4, ONE / 2 - 1, ONE / 2, ONE / 2 + 1, ONE * 3 / 4, ONE - 1, ONE};
@@ -97,7 +97,7 @@ static void call_stretch_row(check_fn *kernel, void *with)
     ((ost_stretch_row_fn *)kernel)(a->from, a->at, a->minus, a->width, a->to);
 }
 
-/* Fills at[] by a ratio, as resampling does, or by leaps around the span of one and of two registers. */
+/* Fills at[] at a constant ratio, as resampling does, or with steps of about the span of one or two registers. */
 static void make_places(check *c, int32_t *at, int width)
 {
     const int64_t first = check_chance(c, 2) ? 0 : check_range(c, 0, 300),
@@ -162,15 +162,17 @@ static void call_weigh_rows(check_fn *kernel, void *with)
     ((ost_weigh_rows_fn *)kernel)(a->rows, a->weight, a->count, a->width, a->to);
 }
 
-/* Returns a sum as stretch_row computes it, or its negative. */
+/* Returns a sum as stretch_row computes it, or the negative of such a sum. */
 static int32_t some_sum(check *c, int sign)
 {
     const int weight = some_weight(c, 0, ONE);
     return -sign * (some_density(c) * (ONE - weight) + some_density(c) * weight);
 }
 
-/* Changes element i of the rows so that their sum becomes a tie or comes within 2 of one, if
-   that keeps them in range. */
+/*
+ * Changes element i of the rows so that their sum becomes a tie or is within 2 of one, if this
+ * keeps the elements in range.
+ */
 static void make_tie(check *c, int32_t *const rows[4], const int32_t weight[4], int count, int i)
 {
     const int64_t unit = INT64_C(1) << 3 * OST_WEIGHT_BITS;
@@ -190,7 +192,7 @@ static void make_tie(check *c, int32_t *const rows[4], const int32_t weight[4], 
 static void test_weigh_rows(check *c)
 {
     const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64), capacity = up_to_16(width);
-    const bool ties = check_chance(c, 2); /* weights are small then, which lets a sum come near a tie */
+    const bool ties = check_chance(c, 2); /* the weights are small then, so that a sum can be close to a tie */
     const int count = 1 << check_range(c, 0, 2), sign = check_chance(c, 4) ? -1 : 1;
     const int y = ties ? (int)check_range(c, 1, 8) : some_weight(c, 0, ONE),
               z = ties ? (int)check_range(c, 1, 8) : some_weight(c, 0, ONE);

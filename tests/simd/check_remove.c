@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * blocks, split, match, take.
+ * Checks of blocks, split, match and take.
  *
- * blocks is tested with random parts: their sums lie near the borders where a base
- * is uncertain and must be divided for, no longer exists, or is out of reach.
+ * blocks is tested with random parts. Their sums lie near the borders at which a base becomes
+ * uncertain and must be computed by division, no longer exists, or is out of reach.
  *
- * split may write its lists in any order, so they are compared as sets: both are
- * sorted by the parts' numbers, which are all different.  The previous content of
- * the lists must remain, and nothing beyond the slack may be written.
+ * split may write its lists in any order, so the lists are compared as sets: both are sorted by
+ * the numbers of the parts, which are all different. The previous content of the lists must
+ * remain, and nothing beyond the slack may be written.
  *
- * match is tested with bricks in cells that a split classifies as mixed, up to the
- * cells' edges.  Half of them are moved so that a voxel lies on a border of tool
- * voxels, or a few units from it: there the 16-bit sums tie.
+ * match is tested with bricks in cells that a split classifies as mixed, up to the cells' edges.
+ * Half of the bricks are moved so that a voxel lies on a border of tool voxels or a few units
+ * from it, where the 16-bit sums tie.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@
 
 static const int32_t extremes[] = {INT32_MIN, INT32_MAX, 0, -1};
 
-/* Fills the elements beyond a list, whose content is unspecified. */
+/* Fills the elements beyond a list; their content is unspecified. */
 static void garbage(check *c, ost_cubes *cubes)
 {
     for (size_t i = cubes->count; i < OST_UNIT_BRICKS + OST_CUBES_SLACK; i++) {
@@ -33,7 +33,7 @@ static void garbage(check *c, ost_cubes *cubes)
     }
 }
 
-/* Chooses count different numbers below limit, in random or ascending order. */
+/* Chooses `count` different numbers below `limit`, in random or ascending order. */
 static void some_numbers(check *c, int32_t *number, size_t count, int32_t limit)
 {
     enum { LIMIT_MAX = 4096 };
@@ -63,8 +63,10 @@ static void call_blocks(check_fn *kernel, void *with)
     ((ost_blocks_fn *)kernel)(a->bases, a->reach, a->first, a->from, a->to, a->blocks);
 }
 
-/* Returns a sum of three parts, less the half that is added: any within the ranges of block_base.h, mostly near a
-   border. */
+/*
+ * Returns a sum of three parts without the half that is added later. The sum has any value within
+ * the ranges of block_base.h, but is mostly near a border.
+ */
 static int64_t some_sum(check *c, const ost_block_reach *reach, int a)
 {
     const int64_t exists[2] = {-(INT64_C(1) << 29), (INT64_C(1) << 30) + (INT64_C(1) << 29)};
@@ -111,8 +113,10 @@ static void test_blocks(check *c)
         bases->count[b] = to[b] - bases->lo[b] + (int32_t)check_range(c, 0, MOST - 3);
         bases->part[b] = check_input(c, "part", 3 * (size_t)bases->count[b], sizeof(int64_t), sizeof(int64_t));
     }
-    /* The map is used where the parts are not exact enough. It has the same steps and a divisor of 2^80, and an
-       origin that puts the first block in reach. */
+    /*
+     * The map is used where the parts are not exact enough. It has the same steps, a divisor of
+     * 2^80, and an origin for which the first block is in reach.
+     */
     const ost_i128 divisor = (ost_i128)1 << 80;
     *map = (ost_map){.divisor = ost_int128_of(divisor)};
     for (int a = 0; a < 3; a++) {
@@ -124,7 +128,7 @@ static void test_blocks(check *c)
         }
         map->origin[a] = ost_int128_of(base * divisor + check_range(c, -9, 9));
     }
-    /* On each axis the sum of one block is chosen; most others differ from it by small amounts. */
+    /* On each axis the sum of one block is chosen. Most other sums differ from it by small amounts. */
     for (int a = 0; a < 3; a++) {
         const int64_t far = INT64_C(1) << 46, sum = some_sum(c, reach, a), y = check_range(c, -far, far),
                       z = check_range(c, -far, far);
@@ -183,7 +187,7 @@ static int by_number(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Copies the cubes of mixed to out and sorts those from index `from` on by number. */
+/* Copies the cubes of `mixed` to `out`, and sorts the cubes from index `from` on by number. */
 static void listed(const ost_cubes *mixed, size_t from, part *out)
 {
     for (size_t i = 0; i < mixed->count; i++)
@@ -197,11 +201,11 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Places cubes around the tool, or anywhere that the centres of their parts fit int32. */
+/* Places cubes around the tool, or at any position for which the centres of their parts fit int32. */
 static void place_cubes(check *c, const ost_cells *cells, const ost_split *split, bool near, ost_cubes *cubes)
 {
     for (int a = 0; a < 3; a++) {
-        int64_t least = 0, most = 0; /* of the offsets that are added */
+        int64_t least = 0, most = 0; /* range of the offsets that are added */
         for (int p = 0; p < 8; p++) {
             const int64_t lo = split->centre[a][p] < split->first[a][p] ? split->centre[a][p] : split->first[a][p];
             const int64_t hi = split->centre[a][p] > split->first[a][p] ? split->centre[a][p] : split->first[a][p];
@@ -214,7 +218,7 @@ static void place_cubes(check *c, const ost_cells *cells, const ost_split *split
         for (size_t i = 0; i < cubes->count; i++) {
             int64_t u = near ? check_range(c, from, to) - split->centre[a][check_range(c, 0, 7)]
                              : check_range(c, lo, hi);
-            if (check_chance(c, 8)) /* a part's centre on a cell's border, or one unit from it */
+            if (check_chance(c, 8)) /* a part's centre is on a cell's border or one unit from it */
                 u = (check_range(c, -1, cells->dims[a]) - cells->margin) * (INT64_C(1) << cells->shift) -
                     split->centre[a][check_range(c, 0, 7)] + check_range(c, -1, 1);
             else if (check_chance(c, 16))
@@ -293,7 +297,7 @@ static void test_split(check *c)
     }
     check_same(c, "mixed, as number, u[0], u[1], u[2] of each", CHECK_I32, list[0], list[1], 4 * m[0]->count);
     check_same(c, "inside->number", CHECK_I32, n[0]->number, n[1]->number, n[0]->count);
-    /* Beyond the capacity that the contract requires both contain poison, wherever the lists end. */
+    /* Beyond the capacity that the contract requires, both buffers contain poison, wherever the lists end. */
     const size_t mixed_capacity = mixed_before + 8 * cubes->count + OST_CUBES_SLACK,
                  inside_capacity = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
     const size_t all = OST_UNIT_BRICKS + OST_CUBES_SLACK;
@@ -320,7 +324,7 @@ static void call_match(check_fn *kernel, void *with)
     ((ost_match_fn *)kernel)(a->match, a->bricks, a->hits);
 }
 
-/* Chooses at most MIXED_MAX of the cells that are mixed for a split with this least, by reservoir sampling. */
+/* Chooses, by reservoir sampling, at most MIXED_MAX of the cells that are mixed for a split with this `least`. */
 enum { MIXED_MAX = 512 };
 static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32_t chosen[MIXED_MAX])
 {
@@ -336,8 +340,10 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
     return (size_t)(found < MIXED_MAX ? found : MIXED_MAX);
 }
 
-/* Returns a coordinate of the brick on axis a, at or below u, that puts one of its voxels on the border between two
-   tool voxels or at most 200 units from it. */
+/*
+ * Returns a coordinate of the brick on axis a, at or below u, for which one of the brick's voxels
+ * lies on the border between two tool voxels or at most 200 units from it.
+ */
 static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 {
     static const int32_t near_byte[] = {0, -1, 1, 127, -128, 128, -129};
@@ -346,7 +352,7 @@ static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
     return u - (int32_t)(sum & ((1u << OST_MAP_FRACTION) - 1));
 }
 
-/* Places bricks whose centres lie in mixed cells; part 0 of the split has the same first voxel as its cube. */
+/* Places bricks whose centres lie in mixed cells. Part 0 of the split has the same first voxel as its cube. */
 static size_t place_mixed(check *c, const ost_match *match, const ost_split *split, ost_cubes *bricks, size_t count)
 {
     const ost_cells *cells = &match->shape->cells;
@@ -371,7 +377,7 @@ static size_t place_mixed(check *c, const ost_match *match, const ost_split *spl
     return mixed > 0 ? count : 0;
 }
 
-/* Places bricks anywhere that the coordinates of their voxels fit int32, most of them near the tool. */
+/* Places bricks at any position for which the coordinates of their voxels fit int32. Most of them are near the tool. */
 static void place_anywhere(check *c, const ost_match *match, ost_cubes *bricks, size_t count)
 {
     for (int a = 0; a < 3; a++) {
@@ -422,7 +428,7 @@ static void test_match(check *c)
     if (!check_both(c, call_match, &a, &b) || !check_same(c, "hits", CHECK_BITS, hits[0], hits[1], bricks->count) ||
         !match->windows)
         return;
-    /* Compares the windows with the tool's own voxels, which the scalar kernel uses without windows. */
+    /* Compares the windows with the tool's own voxels, which the scalar kernel uses if there are no windows. */
     static ost_match plain;
     static uint64_t voxels[OST_UNIT_BRICKS + OST_CUBES_SLACK];
     plain = *match;
@@ -451,7 +457,7 @@ static void call_take(check_fn *kernel, void *with)
 static void some_borders(check *c, ost_take *take)
 {
     take->borders = (int)check_range(c, 0, check_chance(c, 2) ? 3 : OST_CLASS_MAX - 1);
-    const bool wide = check_chance(c, 4); /* borders also outside the range of densities */
+    const bool wide = check_chance(c, 4); /* some borders are outside the range of densities */
     int64_t at = wide ? check_range(c, INT16_MIN, 10) : check_range(c, 0, take->highest / 2 + 1);
     for (int b = 0; b < take->borders; b++) {
         take->border[b] = (int16_t)at;
@@ -479,14 +485,14 @@ static void test_take(check *c)
     int32_t *number = check_input(c, "number", count, sizeof *number, sizeof *number);
     uint64_t *hits = check_input(c, "hits", count, sizeof *hits, sizeof *hits);
     some_numbers(c, number, count, bricks);
-    const int full = (int)check_range(c, 0, 2); /* hits: few, any, all */
+    const int full = (int)check_range(c, 0, 2); /* hits: few, any number, all */
     for (size_t i = 0; i < count; i++)
         hits[i] = full == 2 ? UINT64_MAX : full == 1 ? rng_next(&c->rng) | 1 : UINT64_C(1) << check_range(c, 0, 63);
     const size_t voxels = 64 * (size_t)bricks;
     void *density[2];
     check_outputs(c, "density", voxels, sizeof(int16_t), 64, density);
     int16_t *d = density[0];
-    const int dense = (int)check_range(c, 0, 2); /* all at the highest, near borders, any */
+    const int dense = (int)check_range(c, 0, 2); /* densities: all at the maximum, near borders, any */
     for (size_t i = 0; i < voxels; i++) { /* voxels that are not hit may have any density */
         int64_t v = dense == 0 ? take->highest : check_range(c, 1, take->highest);
         if (dense == 1 && take->borders > 0)
@@ -504,7 +510,7 @@ static void test_take(check *c)
     }
     memcpy(density[1], density[0], voxels * sizeof *d);
     take_arguments a = {take, density[0], number, hits, count, {{0}, {0}}};
-    for (int i = 0; i < OST_CLASS_MAX; i++) { /* the kernel adds to the tally */
+    for (int i = 0; i < OST_CLASS_MAX; i++) { /* the kernel adds to the existing tally */
         a.tally.voxels[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
         a.tally.density[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
     }
@@ -520,7 +526,7 @@ static void test_take(check *c)
 
 /* -------------------------------------------------------------------- bench */
 
-/* A ball of 48 tool voxels in diameter around a unit of 32^3 bone voxels. */
+/* A ball with a diameter of 48 tool voxels around a unit of 32^3 bone voxels. */
 typedef struct scene {
     uint8_t *voxels;
     ost_shape shape;

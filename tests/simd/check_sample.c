@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* sample: every chunk size, grids that end within a chunk, chunks without memory, voxels in and around the grid,
-   counts around sixteen. */
+/*
+ * Checks of sample: every chunk size, grids that end within a chunk, chunks without memory,
+ * voxels in and around the grid, and counts around sixteen.
+ */
 #include "simd/check.h"
 
 #include "cpu/bone/bone.h"
@@ -33,7 +35,7 @@ static void test(check *c)
         table[i] = (cpu_chunk){0};
         if (check_chance(c, 3))
             continue;
-        /* Densities, followed by occupancy in the same allocation. */
+        /* The densities are followed by the occupancy in the same allocation. */
         int16_t *density = check_input(c, "block", voxels + voxels / 16, sizeof *density, 64);
         uint64_t *occupancy = (uint64_t *)(void *)(density + voxels);
         const uint64_t some = check_chance(c, 4) ? ~UINT64_C(0) : (uint64_t)check_range(c, 0, INT64_MAX);

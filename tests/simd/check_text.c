@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * text_match.
+ * Checks of text_match.
  *
- * Lines that match are followed somewhere by one that does not, for one of many
- * reasons: a byte changed, missing or added; a density out of range, with six
- * digits, without digits, with a sign or a letter; an empty line.  After the end of
- * a part of the text its lines continue: those must not be matched.
+ * Lines that match are followed at some point by a line that does not match, for one of many
+ * reasons: a byte is changed, missing or added; a density is out of range, or has six digits, no
+ * digits, a sign or a letter; or the line is empty. After the end of a part of the text its lines
+ * continue, but these lines must not be matched.
  */
 #include <stdio.h>
 #include <string.h>
@@ -49,7 +49,7 @@ static void some_bytes(check *c, size_t length, unsigned char *text, unsigned ch
     }
 }
 
-/* Writes the text of a density; good: a valid one. Returns its length. */
+/* Writes the text of a density, which is valid if `good`. Returns its length. */
 static size_t some_density(check *c, bool good, char *out)
 {
     static const char *const fine[] = {"0",     "-0",     "1",     "-1",     "9",     "10",
@@ -133,7 +133,7 @@ static void test_match(check *c)
     const size_t here = check_chance(c, 3) ? (size_t)check_range(c, 0, (int64_t)lines) : lines, end = begins[here];
     const size_t there = bytes - end < OST_TEXT_MARGIN ? bytes - end : OST_TEXT_MARGIN;
     char *text = check_input(c, "text with its margin", end + OST_TEXT_MARGIN, 1, 1);
-    /* The margin looks like a density, or like the end of one, so that reading there changes the result. */
+    /* The margin looks like a density or like the end of one, so that reading there changes the result. */
     memset(text, check_chance(c, 3) ? '\n' : '5', end + OST_TEXT_MARGIN);
     memcpy(text, joined, end + there);
     void *density[2];
@@ -147,7 +147,7 @@ static void test_match(check *c)
         check_that(c, a.next == b.next, "ends at byte %td, not %td", b.next - text, a.next - text) &&
         check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text,
                    begins[a.matched]))
-        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* beyond the matches both are poison */
+        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* both contain poison beyond the matches */
 }
 
 static void bench_match(check_bench *b)

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * vox_mark, vox_keys: triangles of every kind in tiles.
+ * Checks of vox_mark and vox_keys: triangles of every kind in tiles.
  *
- * Meshes need not be closed, since a kernel marks triangles one by one.  The
- * triangles include small ones, slivers, ones with corners and edges on the centres
- * of rows, ones across the entire grid, and flat ones; ones at the grid's far end in
- * x, where a crossing has no bit and is spilled; and ones over planes that have bits
- * already, where it is spilled as well.
+ * Meshes need not be closed, because a kernel marks triangles one by one. There are small
+ * triangles, slivers, triangles with corners and edges on the centres of rows, triangles across
+ * the entire grid, and flat triangles. At the grid's far end in x, a crossing has no bit and is
+ * spilled. A crossing is also spilled if its bit is already set in the plane.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -27,8 +26,10 @@ static int32_t within(int64_t v, int32_t end)
     return (int32_t)(v < 0 ? 0 : v > end ? end : v);
 }
 
-/* Makes a triangle whose extents are the largest that vector lanes allow, or one unit more: (ex + w) ey ez <=
-   OST_VOX_SMALL. */
+/*
+ * Makes a triangle whose extents are the largest that vector lanes allow, or one unit more: (ex +
+ * w) ey ez <= OST_VOX_SMALL.
+ */
 static void corners_at_the_limit(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
 {
     const int64_t y = check_range(c, end[1] / 2, end[1]), z = check_range(c, end[2] / 2, end[2]);
@@ -42,7 +43,7 @@ static void corners_at_the_limit(check *c, int f, const int32_t end[3], int32_t 
     }
 }
 
-/* Makes the corners of one triangle, 0 <= coordinate <= end. */
+/* Makes the corners of one triangle, with 0 <= coordinate <= end. */
 static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
 {
     const int32_t w = 1 << f;
@@ -62,7 +63,7 @@ static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++) {
             int64_t v = at[a] + check_range(c, -size, size);
-            if (kind == 2) /* on the lattice of the centres of rows, or one unit off it */
+            if (kind == 2) /* on the lattice of the rows' centres, or one unit off it */
                 v = v / w * w + w / 2 + (check_chance(c, 8) ? check_range(c, -1, 1) : 0);
             corner[i][a] = within(v, end[a]);
         }
@@ -85,7 +86,7 @@ static void some_mesh(check *c, int f, ost_dims dims, size_t triangles, ost_snap
         some_corners(c, f, end, &vertex[3 * t]);
         for (uint32_t i = 0; i < 3; i++)
             triangle[t][i] = (uint32_t)(3 * t) + i;
-        if (t > 0 && check_chance(c, 6)) /* shared vertices, or those of the previous triangle reversed */
+        if (t > 0 && check_chance(c, 6)) /* shared vertices, or those of the previous triangle in reverse order */
             for (uint32_t i = 0; i < 3; i++)
                 triangle[t][i] = check_chance(c, 2) ? (uint32_t)check_range(c, 0, (int64_t)(3 * t) + 2)
                                                     : triangle[t - 1][2 - i];
@@ -122,7 +123,7 @@ static void call_mark(check_fn *kernel, void *with)
     ((ost_vox_mark_fn *)kernel)(&a->tile, a->list, a->count);
 }
 
-/* Chooses a part [lo, hi) of [from, to), often all of it. */
+/* Chooses a part [lo, hi) of [from, to), often the complete range. */
 static void some_part(check *c, int32_t from, int32_t to, int32_t *lo, int32_t *hi)
 {
     *lo = from;
@@ -239,7 +240,7 @@ static void test_keys(check *c)
 
 enum { SIDE = 128, F = 10, ACROSS = 96 };
 
-/* Makes a wavy sheet of 2 ACROSS^2 triangles. */
+/* Makes a wavy surface of 2 ACROSS^2 triangles. */
 static void sheet(ost_snapped_mesh *out)
 {
     static int32_t vertices[(ACROSS + 1) * (ACROSS + 1)][3];

@@ -2,17 +2,17 @@
 /*
  * Compares every kernel of every instruction set with the scalar one.
  *
- *   checksimd                                  all of them, random and worst cases
- *   checksimd --function=split --isa=avx2      one kernel of one instruction set
- *             --seed=N --case=K                repeats one case, as a failure prints it
- *   checksimd --bench                          times the kernels instead; no time is a failure
+ *   checksimd                                  tests all kernels with random and worst cases
+ *   checksimd --function=split --isa=avx2      tests one kernel of one instruction set
+ *             --seed=N --case=K                repeats one case, with the numbers that a failure prints
+ *   checksimd --bench                          times the kernels instead; no time counts as a failure
  *   checksimd --list                           lists the kernels
  *
- * A slot that holds the scalar function, or that of a lower level, is not tested
- * again.  The scalar functions themselves are tested for staying within the
- * buffers of their contracts.  Exit status: 0; 1 if a case failed; 2 for wrong
- * usage; 77 if only scalar code runs on this machine or the requested instruction
- * set does not.
+ * A slot that contains the scalar function or the function of a lower level is not
+ * tested again. The scalar functions themselves are tested for staying within the
+ * buffers of their contracts. The exit status is 0 for success, 1 if a case failed,
+ * 2 for wrong usage, and 77 if only scalar code runs on this machine or if the
+ * requested instruction set does not.
  *
  * Covers: AR-LAW-1
  */
@@ -107,7 +107,7 @@ static bool chosen(const options *o, const check_kernel *kernel)
     return !o->function || strcmp(o->function, kernel->name) == 0;
 }
 
-/* Returns the lowest level below isa whose slot holds the same function; isa itself if there is none. */
+/* Returns the lowest level below `isa` whose slot contains the same function, or `isa` itself if there is none. */
 static int same_as(const check_kernel *kernel, int isa)
 {
     for (int lower = 0; lower < isa; lower++)

@@ -51,14 +51,16 @@ static void map_pages(buffer *b, size_t size)
     b->data = all + page;
 }
 
-/* Returns the poison at distance i from the buffer's beginning, so that buffers of equal size begin with the same
-   content. */
+/*
+ * Returns the poison at distance i from the buffer's beginning. It depends only on i, so that
+ * buffers of equal size have the same initial content.
+ */
 static unsigned char poison_at(ptrdiff_t i)
 {
     return (unsigned char)(0xa5 ^ (i * 29 & 0x7f));
 }
 
-/* Fills `size` bytes with the poison from distance i on. */
+/* Fills `size` bytes with the poison that begins at distance i. */
 static void poison(unsigned char *to, ptrdiff_t i, size_t size)
 {
     enum { PERIOD = 128 };

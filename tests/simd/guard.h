@@ -5,10 +5,10 @@
  *    no access |  poison, canary  |  the buffer  | no access        placed at the end
  *    no access | the buffer |  canary, poison     | no access        at the beginning
  *
- * A buffer lies directly at one edge of its pages (up to its alignment): reading
- * or writing one element beyond that edge causes a fault, and writing beyond the
- * other edge changes the canary.  The caller chooses the edge.  Inputs are
- * read-only while a kernel runs, so that writing to one also causes a fault.
+ * A buffer lies directly at one edge of its pages, as far as its alignment allows.
+ * Reading or writing one element beyond that edge causes a fault, and writing
+ * beyond the other edge changes the canary. The caller chooses the edge. Inputs are
+ * read-only while a kernel runs, so that writing to them also causes a fault.
  * Outputs initially contain poison.
  */
 #ifndef OST_TESTS_SIMD_GUARD_H
@@ -19,16 +19,18 @@
 
 typedef enum guard_kind { GUARD_INPUT, GUARD_OUTPUT } guard_kind;
 
-/* Returns size bytes of poison, valid until guard_reset. size and align (a power of two up to 4096) are in bytes;
-   name must remain valid until then. */
+/*
+ * Returns `size` bytes of poison. `align` is in bytes and a power of two up to 4096. The bytes
+ * are valid until guard_reset, and `name` must remain valid as long.
+ */
 void *guard_take(const char *name, size_t size, size_t align, guard_kind kind, bool at_end);
 /* Makes the inputs read-only. */
 void guard_freeze(void);
-/* Returns true if all canaries are intact; otherwise text names the buffer and the distance from it. */
+/* Returns true if all canaries are intact. Otherwise `text` names the buffer and the distance from it. */
 bool guard_intact(char *text, size_t size);
-/* Writes to text which buffer an address lies in or next to. */
+/* Writes to `text` the name of the buffer in or next to which an address lies. */
 void guard_describe(const void *address, char *text, size_t size);
-/* Releases every buffer; the pages are reused. */
+/* Releases every buffer. The pages are reused. */
 void guard_reset(void);
 
 #endif

@@ -2,9 +2,9 @@
 /*
  * Runs the cases of one kernel and reports the first failure.
  *
- * A case has its own generator, seeded only by the run's seed, the kernel's name
- * and the case's number: so it is the same whatever ran before it, and for every
- * instruction set.
+ * A case has its own generator, which is seeded only by the run's seed, the kernel's name and the
+ * case's number. Therefore a case is the same for every instruction set and does not depend on
+ * earlier cases.
  */
 #include "simd/check.h"
 
@@ -26,7 +26,7 @@ const check_kernel *const check_kernels[] = {
 };
 const int check_kernel_count = sizeof check_kernels / sizeof check_kernels[0];
 
-/* Every slot has a check: this fails to compile if a slot is added; its check must then be added above. */
+/* Every slot must have a check. If a slot is added, this does not compile until its check is added above. */
 enum {
     CPU_SLOTS = (sizeof(ost_cpu_kernels) - offsetof(ost_cpu_kernels, gather_row)) / sizeof(check_fn *),
     TEXT_KERNELS = 1

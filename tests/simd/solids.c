@@ -46,12 +46,15 @@ static bool is_solid(form f, test_rng *rng, const int32_t d[3], const int32_t at
     return false;
 }
 
-/* Bone voxels in tool voxels, times 2^20: these include all steps of windows and all sizes of granules. */
+/* Sizes of bone voxels in tool voxels, times 2^20. They include all steps of windows and all sizes of granules. */
 static const int32_t ratios[] = {65536,   300000,  493000,  524288,  524289,  985000,  986000,   1000000,
                                  1048576, 1048577, 1113000, 1209000, 1211000, 1300000, 1412000,  1413000,
                                  2097152, 2228224, 4194304, 5000000, 8388608, 8388609, 12345678, 16777216};
 
-/* Makes the columns of a rotation, by quarter turns or any, times ratio; each element is rounded to an integer. */
+/*
+ * Makes the columns of a rotation by quarter turns or by any angle, times `ratio`. Each element
+ * is rounded to an integer.
+ */
 static void make_steps(test_rng *rng, int32_t ratio, int32_t step[3][3])
 {
     double q[4], n = 0;
@@ -75,7 +78,7 @@ static void make_steps(test_rng *rng, int32_t ratio, int32_t step[3][3])
         }
 }
 
-/* Only the latest shape is stored, since making one takes much longer than a case. */
+/* Only the latest shape is stored. It is reused, because making a shape takes much longer than a case. */
 static struct kept {
     uint64_t key;
     bool made;
@@ -134,7 +137,7 @@ void solid_make(check *c, solid *out)
         make_shape(rng.state, &rng);
     ost_shape *s = &out->shape;
     *s = kept.shape;
-    memset(s->memory, 0, sizeof s->memory); /* the memory belongs to kept.shape */
+    memset(s->memory, 0, sizeof s->memory); /* kept.shape owns the memory */
     s->voxels = copy(c, "shape->voxels", kept.voxels, product(s->dims), 1, 1);
     s->cells.value = (const int8_t *)copy(c, "cells->value", s->cells.value - 64, product(s->cells.dims) + 128, 1, 1) +
                      64;

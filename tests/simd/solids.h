@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tools and poses for the kernels of removal: small, thin, full, empty and
- * noisy solids, at every ratio of voxel sizes, with their tables in guarded memory.
+ * Tools and poses for the kernels of removal: small, thin, full, empty and noisy solids, at every
+ * ratio of voxel sizes. Their tables are in guarded memory.
  */
 #ifndef OST_TESTS_SIMD_SOLIDS_H
 #define OST_TESTS_SIMD_SOLIDS_H
@@ -10,9 +10,9 @@
 #include "simd/check.h"
 
 /*
- * The shape of a case, the same for eight consecutive cases.  Its cells (with the
- * 64 bytes on either side that may be read), windows and voxels are inputs of
- * the case.  step is that of a pose for whose voxel ratio the shape was made.
+ * The shape of a case, which is the same for eight consecutive cases. Its cells (with the 64
+ * bytes on either side that may be read), windows and voxels are inputs of the case. `step`
+ * belongs to a pose with the voxel ratio for which the shape was made.
  */
 typedef struct solid {
     ost_shape shape;
@@ -21,7 +21,7 @@ typedef struct solid {
 } solid;
 
 void solid_make(check *c, solid *out);
-/* Makes random cells that no tool has: values in -64..64 (shape.h), any unit, few cells. */
+/* Makes random cells that no real tool has: values in -64..64 (shape.h), any unit, and few cells. */
 void solid_cells(check *c, ost_cells *out);
 
 #endif

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that checksimd can fail: each of these kernels is wrong in one small way,
- * and must be found, for the right reason, within the usual number of cases.
+ * Tests that checksimd detects errors. Each of these kernels is wrong in one small way and must
+ * be reported, for the right reason, within the usual number of cases.
  *
- * A wrong kernel is the scalar one with an addition before or after it.  The seed
- * is fixed, so that results do not vary between runs.
+ * A wrong kernel calls the scalar kernel and does something more before or after the call. The
+ * seed is fixed, so that results do not vary between runs.
  *
  * Covers: AR-LAW-1
  */
@@ -31,7 +31,7 @@ static void touch(const void *p)
     (void)*(const volatile char *)p;
 }
 
-/* Removes const from a pointer, to write where a kernel must not. */
+/* Removes const from a pointer, in order to write where a kernel must not. */
 static void *writable(const void *p)
 {
     return (void *)(uintptr_t)p;
@@ -141,7 +141,7 @@ static void weigh_ties_up(const int32_t *const rows[4], const int32_t weight[4],
     }
 }
 
-/* Sums in doubles, whose 53 bits are too few near a tie. */
+/* Computes sums in doubles, whose 53 bits are not sufficient near a tie. */
 static void weigh_in_doubles(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to)
 {
     for (int i = 0; i < width; i++) {
@@ -184,7 +184,7 @@ static ost_brick_sums brick_reads_beyond(const int16_t *const rows[16], size_t b
     return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
 }
 
-/* Writes an element between those of the row's bricks, which belongs to another row. */
+/* Writes an element between those of the row's bricks. The element belongs to another row. */
 static ost_brick_sums brick_writes_between(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
                                            int16_t *density, uint64_t *occupancy)
 {
@@ -321,7 +321,7 @@ static void match_one_voxel(const ost_match *match, const ost_cubes *bricks, uin
         hits[bricks->count - 1] ^= UINT64_C(1) << 63;
 }
 
-/* The tie described in remove.h: coordinates and offsets are truncated before they are added. */
+/* Computes the tie described in remove.h wrongly: truncates coordinates and offsets before adding them. */
 static void match_without_carries(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     const int32_t cut = ~((1 << (OST_MAP_FRACTION - OST_TIE_BITS)) - 1);
@@ -399,7 +399,7 @@ static void mark_not_the_last(ost_vox_tile *tile, const uint32_t *list, size_t c
     ost_vox_mark_scalar(tile, list, count - (count > 0));
 }
 
-/* Simulates a load of four numbers in place of three. */
+/* Simulates a load of four numbers instead of three. */
 static void mark_reads_beyond(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
     ost_vox_mark_scalar(tile, list, count);
@@ -512,7 +512,7 @@ static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column
     return n;
 }
 
-/* Continues into the line that begins at the end, which another thread reads. */
+/* Continues into the line that begins at the end. Another thread reads this line. */
 static size_t match_goes_on_behind_the_end(const ost_text_pattern *pattern, const ost_text_column *columns,
                                            const uint8_t *lengths, const char *text, const char *end, size_t lines,
                                            int16_t *density, const char **next)
@@ -566,7 +566,7 @@ static size_t match_reads_past_the_margin(const ost_text_pattern *pattern, const
 static const struct wrong {
     const check_kernel *kernel;
     check_fn *fn;
-    unsigned found_as; /* set of check_result */
+    unsigned found_as; /* set of check_result values */
     const char *what;
 } wrongs[] = {
 #define WRONG(slot, fn, found_as) {&check_##slot, (check_fn *)(fn), found_as, #fn}
@@ -665,7 +665,7 @@ int main(void)
         printf("FAILED %s: %s in %d cases of %s\n", w->what, results[r], w->kernel->cases, w->kernel->name);
         failed++;
     }
-    /* The right kernels must not be reported. */
+    /* The correct kernels must not be reported. */
     for (int i = 0; i < check_kernel_count; i++) {
         check_fn *scalar = check_kernels[i]->of(OST_ISA_SCALAR);
         failed += check_run(check_kernels[i], scalar, scalar, "scalar", seed, 0, 50, false) != CHECK_GOOD;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A GLFW and an OpenGL that a test controls, in place of the real ones: drivers that are too old
- * or reset, missing screens.
+ * A simulated GLFW and OpenGL that a test controls. They simulate drivers that are too old or are
+ * reset, and missing screens.
  */
 #ifndef OST_TESTS_WINDOW_FAKE_H
 #define OST_TESTS_WINDOW_FAKE_H
@@ -16,21 +16,21 @@
 enum { FAKE_MONITORS = 2 };
 
 typedef struct fake {
-    /* The state that a test sets: */
+    /* The state that a test sets. */
     bool no_init, no_compile, no_texture_memory, no_monitor, khr, arb;
     const char *why;             /* reason of a failure */
     int version;                 /* newest context of the core profile: 33 for 3.3 */
     int plain_version;           /* version of a context without requirements; 0: none */
-    bool no_next;                /* no more windows can be opened */
+    bool no_next;                /* no further windows can be opened */
     int texture_side;
-    GLenum reset;                /* reset status that the driver reports, until there is a new context */
+    GLenum reset;                /* reset status that the driver reports until a new context is made */
     bool reset_stays, reset_in_upload;
     float scale;
-    int frame_of_window;         /* pixels of the frame for each unit of the window */
+    int frame_of_window;         /* pixels of the frame per unit of the window */
     int64_t clock_ns;
     GLFWvidmode mode[FAKE_MONITORS];
     int monitor_x[FAKE_MONITORS];
-    /* The calls that were made: */
+    /* The numbers of calls that were made. */
     int inits, windows, contexts, frames, uploads, objects, swap_interval;
     int requested_major, requested_minor, requested_robustness, viewport[2], polls;
     bool waited;
@@ -39,8 +39,8 @@ typedef struct fake {
 
 extern fake the_fake;
 
-void fake_begin(void); /* sets everything available, with OpenGL 4.5 */
-/* Make the system's events for the window. */
+void fake_begin(void); /* makes everything available, with OpenGL 4.5 */
+/* These functions simulate the system's events for the window. */
 void fake_size(int width, int height);
 void fake_minimise(bool on);
 void fake_hide(bool on);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Copying a picture over the previous one: a screen that receives only the boxes shows the
- * picture, whatever changed, and cells that are reported as unchanged are not read.
+ * Tests copying a picture over the previous one. A screen that receives only the boxes must show
+ * the picture, whatever changed, and cells that are reported as unchanged must not be read.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -28,8 +28,8 @@ static uint32_t shown(uint32_t v)
 }
 
 /*
- * Copies the boxes as the server does; every pixel of the screen must then be the picture's.
- * Returns the number of pixels copied.
+ * Copies the boxes as the server does. Every pixel of the screen must then be that of the
+ * picture. Returns the number of pixels copied.
  */
 static int64_t copied(const ost_window_picture *p, bool everything)
 {
@@ -53,7 +53,7 @@ static int64_t copied(const ost_window_picture *p, bool everything)
     return area;
 }
 
-/* Changes the colours of a box, and marks its cells. */
+/* Changes the colours of a box and marks its cells. */
 static void change(const ost_window_picture *p)
 {
     const int w = 1 + below(below(3) ? 20 : p->width), h = 1 + below(below(3) ? 20 : p->height), x = below(p->width),
@@ -84,7 +84,7 @@ static void the_screen_shows_the_picture(void **state)
                     change(&p);
                 copied(&p, false);
             }
-            /* A screen that has lost its contents. */
+            /* The screen has lost its contents. */
             memset(screen, 0, sizeof screen);
             memset(cells, 0, sizeof cells);
             assert_int_equal(copied(&p, true), width * height);
@@ -101,7 +101,7 @@ static void only_what_may_have_changed_is_looked_at(void **state)
     for (int i = 0; i < SIDE * SIDE; i++)
         drawn[i] ^= 0xff;
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 0);
-    /* Two cells far from each other give two boxes of their own size. */
+    /* Two cells that are far from each other must give two boxes of their own size. */
     cells[2] = 1 << 3;
     cells[80] = 1 << 30;
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 2);
@@ -111,7 +111,7 @@ static void only_what_may_have_changed_is_looked_at(void **state)
     assert_int_equal(box[0].height, 8);
     assert_int_equal(box[1].x, 480);
     assert_int_equal(box[1].y, 640);
-    /* Marked as changed, but equal to the previous picture. */
+    /* The cells are marked as changed but equal the previous picture. */
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 0);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The window on systems that a test cannot require: drivers that are too old, that are reset
- * once or repeatedly, frames of any size and density, missing screens.
+ * Tests the window on systems that are not available for every test: drivers that are too old, or
+ * are reset once or repeatedly, frames of any size and pixel density, and missing screens.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -59,16 +59,16 @@ static void what_is_missing_is_said(void **state)
     the_fake.no_init = true;
     the_fake.why = "the display is on strike";
     refused("on strike");
-    /* A driver of OpenGL 2.1 that reports that it lacks 3.3. */
+    /* The driver supports OpenGL 2.1 and reports that it lacks 3.3. */
     fake_begin();
     the_fake.version = 0;
     the_fake.plain_version = 21;
     refused("needs OpenGL 3.3, found 2.1 of a test (a fake)");
     refused("LIBGL_ALWAYS_SOFTWARE=1");
-    /* A driver that reports another reason, but also has only 2.1. */
+    /* The driver reports another reason, but also supports only 2.1. */
     the_fake.why = "no visual";
     refused("found 2.1 of a test");
-    /* The version is sufficient, so it is not the reason. */
+    /* The version is sufficient, so it must not be reported as the reason. */
     the_fake.plain_version = 45;
     refused("no visual");
     the_fake.plain_version = 0;
@@ -102,7 +102,7 @@ static void a_reset_makes_a_new_context(void **state)
     ost_window_event e;
     (void)state;
     for (int round = 0; round < 3; round++) {
-        /* Resets are reported by OpenGL 4.5, or by either extension. */
+        /* OpenGL 4.5 or either of the extensions reports resets. */
         fake_begin();
         the_fake.version = round ? 33 : 45;
         the_fake.khr = round == 1;
@@ -120,7 +120,7 @@ static void a_reset_makes_a_new_context(void **state)
         assert_int_equal(the_fake.contexts, 2);
         assert_int_equal(ost_window_info_get(w).resets, 1);
         assert_string_equal(the_fake.title, "another title");
-        /* Releases of keys may have been missed. */
+        /* Key releases may have been missed. */
         assert_true(ost_window_next(w, &e));
         assert_int_equal(e.kind, OST_WINDOW_RELEASE);
         assert_false(ost_window_next(w, &e));
@@ -132,7 +132,7 @@ static void a_reset_makes_a_new_context(void **state)
         assert_true(ost_window_damaged(w));
         assert_ok(present(w, &err));
         assert_int_equal(the_fake.frames, 2);
-        /* A reset in the middle of a frame. */
+        /* The driver is reset in the middle of a frame. */
         the_fake.reset_in_upload = true;
         assert_ok(ost_window_present(w, &(ost_window_picture){.pixels = pixels, .stride = 4, .width = 4, .height = 4},
                                      true, &err));
@@ -140,7 +140,7 @@ static void a_reset_makes_a_new_context(void **state)
         assert_ok(present(w, &err));
         closed(w);
     }
-    /* A driver that never reports a reset. */
+    /* The driver never reports a reset. */
     fake_begin();
     the_fake.version = 33;
     the_fake.khr = false;
@@ -164,7 +164,7 @@ static void resets_without_end_end_it(void **state)
     assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "was reset 4 times within 10 s"));
     closed(w);
-    /* Resets that are rare do not close the window. */
+    /* Rare resets must not close the window. */
     fake_begin();
     w = opened();
     for (int i = 0; i < 20; i++) {
@@ -174,7 +174,7 @@ static void resets_without_end_end_it(void **state)
         assert_ok(present(w, &err));
     }
     assert_int_equal(ost_window_info_get(w).resets, 20);
-    /* No new context can be made: the window can only be closed. */
+    /* No new context can be made, so the window can only be closed. */
     the_fake.reset = GL_GUILTY_CONTEXT_RESET;
     the_fake.clock_ns += INT64_C(90000000000);
     the_fake.no_next = true;
@@ -220,7 +220,7 @@ static void frames_of_any_size(void **state)
         assert_int_equal(width, sizes[i].picture[0]);
         assert_int_equal(height, sizes[i].picture[1]);
         if (width) {
-            /* The pointer's position is in pixels of the picture. */
+            /* The pointer's position must be in pixels of the picture. */
             ost_window_event e;
             fake_move(sizes[i].frame[0], sizes[i].frame[1]);
             assert_true(ost_window_next(w, &e));
@@ -263,11 +263,11 @@ static void dense_displays(void **state)
     ost_error err = {0};
     assert_ok(present(w, &err));
     assert_false(ost_window_damaged(w));
-    fake_rescale(1.5f); /* moved to another screen */
+    fake_rescale(1.5f); /* the window is moved to another screen */
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1.5);
     assert_true(ost_window_damaged(w));
-    fake_rescale(0); /* the scale that some systems report if it is unknown to them */
+    fake_rescale(0); /* the scale that some systems report if they cannot determine it */
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1);
     closed(w);
@@ -287,7 +287,7 @@ static void nobody_draws_for_nobody(void **state)
     fake_minimise(false);
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
-    /* Hidden without a callback. */
+    /* The window is hidden without a callback. */
     assert_ok(present(w, &err));
     fake_hide(true);
     ost_window_poll(w, 0);
@@ -303,7 +303,7 @@ static void nobody_draws_for_nobody(void **state)
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
     assert_true(ost_window_damaged(w));
-    /* Visible again, with a callback, which takes effect at once. */
+    /* The window is visible again. A callback reports this, and it takes effect at once. */
     fake_hide(true);
     ost_window_poll(w, 0.3);
     fake_damage();
@@ -319,7 +319,7 @@ static void full_screen_and_back(void **state)
     (void)state;
     fake_begin();
     ost_window *w = opened();
-    fake_place(1800, 50); /* most of it is on the second screen */
+    fake_place(1800, 50); /* most of the window is on the second screen */
     ost_window_full_screen(w, true);
     assert_true(ost_window_is_full_screen(w));
     ost_window_size(w, &width, &height, &scale);
@@ -331,7 +331,7 @@ static void full_screen_and_back(void **state)
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
     assert_int_equal(height, 400);
-    /* A reset during full screen. */
+    /* The driver is reset during full screen. */
     ost_error err = {0};
     ost_window_full_screen(w, true);
     the_fake.reset = GL_GUILTY_CONTEXT_RESET;
@@ -340,7 +340,7 @@ static void full_screen_and_back(void **state)
     ost_window_full_screen(w, false);
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
-    /* After a screen is unplugged, its full-screen window returns to the normal size. */
+    /* After a screen is unplugged, its full-screen window must return to the normal size. */
     ost_window_full_screen(w, true);
     fake_unplug_monitor();
     assert_false(ost_window_is_full_screen(w));
@@ -360,7 +360,7 @@ static void nothing_stays_down(void **state)
     fake_key(GLFW_KEY_W, GLFW_REPEAT, 0);
     fake_key(GLFW_KEY_KP_3, GLFW_PRESS, 0);
     fake_key(GLFW_KEY_F12, GLFW_RELEASE, 0);
-    fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0); /* the event has the modifiers from before it */
+    fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0); /* the event has the modifiers from before the key */
     assert_true(ost_window_next(w, &e) && e.key == 'W' && e.pressed);
     assert_true(ost_window_next(w, &e) && e.key == '3');
     assert_true(ost_window_next(w, &e) && e.key == OST_KEY_F1 + 11 && !e.pressed);
@@ -371,7 +371,10 @@ static void nothing_stays_down(void **state)
     assert_true(ost_window_next(w, &e) && e.kind == OST_WINDOW_MOVE && e.x == 5);
     assert_true(ost_window_next(w, &e) && e.kind == OST_WINDOW_WHEEL && e.y == 2);
     assert_false(ost_window_next(w, &e));
-    /* More events than the queue holds: the last one, a key's release, is lost, and this is reported. */
+    /*
+     * There are more events than the queue holds. The last one, a key's release, is lost, and the
+     * loss must be reported.
+     */
     int count = 0;
     fake_key(GLFW_KEY_SPACE, GLFW_PRESS, 0);
     for (int i = 0; i < 1000; i++)
