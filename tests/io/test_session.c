@@ -99,7 +99,7 @@ static ost_session_header *make_header(void)
     return header;
 }
 
-/* The last record of the last block is the end record. */
+/* Makes a session in memory. The last record of its last block is the end record. */
 static void make_sample(sample *s)
 {
     ost_error err = {0};

@@ -40,7 +40,7 @@ static int square(int a)
     return a * a;
 }
 
-/* A ball with a bowl at the front, a hole in the bowl, and pores. */
+/* Returns true if voxel (i, j, k) belongs to a ball with a bowl at the front, a hole in the bowl, and pores. */
 static bool bone(int i, int j, int k)
 {
     const uint32_t pore = ((uint32_t)i * 73856093u ^ (uint32_t)j * 19349663u ^ (uint32_t)k * 83492791u) >> 7;
@@ -49,7 +49,7 @@ static bool bone(int i, int j, int k)
            !(square(i - 50) + square(k - 55) < 36 && j < 60) && pore % 37 != 0;
 }
 
-/* A mushroom: a dome on a shaft. */
+/* Returns true if voxel (i, j, k) belongs to a tool in the form of a mushroom: a dome on a shaft. */
 static bool tool(int i, int j, int k)
 {
     const int r = square(i - 30) + square(j - 30);

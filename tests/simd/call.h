@@ -17,8 +17,8 @@ typedef void check_call_fn(check_fn *kernel, void *arguments);
 typedef enum call_end { CALL_RETURNED, CALL_FAULT, CALL_STATE } call_end;
 
 /*
- * Must be called once before the first call_kernel. A call that takes longer than this many
- * seconds of CPU time is ended after at most twice this time.
+ * Sets the time limit of a call in seconds of CPU time. A call that takes longer is ended after at
+ * most twice this time. Must be called once before the first call_kernel.
  */
 void call_watch(double seconds);
 /* Calls `kernel` through `call`. If the result is not CALL_RETURNED, `text` describes the error. */

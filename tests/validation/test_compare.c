@@ -94,7 +94,7 @@ static compare_difference compared(const char *a, const char *b)
     return d;
 }
 
-/* The reference's trace: one voxel is removed at tick 0 and one at tick 1. */
+/* Writes the reference's trace, in which one voxel is removed at tick 0 and one at tick 1. */
 static void write_reference(const char *path)
 {
     static bone_trace b;
