@@ -47,7 +47,7 @@ static void make(const cuts *c, ost_volume *before, ost_volume *after)
             for (int x = 0; x < NX; x++, i++) {
                 const double p[3] = {-3.75 + 0.5 * x, -24.75 + 0.5 * y, -24.75 + 0.5 * z};
                 const double d[3] = {p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
-                /* 2 mm of cartilage, 2 mm of plate, then cancellous bone. */
+                /* Below the face there are 2 mm of cartilage, 2 mm of plate, and then cancellous bone. */
                 before->voxels[i] = p[0] < 0 || fabs(p[1]) > 23 ? 0 : p[0] < 2 ? 130 : p[0] < 4 ? 900 : 300;
                 const double across[2] = {p[1] - c->hole_y, p[2] + p[0] * tan(c->hole_up_deg * PI / 180)};
                 const bool reamed = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < c->radius * c->radius;

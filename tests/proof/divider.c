@@ -3,7 +3,7 @@
 
 #include "core/divider.h"
 
-/* Proves the inverse I and the shift for any divisor. The casts to 64 bits drop bits on purpose. */
+/* Proves the bounds of the inverse I and of the shift for any divisor. The casts to 64 bits drop bits on purpose. */
 void divider_inverse(void)
 {
     const ost_i128 divisor = nondet_int128();
@@ -13,8 +13,8 @@ void divider_inverse(void)
 }
 
 /*
- * Proves h and h I for |n| <= 2^46 D with a copy of the expressions. n / 2^46 replaces the
- * product, which may exceed 128 bits.
+ * Proves on a copy of the expressions that h and h I do not overflow for |n| <= 2^46 D. n / 2^46
+ * replaces the product, which may exceed 128 bits.
  */
 void divider_estimate(void)
 {

@@ -10,13 +10,13 @@ static ost_pm any_spacing(void)
     return spacing;
 }
 
-/* Proves on_lattice with its quotient, for any sample and origin within 8 m. */
+/* Proves that on_lattice and its quotient do not overflow for any sample and origin within 8 m. */
 void import_lattice(void)
 {
     (void)on_lattice(any64(LENGTH << 19 * WIDER), any64(LENGTH << 19 * WIDER), any_spacing());
 }
 
-/* Proves 8 off, 3 s and 10^6 off for any lattice point, with off <= spacing / 2. */
+/* Proves that 8 off, 3 s and 10^6 off do not overflow for any lattice point with off <= spacing / 2. */
 void import_offset(void)
 {
     const ost_pm spacing = any_spacing(), off = nondet_int64();

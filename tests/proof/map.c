@@ -10,7 +10,7 @@
 #include "core/map.c"
 
 /*
- * Proves base + sum of d step, with every partial sum, for any base of a near block (AR-MAP-5).
+ * Proves that base + sum of d step does not overflow, in any partial sum, for any base of a near block (AR-MAP-5).
  * The expression is copied here, because the code is in loops of remove.c.
  */
 void map_coordinate(void)

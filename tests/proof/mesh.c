@@ -16,7 +16,7 @@ static int64_t snap_quotient(int64_t n, int64_t d)
 #include "core/mesh_snap.c"
 #undef ost_rhe_div
 
-/* Proves snap for any vertex p, at most 4096 voxels of at most 100 mm, and a corner within 8 m. */
+/* Proves that snap does not overflow for any vertex p, at most 4096 voxels of at most 100 mm, and a corner within 8 m. */
 void mesh_snap(void)
 {
     const int32_t dim = any32(1, 4096);
@@ -37,7 +37,10 @@ void mesh_snap(void)
 #endif
 }
 
-/* Proves has_area for edges up to 2^20 and products up to 2^40. The source documents one spare bit for the products. */
+/*
+ * Proves that has_area does not overflow for edges up to 2^20. Products are at most 2^40; the source
+ * documents a spare bit.
+ */
 void mesh_area(void)
 {
     int32_t p[3][3];

@@ -55,7 +55,7 @@ void motor_turned(void)
     (void)turns_too_far(&a, &b);
 }
 
-/* Proves (r + bit)^2 for any N below 2^62, and that the root is below 2^31. */
+/* Proves for any N below 2^62 that (r + bit)^2 does not overflow and that the root is below 2^31. */
 void motor_root(void)
 {
     const int64_t n = nondet_int64();

@@ -12,8 +12,8 @@ static ost_pose any_pose(void)
 }
 
 /*
- * Proves N and every entry for any quaternion that ost_rotation_fits accepts: all sums of
- * AR-POSE-4 must be exact in int64.
+ * Proves that N and every entry are exact in int64, with all sums of AR-POSE-4, for any quaternion
+ * that ost_rotation_fits accepts.
  */
 void rotation(void)
 {

@@ -34,7 +34,7 @@ void sweep_between(void)
     (void)between(any64(LENGTH << 2 * WIDER), any64(LENGTH << 2 * WIDER), k, n);
 }
 
-/* Proves a copy of the comparisons of ost_sweep_count, because the originals are in a loop of 4096 iterations. */
+/* Proves bounds of a copy of ost_sweep_count's comparisons, because the originals are in a loop of 4096 iterations. */
 void sweep_compared(void)
 {
     const ost_i128 d = nondet_int128(), p = nondet_int64(), n = any32(1, 4097),

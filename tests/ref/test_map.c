@@ -72,7 +72,7 @@ static void a_turn_moves_the_corners(void **state)
     assert_int_equal(count_of(&a, &b, &small_tool, 470 * UM), 34);
     int count;
     assert_int_equal(ost_sweep_count(&a, &c, &small_tool, 470 * UM, &count, NULL), OST_ERR_RANGE);
-    /* -q is the same rotation as q, so there is no rotation between the two. */
+    /* The quaternions -q and q are the same rotation, so there is no rotation between the two poses. */
     ost_pose minus = {.t = a.t, .qw = -a.qw};
     assert_int_equal(count_of(&a, &minus, &small_tool, 470 * UM), 1);
     /*

@@ -49,7 +49,7 @@ static void proved(void **state)
     assert_string_equal(one.first_problem, two.first_problem);
 }
 
-/* Some kinds need a special scene. The scenes must include it, trigger the kind, and the changes must be found. */
+/* Some kinds need a special scene. The scenes must include it and trigger the kind, and the changes must be found. */
 static void rare_kinds_are_triggered(void **state)
 {
     static const deviation_kind rare[] = {DEVIATION_CONTRACTED_MULTIPLY_ADD,
