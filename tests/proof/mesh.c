@@ -16,7 +16,10 @@ static int64_t snap_quotient(int64_t n, int64_t d)
 #include "core/mesh_snap.c"
 #undef ost_rhe_div
 
-/* Proves that snap does not overflow for any vertex p, at most 4096 voxels of at most 100 mm, and a corner within 8 m. */
+/*
+ * Proves that snap does not overflow for any vertex p, at most 4096 voxels of at most 100 mm, and a
+ * corner within 8 m.
+ */
 void mesh_snap(void)
 {
     const int32_t dim = any32(1, 4096);
