@@ -25,7 +25,8 @@ def grid(dims, spacing, origin, voxels, threshold):
 def main():
     densities = [100 + i % 1000 for i in range(65 * 33)]
     bone = grid((65, 1, 33), (MM, MM, MM), (MM, -2 * MM, 3 * MM), [d if d >= 120 else 0 for d in densities], 120)
-    tool = grid((5, 1, 1), (MM, MM, MM), (-MM, 0, 2 * MM), [1, 1, 0, 2, 1], 0)
+    classes = [(i + i // 33) % 3 for i in range(33 * 34 * 33)]
+    tool = grid((33, 34, 33), (MM, MM, MM), (-MM, 0, 2 * MM), classes, 0)
     here = os.path.dirname(os.path.abspath(__file__))
     with open(os.path.join(here, "../../validation/common/golden.c"), encoding="utf-8") as f:
         stated = dict(re.findall(r'(bone|tool)_expected\[\] = "([0-9a-f]{64})"', f.read()))
