@@ -10,6 +10,8 @@ static ost_status run_stages(performer *p, ost_error *err)
     ost_status status = OST_OK;
     if (s->sample_count && !p->watch)
         status = perform_other_lattice(p, err);
+    if (s->sample_count && !p->watch && status == OST_OK)
+        status = perform_other_chunks(p, err);
     if (s->sample_count && status == OST_OK)
         status = perform_import(p, err);
     for (int i = 0; i < s->tool_count && status == OST_OK; i++)

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Work that a process did before a case must not change the case's results.
- * Before the import some of the case's samples are scattered into a grid with a
- * different lattice.  Before the ticks each tool collides with a bone whose voxels
- * have a different size.  The results of this work are not recorded.  If a backend
- * retains state by mistake, the records of the case change.
+ * Work that a process did before a case must not change the case's results. Before the import some
+ * of the case's samples are scattered into a grid with a different lattice, and a grid is converted
+ * to chunks of another size. Before the ticks each tool collides with a bone whose voxels have a
+ * different size. The results of this work are not recorded. If a backend retains state by mistake,
+ * the records of the case change.
  */
 #include "validation/perform_parts.h"
 
-enum { LATTICE_SIDE = 7, LATTICE_SAMPLES = 64, BONE_SIDE = 16, BONE_DENSITY = 32767 };
+enum { LATTICE_SIDE = 7, LATTICE_SAMPLES = 64, GRID_SIDE = 8, BONE_SIDE = 16, BONE_DENSITY = 32767 };
 
 /* Larger tools are skipped, because preparing one for a bone takes tens of milliseconds. */
 #define TOOL_VOXELS ((int64_t)1 << 18)
@@ -42,6 +42,32 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
     return status;
 }
 
+/* Stores the density in all voxels. */
+static void fill(int16_t *voxels, size_t count)
+{
+    for (size_t v = 0; v < count; v++)
+        voxels[v] = BONE_DENSITY;
+}
+
+ost_status perform_other_chunks(performer *p, ost_error *err)
+{
+    static int16_t voxels[GRID_SIDE * GRID_SIDE * GRID_SIDE];
+    const scene *s = p->s;
+    const ost_geometry geometry = {{GRID_SIDE, GRID_SIDE, GRID_SIDE}, {s->cubic, s->cubic, s->cubic}, {0, 0, 0}};
+    ost_grid *grid = NULL;
+    ost_bone *bone = NULL;
+    fill(voxels, sizeof voxels / sizeof voxels[0]);
+    ost_status status = ost_grid_create(p->backend, &geometry, &grid, err);
+    if (status == OST_OK)
+        status = ost_grid_upload(grid, 0, GRID_SIDE, voxels, err);
+    /* Half the size, so that memory reserved by mistake for these chunks is too small for those of the case. */
+    if (status == OST_OK)
+        status = ost_cubic_to_chunks(grid, s->chunk_size == 16 ? 64 : s->chunk_size / 2, s->threshold, &bone, err);
+    ost_bone_free(bone);
+    ost_grid_free(grid);
+    return status;
+}
+
 static ost_status meet(performer *p, int i, ost_bone *bone, const ost_geometry *geometry, ost_error *err)
 {
     const ost_dims d = geometry->dims;
@@ -67,8 +93,7 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err)
     ost_bone *bone = NULL;
     if (ost_dims_count(grid->dims) > TOOL_VOXELS || spacing > OST_SPACING_MAX || spacing * BONE_SIDE > OST_LENGTH_MAX)
         return OST_OK;
-    for (size_t v = 0; v < sizeof voxels / sizeof voxels[0]; v++)
-        voxels[v] = BONE_DENSITY;
+    fill(voxels, sizeof voxels / sizeof voxels[0]);
     ost_status status = ost_bone_create(p->backend, &geometry, BONE_SIDE, 1, &bone, err);
     if (status == OST_OK)
         status = ost_bone_upload(bone, 0, BONE_SIDE, voxels, err);

@@ -95,6 +95,8 @@ ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, o
 
 /* Scatters the case's first samples into a grid with a different lattice. */
 ost_status perform_other_lattice(performer *p, ost_error *err);
+/* Converts a small grid to chunks of another size than the case's. */
+ost_status perform_other_chunks(performer *p, ost_error *err);
 /* Collides tool i with a bone whose voxels have another size. */
 ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
