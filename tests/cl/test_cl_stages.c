@@ -519,8 +519,12 @@ static void entered(void **state)
         assert_int_equal(back[i], 0);
     ost_bone_free(empty);
     close_pair(p);
-    /* The shapes are random, and some do not need a second list or a second launch, so the tests are repeated. */
+    /*
+     * The shapes are random, and some do not need a second list, a second launch or a larger pool, so the tests are
+     * repeated.
+     */
     for (int again = 0; again < 10 && !all_entered(); again++) {
+        bones(state);
         voxelizer(state);
         removal(state);
     }
