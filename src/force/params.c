@@ -88,44 +88,50 @@ typedef struct parameter {
     }
 
 static const parameter parameters[] = {
-    FORCE(scale, "1", 0.01, 1, "felt over real force: a reamer is pressed with about 40 N, an Omni gives 3.3 N"),
-    FORCE(
-        stiffness, "N/m", 1, 1e6,
-        "of the coupling, as felt: at 1 kHz with 60 g and a light grip swinging begins at 250 to 300 without friction"),
-    FORCE(damping, "N s/m", 0, 1e3, "of the coupling, as felt: an Omni takes less than 2 (data sheet)"),
+    FORCE(scale, "1", 0.01, 1,
+          "ratio of the rendered to the computed force; a reamer is pressed with about 40 N, an Omni renders 3.3 N"),
+    FORCE(stiffness, "N/m", 1, 1e6,
+          "stiffness of the coupling as felt; at 1 kHz, with 60 g, a light grip and no friction, it oscillates from "
+          "250 to 300 on"),
+    FORCE(damping, "N s/m", 0, 1e3, "damping of the coupling as felt; an Omni tolerates less than 2 (data sheet)"),
     FORCE(cutting_ratio, "1", 1e-3, 10,
-          "tangential over normal force of what cuts: of the order of bone cutting; to calibrate"),
+          "ratio of the tangential to the normal force of cutting, of the order known for bone; to be calibrated"),
     FORCE(energy, "J/m3", 1, 1e12,
-          "to cut bone of reference density: cortical 30e6 to 150e6, trabecular 2e6 to 15e6; to calibrate"),
+          "energy per volume to cut bone of reference density: cortical 30e6 to 150e6, trabecular 2e6 to 15e6; to be "
+          "calibrated"),
     FORCE(reference_density, "g/cm3", 1e-3, 1e3,
-          "that energy is for; it goes as density squared, as strength (Carter, Hayes 1977)"),
-    FORCE(density_at_0, "g/cm3", -1e3, 1e3, "of 0 HU (Rho, Hobatho, Ashman 1995)"),
-    FORCE(density_per_hu, "g/cm3", -1, 1, "for each HU more (the same)"),
-    FORCE(layer, "m", 1e-6, 1, "of bone around the tool that is pressed together (--force instant)"),
+          "density at which this energy is needed; it grows with the square of density, as strength does (Carter, "
+          "Hayes 1977)"),
+    FORCE(density_at_0, "g/cm3", -1e3, 1e3, "density at 0 HU (Rho, Hobatho, Ashman 1995)"),
+    FORCE(density_per_hu, "g/cm3", -1, 1, "increase of density per HU (same source)"),
+    FORCE(layer, "m", 1e-6, 1, "thickness of the compressed layer of bone around the tool (--force instant)"),
     FORCE(layer_stiffness, "N/m3", 0, 1e15,
-          "of that layer, per area and depth, in bone of reference density (instant)"),
+          "stiffness of that layer per area and depth, in bone of reference density (--force instant)"),
     FORCE(turn_stiffness, "N m/rad", 0, 1e3,
-          "of the coupling's turn, as felt; 0: the tool's direction is the hand's. For devices that render torques"),
-    FORCE(turn_damping, "N m s/rad", 0, 1e2, "of the coupling's turn, as felt"),
+          "rotational stiffness of the coupling as felt, on devices that render torques; 0: the tool "
+          "turns with the hand"),
+    FORCE(turn_damping, "N m s/rad", 0, 1e2, "rotational damping of the coupling as felt"),
     FORCE(vibration, "1", 0, 1,
-          "of teeth that pass: amplitude over the felt force of what cuts reference bone; 0: none. To calibrate"),
-    FORCE(runout, "1", 0, 1, "the same once a turn, across the axis"),
-    FORCE(teeth, "1", 1, 1000, "that pass in a turn; teeth times turns a second must be below 500"),
+          "amplitude of the vibration by passing teeth, relative to the felt force in bone of reference density; 0: "
+          "none; to be calibrated"),
+    FORCE(runout, "1", 0, 1, "amplitude of the vibration once per turn, across the axis, relative to the same force"),
+    FORCE(teeth, "1", 1, 1000, "number of teeth that pass per turn; teeth times turns per second must be below 500"),
     SAFETY("max_force", REAL, max_force_n, "N", 1e-3, 1e3,
-           "saturation, smooth: nine tenths of what the device reports; of one that reports nothing, below an Omni's "
-           "3.3 N"),
+           "limit of the force, approached smoothly; default: 0.9 times the limit that the device reports, or, if it "
+           "reports none, less than the 3.3 N of an Omni"),
     SAFETY("max_torque", REAL, max_torque_nm, "N m", 1e-6, 1e2,
-           "the same for torques; of a device that reports none, half of what a sigma.7 gives"),
-    SAFETY("slew", REAL, slew_n, "N a tick", 1e-6, 1e3, "the most that a force changes in a tick"),
-    SAFETY("ramp", REAL, ramp_s, "s", 0, 60, "from nothing to all of it, after a start and after every fault"),
+           "limit of the torque, by the same rule; if the device reports none, half the torque of a sigma.7"),
+    SAFETY("slew", REAL, slew_n, "N/tick", 1e-6, 1e3, "greatest change of the force per tick"),
+    SAFETY("ramp", REAL, ramp_s, "s", 0, 60,
+           "time in which the force rises to its full value, after a start and after every fault"),
     SAFETY("stale_ticks", TICKS, max_ticks_without_sample, "ticks", 1, 1000,
-           "so many without a new pose and the force goes; one is bridged"),
+           "number of ticks without a new pose after which the force is switched off"),
     SAFETY("dead_man", BUTTONS, dead_man, "buttons", 0, 4294967295.0,
-           "of which one must be held, as a sum of 1, 2, 4, ...; 0: none"),
+           "buttons of which one must be held, as a sum of 1, 2, 4, ...; 0: none"),
     SAFETY("stored_energy", REAL, stored_j, "J", 0, 10,
-           "that the coupling may hold back: 300 N/m at 3 N; passivity counts from there"),
+           "energy that the coupling may store (300 N/m at 3 N) before the passivity controller acts"),
     SAFETY("max_damping", REAL, max_damping, "N s/m", 0, 1e3,
-           "the most that the passivity controller adds (Hannaford, Ryu 2002); 0: none"),
+           "greatest damping that the passivity controller adds (Hannaford, Ryu 2002); 0: none"),
 };
 
 enum { COUNT = sizeof parameters / sizeof parameters[0] };

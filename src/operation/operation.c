@@ -50,9 +50,9 @@ const char *ost_fault_text(ost_fault fault)
     switch (fault) {
     case OST_FAULT_NONE: return "none";
     case OST_FAULT_JUMP: return "the pose jumped";
-    case OST_FAULT_TURN: return "the pose turned too far, or is none";
+    case OST_FAULT_TURN: return "the pose turned too far, or is invalid";
     case OST_FAULT_TOOL: return "there is no such tool";
-    case OST_FAULT_FORCE: return "the force is no number";
+    case OST_FAULT_FORCE: return "the force is not a number";
     }
     return "unknown";
 }

@@ -77,7 +77,7 @@ ost_status ost_world_failover(ost_world *world, ost_backend *backend, ost_bone *
     for (int i = 0; i < OST_WORLD_TOOLS_MAX; i++)
         tools[i] = NULL;
     if (!world->saved)
-        return ost_fail(err, OST_ERR_USAGE, "this world keeps nothing to go on from (saved_ticks)");
+        return ost_fail(err, OST_ERR_USAGE, "this world saves no ticks from which to continue (saved_ticks is 0)");
     world_state before = {.bone = world->bone, .clock = world->clock};
     memcpy(before.tools, world->tools, sizeof before.tools);
     ost_status status = make_bone(world, backend, bone, err);

@@ -34,7 +34,7 @@ static sim_hud_facts facts(bool much)
     f.planned_mm = 12.5;
     f.back_deg = -178.8;
     f.up_deg = 178.8;
-    f.fault = "the pose turned too far, or is none";
+    f.fault = "the pose turned too far, or is invalid";
     f.ticks_s = 1000;
     f.takes_us = 123456;
     f.frames_s = 1000;

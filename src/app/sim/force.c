@@ -57,7 +57,7 @@ void sim_force_print(const app_state *app, const sim_args *args)
 {
     json_t *o = json_object();
     char text[OST_FORCE_VALUE];
-    print_line(app, "# osteon sim --force-params FILE: what is left out is as here");
+    print_line(app, "# osteon sim --force-params FILE: an omitted parameter has the value that is given here");
     for (int i = 0; i < ost_force_key_count(); i++) {
         const ost_force_key *key = ost_force_key_at(i);
         const double value = ost_force_key_value(i, &args->force_params, &args->safety);
