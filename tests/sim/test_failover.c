@@ -158,7 +158,7 @@ static void what_is_refused(void **state)
     assert_ok(ost_world_create(bone, NULL, &world, &err));
     assert_int_equal(ost_world_failover(world, *state, &other, tools, &err), OST_ERR_USAGE);
     assert_null(other);
-    assert_non_null(strstr(err.text, "keeps nothing"));
+    assert_non_null(strstr(err.text, "saves no ticks"));
     ost_world_free(world);
     ost_bone_free(bone);
     free(p.voxels);
