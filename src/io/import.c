@@ -29,10 +29,10 @@ enum { THRESHOLD = 120, CHUNK = 32 };
 
 /*
  * A text of n samples may span at most max(2^24, 256 n) voxels. A line takes at
- * least 8 bytes and a voxel takes 2, so a grid never takes more than 32 MiB or
- * 64 times the size of the file. The limit is far above what real files need:
- * a bone without its surroundings fills 5 to 30 % of its bounding box, and the
- * shell of a bone also stays far below the limit.
+ * least 8 bytes and a voxel takes 2, so a grid never takes more than the greater of
+ * 32 MiB and 64 times the size of the file. The limit is far above what real files
+ * need: a bone without its surroundings fills 5 to 30 % of its bounding box, and a
+ * file that contains only the shell of a bone is also far below the limit.
  */
 static const uint64_t SPARSE_FLOOR = UINT64_C(1) << 24;
 static const uint64_t SPARSE_RATIO = 256;
@@ -62,7 +62,7 @@ static ost_status stage_begin(job *j, const char *name, ost_error *err)
     return progress(j, name, 0, err);
 }
 
-/* Ends a stage. It waits for the backend first, so that the measured time belongs to this stage alone. */
+/* Ends a stage. Waits for the backend first, so that the measured time covers this stage alone. */
 static ost_status stage_end(job *j, const char *name, ost_stage **stage, ost_error *err)
 {
     ost_status status = ost_backend_finish(j->backend, err);
@@ -118,19 +118,19 @@ static ost_status count_active(const job *j, int32_t threshold, int64_t *out, os
 }
 
 /*
- * Refuses a bone that cannot fit into memory, before hours of work are spent on
- * it and before the system kills the process. Backends differ in what they
- * allocate: cpu has no cubic grid, and stores only the active voxels of a bone.
- * The check therefore counts the active voxels alone and scales them by volume.
- * A grid with too many voxels passes this check and fails later with a message
- * of its own.
+ * Refuses a bone that cannot fit into memory, before hours of work are spent on it
+ * and before the system kills the process. Backends allocate different amounts of
+ * memory: cpu allocates no cubic grid, and stores only the active voxels of a bone.
+ * The check therefore counts only the active voxels and scales their number by
+ * volume. A grid with too many voxels passes this check and fails later with its
+ * own message.
  */
 static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshold, ost_error *err)
 {
     const ost_geometry *g = &j->result->rect;
     const double c = (double)cubic, all = machine_memory();
     const double along[3] = {(double)g->spacing.x / c, (double)g->spacing.y / c, (double)g->spacing.z / c};
-    const double each = 2 * along[0] * along[1] * along[2]; /* bytes for a voxel of the rect grid */
+    const double each = 2 * along[0] * along[1] * along[2]; /* bytes per voxel of the rect grid */
     if (g->dims.x * along[0] > OST_DIM_MAX || g->dims.y * along[1] > OST_DIM_MAX ||
         g->dims.z * along[2] > OST_DIM_MAX || (double)ost_dims_count(g->dims) * each <= all)
         return OST_OK;
@@ -295,9 +295,10 @@ static ost_status upload_crop(const job *j, const ost_volume *volume, ost_error 
 }
 
 /*
- * Finds the threshold: the option, else the threshold stored in the file if the
- * file is a bone, else the default. A bone cannot be imported with a threshold
- * below its own, because its voxels below that are lost.
+ * Determines the threshold: the option; else the threshold stored in the file, if
+ * the file is a bone; else the default. A bone cannot be imported with a threshold
+ * below its own, because the file does not contain the voxels below its own
+ * threshold.
  */
 static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {
@@ -358,7 +359,7 @@ static ost_status rect_from_volume(job *j, ost_error *err)
 
 /* ------------------------------------------------------------------ rect to bone */
 
-/* Returns true for a bone whose voxels are not resampled: the facts about its CT then remain valid. */
+/* Returns true if the file is a bone whose voxels are not resampled. The facts about its CT then remain valid. */
 static bool is_same_lattice(const job *j, ost_pm cubic)
 {
     const ost_pm3 s = j->result->rect.spacing;

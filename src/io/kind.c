@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Determines the kind of a file by its first bytes, or else by its name.
+ * Determines the kind of a file from its first bytes or, if these do not identify it, from its name.
  *
  *   NRRD0001..5                              NRRD, with attached data or only the header
  *   348 or 540, "n+1" "ni1" "n+2" "ni2"      NIfTI; also inside gzip

@@ -163,7 +163,7 @@ static ost_status read_json(const char *path, const char *text, size_t size, ost
 
 /* --------------------------------------------------------------------- CSV */
 
-/* The index of the field that holds each value; -1 if there is none. */
+/* For each value, the index of the field that contains it; -1 if there is none. */
 typedef struct columns {
     int label, x, y, z;
 } columns;
@@ -211,7 +211,7 @@ static bool is_word(const field *f, const char *word)
     return strlen(word) == f->length && strncasecmp(f->begin, word, f->length) == 0;
 }
 
-/* Takes the fields as column names. Returns true if they name a label and the three axes of a position. */
+/* Reads the fields as column names. Returns true if they name a label and the three axes of a position. */
 static bool take_columns(table *t, const field *fields, int count)
 {
     static const char *const triples[][3] = {

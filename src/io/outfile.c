@@ -141,7 +141,10 @@ static ost_status cannot_write(const ost_outfile *file, int number, ost_error *e
     return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", file->path, strerror(number));
 }
 
-/* Duplicates the process's own stream: /dev/stdout may be a file that a shell appends to, and is not replaced. */
+/*
+ * Duplicates the process's own stream, because /dev/stdout may be a file to which a shell appends and which must not be
+ * replaced. Returns -1 for any other path.
+ */
 static int standard_stream(const char *path)
 {
     if (strcmp(path, "/dev/stdout") == 0)

@@ -61,8 +61,8 @@ ost_status ost_outfile_printf(ost_outfile *file, ost_error *err, const char *for
 const char *ost_outfile_path(const ost_outfile *file);
 
 /*
- * Returns the descriptor, for another program that writes the file through /dev/fd/N: no name is then needed that
- * another user could replace.  The outfile still owns the descriptor; the caller does not write to the outfile then.
+ * Returns the descriptor, so that another program can write the file through /dev/fd/N, without a name that another
+ * user could replace. The outfile still owns the descriptor. The caller must not write to the outfile in this case.
  */
 int ost_outfile_descriptor(const ost_outfile *file);
 

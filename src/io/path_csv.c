@@ -13,7 +13,6 @@
  * quaternions to 2^-30, each RHE.  Ten decimals identify every multiple of 2^-30
  * (half a unit of the tenth is 0.054 of one), so a written path is read back as
  * the same integers.
- * back as the same integers.
  */
 #include "core/conditions.h"
 
@@ -286,7 +285,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Computes the median of of(a, b) over all pairs; there must be at least one pair. */
+/* Computes the median of the values of(a, b) over all pairs of adjacent ticks; there must be at least one pair. */
 static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out,
                             ost_error *err)
 {
@@ -329,8 +328,8 @@ static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, con
 }
 
 /*
- * AR-PATH-5: marks the second tick of each pair that is too far apart as lifted, and counts the lifted ticks. Medians
- * are below 2^93.
+ * Marks the second tick of each pair that is too far apart as lifted, and counts the lifted ticks (AR-PATH-5).
+ * Medians are below 2^93.
  */
 static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_error *err)
 {
@@ -463,7 +462,7 @@ ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *e
     ost_status status = ost_outfile_open(path, &out, err);
     if (status != OST_OK)
         return status;
-    /* If the column lifted exists, a reader marks no gaps itself, so it returns the same ticks (AR-PATH-5). */
+    /* If the column `lifted` exists, a reader does not mark gaps itself, so it reads the same ticks (AR-PATH-5). */
     status = ost_outfile_printf(out, err, "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz%s,lifted,rpm\n", tools ? ",tool" : "");
     for (size_t i = 0; i < in->count && status == OST_OK; i++) {
         status = ost_path_put_tick(out, &in->ticks[i], tools, err);

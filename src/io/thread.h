@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Starts a background thread with every signal blocked, in it and in the threads
- * that it or a library starts from it. Signals are thus delivered to the main
- * thread, which can end the operation.
+ * Starts a background thread with all signals blocked, both in this thread and in
+ * the threads that it or a library starts from it. Signals are thus delivered to
+ * the main thread, which can end the operation.
  */
 #ifndef OST_IO_THREAD_H
 #define OST_IO_THREAD_H

@@ -2,7 +2,7 @@
 /*
  * Replaces the facts of an existing volume.
  *
- *   NRRD    header lines --copied but for osteon_KEY:=VALUE--> new lines --> an empty line, and every byte behind it
+ *   NRRD    header lines --copied except osteon_KEY:=VALUE--> new lines --> an empty line, and every byte after it
  *   NIfTI   written by osteon: read, and written again with the other facts
  *
  * Both write through an output file, so the old file remains until the new one is
@@ -20,8 +20,9 @@
 #include "io/volume/input.h"
 
 /*
- * Reads one line with its newline, if it has one. *size is 0 at the end. The
- * header has been checked before, so a line that does not fit means a change.
+ * Reads one line with its newline, if it has one. *size is 0 at the end. The header
+ * has been checked before, so a line that does not fit means that the file has
+ * changed.
  */
 static ost_status next_line(ost_input *input, char *line, size_t capacity, size_t *size, ost_error *err)
 {

@@ -3,7 +3,7 @@
  * Checks OBJ files. Only two kinds of statement define a surface.
  *
  *   v x y z [colour or weight 1]
- *   f v[/vt[/vn]] ...    from 1; negative counts back from the last vertex
+ *   f v[/vt[/vn]] ...    indices from 1; a negative index counts back from the last vertex
  *
  * assimp receives only these, in a plain form: numbers are copied verbatim, faces
  * become fans of triangles with indices from 1.  A fan has the same winding
@@ -88,8 +88,8 @@ static ost_status face(obj *o, ost_error *err)
 }
 
 /*
- * Replaces each backslash and the newline after it by blanks. The joined lines
- * then count as one, so the line numbers in messages are too small after them.
+ * Replaces each backslash and the newline after it by blanks. The joined lines then
+ * count as one, so line numbers in messages about later lines are too small.
  */
 static void join_lines(char *at, const char *end)
 {

@@ -41,7 +41,7 @@ static const size_t type_bytes[] = {
 typedef struct property {
     value_type count_type; /* NO_TYPE for a scalar property */
     value_type type;
-    int axis; /* for a vertex's coordinate: 0 to 2; else -1 */
+    int axis; /* 0 to 2 for a coordinate of a vertex; else -1 */
     bool corners; /* true for the list of vertices of a face */
 } property;
 
@@ -66,7 +66,7 @@ typedef struct ply {
 typedef struct value {
     const char *text;
     size_t size;
-    double number; /* NAN for an ASCII word that is not an integer: only its text is used */
+    double number; /* NAN for an ASCII word that is not an integer, of which only the text is used */
 } value;
 
 static ost_status wrong(const ply *p, mesh_word found, const char *expected, ost_error *err)
@@ -290,7 +290,7 @@ static ost_status read_list(ply *p, const property *q, int64_t index, ost_error 
         return status;
     if (!(v.number >= 0))
         return bad_value(p, index, q->corners ? "face" : "element", "a count of values", err);
-    const uint64_t count = (uint64_t)v.number; /* each takes at least a byte: the file's size limits the loop */
+    const uint64_t count = (uint64_t)v.number; /* each takes at least 1 byte, so the file's size limits the loop */
     uint32_t first = 0, last = 0;
     for (uint64_t i = 0; status == OST_OK && i < count; i++) {
         status = next_value(p, q->type, &v, err);
@@ -340,7 +340,7 @@ static ost_status read_body(ply *p, ost_error *err)
     ost_status status = OST_OK;
     for (int i = 0; status == OST_OK && i < p->element_count; i++) {
         const element *e = &p->elements[i];
-        /* An element without properties has no data, whatever its count, so it is skipped. */
+        /* An element without properties has no data for any count, so it is skipped. */
         for (int64_t n = 0; status == OST_OK && e->property_count && n < e->count; n++)
             status = read_body_element(p, e, n, err);
     }

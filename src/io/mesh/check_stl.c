@@ -3,14 +3,14 @@
  * Checks STL files.
  *
  *   binary   80 bytes of any content, uint32 count, count * (12 float32, 2 bytes)
- *            Further bytes, fewer than a triangle takes, are ignored; some
- *            programs append one.  Header and attributes are zeroed, because
+ *            Further bytes, fewer than a triangle takes, are ignored, because
+ *            some programs append a byte.  Header and attributes are zeroed, because
  *            assimp would read colours from them.
  *   ASCII    solid NAME  ( facet normal N N N  outer loop  3 x vertex N N N
  *            endloop  endfacet )*  endsolid NAME, once or several times
  *            Line breaks between words are arbitrary.  The plain form has no
- *            names, and its normals are 0: they are not used here, and some
- *            files contain "nan" as a normal.
+ *            names, and its normals are 0, because normals are not used here
+ *            and some files contain "nan" as a normal.
  */
 #include <math.h>
 #include <string.h>
@@ -138,7 +138,7 @@ static ost_status solid(ascii *a, ost_error *err)
     }
 }
 
-/* Writes one solid in the plain form for all solids of the file, because they are joined in any case. */
+/* Writes all solids of the file as one solid in the plain form, because they are joined in any case. */
 static ost_status solids(ascii *a, ost_error *err)
 {
     fputs("solid\n", a->plain.out);

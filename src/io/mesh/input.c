@@ -29,8 +29,9 @@ static uint64_t stl_count(const mesh_input *in)
 }
 
 /*
- * A binary STL may begin with "solid"; it is recognized by its size. Text has no
- * zero byte. file_size may be greater than in->size, the bytes in memory.
+ * Returns the kind of an STL file. A binary STL may begin with "solid", so it is
+ * recognized by its size. A text contains no zero byte. file_size may be greater
+ * than in->size, the number of bytes in memory.
  */
 static mesh_kind stl_kind(const mesh_input *in, uint64_t file_size)
 {
@@ -195,9 +196,10 @@ bool ost_mesh_word_is(mesh_word word, const char *keyword)
 }
 
 /*
- * A magnitude of 10^38 or more overflows a float32.  A value is less than
- * 10^(digits of the mantissa + exponent); a value that becomes infinite only by
- * rounding is found after assimp.  A word of more than 64 bytes is not a coordinate.
+ * A magnitude of 10^38 or more overflows a float32. A value is less than 10^(digits
+ * of the mantissa + exponent); a value that becomes infinite only by rounding is
+ * detected after assimp has converted it. A word of more than 64 bytes is not a
+ * coordinate.
  */
 bool ost_mesh_word_number(mesh_word word)
 {

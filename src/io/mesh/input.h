@@ -4,13 +4,13 @@
  *
  *   file --load--> bytes --check--> bytes whose counts and indices are correct --> assimp
  *
- * assimp reads well-formed files well, but it trusts counts, follows file
- * names, repairs errors silently, and its messages have no line numbers.
- * Therefore every file is first read into memory and checked completely here.
- * assimp receives only data that have passed the check, and cannot open any
- * other file of the system.  Binary files are checked in place, and the parts
- * that do not affect the vertices (headers, materials, animation) are zeroed.
- * Text is rewritten in a plain form, in which the numbers are copied verbatim.
+ * assimp reads well-formed files correctly, but it does not check counts, opens files
+ * named in the input, repairs errors silently, and reports no line numbers. Therefore
+ * every file is first read into memory and checked completely here. assimp receives only
+ * data that have passed the check, and cannot open any other file of the system. Binary
+ * files are checked in place, and the parts that do not affect the vertices (headers,
+ * materials, animation) are zeroed. Text is rewritten in a plain form, in which the
+ * numbers are copied verbatim.
  */
 #ifndef OST_IO_MESH_INPUT_H
 #define OST_IO_MESH_INPUT_H
@@ -36,17 +36,23 @@ typedef struct mesh_input {
 ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err);
 void ost_mesh_input_free(mesh_input *in);
 
-/* One check for each kind. Errors in the file are OST_ERR_INPUT with a line or an offset. */
+/*
+ * Check a file, with one function per kind. Return OST_ERR_INPUT, with a line number or an offset, if the file has an
+ * error.
+ */
 ost_status ost_mesh_check_stl_binary(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_stl_ascii(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_obj(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_3ds(mesh_input *in, ost_error *err);
 
-/* Checks the count of triangles in the header of a binary STL: it must match the file's size and the limit. */
+/* Checks that the count of triangles in the header of a binary STL matches the file's size and is within the limit. */
 ost_status ost_mesh_check_stl_count(const char *path, uint64_t file_size, uint64_t count, ost_error *err);
 
-/* Counts a face with this many corners. Returns OST_ERR_RANGE beyond OST_MESH_FILE_TRIANGLES_MAX triangles. */
+/*
+ * Counts a face with this many corners. Returns OST_ERR_RANGE if the file then has more than
+ * OST_MESH_FILE_TRIANGLES_MAX triangles.
+ */
 ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err);
 
 /* The plain form of a file while it is written; it will replace in->bytes. */
@@ -57,8 +63,8 @@ typedef struct mesh_plain {
 
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err);
 /*
- * Ends the plain form. status is the result of writing it: if it is OST_OK, in->bytes is replaced, else it remains.
- * Returns status, or an error of the function itself.
+ * Completes the plain form. status is the result of writing it. If status is OST_OK, replaces in->bytes by the
+ * plain form, otherwise leaves in->bytes unchanged. Returns status, or an error that occurs in this function.
  */
 ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err);
 

@@ -5,7 +5,7 @@
  *   load and check (mesh/input.h) -> assimp, from memory -> float32 vertices
  *   -> times the unit -> RHE to picometres -> equal vertices joined
  *
- * assimp does no post-processing: triangles come in the file's order.  Its nodes
+ * assimp does no post-processing, so triangles are in the file's order. Its nodes
  * are ignored too: the check has disabled everything that could move a part, so
  * every vertex is in the file's own frame (assimp would rotate a 3DS by 90 degrees
  * at its root).

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The check of the number of triangles that a binary STL file states. */
+/* Checks the number of triangles stated in a binary STL file. */
 #include "io/mesh/input.h"
 
 enum { HEADER = 84, RECORD = 50 };

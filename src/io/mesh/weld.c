@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Joins equal vertices: STL repeats a vertex for every triangle that uses it.
- * Only vertices with equal picometres are joined; none is moved.  The hash table
- * holds vertex numbers, uses linear probing and is at most half full.
+ * Joins equal vertices, because STL repeats a vertex for every triangle that uses
+ * it. Only vertices with equal coordinates in picometres are joined; no vertex is
+ * moved. The hash table holds vertex numbers, uses linear probing and is at most
+ * half full.
  */
 #include <stdlib.h>
 #include <string.h>

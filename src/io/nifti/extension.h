@@ -16,15 +16,15 @@ enum { OST_NIFTI_COMMENT_MAX = 1 << 16 };
 
 /*
  * Reads the extensions from the byte after the header's struct to `end`
- * (UINT64_MAX: the file's end).  Extensions of other programs are skipped. An
+ * (UINT64_MAX: the file's end). Extensions of other programs are skipped. An
  * extension whose size does not fit ends the reading without an error, because
- * facts decide no voxel.
+ * facts do not affect any voxel.
  */
 ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, ost_meta *meta, ost_error *err);
 
 /*
- * Formats the extender and one extension with these lines. Returns their size. The size plus 348, the offset of the
- * voxels, is a multiple of 16.
+ * Formats the extender and one extension with these lines. Returns their size in bytes. The voxels begin at the
+ * offset 348 + size, which is a multiple of 16.
  */
 size_t ost_nifti_extension_format(const ost_meta *meta, const ost_geometry *geometry, unsigned char *out,
                                   size_t capacity);

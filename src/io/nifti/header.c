@@ -68,7 +68,7 @@ static ost_status check_dims(const char *path, const int64_t dim[8], int32_t siz
     return ost_rows_sizes(path, dim + 1, sizes, err);
 }
 
-/* Checks vox_offset: in a single file the voxels begin after the header's struct. */
+/* Checks vox_offset. In a single file, the voxels begin after the header's struct. */
 static ost_status check_offset(const char *path, double offset, bool pair, int struct_bytes, uint64_t *out,
                                ost_error *err)
 {
@@ -118,13 +118,13 @@ static ost_status find_scale(const char *path, int version, int units, scale *ou
 
 /* -------------------------------------------------------------- orientation */
 
-/* Computes the matrix of the quaternion, columns times pixdim (NIfTI-1, method 2), in RAS. */
+/* Computes the matrix of the quaternion in RAS, with its columns multiplied by pixdim (NIfTI-1, method 2). */
 static void from_quaternion(const nifti_image *nim, const double pixdim[3], double out[3][4])
 {
     double b = nim->quatern_b, c = nim->quatern_c, d = nim->quatern_d;
     double squares = b * b + c * c + d * d, a = 0;
     if (1.0 - squares < 1e-7) {
-        /* A rotation by 180 degrees: the remaining value of a would be only noise. */
+        /* For a rotation by 180 degrees, the computed value of a would only be noise. */
         double length = sqrt(squares);
         b /= length;
         c /= length;
@@ -146,7 +146,7 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
     }
 }
 
-/* Sets the spacing of a column that is straight except for noise to that of pixdim, if the two agree. */
+/* Replaces the spacing of a column by that of pixdim if the column is straight except for noise and both agree. */
 static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 {
     int major = 0;
@@ -164,7 +164,10 @@ static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 
 typedef enum form { FORM_SFORM, FORM_QFORM, FORM_NONE } form;
 
-/* Reads one of the two transforms and converts it to LPS. spacing is pixdim's, 0 where that is not a length. */
+/*
+ * Reads one of the two transforms and converts it to LPS. spacing contains the spacings of pixdim, 0 where pixdim is
+ * not a valid length.
+ */
 static ost_status read_form(const char *path, const nifti_image *nim, form which, const double pixdim[3],
                             const ost_pm spacing[3], const scale *s, ost_affine *out, ost_error *err)
 {
@@ -295,7 +298,7 @@ static bool same_float(ost_pm a, ost_pm b)
 
 /*
  * Replaces the header's lengths by the exact ones from osteon's own comment, unless
- * another program has changed the header since. The comment's lengths are then
+ * another program has changed the header since then. The comment's lengths are then
  * removed from the facts.
  */
 static void take_exact(ost_nifti_header *h)
@@ -362,9 +365,9 @@ static ost_status read_raw(ost_input *input, raw_header *raw, ost_nifti_header *
 }
 
 /*
- * Refuses NaN and infinity, which libnifti would silently replace by 0.  srow is
- * not changed by libnifti and is checked where it is used; a slope that is not a
- * finite number means that there is none.
+ * Refuses NaN and infinity, which libnifti would silently replace by 0. srow is not
+ * changed by libnifti and is checked where it is used; a slope that is not finite
+ * means that there is no scaling.
  */
 static ost_status check_reals(const char *path, const raw_header *raw, bool one, ost_error *err)
 {

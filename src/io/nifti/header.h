@@ -2,16 +2,18 @@
 /*
  * Interprets a NIfTI-1 or -2 header.
  *
- * libnifti swaps the bytes and names the fields. It trusts a header, so every
- * field on which it relies is checked here first. Voxels are never read through
- * it, because it would turn NaN into 0 and hold the complete file in memory.
+ * libnifti swaps the bytes and names the fields. It does not check a header, so
+ * every field on which it relies is checked here first. Voxels are never read
+ * through it, because it would replace NaN by 0 and load the complete file into
+ * memory.
  *
  *   orientation   sform if its code is 1 (scanner) or 2 (aligned), else
  *                 qform if its code is > 0, else sform if its code is > 2,
  *                 else only pixdim with origin 0: a file without orientation.
- *                 (Codes above 2 lead to a template brain, not to the patient's
- *                 size.)  An sform and a qform that both lead to the patient
- *                 must agree to within a voxel, unless the caller chooses one
+ *                 (Codes above 2 map to a template brain, which does not have the
+ *                 patient's size.)  An sform and a qform that both map to the
+ *                 patient must agree to within a voxel, unless the caller
+ *                 chooses one
  *   lengths       xyzt_units m, mm or um; none means mm.  A float32 stands for
  *                 the shortest decimal that rounds to the same float32 (AR-LEN-4)
  *   spacing       for an axis that runs exactly along R, A or S: the component
@@ -50,7 +52,10 @@ typedef struct ost_nifti_header {
 /* Reads the header from an input at its (unpacked) start, including the extensions. */
 ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_nifti_header *out, ost_error *err);
 
-/* Lines of osteon's writer with exact lengths, used only if the header's floats are these lengths rounded. */
+/*
+ * Lines in which osteon's writer stores exact lengths. They are used only if the header's floats are the same lengths,
+ * rounded.
+ */
 #define OST_NIFTI_SPACING "spacing_mm"
 #define OST_NIFTI_ORIGIN "origin_mm"
 enum { OST_NIFTI_COMMENT = 6 };

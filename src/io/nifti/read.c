@@ -44,7 +44,7 @@ static bool ends_in(const char *text, const char *end)
     return n > m && strcasecmp(text + n - m, end) == 0;
 }
 
-/* Finds the voxels of a pair: for x.hdr or x.hdr.gz in x.img or x.img.gz. */
+/* Finds the image file of a pair: x.img or x.img.gz for the header x.hdr or x.hdr.gz. */
 static ost_status find_image(const char *header, image *out, ost_error *err)
 {
     size_t stem = strlen(header);

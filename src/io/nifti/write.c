@@ -50,7 +50,7 @@ static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_
     h->xyzt_units = NIFTI_UNITS_MM;
     h->qform_code = h->sform_code = NIFTI_XFORM_SCANNER_ANAT;
     h->quatern_d = 1;
-    /* 0 - x and not -x, so that there are no negative zeros. */
+    /* Written as 0 - x instead of -x, which could be a negative zero. */
     h->qoffset_x = h->srow_x[3] = (float)ost_pm_to_mm(0 - o.x);
     h->qoffset_y = h->srow_y[3] = (float)ost_pm_to_mm(0 - o.y);
     h->qoffset_z = h->srow_z[3] = (float)ost_pm_to_mm(o.z);

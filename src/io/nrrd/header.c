@@ -50,7 +50,7 @@ static ost_status append(ost_nrrd_text *text, size_t *capacity, int byte, const 
 
 /*
  * Appends one line, terminated by NUL. Sets *ended at the end of the file, if no byte precedes it. *start is an
- * offset, because the buffer moves.
+ * offset, because the buffer may be moved.
  */
 static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *capacity, size_t *start, bool *ended,
                               ost_error *err)
@@ -158,7 +158,7 @@ ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *e
     const char *path = ost_input_path(input);
     memset(out, 0, sizeof *out);
     size_t capacity = 0, list_start = 0;
-    size_t *starts = NULL; /* of the field lines; these are split after the buffer has its final address */
+    size_t *starts = NULL; /* offsets of the field lines, which are split after the buffer has its final address */
     size_t lines = 0, starts_capacity = 0;
     bool in_list = false, ended;
     ost_status status = OST_OK;

@@ -8,9 +8,9 @@
  *   key:=value                `dimension` first
  *   <empty line>              then the data, unless `data file` names them
  *
- * It is read in two steps: header.c splits the text into fields, and meaning.c
- * interprets the fields.  A field that the format does not define, or one given
- * twice, is an error, because it is more likely a mistake than an extension.
+ * The header is read in two steps: header.c splits the text into fields, and
+ * meaning.c interprets the fields. A field that the format does not define, or one
+ * given twice, is an error, because it is more likely a mistake than an extension.
  */
 #ifndef OST_IO_NRRD_HEADER_H
 #define OST_IO_NRRD_HEADER_H

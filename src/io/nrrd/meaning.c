@@ -3,11 +3,11 @@
  * Interprets the fields of a NRRD header.
  *
  * Lengths are exact decimals in the header's unit (mm if it gives none), RHE to
- * picometres.  Space coordinates are converted to LPS by sign: RAS negates x and
- * y, LAS negates y. A space without a patient (3D-right-handed, a space dimension
- * alone, none at all) is used unchanged.  If only `spacings` is given, axis n
- * points along the space's axis n; without `space origin` the centre of the first
- * voxel is 0.
+ * picometres. Space coordinates are converted to LPS by changing signs: RAS negates
+ * x and y, LAS negates y. Coordinates in a space that does not refer to a patient
+ * (3D-right-handed, only a space dimension, no space at all) are used unchanged. If
+ * only `spacings` is given, axis n points along the space's axis n; without `space
+ * origin` the centre of the first voxel is at 0.
  */
 #include "io/nrrd/header.h"
 
@@ -26,7 +26,7 @@ static const char *value_of(const meaning *m, ost_nrrd_field field)
     return m->text->field[field].value;
 }
 
-/* Every error in a field is reported here: "file:line: 'value': " and the text `expected`. */
+/* Returns the error for a field, with the message "file:line: 'value': " followed by the text `expected`. */
 static ost_status wrong(const meaning *m, ost_nrrd_field field, const char *expected)
 {
     return ost_fail(m->err, OST_ERR_INPUT, "%s:%ld: '%.100s': %s", m->path, m->text->field[field].line,
@@ -299,7 +299,7 @@ static ost_status mean_spacings(const meaning *m, const uint64_t units[3], ost_n
     return *p ? wrong(m, OST_NRRD_SPACINGS, "three lengths were expected, since there are three axes") : OST_OK;
 }
 
-/* Returns true if `spacings` contains a spacing; nan for every axis means that it is not given. */
+/* Returns true if `spacings` contains a spacing; nan for every axis means that no spacing is given. */
 static bool has_spacings(const meaning *m)
 {
     const char *p = value_of(m, OST_NRRD_SPACINGS);

@@ -49,9 +49,9 @@ static ost_status join(const ost_nrrd_parts *own, const char *name, char out[OST
 }
 
 /*
- * Expands the pattern's one conversion, %d or %5d or %05d; "%%" stands for "%".  The
- * pattern is never passed to printf.  Returns the number of conversions, or -1 for
- * any other conversion or if out is too small.
+ * Expands the only conversion of the pattern, %d or %5d or %05d; "%%" stands for
+ * "%". The pattern is never passed to printf. Returns the number of conversions, or
+ * -1 for any other conversion or if out is too small.
  */
 static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t capacity)
 {
@@ -206,7 +206,7 @@ static ost_status wrong(const ost_nrrd_parts *own, const char *what, ost_error *
 
 /*
  * Reads "name.%d MIN MAX STEP [D]". If the last four words are numbers, the fourth
- * is D; else there are three.
+ * number is D; else there are three numbers and no D.
  */
 static ost_status count_numbered(ost_nrrd_parts *own, int64_t *subdimension, bool *numbered, ost_error *err)
 {
@@ -294,7 +294,7 @@ ost_status ost_nrrd_parts_init(ost_nrrd_parts *own, ost_parts *parts, const char
         in_part = voxels / own->count;
     }
     bool as_text = header->encoding == OST_NRRD_TEXT;
-    /* The shortest text of n numbers has a digit for each and a blank between two. */
+    /* The shortest text of n numbers has one digit per number and one blank between two numbers. */
     own->part_bytes = as_text ? 2 * in_part - 1 : in_part * ost_element_bytes(header->element);
     *parts = (ost_parts){
         .open = open_part, .user = own, .count = own->count, .part_bytes = own->part_bytes, .text = as_text};

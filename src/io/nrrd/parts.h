@@ -11,8 +11,8 @@
  * their number must match the sizes.  A file begins with `line skip` lines, then
  * `byte skip` bytes (counted after unpacking, if it is packed), then the data.
  *
- * A header is hostile input: a data file must lie in the header's folder or below
- * it.  Absolute names and any ".." are refused.
+ * A header may be malicious, so a data file must be in the header's folder or below
+ * it. Absolute names and any ".." are refused.
  */
 #ifndef OST_IO_NRRD_PARTS_H
 #define OST_IO_NRRD_PARTS_H

@@ -35,7 +35,7 @@ static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *l
     return status;
 }
 
-/* AR-FILE-4: returns true if the decimal's value is an integer within the range of the type. */
+/* Returns true if the decimal's value is an integer within the range of the type (AR-FILE-4). */
 static bool type_holds(ost_element element, const ost_decimal *d)
 {
     uint64_t magnitude;
@@ -121,6 +121,6 @@ ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, 
             return status;
         own->left--;
     }
-    /* The last part is ended here, because ost_parts_end would refuse a line end after the last value. */
+    /* Ends the last part here, because ost_parts_end would refuse a line end after the last value. */
     return own->left == 0 ? ost_nrrd_text_rows_end(own, err) : OST_OK;
 }

@@ -2,7 +2,8 @@
 /*
  * Reads rows of a NRRD's text encoding: decimals separated by blanks and line ends.
  * In integer types, values must be integers within the header's type; in float
- * types they are rounded as decimals, half to even, without a binary float between.
+ * types they are rounded as decimals, half to even, without an intermediate binary
+ * float.
  */
 #ifndef OST_IO_NRRD_TEXT_ROWS_H
 #define OST_IO_NRRD_TEXT_ROWS_H
@@ -11,7 +12,7 @@
 
 typedef struct ost_nrrd_text_rows {
     ost_rows rows; /* the first member, so that `next` can convert its pointer */
-    uint64_t in_part, left; /* number of values in each part, and of those remaining in the open one */
+    uint64_t in_part, left; /* numbers of values in each part and still to be read from the open part */
 } ost_nrrd_text_rows;
 
 ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);

@@ -2,8 +2,8 @@
 /*
  * The bytes of a session (docs/spec/session.md is the normative text).
  *
- *   | block | block | block | ...        a block: a block header of 64 bytes, then a payload
- *     head    head    records            that is a multiple of 64 long, so all offsets are too
+ *   | block | block | block | ...        a block: a block header of 64 bytes, then a payload whose size
+ *     head    head    records            is a multiple of 64, so all offsets are multiples of 64
  *
  *   offsets in the block header
  *    0  magic, 8 bytes         32  u32 records in the payload
@@ -87,7 +87,9 @@ bool ost_session_block_decode(const unsigned char in[SESSION_BLOCK], session_blo
 /* --------------------------------------------------------------- record.c */
 
 void ost_session_record_encode(const ost_record *record, unsigned char out[SESSION_RECORD]);
-/* Decodes a record. Returns false if its kind is unknown: a newer osteon has written it, and it is skipped. */
+/*
+ * Decodes a record. Returns false if its kind is unknown. A newer osteon has written such a record, and it is skipped.
+ */
 bool ost_session_record_decode(const unsigned char in[SESSION_RECORD], ost_record *out);
 
 /* --------------------------------------------------------------- header.c */

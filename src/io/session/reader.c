@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads a session, also one that is damaged or truncated.
+ * Reads a session, even if it is damaged or truncated.
  *
  *   scan, once     checks every block; valid blocks with records are listed,
  *                  all other bytes are counted
@@ -33,7 +33,7 @@ typedef struct scan {
     bool have_header;
 } scan;
 
-/* Reads up to count bytes at offset place; *got is less only at the end of the file. */
+/* Reads up to count bytes at `offset`; *got is less than count only at the end of the file. */
 static ost_status read_at(const ost_session *s, uint64_t offset, void *out, size_t count, size_t *got, ost_error *err)
 {
     *got = 0;
@@ -119,7 +119,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
         s->header_copies++;
         return OST_OK;
     }
-    /* Records that were lost by the recorder have no number and are not counted here. */
+    /* Records that the recorder lost have no number and are not counted here. */
     if (block->first_record > c->next_record)
         s->summary.missing_records += block->first_record - c->next_record;
     c->next_record = block->first_record + block->records;

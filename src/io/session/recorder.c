@@ -5,14 +5,14 @@
  *   put --> ring --every 25 ms: all waiting records, as blocks--> file --sync-->
  *
  * The writer thread wakes up periodically, because waking it from put would be a
- * system call within the tick.  25 ms plus the time of a write and a sync stay
- * below the 100 ms that a power cut may cost, unless the disk is slow; a kill
- * costs 25 ms.
+ * system call within the tick. A power cut may lose at most 100 ms of records: 25
+ * ms plus the time of a write and a sync are less than that, unless the disk is
+ * slow. A kill loses at most 25 ms.
  *
  * A failed write is undone (the file is cut to its last complete block) and
- * repeated every 250 ms, while the ring accepts further records. Records for which
- * the ring has no capacity are counted, also in the blocks.  A full disk that is
- * freed in time therefore loses nothing.
+ * repeated every 250 ms, while the ring accepts further records. Records that do
+ * not fit into the ring are counted, and the blocks contain this count. If space on
+ * a full disk is freed in time, no record is lost.
  */
 #include "io/session/recorder.h"
 
@@ -29,7 +29,10 @@
 #include "io/session/ring.h"
 #include "io/thread.h"
 
-/* Records in a block: one second of ticks, so that damage to a block loses no more, however many were waiting. */
+/*
+ * Greatest number of records in a block: one second of ticks. Damage to a block thus loses at most one second, however
+ * many records were waiting.
+ */
 enum { MOST = 1000 };
 _Static_assert(MOST <= (int)SESSION_BLOCK_RECORDS, "readers have room for a block");
 
@@ -38,10 +41,11 @@ enum { CAPACITY = 65536, CAPACITY_MAX = 1 << 24, POLL_MS = 25, RETRY_MS = 250, P
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    bool impatient; /* of the producer: after a long failure of the disk, ost_recorder_put_waiting no longer waits */
+    /* Used by the producer: after a long failure of the disk, ost_recorder_put_waiting no longer waits. */
+    bool impatient;
 
     char *name;  /* owned */
-    int fd;      /* of the file; -1 with a sink from the caller */
+    int fd;      /* descriptor of the file; -1 if the caller provided the sink */
     bool sync;
     session_writer writer;       /* used only by the writer thread */
     unsigned char *block;        /* owned; a block header, then records; used only by the writer thread */
@@ -119,7 +123,7 @@ static bool write_block(ost_recorder *r)
     unsigned char *records = r->block + SESSION_BLOCK;
     uint64_t count = r->in_block;
     int error;
-    /* A disk that is nearly full may have space for a part of the records. */
+    /* A disk that is nearly full may have space for some of the records. */
     while ((error = ost_session_write_records(&r->writer, records, (uint32_t)count, r->lost_in_block)) != 0 &&
            count > 1)
         count /= 2;
@@ -217,7 +221,7 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     if (capacity > CAPACITY_MAX || (capacity & (capacity - 1)) != 0)
         return ost_fail(err, OST_ERR_USAGE, "a recorder's capacity of %u records; expected a power of two up to %d",
                         (unsigned)capacity, CAPACITY_MAX);
-    /* aligned_alloc, because the ring's numbers need cache lines of their own, which calloc does not align. */
+    /* aligned_alloc instead of calloc, because the ring's head and tail must each begin at a cache line. */
     const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
     ost_recorder *r = aligned_alloc(RING_LINE, size);
     if (!r)
@@ -276,8 +280,9 @@ ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, co
 }
 
 /*
- * Creates the file, or truncates it if it exists, unless another recorder has it locked.  A recording exists under its
- * own name from the beginning, so a symbolic link of that name is refused: what it leads to would be truncated.
+ * Creates the file, or truncates it if it exists, unless another recorder has it locked. A recording exists under its
+ * own name from the beginning. A symbolic link of that name is therefore refused, because its target would be
+ * truncated.
  */
 static ost_status create_file(ost_recorder *r, const char *path, ost_error *err)
 {

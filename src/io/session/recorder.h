@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* For tests: opens a recorder on a sink of the test's own. */
+/* For tests: opens a recorder on a sink that the test provides. */
 #ifndef OST_IO_SESSION_RECORDER_H
 #define OST_IO_SESSION_RECORDER_H
 

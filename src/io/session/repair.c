@@ -3,8 +3,8 @@
  * Copies the valid blocks of a damaged or truncated session to a new session.
  *
  * Blocks retain the number of their first record, so the records that are missing
- * between them remain known; sequence numbers are assigned anew.  Nothing is
- * invented: a session without an end record has none afterwards.
+ * between them remain known; new sequence numbers are assigned. No record is added:
+ * a session without an end record has none afterwards.
  */
 #include <errno.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A ring buffer of records between the one thread that puts and the one that writes.
+ * A ring buffer of records between one producer thread and one consumer thread.
  *
  *         tail                head
  *   ...|  waiting, tail..head  |  free  ...      slot of number n: n % capacity
@@ -64,7 +64,7 @@ static inline void ring_push(session_ring *ring)
                           memory_order_release);
 }
 
-/* Called by the consumer: the number of waiting records, a copy of `count` of them, the release of `count` slots. */
+/* Called by the consumer: return the number of waiting records, copy `count` of them, and release `count` slots. */
 static inline uint64_t ring_waiting(session_ring *ring)
 {
     return atomic_load_explicit(&ring->head, memory_order_acquire) -

@@ -5,8 +5,8 @@
  *   " 0.47,\t-57.34 ; 1  120 # comment"   ->   0.47 | -57.34 | 1 | 120
  *
  * Fields are separated by blanks and tabs, with at most one comma or semicolon
- * among them. Two in a row enclose an empty field, which is an error and never a
- * number.  '#' ends the line.
+ * among them. Two commas or semicolons enclose an empty field, which is an error
+ * and never a number. '#' ends the line.
  */
 #ifndef OST_IO_TEXT_FIELDS_H
 #define OST_IO_TEXT_FIELDS_H
@@ -57,7 +57,7 @@ static inline const char *ost_text_field_end(const char *p, const char *end)
     return p;
 }
 
-/* Copies the field for a message; a long one is truncated. Returns quote. */
+/* Copies the field to quote for a message; a long field is truncated. Returns quote. */
 const char *ost_text_quote(const char *field, const char *end, char quote[OST_TEXT_QUOTE]);
 /* Returns true if there are bytes that do not occur in a text of numbers. */
 bool ost_text_is_binary(const char *p, const char *end);
@@ -68,10 +68,11 @@ bool ost_text_is_binary(const char *p, const char *end);
 bool ost_text_is_header(const char *p, const char *end);
 
 /*
- * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), KEY a word without blanks, VALUE
- * trimmed, and returns true.  Returns false for all other comments.  Text that is
- * too long for the members is truncated; it is still too long for a fact then,
- * because OST_META_KEY and OST_META_VALUE are less than their sizes.
+ * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), where KEY is a word without
+ * blanks and VALUE is trimmed, and returns true. Returns false for all other
+ * comments. Text that is too long for the members is truncated. The truncated text
+ * is still too long for a fact, because OST_META_KEY and OST_META_VALUE are less
+ * than the sizes of the members.
  */
 typedef struct ost_text_fact {
     char key[48];

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The method that finds the steps k and the spacing s.
+ * Finds the steps k and the spacing s of an axis. lattice.h defines the symbols and
+ * the condition (F).
  *
  * Steps.  The smallest gap is one step.
- *   1. Exact: all coordinates are multiples of it from c_0.  A gap of one unit
+ *   1. Exact: all distances from c_0 are multiples of it.  A gap of one unit
  *      (the coarsest that occurs) proves little (1.3 mm written without decimals
  *      looks like 1 mm with absent layers), so such a gap is accepted only if all
  *      gaps are equal.
@@ -11,20 +12,21 @@
  *      the smallest gap above u is one step, s in [g - u, g + u].  In ascending
  *      order, c_i restricts s to [(c_i - c_0 - u) / k, (c_i - c_0 + u) / k] for
  *      its k.  It is an error if no k is consistent with the remaining interval,
- *      or if several are; the only one narrows the interval.
+ *      or if several are.  If exactly one is, it narrows the interval.
  *      (|c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u.)
  *
- * Unit.  Texts that drop trailing zeros ("0", "0.47", "0.5") write fewer digits
- * than they mean.  Therefore the units that occur are tried from the finest to the
+ * Unit. Texts without trailing zeros ("0", "0.47", "0.5") have fewer digits than
+ * their precision. Therefore the units that occur are tried from the finest to the
  * coarsest, and the first one with a lattice is used. Coordinates that fit a finer
  * unit fit a coarser one too, so the result asserts nothing beyond the digits.
  *
- * Spacing.  The feasible decimal with the fewest digits after the point; of several
- * the nearest to (c_(m-1) - c_0) / n, n = k_(m-1); of those the smaller.  The left
- * side of (F) is a maximum of linear functions of s, so it is convex and the
- * feasible s are an interval. At an infeasible s, the pair (i, j) of its maximum and
- * minimum shows on which side the interval lies: k_i - k_j is the negative slope
- * there.  This is `probe`; with it the multiples of 10^-d are searched by bisection.
+ * Spacing. The result is the feasible decimal with the fewest digits after the
+ * point; of several, the nearest to (c_(m-1) - c_0) / n, n = k_(m-1); of two equally
+ * near, the smaller. The left side of (F) is a maximum of linear functions of s, so
+ * it is convex and the feasible s are an interval. At an infeasible s, the pair (i,
+ * j) of its maximum and minimum shows on which side the interval lies: k_i - k_j is
+ * the negative slope there. This is `probe`; with it the multiples of 10^-d are
+ * searched by bisection.
  *
  * If no decimal with nine digits is feasible (thirds of a millimetre),
  * RHE((c_(m-1) - c_0) / n) is used if (F) holds with n pm more: k steps of a spacing
@@ -48,7 +50,7 @@
 #include "core/integer.h"
 
 enum { STEPS_MAX = OST_DIM_MAX - 1 };
-static const int64_t FEASIBLE_MAX = INT64_C(17000000000000); /* 1.7 * 10^13: see the ranges above */
+static const int64_t FEASIBLE_MAX = INT64_C(17000000000000); /* 1.7 * 10^13, see the ranges above */
 
 /* An axis with its steps and its unit. */
 typedef struct fit {
@@ -85,8 +87,8 @@ static int64_t last_step(const fit *f)
 static const char advice[] = "give the spacing (--spacing)";
 
 /*
- * Reports that coordinate i does not fit. It may be wrong itself, or one of the two
- * whose gap was taken as the step, so the message names all three.
+ * Reports that coordinate i does not fit. Either this coordinate is wrong or one of
+ * the two whose gap was taken as the step, so the message names all three.
  */
 static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
 {
@@ -259,7 +261,7 @@ static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, in
     return far > 0 && probe(fits, count, far * q) == HERE ? far * q : 0;
 }
 
-/* Returns the spacing with the fewest digits; 0 if no decimal with up to nine digits is feasible for all. */
+/* Returns the spacing with the fewest digits; 0 if no decimal with up to nine digits is feasible for all axes. */
 static int64_t fewest_digits(const fit *const *fits, int count)
 {
     const fit *longest = fits[0];
@@ -305,7 +307,7 @@ static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error
         if (!(axis->units >> unit & 1))
             continue;
         f->unit = unit_pm(unit) + axis->rounded;
-        /* The error of the finest unit is the one to report; those of coarser units say less. */
+        /* Only the error of the finest unit is reported; the errors of coarser units are less specific. */
         ost_error *to = first == OST_OK ? err : NULL;
         ost_status status = rounded_steps(path, f, to);
         if (status == OST_OK && (*spacing = spacing_of(f)) > 0)

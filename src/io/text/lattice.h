@@ -2,9 +2,9 @@
 /*
  * Finds the spacing of a CT text from its coordinates (docs/spec/arithmetic.md, AR-CT-3).
  *
- * One axis has m distinct coordinates c_0 < c_1 < ... < c_(m-1), written to a
- * unit u (0.0001 mm if four digits follow the point).  They are the points of a
- * lattice, each rounded to u:
+ * An axis has m distinct coordinates c_0 < c_1 < ... < c_(m-1), written as multiples of a
+ * unit u (0.0001 mm if four digits follow the point). They are the points of a lattice,
+ * each rounded to u:
  *
  *   c_i = o + k_i s + e_i,   |e_i| <= u / 2,   k_0 = 0
  *
@@ -16,7 +16,8 @@
  *
  *   max(c_i - k_i s) - min(c_i - k_i s) <= u                                (F)
  *
- * (=> : subtract o.  <= : put o in the middle between the two.)
+ * (Proof of =>: subtract o. Proof of <=: let o be the mean of the maximum and the
+ * minimum.)
  */
 #ifndef OST_IO_LATTICE_H
 #define OST_IO_LATTICE_H
@@ -38,13 +39,14 @@ typedef struct ost_lattice_axis {
     const ost_pm *value;  /* distinct, ascending */
     const int64_t *line;  /* the line in which each occurs first */
     uint32_t units;       /* bit n: unit n occurs */
-    bool rounded;         /* some coordinate has more than nine places: it is up to half a picometre off */
+    bool rounded;         /* some coordinate has more than nine places, so it may be half a picometre off */
 } ost_lattice_axis;
 
 /*
  * Finds the spacing of every axis with spacing[a] == 0 on entry; the other elements
- * of axes are not read.  Returns OST_ERR_INPUT if no spacing fits or several do; the
- * message names axis, coordinate and line, and suggests giving the spacing.
+ * of axes are not read. Returns OST_ERR_INPUT if no spacing fits or several do. The
+ * message names the axis, the coordinate and the line, and suggests giving the
+ * spacing.
  */
 ost_status ost_lattice_find(const char *path, const ost_lattice_axis axes[3], ost_pm spacing[3], ost_error *err);
 

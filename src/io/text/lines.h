@@ -6,9 +6,9 @@
  *   buffer: [....\n.......\n...]            a block ends after its last newline;
  *                                           the bytes after it begin the next block
  *
- * Parsers read bytes and never the file, so that a faster parser can replace a plain
- * one.  A last line without a newline gets one in the buffer; a UTF-8 byte order mark
- * at the start is skipped.
+ * Parsers receive bytes and never read the file, so that a faster parser can replace
+ * a simple one. A last line without a newline gets one in the buffer; a UTF-8 byte
+ * order mark at the start is skipped.
  */
 #ifndef OST_IO_TEXT_LINES_H
 #define OST_IO_TEXT_LINES_H

@@ -8,8 +8,8 @@
  *     column c   the row's own     density, a whole number
  *
  * In a raster scan every row repeats the columns of the first one, and its other two
- * coordinates are constant.  Equal bytes are equal numbers, whatever their form, so
- * only the density of a line needs to be parsed.  If another axis than x runs
+ * coordinates are constant. Equal bytes are equal numbers, whatever their form, so
+ * only the density of a line needs to be parsed. If an axis other than x runs
  * fastest, `before` precedes the column.
  */
 #ifndef OST_IO_TEXT_MATCH_H
@@ -22,8 +22,8 @@
 #include "core/isa.h"
 
 /*
- * MARGIN: bytes of eight lines, each with the longest pattern and one byte more than the longest density, and of the
- * reads at the last one.
+ * MARGIN: greatest number of bytes that a kernel reads beyond the text: eight lines, each with the longest pattern
+ * and a density one byte too long, and the reads that begin at the end of the last line.
  */
 enum { OST_TEXT_COLUMN_MAX = 16, OST_TEXT_AROUND_MAX = 32, OST_TEXT_MARGIN = 1024 };
 _Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX +

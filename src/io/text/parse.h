@@ -7,7 +7,8 @@
  *   -57.3400 12.2200 3.0000 1043          a sample: positions in mm, exact decimals
  *   -56.8700,12.2200,3.0000,-1.2e2        tabs, commas, semicolons; a sign, a point, an exponent
  *
- * The input is complete lines, the output is rows; no file, no allocation.
+ * The input consists of complete lines, the output of rows. The parser opens no file and allocates
+ * no memory.
  */
 #ifndef OST_IO_TEXT_PARSE_H
 #define OST_IO_TEXT_PARSE_H

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why one pass is sufficient.  The lines of each piece are its voxels [first, next).
+ * Why one pass is sufficient. The lines of each piece are its voxels [first, next).
  * If these intervals tile [0, N) in the file's order, every line is accounted for
- * and line L is voxel L - first_line.  A piece that begins within a slice has taken
- * the slice's coordinate from its own first line, so it must be equal to that of the
- * slice's first line.  Coordinates that strictly rise or fall along each axis are
- * distinct, and are then the coordinates that two passes collect. If they lie off
- * their lattice, share a voxel, or do not form a grid, the text is read in two
- * passes.
+ * and line L is voxel L - first_line. A piece that begins within a slice has taken
+ * the slice's coordinate from its own first line. This coordinate must therefore
+ * equal that of the slice's first line. Coordinates that strictly rise or fall along
+ * each axis are distinct, and are the coordinates that two passes would collect. If
+ * the coordinates are off their lattice, share a voxel, or do not form a grid, the
+ * text is read in two passes.
  *
- * Why there are two readers.  Two passes read any text.  For a scan one pass needs a
- * fifth of their processor time (docs/log/0.1.md, parse), since it compares
- * lines instead of parsing them, and scans are the usual texts.
+ * Why there are two readers. Two passes read any text. For a scan, one pass needs a
+ * fifth of their processor time (docs/log/0.1.md, parse), because it compares lines
+ * instead of parsing them. Most texts are scans.
  */
 #include "core/conditions.h"
 
@@ -132,7 +132,7 @@ static bool learn_row(reading *r, const char *text, size_t bytes)
     return false;
 }
 
-/* Reads the slow axis' coordinate in the last line, and whether that line ends with a newline. */
+/* Reads the slow axis' coordinate from the last line, and determines whether that line ends with a newline. */
 static bool learn_last(reading *r, bool *terminated)
 {
     char text[2 * OST_TEXT_LINE_MAX];
@@ -152,7 +152,7 @@ static bool learn_last(reading *r, bool *terminated)
     return true;
 }
 
-/* Finds the middle axis' coordinates and the number of slices, from the first slice and the second's coordinate. */
+/* Finds the middle axis' coordinates and the number of slices from the first slice and the coordinate of the second. */
 static bool learn_slice(reading *r)
 {
     ost_text_raster *raster = r->raster;
@@ -223,7 +223,9 @@ typedef struct piece {
     bool placed;
 } piece;
 
-/* Returns true if the pieces' lines are all voxels, each once and in order, with strictly monotone coordinates. */
+/*
+ * Returns true if the lines of the pieces are all voxels, each once and in order, with strictly monotone coordinates.
+ */
 static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int count, int64_t voxels)
 {
     int64_t next = 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads a CT text that is a raster scan: every voxel of a box has its line, in order.
+ * Reads a CT text that is a raster scan: every voxel of a box has exactly one line,
+ * in order.
  *
  *   # comments, a header                       the head, read line by line
  *   x0 y0 z0 d   x1 y0 z0 d  ...               the columns: x0, x1, ...
@@ -10,15 +11,15 @@
  *
  * Most texts are raster scans. A scan is determined by its coordinates along each
  * axis: every line has one voxel, which must agree with the line's offset in the
- * file.  One pass is therefore sufficient. All threads take part, each with its own
- * pieces of the file, and almost every line is compared instead of parsed (match.h).
+ * file. One pass is therefore sufficient. Each thread processes its own pieces of
+ * the file, and almost every line is compared instead of parsed (match.h).
  *
- * If any line deviates from a scan, for whatever reason, also because the text is
- * defective, *found is false and there is no other effect. The readers of scan.h and
- * rect.h then read the text and report its errors.  For a scan the result is
- * bit-identical to theirs.  The axes may run in any order and either direction.
+ * If any line deviates from a scan for any reason, including a defective text,
+ * *found is false and there is no other effect. The readers of scan.h and rect.h
+ * then read the text and report its errors. For a scan the result is bit-identical
+ * to theirs. The axes may run in any order and either direction.
  *
- * Memory: two bytes per line, which is per voxel of the grid, and a buffer per
+ * Memory: two bytes per line (that is, per voxel of the grid) and one buffer per
  * thread.
  */
 #ifndef OST_IO_TEXT_RASTER_H
@@ -63,7 +64,10 @@ void ost_text_raster_free(ost_text_raster *raster);
 /* Adds the same bytes to the hasher as ost_text_scan. */
 ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err);
 
-/* Returns true if every sample has a voxel of its own in the grid; false also if there is no memory. raster_rect.c. */
+/*
+ * Returns true if every sample has a voxel of its own in the grid. Returns false also if memory cannot be allocated.
+ * Defined in raster_rect.c.
+ */
 bool ost_text_raster_fits(const ost_text_raster *raster, const ost_geometry *full);
 /* Fills rect as ost_text_to_rect does, with the same report; options->expected is not used. */
 ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster,

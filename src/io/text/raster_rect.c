@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a raster scan to the rect grid: each axis of the scan is mapped to the voxels of the grid,
- * and the densities are copied by these maps, slice by slice, or at once if the order is that of
- * the grid.
+ * Converts a raster scan to the rect grid: each axis of the scan is mapped to the voxels of the
+ * grid, and the densities are copied by these maps, slice by slice, or at once if the order is
+ * that of the grid.
  */
 #include "core/conditions.h"
 
@@ -74,7 +74,9 @@ static bool map_all(const ost_text_raster *raster, const ost_geometry *full, con
     return good;
 }
 
-/* Computes the report that a scatter of the lines would give. Every coordinate has a voxel of its own. */
+/*
+ * Computes the report that a scatter of the lines would return. Requires that every coordinate has a voxel of its own.
+ */
 static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost_scatter_report *report)
 {
     *report = (ost_scatter_report){0};
@@ -117,7 +119,7 @@ static ost_status upload_mapped(const char *path, const ost_text_raster *raster,
 {
     const ost_dims dims = ost_grid_geometry(rect)->dims;
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
-    /* For every voxel of an axis the offset of its coordinate in voxels, -1 if there is none. */
+    /* For every voxel along an axis: the offset of its coordinate in raster->voxels; -1 if it has no coordinate. */
     int64_t *offset[3] = {NULL, NULL, NULL};
     int16_t *slice = malloc((size_t)dims.x * (size_t)dims.y * sizeof *slice);
     bool enough = slice != NULL;

@@ -13,7 +13,7 @@ typedef struct ost_text_rect_options {
     const ost_geometry *full;      /* the complete grid of the text */
     const ost_voxel_box *crop;     /* NULL: rect is the complete grid; else rect is this part of it */
     ost_text_fingerprint expected; /* the fingerprint of the first pass */
-    int64_t dims_line;             /* line of the text's own dims, which require one sample per voxel; 0: none */
+    int64_t dims_line;             /* line of the text's own dims, which require one sample per voxel; else 0 */
     ost_progress *progress;        /* may be NULL */
     void *user;
 } ost_text_rect_options;

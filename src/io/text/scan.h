@@ -6,8 +6,8 @@
  *   file --ost_text_scan--> extent, distinct coordinates, facts, fingerprint
  *        --ost_text_geometry--> dims, spacing, origin
  *
- * Memory: a read buffer and at most OST_DIM_MAX coordinates per axis, whatever the
- * file's size.
+ * Memory: a read buffer and at most OST_DIM_MAX coordinates per axis, for files of
+ * any size.
  */
 #ifndef OST_IO_TEXT_SCAN_H
 #define OST_IO_TEXT_SCAN_H
@@ -33,7 +33,8 @@ void ost_text_source_close(ost_text_source *source);
 
 /*
  * A fingerprint of rows in their order, which shows whether the file has changed
- * between two passes.  It is not cryptographic, because a collision gains nothing.
+ * between two passes. It is not cryptographic, because a deliberate collision would
+ * have no benefit.
  */
 typedef struct ost_text_fingerprint {
     uint64_t rows, hash;
@@ -71,7 +72,7 @@ typedef struct ost_text_summary {
     ost_text_own own_dims;                /* fact "dims": the text then has one line for every voxel */
 } ost_text_summary;
 
-/* Initialises an empty summary with the spacings by option; it can be freed from then on. */
+/* Initialises an empty summary with the spacings given by option. The summary can then be freed at any time. */
 void ost_text_summary_begin(ost_text_summary *summary, ost_pm3 given);
 /* The user data of ost_text_fact_take, which is a parser's `fact` and stores the text's own facts in the summary. */
 typedef struct ost_text_facts {
@@ -81,11 +82,10 @@ typedef struct ost_text_facts {
 ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
 
 /*
- * Scans the text.
- * given: spacings by option, which override the text's own; 0 = none.
- * hasher: if not NULL, the records of the samples are added to it, 32 bytes each:
- * x, y, z as int64, density as int32, 0 as uint32, little-endian.
- * progress may be NULL.  The caller frees the summary, also after an error.
+ * Scans the text. given: spacings by option, which override the text's own; 0 means
+ * none. hasher: if not NULL, the records of the samples are added to it, 32 bytes
+ * each: x, y, z as int64, density as int32, 0 as uint32, little-endian. progress
+ * may be NULL. The caller frees the summary, also after an error.
  */
 ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *hasher, ost_progress *progress, void *user,
                          ost_text_summary *summary, ost_error *err);

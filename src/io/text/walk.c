@@ -63,7 +63,7 @@ bool ost_text_column_set(ost_text_column *column, uint8_t *length, const char *p
     return true;
 }
 
-/* Appends bytes to it. Returns false if it is full. */
+/* Appends bytes to `around`. Returns false if it is full. */
 static bool around_add(ost_text_around *around, const void *p, size_t length)
 {
     if (length > OST_TEXT_AROUND_MAX - around->length)
@@ -93,7 +93,7 @@ static bool compose(ost_text_walker *walker)
     return good;
 }
 
-/* Takes the texts of the axes from this line, and composes the pattern of its row. */
+/* Copies the texts of the axes from this line, and composes the pattern of its row. */
 static void learn_pattern(ost_text_walker *walker, const char *p, const char *newline)
 {
     const ost_text_plan *plan = walker->plan;
@@ -131,7 +131,7 @@ static bool foresee_row(ost_text_walker *walker)
     return walker->known;
 }
 
-/* Returns the index of a value among monotone ones; -1 if it does not occur. */
+/* Returns the index of a value among monotone values; -1 if it does not occur. */
 static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 {
     bool up = at[count - 1] >= at[0];
@@ -147,9 +147,9 @@ static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 }
 
 /*
- * Returns the index of a slice by its coordinate, as if slices were evenly spaced.
- * This is also right for rounded coordinates; if it is wrong, the indices are not
- * consecutive and the walk fails.  |v - s_0| * 16383 < 2^58.
+ * Computes the index of a slice from its coordinate, assuming evenly spaced slices.
+ * The index is correct for rounded coordinates too. If it is wrong, the indices are
+ * not consecutive and the walk fails. |v - s_0| * 16383 < 2^58.
  */
 static int32_t slice_of(const ost_text_plan *plan, ost_pm value)
 {
@@ -277,8 +277,8 @@ static size_t match_lines(ost_text_walker *walker, const char **text, const char
 }
 
 /*
- * Matches the lines of the next row without parsing one. Returns false if the first
- * of them does not match; nothing has changed then but `known`.
+ * Matches the lines of the next row without parsing any of them. Returns false if
+ * the first of them does not match; in this case only `known` has changed.
  */
 static bool match_next_row(ost_text_walker *walker, const char **text, const char *end)
 {

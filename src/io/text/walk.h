@@ -12,10 +12,10 @@
  *   "-57.340000 12.220000 3.000000 1043\n"
  *    |--text--||--text--||--text-|           a position with the characters in front of it
  *
- * When a row ends, the pattern of the next row is derived from the current one: the
- * text of the middle axis is replaced by its text in the same row of the first slice.
- * Every text except the first begins with its separator, so the concatenated texts
- * are parsed as the separate ones were, and a line of those bytes does not need
+ * When a row ends, the pattern of the next row is derived from the current one: the text
+ * of the middle axis is replaced by its text in the same row of the first slice. Every
+ * text except the first begins with its separator, so the concatenated texts are parsed as
+ * the separate texts were. A line that consists of these bytes does therefore not need
  * parsing either.
  */
 #ifndef OST_IO_TEXT_WALK_H
@@ -24,7 +24,7 @@
 #include "io/text/match.h"
 #include "io/text/raster.h"
 
-/* The data that all walkers share; ranks as in ost_text_raster. */
+/* The data that all walkers share. Ranks are those of ost_text_raster. */
 typedef struct ost_text_plan {
     const char *path;
     int fd;
@@ -43,9 +43,9 @@ typedef struct ost_text_plan {
 
 typedef struct ost_text_walker {
     const ost_text_plan *plan;
-    bool learning;       /* the coordinates of the middle axis are being found; voxels are stored in `row` */
-    bool done;           /* if learning: the first slice has ended, */
-    ost_pm second_slow;  /* and this is the coordinate of the second one */
+    bool learning;       /* true while the coordinates of the middle axis are being found; voxels are stored in `row` */
+    bool done;           /* if learning: the first slice has ended */
+    ost_pm second_slow;  /* if done: coordinate of the second slice */
     bool placed;         /* a line has been read, so `at` is valid */
     bool known;          /* pattern is valid in this row */
     int32_t at[3];       /* position of the next line, by rank; at[0] == count: the row has ended */

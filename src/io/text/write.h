@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes a volume as the thesis' text: one line "x y z density" per voxel, x fastest.
+ * Writes a volume in the text form of the thesis: one line "x y z density" per voxel,
+ * x fastest.
  *
  *   # osteon dims: 256 234 201
  *   # osteon spacing_mm: 0.47 0.47 1
@@ -8,8 +9,8 @@
  *   # osteon kind: ct                     and the other facts
  *   -57.34 12.20 3.00 1043
  *
- * With its comments it is read back as the same volume, whatever the number of
- * decimals; dims allow a reader to see that the file is complete.
+ * Because of its comments, the file is read back as the same volume for any number of
+ * decimals. From dims, a reader can determine whether the file is complete.
  */
 #ifndef OST_IO_TEXT_WRITE_H
 #define OST_IO_TEXT_WRITE_H

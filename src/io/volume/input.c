@@ -25,7 +25,7 @@ struct ost_input {
     uint64_t raw_read; /* bytes read from the file: the file offset of raw[raw_end] */
     size_t raw_at, raw_end;
     bool packed;
-    bool member_done; /* the last gzip member ended */
+    bool member_done; /* the current gzip member has ended */
     z_stream z;
     uint64_t unpacked; /* bytes that inflate has produced */
     size_t out_at, out_end;
@@ -170,7 +170,7 @@ static ost_status damaged(const ost_input *input, const char *what, ost_error *e
                     (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
 }
 
-/* Unpacks more bytes. out_at == out_end afterwards means that the last member ends at the end of the file. */
+/* Unpacks more bytes. out_at == out_end afterwards means that the last member has ended, at the end of the file. */
 static ost_status fill_out(ost_input *input, ost_error *err)
 {
     assert(input->out_at == input->out_end);

@@ -5,9 +5,9 @@
  *
  *   open -> plain bytes ... gunzip -> the unpacked form of the remaining bytes
  *
- * It needs memory for two buffers, whatever the file's size.  Only regular files
- * are accepted, so that sizes can be checked before anything is allocated, and so
- * that a pipe or a device cannot block a reader.
+ * It needs memory for two buffers, for files of any size. Only regular files are
+ * accepted, so that sizes can be checked before anything is allocated, and so that
+ * a pipe or a device cannot block a reader.
  */
 #ifndef OST_IO_VOLUME_INPUT_H
 #define OST_IO_VOLUME_INPUT_H
@@ -36,7 +36,7 @@ ost_status ost_input_gunzip(ost_input *input, ost_error *err);
 bool ost_input_is_packed(const ost_input *input);
 /*
  * Returns the greatest number of bytes that can still be read: exact for plain
- * bytes, by deflate's limit (1032 to 1) for packed ones.
+ * bytes, computed with deflate's limit (1032 to 1) for packed bytes.
  */
 uint64_t ost_input_at_most(const ost_input *input);
 

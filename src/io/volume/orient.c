@@ -135,8 +135,8 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
         dims[w] = sizes[a];
         spacing[w] = llabs(step);
         /*
-         * A flipped axis begins at the centre of its last voxel. All components change, since a tilted axis
-         * affects the others too. < 2^43 + 3 * 2^37 * 2^14.
+         * A flipped axis begins at the centre of its last voxel. All components change, because a tilted
+         * axis affects the others too. The results are below 2^43 + 3 * 2^37 * 2^14.
          */
         for (int v = 0; v < 3 && step < 0; v++)
             origin[v] += affine->column[a][v] * (sizes[a] - 1);

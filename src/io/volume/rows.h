@@ -4,9 +4,9 @@
  *
  *   parts (bytes) --rows--> int16, one row of the file's first axis --scatter--> volume
  *
- * In addition to the volume, one row is in memory.  An oblique grid is first filled
- * in the file's order and then resampled (volume/resample.h). This needs the memory
- * of both grids, and happens only if the caller has requested resampling.
+ * In addition to the volume, only one row is in memory. An oblique grid is first filled
+ * in the file's order and then resampled (volume/resample.h). This needs the memory of
+ * both grids, and happens only if the caller has requested resampling.
  */
 #ifndef OST_IO_VOLUME_ROWS_H
 #define OST_IO_VOLUME_ROWS_H
@@ -30,7 +30,9 @@ struct ost_rows {
 
 /* Implements `next` for binary elements. */
 ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
-/* Returns OST_ERR_INPUT with a message that has voxel `number` of the file, its position in the file and its defect. */
+/*
+ * Returns OST_ERR_INPUT with a message that names voxel `number` of the file, its position in the file and its defect.
+ */
 ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *location,
                         const ost_bad *bad, ost_error *err);
 

@@ -80,7 +80,7 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
     return true;
 }
 
-/* Does the same for `count` lines, 1 to 8, and stores no other densities. */
+/* Does the same for `count` lines, 1 to 8, and stores only their densities. */
 static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                        const char **text, const char *end, int count, int16_t *density)
 {

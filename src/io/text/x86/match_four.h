@@ -3,25 +3,25 @@
  * Finds the ends of lines, and compares all their bytes except the densities: the
  * common part of the variants for AVX2 and AVX-512.
  *
- * A line begins where the one before it ends.  If lines are followed one by one, that
- * is a chain of dependent steps of some 14 cycles: load, compare, count zeros, add.
- * Here the ends of four lines are found in one step instead:
+ * A line begins where the one before it ends. If the lines are processed one by one,
+ * this is a chain of dependent steps of about 14 cycles each: load, compare, count
+ * zeros, add. Here the ends of four lines are found in one step instead:
  *
- *   q = density of line 0       c_k = bytes from a density's begin to the next
+ *   q = density of line 0       c_k = bytes from a density's start to the next
  *   |                                 one's, if the density had no digits
  *   1043\n-56.87 12.22 3.0 -7\n-56.40 12.22 3.0 512\n-55.93 12.22 3.0 88\n
  *   [0..........31]
  *             |  [1..........31]         window k: 32 bytes from q + c_1 + .. + c_k,
  *             q + c_1       |  [2...        searched for the first newline
  *
- * Proof that this is the end of line k.  Let lines 0 to k - 1 match, so that their
- * densities have n_i <= 7 bytes ("-12345" and a carriage return).  The density of
- * line k begins n_0 + .. + n_(k-1) <= 21 bytes after the beginning of its window.  If
- * all lines have at least OST_TEXT_JUMP = 21 bytes in front of their densities, the
+ * Proof that this is the end of line k. Let lines 0 to k - 1 match, so that their
+ * densities have n_i <= 7 bytes ("-12345" and a carriage return). The density of line
+ * k begins n_0 + .. + n_(k-1) <= 21 bytes after the beginning of its window. If all
+ * lines have at least OST_TEXT_JUMP = 21 bytes in front of their densities, the
  * window begins within those bytes, which contain no newline if line k matches; the
- * newline is then at n_0 + .. + n_k <= 28 of 32.  If line k does not match, the four
- * do not match either, wherever the other ends were found, because a caller takes all
- * four or none.
+ * newline is then at n_0 + .. + n_k <= 28 of 32. If line k does not match, the four
+ * do not match either, wherever the other ends were found, because a caller accepts
+ * all four or none.
  */
 #ifndef OST_IO_TEXT_X86_MATCH_FOUR_H
 #define OST_IO_TEXT_X86_MATCH_FOUR_H
@@ -37,8 +37,8 @@ enum { OST_TEXT_JUMP = 21, OST_TEXT_AHEAD = 768 };
 typedef struct match_state {
     __m256i before, before_mask, after, after_mask;
     size_t lead, other; /* lengths in bytes: of before; of before and after */
-    const char *line;   /* the beginning of the next line, */
-    const char *q;      /* and of its density */
+    const char *line;   /* beginning of the next line */
+    const char *q;      /* beginning of its density */
     __m128i found16;    /* found16, found32: not 0 if some byte differs */
     __m256i found32;
 } match_state;
