@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The baselines of the benchmarks: plain C, compiled at -O3 for the machine that builds (configure
- * --disable-native-bench: for any), in a library of its own that only the command links.
+ * The baselines of the benchmarks. They are plain C, compiled at -O3 for the machine that builds
+ * them (for any machine with configure --disable-native-bench), in a separate library that only
+ * the command links.
  *
  * This code may contain instructions that the executing machine lacks, so call
  * bench_baseline_runs() first. The file that lists the instruction sets allowed to the compiler
@@ -47,18 +48,18 @@ typedef struct bench_row_store {
     uint32_t hit;
 } bench_row_store;
 
-/* Executes only the stores of a fresh event, as a lower bound of its time: masked if the machine
-   can, else read, cleared and written. */
+/* Executes only the stores of a fresh event, whose time is a lower bound of the event's time.
+   Uses masked stores if the machine has them; otherwise reads, clears and writes each row. */
 void bench_store_rows(const bench_row_store *rows, size_t count);
 
 /* --------------------------------------------------------------------- bytes */
 
-/* How a copy stores: by the C library's memcpy, or bypassing the caches. */
+/* The method of a copy: the C library's memcpy, or stores that bypass the caches. */
 typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
 
-/* Copies in to out, starting again at the beginning of in each time its end is reached, until
-   `bytes` bytes of out are written. If in is longer than out, the remaining bytes of in are read as
-   well; returns a sum over them. */
+/* Copies `in` to `out`, starting again at the beginning of `in` each time its end is reached,
+   until `bytes` bytes of `out` are written. If `in` is longer than `out`, also reads the
+   remaining bytes of `in` and returns a sum over them. */
 uint64_t bench_copy_bytes(bench_copy how, uint8_t *out, size_t bytes, const uint8_t *in, size_t in_bytes, int threads);
 
 /* Reads every byte, 64 per step, and returns a sum over them. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lower bounds of times: the same bytes are copied, or read, and nothing else is done. */
+/* Copies or reads the same bytes as a measured operation and does nothing else. The time is a lower bound. */
 #include "bench/baseline.h"
 
 #include <string.h>

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The baseline of the voxelizer: Embree's own triangles, packets of sixteen rays along x, one ray
- * per row, a filter that records every hit and ends no ray, and parity bits as the result. The time
- * covers everything from welded vertices in memory to bits, including the hierarchy. Its hits are
- * Embree's floats: counts may differ from ours by a few voxels on the surface.
+ * The baseline of the voxelizer. It uses Embree's own triangles, packets of sixteen rays along x
+ * with one ray per row, and a filter that records every hit and ends no ray. The result is parity
+ * bits. The time covers everything from welded vertices in memory to bits, including building the
+ * hierarchy. The hits are Embree's floats, so counts may differ from ours by a few voxels on the
+ * surface.
  */
 #ifndef OST_BENCH_BASELINE_EMBREE_H
 #define OST_BENCH_BASELINE_EMBREE_H

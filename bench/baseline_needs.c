@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The instruction sets that the compiler was allowed to use in this library, as data: reading it
-   executes none of them. */
+/* The instruction sets that the compiler was allowed to use in this library. They are stored as
+   data, so reading them executes no instruction of these sets. */
 #include "bench/baseline.h"
 
 #if defined __SSE3__

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads a CT given as text in the usual way of a C program. */
+/* Reads a CT in text form as C programs usually do, by fscanf. */
 #include "bench/baseline.h"
 
 #include <stdio.h>

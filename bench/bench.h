@@ -4,14 +4,14 @@
  *
  *   suite --> rows --> table, JSON, Markdown (src/app/verbs/cmd_bench.c)
  *
- *   a row    ours      medians of repetitions that alternate with the
- *            baseline  baseline's in the same process: A B A B ...
+ *   a row    ours      median times of osteon and of the baseline, whose repetitions
+ *            baseline  alternate in the same process: A B A B ...
  *            equal     our grid is identical to the reference's, compared byte
  *                      by byte before any figure is shown
  *
- * A suite omits no row: one that cannot run here has a reason, and the others continue. A row with
- * a wrong result has no figures and makes the command fail. docs/performance.md explains the method
- * and each row.
+ * A suite omits no row. A row that cannot run here contains the reason, and the other rows are
+ * still measured. A row with a wrong result contains no figures and makes the command fail.
+ * docs/performance.md explains the method and each row.
  */
 #ifndef OST_BENCH_BENCH_H
 #define OST_BENCH_BENCH_H
@@ -20,9 +20,9 @@
 
 typedef struct bench_options {
     const char *backend; /* "cpu", "cpu:isa=avx2", "ref" */
-    int threads;         /* for rows that do not end in /1 */
-    int repeat;          /* 0: each row's own number */
-    bool quick;          /* few repetitions, small inputs; the same row names */
+    int threads;         /* for rows whose name does not end in /1 */
+    int repeat;          /* 0: the default of each row */
+    bool quick;          /* few repetitions and small inputs; the row names do not change */
     double scale;        /* fraction of the 12,040,704 lines of parse/text */
     const char *filter;  /* selects rows whose name contains this; NULL: all */
     void (*show)(void *user, const char *row); /* called before a row is measured; may be NULL */
@@ -55,7 +55,7 @@ typedef struct bench_row {
     const char *unit;      /* "us" or "ms" */
     int threads;
     bool equal;            /* the result is the reference's; false is an error */
-    char reason[BENCH_TEXT];          /* reason why ours was not measured; "" if it was */
+    char reason[BENCH_TEXT];          /* reason why osteon was not measured; "" if it was */
     char baseline_reason[BENCH_TEXT]; /* reason why there is no baseline */
     char baseline_is[BENCH_TEXT];     /* description of the baseline */
     bench_figures ours, baseline;
@@ -73,16 +73,16 @@ typedef struct bench_table {
 
 void bench_table_free(bench_table *table);
 
-/* Returns true if the filter selects the row, and announces it then. */
+/* Returns true if the filter selects the row, after calling options->show for it. */
 bool bench_wanted(const bench_options *options, const char *name);
-/* Appends a row of this name, equal and without figures. The pointer is valid until the next call.
-   Returns NULL without memory. */
+/* Appends a row of this name, with `equal` set and without figures. The pointer is valid until
+   the next call. Returns NULL if there is no memory. */
 bench_row *bench_row_add(bench_table *table, const char *name, const char *unit, int threads);
 /*
- * Turns the failure of rows into rows with the error's text as reason, so that the suite continues,
- * and returns OST_OK. The statuses OST_OK, OST_ERR_CANCELLED and OST_ERR_INTERNAL (a defect in
- * osteon) are returned unchanged. No row is added for a name that is NULL, that the filter
- * excludes, or whose row exists already.
+ * If status is an error, adds the named rows with the error's text as their reason, so that the
+ * suite continues, and returns OST_OK. The statuses OST_OK, OST_ERR_CANCELLED and OST_ERR_INTERNAL
+ * (a defect in osteon) are returned unchanged. No row is added for a name that is NULL, that the
+ * filter excludes, or whose row exists already.
  */
 ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
                              const char *unit, int threads, ost_status status, ost_error *err);
@@ -94,11 +94,11 @@ void bench_row_extra(bench_row *row, const char *key, double value);
 double bench_row_ratio(const bench_row *row);
 /* Returns the ratio of the minima, which is less affected by other load on the machine. */
 double bench_row_ratio_of_minima(const bench_row *row);
-/* Returns true if a median is more than 1.5 times its minimum: the machine was busy, or the row is
-   short and cold. */
+/* Returns true if a median is more than 1.5 times its minimum, because the machine was busy or
+   the row is short and cold. */
 bool bench_row_disturbed(const bench_row *row);
 
-/* Returns the number of repetitions: as given, else few if quick is set, else normal. */
+/* Returns the number of repetitions: options->repeat if given, otherwise normal, limited to 3 if quick is set. */
 int bench_repeat(const bench_options *options, int normal);
 
 /* ------------------------------------------------------------------ machine */
@@ -107,8 +107,8 @@ int bench_cpus(void); /* processors that this process may use */
 const char *bench_cpu_model(char text[BENCH_TEXT]);
 /* Returns the instruction set that the backend uses, or "scalar" for a backend without a choice. */
 const char *bench_isa(const bench_options *options);
-/* Returns the bytes of memory that are available without displacing anything; a large number if
-   that is unknown. */
+/* Returns the number of bytes of memory that are available without displacing other data; a
+   large number if it is unknown. */
 int64_t bench_memory(void);
 
 /* Opens the options' backend with this number of threads, if it has such an option. */

@@ -21,7 +21,7 @@ int64_t bench_now(void)
 
 /* ------------------------------------------------------------------ figures */
 
-/* Without memory the value is dropped; the count of repetitions then shows it. */
+/* Adds a value. Drops it if there is no memory, which the count of repetitions then shows. */
 void bench_series_add(bench_series *series, double ns)
 {
     if (series->count == series->capacity) {

@@ -15,8 +15,8 @@ enum { PATH_TICKS = 2000, PATH_TICKS_QUICK = 100 };
    must be freed by free. */
 ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, ost_error *err);
 
-/* Times of a repeated sequence: means has the mean of each repetition, ticks all ticks, best the
-   minimum of each tick over all repetitions. */
+/* Times of a repeated sequence: `means` contains the mean of each repetition, `ticks` the times
+   of all ticks, and `best` the minimum of each tick over all repetitions. */
 typedef struct bench_sequence {
     bench_series means, ticks;
     double *best;  /* owned; count elements */
@@ -25,8 +25,8 @@ typedef struct bench_sequence {
 
 ost_status bench_sequence_init(bench_sequence *sequence, int count, ost_error *err);
 void bench_sequence_add(bench_sequence *sequence, const double *ns);
-/* Stores the mean with p50, p99 and max: of all ticks, and of each tick's minimum, which is free of
-   interruptions. */
+/* Stores the mean, p50, p99 and maximum, both of all ticks and of the minima of the ticks, which
+   contain no interruptions. */
 void bench_sequence_row(bench_sequence *sequence, bench_row *row);
 void bench_sequence_free(bench_sequence *sequence);
 

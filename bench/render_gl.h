@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* OpenGL's rows of the suite render: the thesis' frame, ours, and the steps between them. */
+/* The rows of the suite render for OpenGL: the thesis' frame, ours, and the steps between them. */
 #ifndef OST_BENCH_RENDER_GL_H
 #define OST_BENCH_RENDER_GL_H
 
@@ -8,9 +8,9 @@
 
 typedef struct bench_gl bench_gl;
 
-/* Returns true if the filter may select one of its rows. */
+/* Returns true if the filter may select one of these rows. */
 bool bench_gl_wanted(const char *filter);
-/* Opens OpenGL. Without OpenGL it still succeeds, and every row has the reason. */
+/* Opens OpenGL. If there is no OpenGL, the function still succeeds, and every row contains the reason. */
 ost_status bench_gl_open(bench_gl **out, ost_error *err);
 void bench_gl_close(bench_gl *gl); /* gl may be NULL */
 /* Adds the rows of a view: render/gl/VIEW/... */

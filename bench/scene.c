@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The static events: tools, bones, poses, and their form in the thesis. */
+/* The static events: tools, bones and poses, and the same events in the form of the thesis. */
 #include "bench/scene.h"
 
 #include <stdlib.h>

@@ -5,13 +5,13 @@
  *
  *   bone      128^3 voxels of 0.47 mm, every one active
  *   reamer    the parametric head, through a corner of the bone: the box of
- *             its grid holds voxels of 84, 18 and 5 chunks
- *   peg       the parametric cylinder, askew inside: the chunks of its
- *             intersection box (Alg. 2.9) are 80 = 5*4*4, 18 = 3*3*2, 8 = 2*2*2
+ *             its grid contains voxels of 84, 18 and 5 chunks
+ *   peg       the parametric cylinder, tilted inside the bone: the chunks of
+ *             its intersection box (Alg. 2.9) are 80 = 5*4*4, 18 = 3*3*2, 8 = 2*2*2
  *
- * The thesis gives no poses. These were found by trying random ones. 84 and 5 are not products of
- * three ranges that fit the reamer, so for it the chunks counted are those that its oriented box
- * enters. The counts are computed again in every run and reported with the row.
+ * The thesis gives no poses. The poses here were found by random search. 84 and 5 are not products
+ * of three ranges that fit the reamer, so for the reamer only the chunks that its oriented box
+ * enters are counted. The counts are computed again in every run and reported with the row.
  */
 #ifndef OST_BENCH_SCENE_H
 #define OST_BENCH_SCENE_H
@@ -31,8 +31,8 @@ typedef struct bench_scene {
     ost_geometry bone;
     ost_density_classes classes;
     ost_pose pose;
-    /* the chunks that collide are those of the intersection box; else those that the tool's box
-       enters */
+    /* true if the chunks of the intersection box collide, false if those that the tool's box
+       enters do */
     bool by_range;
     ost_map map;
     ost_voxel_box box;
@@ -71,7 +71,7 @@ void bench_thesis_free(bench_thesis *thesis);
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
 
-/* The least work of an event, counted on the thesis' chunks after it. */
+/* The least work that an event requires, counted on the thesis' chunks after the event. */
 typedef struct bench_work {
     /* rows of 32 densities, one cache line each; for chunks of 32^3 only, else 0 */
     int64_t changed_rows;

@@ -3,7 +3,7 @@
  * Compares the backend cl with a baseline, on one device:
  *
  *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel, one launch per chunk (suite_removal.c)
- *   opencl/launch                                   an empty kernel, waited for: the least cost of an event
+ *   opencl/launch                                   an empty kernel and a wait for it: the least cost of an event
  *   opencl/transfer/scapula, opencl/voxelize/...    backend cpu on the same data
  */
 #include "bench/meshes.h"
@@ -46,7 +46,7 @@ static ost_status add_or_not_run(opencl *o, const char *name, ost_status status)
 {
     if (status == OST_OK)
         return add_row(o, name);
-    for (int i = 0; i < SIDES; i++) /* the times must not enter another row */
+    for (int i = 0; i < SIDES; i++) /* so that the times do not enter another row */
         bench_series_free(&o->series[i]);
     return bench_row_not_run(o->options, o->table, &name, 1, "ms", o->options->threads, status, o->err);
 }
@@ -215,7 +215,7 @@ static ost_status launches(opencl *o, bench_cl *cl)
     return OST_OK;
 }
 
-/* Without a device, adds one row with the reason. */
+/* Adds one row with the reason why there is no device. */
 static ost_status nothing_here(const bench_options *options, bench_table *table, const char *reason, ost_error *err)
 {
     static const char name[] = "opencl/reamer/32/fresh";

@@ -5,12 +5,12 @@
  * given by --scale.
  *
  *   parse/text        against fscanf on one thread
- *   parse/text/floor  against reading the mapped file, every byte, on as many
+ *   parse/text/floor  against reading every byte of the mapped file on as many
  *                     threads as ours
  *
- * Ours is the complete import without its last two stages: opening the file, finding the spacing,
- * converting every number exactly, checking every line, the scatter. The file is in the page cache.
- * It has no name while it is used, so nothing of it remains, however the program ends.
+ * Ours is the complete import without its last two stages: it opens the file, finds the spacing,
+ * converts every number exactly, checks every line, and scatters the samples. The file is in the
+ * page cache. It has no name while it is used, so no file remains, however the program ends.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"
@@ -31,7 +31,7 @@ typedef struct parse {
     const bench_options *options;
     ost_error *err;
     int fd;
-    char path[64]; /* name of the file by its descriptor */
+    char path[64]; /* name of the file in /proc/self/fd */
     size_t bytes, lines;
     bench_series ours, fscanf, floor;
     bool equal;
@@ -131,7 +131,7 @@ static ost_status import(parse *p, ost_backend *backend, bool digests, bench_ser
     return status;
 }
 
-/* Compares the digests of the rect grid by the reference and by ours. */
+/* Compares the digests of the rect grids of the reference and of the measured backend. */
 static ost_status verify(parse *p, ost_backend *backend)
 {
     ost_backend *ref = NULL;

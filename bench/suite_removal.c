@@ -2,11 +2,11 @@
 /*
  * Removal events (thesis, Tables 3.3 to 3.5).
  *
- *   fresh   every voxel is restored, and in the caches as far as they hold it: our
- *           bone has been examined once (ost_bone_collide, which changes nothing),
- *           the baseline's chunks have been read once
- *   cold    directly after the voxels are copied back; ours copies complete slices and
- *           so leaves less of the event in the caches than the baseline does
+ *   fresh   every voxel is restored and, as far as the caches are large enough, cached:
+ *           our bone has been examined once (ost_bone_collide, which changes nothing),
+ *           and the baseline's chunks have been read once
+ *   cold    directly after the voxels are copied back; ours copies complete slices, which
+ *           leaves less of the event's data in the caches than the baseline does
  *   steady  the same event again: nothing remains to be removed
  *
  * A repetition consists of restore, cold, restore, collide, fresh, steady, steady, first for ours
@@ -157,8 +157,8 @@ static ost_status verify(removal *r)
     return status;
 }
 
-/* Counts the voxels that the float kernel decides differently because of rounding. The bone must
-   fit into memory twice. */
+/* Counts the voxels for which the float kernel's result differs because of rounding. Requires
+   memory for two copies of the bone. */
 static ost_status compare_thesis(removal *r)
 {
     const ost_dims d = r->scene->bone.dims;
@@ -255,7 +255,8 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
     return status;
 }
 
-/* stores: times of the event's stores alone (bench_store_rows), a lower bound that is added to the row; NULL: none. */
+/* Adds a row. stores: times of the event's stores alone (bench_store_rows), added to the row as a
+   lower bound; may be NULL. */
 static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline,
                           bench_series *stores)
 {
@@ -339,8 +340,8 @@ static ost_status static_events(const bench_options *options, bench_table *table
     return status;
 }
 
-/* Adds the rows of Table 3.5: the same event with coarser and finer tools. That of 0.5 mm is the
-   event of removal/reamer/32. */
+/* Adds the rows of Table 3.5: the same event with coarser and finer tools. The event with a tool
+   of 0.5 mm is that of removal/reamer/32. */
 static ost_status tool_voxels(const bench_options *options, bench_table *table, ost_error *err)
 {
     static const struct {
@@ -385,7 +386,7 @@ static ost_status bone_sizes(const bench_options *options, bench_table *table, o
     ost_status status = OST_OK;
     for (size_t i = 0; i < sizeof sides / sizeof sides[0] && status == OST_OK; i++) {
         char fresh[BENCH_NAME], steady[BENCH_NAME];
-        /* Two bones of densities and occupancy, and slabs. */
+        /* Memory for the densities and occupancy of two bones, and for slabs. */
         double bytes = 2 * (2 + 0.25) * (double)sides[i] * (double)sides[i] * (double)sides[i] + 4e8;
         bench_scene scene;
         snprintf(fresh, sizeof fresh, "removal/bone/%d/fresh/1", sides[i]);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Frames of the scapula, 1280 x 720, drawn by the processor: from a list of surface voxels to
- * colours. The baseline draws what the thesis draws, every active voxel of every active chunk as a
- * point (Fig. 3.3), with the same inner loops. Before anything is timed, both must give the picture
- * of the scalar loops.
+ * colours. As in the thesis, the baseline draws every active voxel of every active chunk as a point
+ * (Fig. 3.3), with the same inner loops. Before anything is timed, both must produce the same
+ * picture as the scalar loops.
  */
 #include "bench/bench.h"
 #include "bench/render_gl.h"
@@ -260,7 +260,7 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
 
 /* ------------------------------------------------------- lists and shades */
 
-/* The parts of a block that are made again. */
+/* The parts of a block that are recomputed. */
 typedef enum renewal { RENEW_LIST, RENEW_SHADES, RENEW_ALL, RENEWALS } renewal;
 
 static int32_t spoil(ost_surface *s, renewal what)
@@ -277,7 +277,7 @@ static int32_t spoil(ost_surface *s, renewal what)
     return count;
 }
 
-/* Measures blocks spread over the bone: only their lists, only their shades, or both. */
+/* Measures the recomputation of blocks spread over the bone: only their lists, only their shades, or both. */
 static ost_status add_renewal(show *s, bench_table *table, renewal what)
 {
     static const char *const name[RENEWALS] = {"render/scapula/list", "render/scapula/looks", "render/scapula/extract"};
@@ -322,11 +322,12 @@ static bool ream_block(const ost_surface_block *b, const double at[3], double ra
     return any;
 }
 
-/* Measures the update of a reaming: a ball of 20 mm enters the glenoid at 1.5 mm/s, with 60 frames
-   a second. The row has the number of changed blocks per frame and the cost of the update. */
+/* Measures the update during reaming: a ball of 20 mm enters the glenoid at 1.5 mm/s, with 60
+   frames per second. The row contains the number of changed blocks per frame and the cost of the
+   update. */
 static ost_status add_reaming(show *s, bench_table *table)
 {
-    enum { PICTURES = 120, BEGIN = 40 }; /* from 1 mm deep on */
+    enum { PICTURES = 120, BEGIN = 40 }; /* measured from a depth of 1 mm on */
     static const double RADIUS_MM = 20, STEP_MM = 1.5 / 60;
     static const char *const name = "render/scapula/ream";
     ost_surface surface = {0};

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames drawn by OpenGL, from the thesis' to ours with one change per row; each ends with
- * glFinish. Before a row is timed its picture is compared with the processor's. Ours may differ in
- * at most 30 of 921,600 pixels. For the others, whose points vanish at the frame's edge or near the
- * camera, the row has the number of different pixels.
+ * Frames drawn by OpenGL, from the thesis' frame to ours with one change per row. Each frame ends
+ * with glFinish. Before a row is timed, its picture is compared with the processor's. Ours may
+ * differ in at most 30 of 921,600 pixels. In the other rows, points vanish at the frame's edge or
+ * near the camera, so these rows contain the number of different pixels.
  */
 #include "bench/render_gl.h"
 
@@ -21,8 +21,8 @@ typedef struct step {
     ost_gl_variant variant;
     enum {
         STILL,
-        MOVING, /* the camera moves sideways by 1.5 voxels a frame, to and fro */
-        READ    /* the picture is read back, as for users */
+        MOVING, /* the camera moves back and forth sideways by 1.5 voxels per frame */
+        READ    /* the picture is read back, as the program does for its user */
     } how;
 } step;
 
@@ -76,7 +76,7 @@ static const step steps[] = {
 enum { STEPS = sizeof steps / sizeof *steps };
 
 struct bench_gl {
-    ost_gl *gl; /* NULL: missing has the reason */
+    ost_gl *gl; /* NULL: `missing` contains the reason */
     char missing[BENCH_TEXT];
 };
 
@@ -99,8 +99,8 @@ ost_status bench_gl_open(bench_gl **out, ost_error *err)
     if (!*out)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the rows of OpenGL");
 #ifdef __GLIBC__
-    /* Software drivers free a frame's memory and allocate it again: pages that the system clears
-       each time. */
+    /* Software drivers free a frame's memory and allocate it again, so that the system clears
+       the pages each time. */
     mallopt(M_TRIM_THRESHOLD, 1 << 30);
     mallopt(M_TOP_PAD, 1 << 26);
     mallopt(M_MMAP_THRESHOLD, 1 << 30);
@@ -129,7 +129,7 @@ static int differing(const ost_frame *a, const ost_frame *b)
     return count;
 }
 
-/* number: of the frame; in frame 0 the camera is at the view's position. */
+/* Draws frame `number`. In frame 0 the camera is at the view's position. */
 static ost_status draw(ost_gl *gl, const step *s, const ost_frame_thing *still, int number, ost_frame *frame,
                        bench_series *series, ost_error *err)
 {
@@ -156,8 +156,8 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     int differ = 0;
     ost_status status = OST_OK;
     if (b->gl) {
-        /* A frame omits cells that the previous one found hidden, which with a moving camera were
-           seen from another position. */
+        /* A frame omits cells that were hidden in the previous frame, which a moving camera saw
+           from another position. */
         for (int i = 2; i >= 0 && status == OST_OK; i--)
             status = draw(b->gl, s, thing, i, frame, NULL, err);
         if (status == OST_OK)

@@ -3,8 +3,8 @@
  *   world --16 ticks of the reamer, some 60 a second--> ost_live_channel --> viewer --> the incremental frame
  *                                                                         '--> the complete frame
  *
- * Both are drawn alternately from the same state and must be bit-identical every time. The stages
- * of a frame are measured in separate frames, by a clock around every inner loop.
+ * Both frames are drawn alternately from the same state and must be bit-identical every time. The stages of a
+ * frame are measured in separate frames, by a clock around every inner loop.
  */
 #include "bench/render_kept.h"
 
@@ -155,7 +155,7 @@ static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *gl
     return status;
 }
 
-/* Runs the ticks until the next frame. *removed: voxels have been removed so far. */
+/* Runs the ticks until the next frame. Sets *removed if voxels have been removed so far. */
 static ost_status go_on(cut *c, bool *removed)
 {
     ost_status status = OST_OK;
@@ -183,7 +183,7 @@ static void exchange(cut *c)
     c->redrawn = other;
 }
 
-/* Draws the viewer's frame; with stages, a clock around every inner loop measures its stages. */
+/* Draws the viewer's frame. If `stages` is true, measures its stages by a clock around every inner loop. */
 static ost_status draw(cut *c, const ost_camera *camera, bool stages, bench_series *series)
 {
     ost_frame *f = &c->viewer.frame;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 2,000 ticks of a tool at work, by removal events alone (removal/sequence/1), by complete ticks of
- * the world (tick/sequence/1), and with the force before each, which computes the tool's pose for a
- * device on the same path (tick/force/1): one thread, chunks of 32^3, every tick timed separately.
- * Maps and boxes are made beforehand for the first row and inside the timed step for the second.
+ * Measures 2,000 ticks of a cutting tool: only the removal events (removal/sequence/1), complete
+ * ticks of the world (tick/sequence/1), and complete ticks after a computation of the force, which
+ * determines the tool's pose for a device on the same path (tick/force/1). All use one thread and
+ * chunks of 32^3, and every tick is timed separately. Maps and boxes are computed beforehand for
+ * the first row and inside the timed step for the second.
  *
  * The thesis' kernel runs only at every twentieth tick, on fresh chunks: its time depends on the
  * number of chunks that the tool's box enters, not on the remaining voxels, and all of its ticks

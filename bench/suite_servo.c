@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The servo loop without an operation: the deadlines that the machine itself makes a loop miss.
+ * Measures the servo loop without an operation, which shows how many deadlines are missed because of
+ * the machine.
  *
  *   servo/empty   a tick does nothing
  *   servo/spin    a tick reads the clock for SPIN_US, about as long as a tick of an operation takes;
  *                 a hypervisor takes more time from a core that is used more
  *
- * The figure is the delay after which a tick begins. Rows have no baseline, since no other loop is
- * compared; they are what the deadlines missed by `osteon sim` are compared with.
+ * The figure is the delay with which a tick begins. Rows have no baseline, because no other loop is
+ * compared. The deadlines missed by `osteon sim` are compared with these rows.
  */
 #include "bench/bench.h"
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A complete tick on one thread: oriented boxes, sweep, map, voxel box, removal, report, totals, by
- * ost_world_step. The event is the static one of the reamer: time advances, the tool does not move.
+ * Measures a complete tick of ost_world_step on one thread: oriented boxes, sweep, map, voxel box,
+ * removal, report, totals. The event is the static one of the reamer: time advances, but the tool
+ * does not move.
  */
 #include "bench/path.h"
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a rect grid to a cubic grid to chunks (AR-CUB; thesis, Algs. 2.5 and 2.6, Table 2.2), of the
- * scapula: from a rect grid on the backend to a bone with its counts, by every rule. All rows
- * alternate, so that their ratios show the cost of a rule independently of other load on the
- * machine.
+ * Measures the conversion of the scapula from a rect grid to a cubic grid to chunks (AR-CUB;
+ * thesis, Algs. 2.5 and 2.6, Table 2.2). It begins with a rect grid on the backend, ends with a
+ * bone and its counts, and is measured for every rule. All rows alternate, so that their ratios
+ * show the cost of a rule independently of other load on the machine.
  *
- * The baseline only moves the same bytes: it writes as many as the bone's active chunks hold and
- * reads the rect grid once, or as often as that writing needs. Its buffers were touched before;
- * ours allocates its results within the measured time.
+ * The baseline only moves the same number of bytes: it writes as many bytes as the bone's active
+ * chunks contain, and reads the rect grid once, or repeatedly if it has fewer bytes than are
+ * written. Its buffers were touched before; ours allocates its results within the measured time.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"
@@ -54,7 +54,7 @@ static ost_status make_rect(transfer *t, ost_backend *backend, ost_grid **out)
     return status == OST_OK ? ost_grid_upload(*out, 0, t->ct.geometry.dims.z, t->ct.voxels, t->err) : status;
 }
 
-/* Makes the two calls of any program; their results are freed after the time is taken. */
+/* Makes the two calls that any program makes. Frees their results after the time is measured. */
 static ost_status convert(transfer *t, variant *v, const ost_grid *rect, bool timed, ost_bone **bone)
 {
     ost_grid *cubic = NULL;

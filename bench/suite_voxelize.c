@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a snapped mesh to a tool grid (thesis, section 2.3, Table 2.1), by the winding rule.
+ * Measures the conversion of a snapped mesh to a tool grid (thesis, section 2.3, Table 2.1), by
+ * the winding rule.
  *
  *   voxelize/sphere80k/N, voxelize/knot524k/N   cubes of N = 256, 512, 1024
  *   voxelize/reamer/0.5, voxelize/peg/0.5       the parametric tools
- *   the same and /bytes                         ours with one byte a voxel as output
+ *   the same names with /bytes                  ours with one byte per voxel as output
  *
- * The baseline is Embree: a packet of rays for sixteen rows, a filter that records every hit,
- * parity bits as output, including the hierarchy; both of Embree's build qualities are tried and
- * the better one counts. Both sides write bits into memory that was touched before, which makes
- * them comparable; ours is the voxelizer without the tool around it. A /bytes row is the public
- * call, which allocates the tool and gives each voxel its class, against the same baseline.
+ * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit,
+ * and parity bits as output. Its time includes building the hierarchy; both of Embree's build
+ * qualities are measured and the faster one counts. Both sides write bits into memory that was
+ * touched before, so that they are comparable; ours is the voxelizer alone, without creating a
+ * tool. A /bytes row compares the public call, which allocates the tool and assigns each voxel
+ * its class, with the same baseline.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
@@ -38,7 +40,7 @@ typedef struct voxelize {
     ost_voxelize_report report;
     bench_series ours_bits, ours, embree[2]; /* [low quality] */
     uint64_t *bits;     /* of the baseline */
-    uint64_t *own_bits; /* ours; NULL on a backend that makes only bytes */
+    uint64_t *own_bits; /* ours; NULL on a backend that writes only bytes */
     int64_t embree_solid;
     bool has_embree, equal;
 } voxelize;
@@ -56,7 +58,7 @@ static ost_status voxels_of(voxelize *v, ost_backend *backend, ost_tool_volume *
     return status;
 }
 
-/* Makes the bits of our own voxelizer; the backend must be cpu. */
+/* Computes the bits with our voxelizer; the backend must be cpu. */
 static ost_status make_bits(voxelize *v, ost_voxelize_report *report)
 {
     return ost_cpu_voxelize((const cpu_backend *)v->backend, &v->mesh, NULL, OST_FILL_WINDING, report,
@@ -194,7 +196,7 @@ static ost_status reserve_output(voxelize *v)
     return OST_OK;
 }
 
-/* Measures a mesh. mesh and grid remain the caller's. */
+/* Measures a mesh. The caller still owns mesh and grid. */
 static ost_status measure(const bench_options *options, bench_table *table, const char *name, const ost_mesh *mesh,
                           const ost_tool_geometry *grid, int count, ost_error *err)
 {
@@ -231,7 +233,7 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     char full[BENCH_NAME], both[BENCH_NAME];
     ost_mesh mesh = {0};
     const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
-    /* Two host volumes of bytes and a grid on a backend at once. */
+    /* Memory for two host volumes of bytes and a grid on a backend at the same time. */
     const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
     snprintf(full, sizeof full, "voxelize/%s/%d", name, side);
     snprintf(both, sizeof both, "voxelize/%s/%d/bytes", name, side);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arguments are set again for every chunk, as in Alg. 2.10; only the end of the event is waited
- * for. Each chunk has its own buffer, and the tool is int16, as in the thesis.
+ * Sets the arguments again for every chunk, as in Alg. 2.10, and waits only for the end of the
+ * event. Each chunk has its own buffer, and the tool is int16, as in the thesis.
  */
 #include "bench/thesis_cl.h"
 

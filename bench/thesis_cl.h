@@ -12,8 +12,8 @@
 typedef struct bench_cl bench_cl;
 
 /*
- * Opens the device that backend names by numbers ("cl:platform=0,device=1"; an omitted number, or
- * another backend, means 0). Returns NULL with the reason if there is none.
+ * Opens the device that `backend` selects by numbers ("cl:platform=0,device=1"; an omitted
+ * number, or another backend, means 0). Returns NULL with the reason if there is none.
  */
 bench_cl *bench_cl_open(const char *backend, char reason[BENCH_TEXT]);
 void bench_cl_close(bench_cl *cl); /* cl may be NULL */
