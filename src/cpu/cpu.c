@@ -107,7 +107,7 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
                     "order=N and voxelizer=NAME", option);
 }
 
-/* Parses a list of options. Writes zeros over the commas of text; options points into it afterwards. */
+/* Parses a list of options. Overwrites the commas of text with zeros; afterwards options points into text. */
 static ost_status read_options(char *text, cpu_options *options, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -141,8 +141,8 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
     if (status == OST_OK && !(sharing = malloc(sizeof *sharing)))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend cpu");
     /*
-     * It contains tables that are aligned to cache lines, so it is too; its size is then a multiple of
-     * the alignment.
+     * The backend contains tables that are aligned to cache lines, so the backend must be aligned too.
+     * Its size is a multiple of the alignment.
      */
     if (status == OST_OK && !(backend = aligned_alloc(_Alignof(cpu_backend), sizeof *backend)))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend cpu");

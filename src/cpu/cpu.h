@@ -12,10 +12,9 @@
  *   remove/     removal and collision; shape.c: a tool's distances and windows
  *   voxelize/   snapped mesh -> tool grid (voxelize.h; embree.h)
  *
- * The objects embed those of the reference, so an operation without a fast form
- * is the reference's function.  Each thread processes complete chunks, slices or
- * tiles, and no two threads write the same data; results are put in order
- * afterwards.
+ * The objects embed those of the reference, so an operation without a fast implementation uses the
+ * reference's function. Each thread processes complete chunks, slices or tiles, and no two threads
+ * write the same data; results are put in order afterwards.
  */
 #ifndef OST_CPU_CPU_H
 #define OST_CPU_CPU_H
@@ -38,7 +37,7 @@ typedef struct cpu_backend {
     ost_cpu_sharing *sharing; /* owned */
     ost_cpu_kernels kernels;
     ost_event_scratch event;
-    ost_chunk_pool *pools[3]; /* owned; for chunks of 16, 32 and 64 voxels a side; NULL before the first such bone */
+    ost_chunk_pool *pools[3]; /* owned; for chunks of 16, 32 and 64 voxels per side; NULL before the first such bone */
 } cpu_backend;
 
 #endif

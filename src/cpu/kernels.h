@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inner loops of the CPU backend.  Every slot is filled with its scalar
- * function first and then overwritten as far as the instruction set allows,
- * so no slot is ever NULL, and tests/simd compares every variant with the
- * scalar function.  A kernel checks no argument: the comment of its function
- * type is its contract, which the caller must keep.
+ * The inner loops of the CPU backend. Every slot is filled with its scalar function
+ * first and then overwritten as far as the instruction set allows, so no slot is
+ * ever NULL, and tests/simd compares every variant with the scalar function. A
+ * kernel checks no argument: the comment of its function type is its contract,
+ * which the caller must fulfil.
  *
  * Unless a contract states otherwise: a kernel reads and writes only the
  * elements that its contract mentions; pointers have the alignment of their
@@ -56,7 +56,7 @@ typedef void ost_blend_rows_fn(const int16_t *a, const int16_t *b, const size_t 
  * at is ascending (equal neighbours allowed) and not negative.  Every element
  * from from[at[0]] to from[at[width - 1] + 1] may be read.  at, minus (in pairs)
  * and to have a capacity of width rounded up to a multiple of 16; the elements
- * behind width may be read, and those of `to` may be overwritten.
+ * beyond width may be read, and those of `to` may be overwritten.
  */
 typedef void ost_stretch_row_fn(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to);
 
@@ -65,7 +65,7 @@ typedef void ost_stretch_row_fn(const int16_t *from, const int32_t *at, const in
  * over 0 <= r < count (1, 2 or 4) for 0 <= i < width (1 to 64).
  * |rows[r][i]| <= 2^30; the weights have one sign and sum to 2^30 or -2^30; the
  * results fit 16 bits.  rows[r] and to have a capacity of width rounded up to a
- * multiple of 16; the elements behind width may be read, and those of `to` may
+ * multiple of 16; the elements beyond width may be read, and those of `to` may
  * be overwritten.
  */
 typedef void ost_weigh_rows_fn(const int32_t *const rows[4], const int32_t weight[4], int count, int width,
@@ -101,7 +101,7 @@ typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count
  * Writes the density of voxel (at[0][i], at[1][i], at[2][i]) to densities[i]; the coordinates may be
  * any numbers.  The density is 0 outside the grid and for voxels that are not active.  The kernel reads
  * the chunk table's entries for voxels in the grid, the occupancy words for voxels in chunks with
- * memory, and for active voxels the density and the two bytes behind it, which belong to the chunk's
+ * memory, and for active voxels the density and the two bytes after it, which belong to the chunk's
  * allocation.  Of bone it reads only pointers, dims and chunk_size.
  */
 typedef void ost_sample_fn(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities);
@@ -112,12 +112,12 @@ typedef void ost_drain_fn(void);
 /* --------------------------------------------------- removal (cpu/remove/remove.h) */
 
 /*
- * Selects from the blocks from <= block < to those that have a base
- * (ost_block_base) in reach.  The range must not be empty and must lie in the
- * range that bases was made for and within first <= block < first + 2.  Writes
- * the selected blocks from blocks' first element on, with ascending numbers: u is
- * the base, number is x + 2y + 4z relative to first.  Sets blocks->count; up to
- * eight elements may be written.
+ * Among the blocks with from <= block < to, selects those whose base
+ * (ost_block_base) is in reach. The range must not be empty and must lie in the
+ * range that bases was made for and within first <= block < first + 2. Writes the
+ * selected blocks to `blocks`, beginning with its first element, with ascending
+ * numbers: u is the base, number is x + 2y + 4z relative to first. Sets
+ * blocks->count; up to eight elements may be written.
  */
 typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                            const int32_t from[3], const int32_t to[3], ost_cubes *blocks);
@@ -134,7 +134,7 @@ typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *
  * from occupancy.  mixed and inside must not overlap cubes; parts are appended and
  * the counts increased, and both have capacity for 8 parts per cube and
  * OST_CUBES_SLACK more, which may be overwritten.  u + centre and u + first of
- * every part fit int32.  Up to OST_CUBES_SLACK elements behind cubes->count may
+ * every part fit int32.  Up to OST_CUBES_SLACK elements beyond cubes->count may
  * be read; whatever their values are, the table entries read for them exist.
  * Values of cells are in [-64, 64].
  */
@@ -147,7 +147,7 @@ typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const 
  * outside the tool's grid are void).  If match->windows is set, the bricks must be
  * mixed ones of a split by the same shape (remove.h: "Match").
  * u + offset of every voxel fits int32.  hits has capacity for OST_CUBES_SLACK
- * more elements, which may be overwritten; the same number of elements behind
+ * more elements, which may be overwritten; the same number of elements beyond
  * bricks->count may be read and can have any value.
  */
 typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
@@ -169,10 +169,11 @@ typedef struct ost_vox_plan ost_vox_plan;
 
 /*
  * Marks the crossings of count triangles with the rows of a tile in the tile's
- * planes and spill.  list holds the triangles' numbers; if it is NULL, they are 0
- * to count - 1.  A triangle that is listed several times counts as often.  Planes
- * and spill may contain earlier crossings.  If several crossings have the same
- * centre, any of them may have the bit in the planes: they are equal.
+ * planes and spill. list holds the triangles' numbers; if it is NULL, they are 0 to
+ * count - 1. A triangle that is listed several times is counted that many times.
+ * Planes and spill may contain earlier crossings. If several crossings have the
+ * same centre, the bit in the planes may be that of any of them, because they are
+ * equal.
  */
 typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t count);
 
@@ -191,7 +192,7 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
  *
  * A block is OST_VOX_BLOCK words of planes.  The rows begin at the start of a
  * block and end at the end of a block or of the tile.  bits is 64-byte aligned and
- * is written in complete blocks.  Planes have no bits behind a row's last voxel.
+ * is written in complete blocks.  Planes have no bits after a row's last voxel.
  *
  * Sets OST_VOX_UNPROVEN and any_unproven for the other rows; their bits are undefined.
  * All rows of a block may be marked unproven if one of them is, or if some of them
@@ -202,11 +203,11 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
 
 /*
- * Expands rows of `words` (ost_vox_words(nx)) words into rows * nx classes.  No
- * voxel is set in both inputs; bits behind a row's last voxel can have any value.
- * noncutting may be NULL.  Reads rows * words words of each input and writes
- * rows * nx bytes, at any alignment.  If `stream` is true, stores bypass the
- * caches where the shape allows it; they are ordered before the return.
+ * Expands rows of `words` (ost_vox_words(nx)) words into rows * nx classes. No
+ * voxel is set in both inputs; bits after a row's last voxel can have any value.
+ * noncutting may be NULL. Reads rows * words words of each input and writes rows *
+ * nx bytes, at any alignment. If `stream` is true, stores bypass the caches where
+ * the shape allows it, and are ordered before the function returns.
  */
 typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
                                bool stream, uint8_t *voxels);

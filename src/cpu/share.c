@@ -9,7 +9,7 @@
 #endif
 
 /*
- * Thresholds, as measured (docs/log/0.1.md); a row's comment is its unit.  A
+ * Measured thresholds (docs/log/0.1.md); the comment of a row states its unit. A
  * second thread takes microseconds to start, and milliseconds if it waits for a core
  * that another process uses.
  */
@@ -87,8 +87,9 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * By the seed, a member waits until all members have begun as many blocks as it has,
- * so that they run at the same time, or it yields its core, or it continues at once.
+ * Depending on the seed, a member first waits until all members have begun as many
+ * blocks as it has, so that they run at the same time; or it yields its core; or it
+ * continues immediately.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {

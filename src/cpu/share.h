@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Thresholds of the work's size from which the CPU backend divides work among
- * threads, writes past the caches or splits it into parts, with a counter each.
+ * Thresholds for the size of work. From a threshold on, the CPU backend divides the work among
+ * threads, writes past the caches or splits the work into parts. Each threshold has a counter.
  *
  *   path, size of the work --ost_cpu_enters--> true from the path's threshold on, and it is counted
  *
@@ -19,9 +19,9 @@
  * path; items are then assigned to the threads in turn, one at a time, so that
  * each thread of a team gets its items even if it starts late.
  *
- * The option order=N assigns the blocks in another order and lets members pause
- * between them, both by the seed N, because a race that one schedule hides can
- * appear in another.  It changes no result.
+ * The option order=N assigns the blocks in another order and lets members pause between them, both
+ * determined by the seed N, because a race that one schedule hides can appear in another. The
+ * option does not change any result.
  *
  * ost_backend_paths (core/paths.h) reports the counters.
  */
@@ -62,7 +62,7 @@ typedef struct ost_cpu_sharing {
     bool dealt;                   /* blocks are assigned in turn: grain= or order= was given */
     uint64_t order;               /* seed of order=; 0: none */
     uint64_t teams;               /* number of teams so far, counted only with order=; each has its own order */
-    uint64_t entered[OST_CPU_PATHS]; /* shared paths are counted only if every thread had a part */
+    uint64_t entered[OST_CPU_PATHS]; /* shared paths are counted only if every thread processed a part */
 } ost_cpu_sharing;
 
 /* Initialises *sharing. grain is 0 for the measured thresholds; order is 0 for none. */
@@ -97,14 +97,14 @@ typedef struct ost_member {
 } ost_member;
 
 /*
- * Returns a team for count items in blocks of `block` items; with block 0 each member has one block.
- * size is the size of the work in the path's unit.
+ * Returns a team for count items in blocks of `block` items; if block is 0, each member processes
+ * one block. size is the size of the work in the path's unit.
  */
 ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count,
                      int64_t block);
 /* Returns the calling thread's member; every thread of the parallel region must call it. */
 ost_member ost_team_join(ost_team *team);
-/* Counts the path as entered if every thread had a part; called after the parallel region. */
+/* Counts the path as entered if every thread processed a part. Called after the parallel region. */
 void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);
 
 /* Pauses according to the order, then returns the block of this turn of a member. */

@@ -4,8 +4,8 @@
  * words of four voxels each.  The first words of two rows are an eighth of one
  * brick, the second words an eighth of the other.
  *
- * `stream` is ignored: the intrinsics have no stores that bypass the caches.
- * Therefore drain needs no NEON variant.
+ * `stream` is ignored, because the intrinsics have no stores that bypass the
+ * caches. Therefore drain needs no NEON variant.
  */
 #include "core/conditions.h"
 #include "core/neon.h"

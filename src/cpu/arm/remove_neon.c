@@ -3,8 +3,8 @@
  * Removal in NEON: the same steps as on x86, with
  *
  *   split   a cube's eight parts in two registers, packed by a table of moves
- *   match   coordinates in 16-bit lanes, their high bytes; the 64 bytes of
- *           a window are one table of TBL's
+ *   match   coordinates in 16-bit lanes, of which the high bytes are used; the
+ *           64 bytes of a window are one table for TBL
  *   take    eight densities per register; masks are vectors
  */
 #include "core/conditions.h"
@@ -107,7 +107,7 @@ static inline int32x4_t windows_of(int32x4_t voxel, int32_t step)
     return vreinterpretq_s32_u32(vshrq_n_u32(vmulq_n_u32(vreinterpretq_u32_s32(voxel), inverse), 16));
 }
 
-/* Computes the positions of bricks from .. from + 3. The values of lanes behind the last brick are not used. */
+/* Computes the positions of bricks from .. from + 3. The values of lanes after the last brick are not used. */
 static inline void place_four(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
 {
     const ost_windows *w = &match->shape->windows;
@@ -218,10 +218,9 @@ void ost_match_neon(const ost_match *match, const ost_cubes *bricks, uint64_t *h
 /* ------------------------------------------------------------------- take */
 
 /*
- * Sums are in 32-bit lanes: a brick adds 8 registers of 2 densities each, below
- * 8 * 2 * 2^15 = 2^19, and 512 bricks add less than 2^28.  Counts are in 16-bit
- * lanes: 8 per brick, at most 4096.  The number of borders is a constant of the
- * caller.
+ * Sums are in 32-bit lanes: a brick adds 8 registers of 2 densities each, below 8 *
+ * 2 * 2^15 = 2^19, and 512 bricks add less than 2^28. Counts are in 16-bit lanes: 8
+ * per brick, at most 4096. Callers pass the number of borders as a constant.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
                                                               const int32_t *number, const uint64_t *hits, size_t count,

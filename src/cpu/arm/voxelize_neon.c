@@ -2,8 +2,8 @@
 /*
  * The voxelizer's kernels for NEON, which process two triangles or sixteen classes at once.
  *
- * vox_fill has no NEON variant: it is a subtraction with borrows, which NEON does
- * not have and which the scalar loop does for 64 voxels at once.
+ * vox_fill has no NEON variant, because it is a subtraction with borrows. NEON has no such
+ * instruction, and the scalar loop subtracts 64 voxels at once.
  */
 #include "core/neon.h"
 #include "cpu/kernels.h"
@@ -17,8 +17,8 @@ typedef uint64x2_t vm;
 typedef int32x2_t vi;
 
 /*
- * -ffp-contract=off prevents fused multiply-add. Fusing would not change results, as every product that
- * is summed here is exact.
+ * -ffp-contract=off prevents fused multiply-add. Fusing would not change results, because every product
+ * that is summed here is exact.
  */
 #define vd_set(x) vdupq_n_f64(x)
 #define vd_add vaddq_f64
@@ -43,7 +43,7 @@ typedef int32x2_t vi;
 #define vi_from_vd(a) vmovn_s64(vcvtq_s64_f64(a))
 #define vd_from_vi(a) vcvtq_f64_s64(vmovl_s32(a))
 
-/* Loads exactly twelve bytes per vertex, as nothing may be read behind the last one. */
+/* Loads exactly twelve bytes per vertex, because nothing may be read after the last vertex. */
 static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
 {
     const int32_t *p = mesh->vertices[v[0][corner]], *q = mesh->vertices[v[1][corner]];
@@ -70,7 +70,10 @@ static inline int32x4_t yz_of_both(const ost_snapped_mesh *mesh, const uint32_t 
                         vld1_s32(mesh->vertices[mesh->triangles[t[1]][corner]] + 1));
 }
 
-/* Compares integers before any transposition. */
+/*
+ * Returns the bits of the triangles that have a row's centre in their bounds. Compares integers before any
+ * transposition.
+ */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
     const int32x4_t h = vdupq_n_s32(1 << (tile->f - 1)), h1 = vdupq_n_s32((1 << (tile->f - 1)) - 1),
@@ -95,7 +98,7 @@ static inline vi greatest(vi a, vi b, vi c)
 static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
 {
     const vi h = vdup_n_s32(1 << (plan->f - 1)), h1 = vdup_n_s32((1 << (plan->f - 1)) - 1);
-    /* to the right */
+    /* negative counts, which shift to the right */
     const vi f = vdup_n_s32(-plan->f), sy = vdup_n_s32(-plan->shift_y), sz = vdup_n_s32(-plan->shift_z);
     const vi j0 = vshl_s32(vadd_s32(least(ay, by, cy), h1), f), k0 = vshl_s32(vadd_s32(least(az, bz, cz), h1), f);
     const vi j1 = vshl_s32(vsub_s32(greatest(ay, by, cy), h), f), k1 = vshl_s32(vsub_s32(greatest(az, bz, cz), h), f);
@@ -123,8 +126,8 @@ void ost_vox_keys_neon(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, s
 /* ---------------------------------------------------------------- classes */
 
 /*
- * Spreads sixteen bits to bytes of 0 or -1: each byte gets the byte that contains its bit, and is
- * tested for that bit.
+ * Spreads sixteen bits to bytes of 0 or -1: each byte receives a copy of the byte that contains
+ * its bit, and is tested for that bit.
  */
 static inline uint8x16_t spread(uint64_t bits)
 {
@@ -141,7 +144,7 @@ static inline uint8x16_t classes_of(const uint64_t *cutting, const uint64_t *non
     return v;
 }
 
-/* `stream` is ignored: the intrinsics have no stores that bypass the caches. */
+/* Ignores `stream`, because the intrinsics have no stores that bypass the caches. */
 void ost_vox_expand_neon(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
                          bool stream, uint8_t *voxels)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Uploads and downloads slices of a bone of bricks.  A layer of bricks is four
- * slices high.  If a slab contains only a part of it, all rows of the layer are
+ * Uploads and downloads slices of a bone of bricks. A layer of bricks is four
+ * slices high. If a slab contains only a part of a layer, all rows of the layer are
  * assembled first (zeros outside the grid, the bone's voxels outside the slab), and
  * one kernel converts sixteen rows into a row of bricks:
  *
@@ -304,9 +304,9 @@ ost_status ost_cpu_bone_download(const ost_bone *base, int32_t z0, int32_t count
 }
 
 /*
- * Reads the 32^3 voxels of a leaf, zero outside the grid.  Returns false, without
- * writing, if no chunk in it has memory.  A leaf is (32/n)^3 complete chunks or an
- * eighth of one: in both cases parts of min(n, 32) voxels a side.
+ * Reads the 32^3 voxels of a leaf, zero outside the grid. Returns false, without
+ * writing, if no chunk in it has memory. A leaf is (32/n)^3 complete chunks or an
+ * eighth of one: in both cases parts of min(n, 32) voxels per side.
  */
 static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 {
@@ -372,7 +372,7 @@ static void rows_of_bricks(const uint64_t brick[8], uint32_t row[16])
         }
 }
 
-/* Converts a chunk's occupancy to words of 32 voxels along x; a word has two rows of a chunk of 16^3. */
+/* Converts a chunk's occupancy to words of 32 voxels along x; for a chunk of 16^3, a word contains two rows. */
 static void occupancy_rows(const uint64_t *occupancy, int32_t n, uint32_t *words)
 {
     const int32_t bricks = min32(n / 4, 8);

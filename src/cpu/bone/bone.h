@@ -11,9 +11,9 @@
  *     number x + 4 y + 16 z                 | 2 ---|-3     x lowest
  *                                           0 ---- 1
  *
- * Reason: removal decides the 64 voxels of a brick at once, as one word, and
- * writes two cache lines instead of sixteen.  The words of 8^3 voxels fill one
- * cache line.  A cube of 8, 16 or 32 voxels is one run of bricks in every chunk
+ * Reason: removal processes the 64 voxels of a brick at once, as one word, and
+ * writes two cache lines instead of sixteen. The words of 8^3 voxels fill one cache
+ * line. The bricks of a cube of 8, 16 or 32 voxels are contiguous for every chunk
  * size.
  *
  * The invariants are those of core/chunk_grid.h: a voxel is active iff its density
@@ -30,7 +30,7 @@
 typedef struct cpu_chunk {
     int16_t *density;    /* owned; 64-byte aligned block, densities and then occupancy; NULL if active is 0 */
     uint64_t *occupancy; /* in the same block */
-    ost_chunk_pool *pool; /* the pool that the block belongs to; NULL: malloc */
+    ost_chunk_pool *pool; /* the pool that owns the block; NULL if it was allocated by malloc */
     int32_t active;
     int32_t highest;
 } cpu_chunk;
@@ -67,7 +67,7 @@ static inline int32_t ost_brick_gather(int32_t number)
 
 /*
  * Allocates a block of undefined content for a chunk without memory, from the pool if it is not NULL
- * and has one, otherwise by malloc. Returns false if there is no memory.
+ * and has a free block, otherwise by malloc. Returns false if there is no memory.
  */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);
 /* Frees the memory of a chunk whose active is 0. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The stack's height is one atomic number.  A take decrements it, a give increments
- * it, and only the calling thread accesses the slot at that height.  As takes and
- * gives do not overlap, threads need no other synchronisation.
+ * The stack's height is one atomic number. A take decrements it, a give increments
+ * it, and only the calling thread accesses the slot at that height. Because takes
+ * and gives do not overlap, threads need no other synchronisation.
  */
 #include "cpu/bone/chunk_pool.h"
 
@@ -15,7 +15,7 @@
 
 enum { EXTENTS_MAX = 64 };
 #define HUGE_PAGE ((size_t)1 << 21)
-/* The most bytes of touched blocks that a trim leaves mapped if no block is in use. */
+/* The greatest number of bytes of touched blocks that a trim leaves mapped if no block is in use. */
 #define RETAINED_BYTES ((size_t)1 << 28)
 
 typedef struct extent {
@@ -65,8 +65,8 @@ void ost_chunk_pool_close(ost_chunk_pool *pool)
 }
 
 /*
- * Reserves addresses, without memory, aligned to a huge page: maps a huge page more and unmaps the
- * excess at both ends.
+ * Reserves addresses, without memory, aligned to a huge page: maps one huge page more than needed
+ * and unmaps the excess at both ends.
  */
 static unsigned char *map_aligned(size_t bytes)
 {
@@ -152,8 +152,8 @@ void ost_chunk_pool_trim(ost_chunk_pool *pool)
     if (fresh == 0)
         return;
     /*
-     * The next fresh block begins where the last touched one ends, possibly in the same huge page,
-     * which is mapped then.
+     * The next fresh block begins where the last touched block ends. The rest of the huge page
+     * that contains this position may be mapped; it is released.
      */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;

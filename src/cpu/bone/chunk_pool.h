@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pool of blocks for chunks of one size.  Freed blocks stay mapped for reuse.
+ * A pool of blocks for chunks of one size. Freed blocks remain mapped for reuse.
  *
  *   extents     [ block | block | block | ...              ]  mapped; memory is touched on use
  *   stack       fresh ... fresh | returned ... returned <- top
@@ -8,7 +8,7 @@
  *
  * Reserving blocks for a grid in which every chunk may be active uses addresses, not
  * memory: the system allocates pages when a block is first written, huge pages if
- * it supports them, and a trim releases the part of a huge page behind the last
+ * it supports them, and a trim releases the part of a huge page after the last
  * block.  Returned blocks are taken first, so that a second bone on the same
  * backend causes no page faults.
  *
@@ -31,19 +31,22 @@ ost_chunk_pool *ost_chunk_pool_open(size_t block_bytes);
 void ost_chunk_pool_close(ost_chunk_pool *pool);
 
 /*
- * Ensures that the next `count` takes succeed. Returns false, without a change, if addresses or memory
- * are lacking.
+ * Ensures that the next `count` takes succeed. Returns false, without any change, if there are not
+ * enough addresses or not enough memory.
  */
 bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count);
-/* Returns the bytes that the pool uses besides the blocks: its stack, and up to a page behind the last block. */
+/*
+ * Returns the number of bytes that the pool uses in addition to the blocks: its stack, and up to a page after the last
+ * block.
+ */
 size_t ost_chunk_pool_overhead(const ost_chunk_pool *pool);
 /* Returns a 64-byte aligned block of undefined content, or NULL if no reserved block is available. */
 void *ost_chunk_pool_take(ost_chunk_pool *pool);
 /* Returns a block to the pool. */
 void ost_chunk_pool_give(ost_chunk_pool *pool, void *block);
 /*
- * Releases pages that no block uses: those behind the last block touched, or, if no block is in use
- * and many are mapped, all.
+ * Releases pages that no block uses: those after the last block touched, or all pages if no block
+ * is in use and many are mapped.
  */
 void ost_chunk_pool_trim(ost_chunk_pool *pool);
 

@@ -10,14 +10,14 @@
  *         for every four rows      sixteen rows are written as a row of bricks
  *
  * Memory for a chunk is allocated at the first layer with an active voxel; the
- * layers before it have none and are then written as zeros.  So a source row is
- * read from memory once and from the nearest cache afterwards, and an empty chunk
- * is never written.  Tasks write to disjoint chunks.
+ * earlier layers have no active voxel and are then written as zeros. A source row
+ * is therefore read from memory once and from the nearest cache afterwards, and an
+ * empty chunk is never written. Tasks write to disjoint chunks.
  *
- * Interpolated rows are computed sixteen at a time, just before they are
- * written.  A weighted mean never exceeds the greatest of its voxels.  So if the
- * source rows of a layer have no active voxel, the layer has none either, and is
- * not interpolated.
+ * Interpolated rows are computed sixteen at a time, just before they are written. A
+ * weighted mean never exceeds the greatest of its voxels. If the source rows of a
+ * layer have no active voxel, the layer therefore has none either, and is not
+ * interpolated.
  */
 #include "core/conditions.h"
 
@@ -54,7 +54,7 @@ typedef struct task {
     cpu_tap y[N_MAX], z[4];
     int slices; /* slices of the layer that lie in the grid */
     size_t row[2 * N_MAX]; /* source rows of all y, in ascending order, without duplicates */
-    int rows, first[N_MAX / 4]; /* count of row[]; per four y: index of the first row that no earlier y has */
+    int rows, first[N_MAX / 4]; /* number of rows in row[]; per four y: index of the first row that no earlier y uses */
     /* Source slices of the layer, and those of the next layer that are new, both in ascending order, without
        duplicates. */
     size_t source[SLICES], ahead[SLICES];
@@ -104,7 +104,7 @@ static void enter_layer(const filling *f, task *t, int32_t z, bool last)
     if (!last && t->sources > 0)
         list_slices(f, z + 4, next, t->source[t->sources - 1] + 1, t->ahead, &t->aheads);
     for (int32_t y = 0; y < t->height && f->linear; y += 4) {
-        /* Taps ascend, so these four y share at most two rows with those before. */
+        /* Taps ascend, so these four y share at most two rows with the preceding ones. */
         const int begin = t->first[y / 4] > 2 ? t->first[y / 4] - 2 : 0;
         const int end = y + 4 < t->height ? t->first[y / 4 + 1] : t->rows;
         int count = 0;
@@ -118,7 +118,7 @@ static void enter_layer(const filling *f, task *t, int32_t z, bool last)
 
 /* -------------------------------------------------------- active voxels */
 
-/* Sets *first to the first source voxel along x of voxels [x0, x0 + width) and returns how many there are. */
+/* Sets *first to the first source voxel along x of voxels [x0, x0 + width) and returns the number of source voxels. */
 static int32_t span_of(const filling *f, int32_t x0, int32_t width, int32_t *first)
 {
     const int32_t *map = f->view.map[0];
@@ -169,7 +169,8 @@ static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0
 
 /*
  * Interpolates the rows from y on, up to four in each of the layer's slices.
- * Returns false, and may write none of them, if none has an active voxel.
+ * Returns false without writing them if no source voxel is active, because then no
+ * interpolated voxel is active.
  */
 static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t width, int32_t y,
                         int16_t (*to)[OST_ROW_STRIDE])
@@ -243,7 +244,7 @@ static void prefetch(const filling *f, const task *t, size_t from, int32_t y)
 
 /*
  * Finds sixteen rows of n voxels for a row of bricks: in the store if they are stored there, otherwise
- * made in spare.
+ * computed in spare.
  */
 static void find_rows(const filling *f, const task *t, int32_t x0, int32_t width, bool run, int32_t y,
                       int16_t (*spare)[OST_ROW_STRIDE], const int16_t *rows[16])

@@ -147,8 +147,8 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
 }
 
 /*
- * One thread's report, and the index of its conflict's sample: of two conflicts on one line the
- * earlier is reported.
+ * One thread's report, and the index of the sample of its conflict. Of two conflicts on one
+ * line, the earlier one is reported.
  */
 typedef struct part_report {
     ost_scatter_report sums;
@@ -157,7 +157,7 @@ typedef struct part_report {
 
 /*
  * Adds the counts of a thread's report and merges its lines by the lowest. *conflict is the index of
- * the sample of the conflict in `to`, -1 if that is of an earlier batch.
+ * the sample of the conflict in `to`, or -1 if that conflict is from an earlier batch.
  */
 static void merge(ost_scatter_report *to, int *conflict, const part_report *from)
 {
@@ -201,7 +201,7 @@ static void scatter(const batch *b, ost_team *team, const ost_sample *samples, i
 #pragma omp for schedule(static)
         for (int i = 0; i < count; i++)
             b->at[i] = place_sample(b->axes, &samples[i], b->first_line + samples[i].line, &mine.sums);
-        /* Ranges end at multiples of 8: a byte of `seen` has one owner. */
+        /* Ranges end at multiples of 8, so each byte of `seen` is written by one thread only. */
 #pragma omp for schedule(static, 1) nowait
         for (int part = 0; part < threads; part++) {
             int64_t each = (b->voxels / threads / 8 + 1) * 8, lo = each * part, hi = lo + each;

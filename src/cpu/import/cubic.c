@@ -5,7 +5,7 @@
  *   nearest, thesis   indices; if the rect grid is itself a selection, its
  *                     indices are looked up
  *   linear            indices and weights (cpu_view); if the rect grid is
- *                     itself made of lists, it gets a store of its own first
+ *                     itself made of lists, it is first copied to its own store
  */
 #include "core/conditions.h"
 
@@ -15,14 +15,14 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* Voxel `index` has the weight 2^15 - weight and the next one `weight`; the next one lies in the grid if weight > 0. */
+/* Voxel `index` has the weight 2^15 - weight, the next voxel `weight`. If weight > 0, the next voxel is in the grid. */
 typedef struct source_position {
     int32_t index, weight;
 } source_position;
 
 /*
- * Finds the place of cubic voxel i among n rect voxels.  (2 i + 1) * spacing <
- * 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38.  The floor of rule thesis is below n,
+ * Computes the position of cubic voxel i among n rect voxels. (2 i + 1) * spacing <
+ * 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38. The floor of rule thesis is below n,
  * since i < ceil(n rect / cubic).
  */
 static source_position source_position_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
@@ -63,7 +63,10 @@ static void free_lists(lists *l)
     }
 }
 
-/* Makes the lists of an axis, with capacity up to a multiple of 16 (kernels.h). Returns false if there is no memory. */
+/*
+ * Makes the lists of an axis, with a capacity rounded up to a multiple of 16 (kernels.h). Returns false if there is no
+ * memory.
+ */
 static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, ost_pm rect, ost_resample rule)
 {
     const size_t capacity = ((size_t)to + 15) / 16 * 16;
@@ -88,8 +91,9 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 
 /*
  * Drops the weights that cpu_view does not need: all, or all but those of z, or
- * those of y and z without a weight above 0.  If x has weights, its last voxel is
- * represented as the upper neighbour of the previous one, so that both exist.
+ * those of y and z without a weight above 0. If x has weights, its last voxel is
+ * represented as the upper neighbour of the previous one, so that both neighbours
+ * exist.
  */
 static void finish_weights(lists *l, int32_t width, int32_t last)
 {
@@ -108,7 +112,7 @@ static void finish_weights(lists *l, int32_t width, int32_t last)
 ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                  ost_error *err)
 {
-    cpu_grid *rect = (cpu_grid *)(uintptr_t)base; /* may get a store of its own, which changes no voxel */
+    cpu_grid *rect = (cpu_grid *)(uintptr_t)base; /* may be copied to its own store, which changes no voxel */
     const ost_geometry *r = &base->geometry;
     const int32_t from[3] = {r->dims.x, r->dims.y, r->dims.z},
                   to[3] = {geometry->dims.x, geometry->dims.y, geometry->dims.z};

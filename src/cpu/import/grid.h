@@ -7,11 +7,12 @@
  *   cubic grid   ----'    256 x 234 x 201
  *    map z: 0 0 1 1 2 3 3 4 ... (428)
  *
- * A resampled grid shares the other grid's store and has a list of ascending
- * indices for each axis, and a list of weights for an axis that is interpolated.
- * Chunks are made from these.  The grid gets a store of its own only if it is
- * written to, or if an interpolation needs neighbours that are not adjacent in the
- * store.  A store with several holders is never written to.
+ * A resampled grid shares the store of the grid that it was made from. It has a
+ * list of ascending indices for each axis, and a list of weights for an axis that
+ * is interpolated. Chunks are made from the store and the lists. The grid is given
+ * its own store only if it is written to, or if an interpolation needs neighbours
+ * that are not adjacent in the store. A store with several holders is never written
+ * to.
  */
 #ifndef OST_CPU_GRID_H
 #define OST_CPU_GRID_H
@@ -81,7 +82,7 @@ static inline bool ost_cpu_view_linear(const cpu_view *view)
 /*
  * Computes voxels [x0, x0 + width) of ny rows in each of nz slices of a view
  * with weights: to[4 k + j] becomes row j of slice k.  width <= 64, ny <= 4,
- * nz <= 4; x0 is a multiple of 16; taps ascend.  Elements of `to` behind width
+ * nz <= 4; x0 is a multiple of 16; taps ascend.  Elements of `to` beyond width
  * may be overwritten.
  */
 void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t x0, int32_t width,

@@ -16,14 +16,14 @@
 
 enum { SOURCES = 8 };
 
-/* The offsets of several taps, ascending without repetition; of[t][i] is the index in from of offset i of tap t. */
+/* The offsets of several taps, ascending without repetition; of[t][i] is the index in from[] of offset i of tap t. */
 typedef struct sources {
     size_t from[SOURCES];
     int count;
     int of[4][2];
 } sources;
 
-/* Lists the offsets of the taps. As taps ascend, each offset is new, the last one, or the one before the last. */
+/* Lists the offsets of the taps. Because taps ascend, each offset is new, the last one, or the one before the last. */
 static sources sources_of(const cpu_tap *taps, int count)
 {
     sources s = {.count = 0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From the samples of a CT text to the cubic grid (thesis, Algs. 2.2-2.5).
+ * Converts the samples of a CT text to the cubic grid (thesis, Algs. 2.2-2.5).
  *
  *   sample at p --RHE((p - origin) / spacing)--> voxel of the rect grid      AR-CT-4
  *
@@ -206,8 +206,8 @@ ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
 enum { WEIGHT_BITS = 15 };
 
 /*
- * One axis of a cubic voxel: voxel index has the weight 2^15 - weight, voxel index + 1 has `weight` and
- * is read only if that is above 0.
+ * One axis of a cubic voxel: voxel `index` has the weight 2^15 - weight. Voxel index + 1 has the weight
+ * `weight` and is read only if `weight` is above 0.
  */
 typedef struct tap {
     int64_t index;

@@ -24,8 +24,8 @@
 enum { BLOCK = OST_MAP_BLOCK };
 
 /*
- * The class (OST_TOOL_*) of the tool voxel that covers each bone voxel of a block; over all poses,
- * cutting has priority.
+ * For each bone voxel of a block, the class (OST_TOOL_*) of the tool voxel that covers it. If
+ * several poses cover it, cutting has priority.
  */
 typedef struct block_marks {
     uint8_t mark[BLOCK][BLOCK][BLOCK]; /* [z][y][x] */
@@ -52,9 +52,9 @@ static int32_t max32(int32_t a, int32_t b)
 }
 
 /*
- * Returns true if all corners of a block lie on the same side of the tool's grid on one axis; u is
- * linear, so all of its voxels do. The least and the greatest u are those of corners, so they fit
- * int32 (AR-MAP-5).
+ * Returns true if all corners of a block lie on the same side of the tool's grid on one axis.
+ * Because u is linear, all voxels of the block then lie on that side. The least and the greatest u
+ * are those of corners, so they fit int32 (AR-MAP-5).
  */
 static bool block_misses(const ost_dims dims, const int32_t base[3], const int32_t step[3][3])
 {
@@ -71,7 +71,10 @@ static bool block_misses(const ost_dims dims, const int32_t base[3], const int32
     return false;
 }
 
-/* Returns true if both ends of a row lie on the same side of the tool's grid; u is linear, so all of the row does. */
+/*
+ * Returns true if both ends of a row lie on the same side of the tool's grid. The entire row then lies there, because
+ * u is linear.
+ */
 static bool row_misses(const ost_dims dims, const int32_t u[3], const int32_t step[3])
 {
     const int32_t end[3] = {dims.x << OST_MAP_FRACTION, dims.y << OST_MAP_FRACTION, dims.z << OST_MAP_FRACTION};
@@ -114,7 +117,10 @@ static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const 
     const int32_t x = first[0] % n, y = first[1] % n, z = first[2] % n;
     for (int32_t k = lo[2]; k < hi[2]; k++)
         for (int32_t j = lo[1]; j < hi[1]; j++) {
-            /* A row of a block lies in one word of the occupancy, since 16 divides both. */
+            /*
+             * A row of a block lies in one word of the occupancy, because it begins at a multiple of 16 bits and a word
+             * has 32.
+             */
             const uint32_t v = (uint32_t)(x + n * ((y + j) + n * (z + k)));
             const uint32_t active = chunk->occupancy[v / 32] >> (v % 32) & 0xffff;
             int32_t u[3];
@@ -191,7 +197,7 @@ static void run_chunk(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_
             }
 }
 
-/* Computes the half-open range of chunks around all poses' boxes; lo > hi if all boxes are empty. */
+/* Computes the half-open range of chunks that contains all poses' boxes; lo > hi if all boxes are empty. */
 static void chunk_range(const ost_chunk_grid *grid, const ost_removal_event *event, int32_t lo[3], int32_t hi[3])
 {
     for (int a = 0; a < 3; a++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the voxel centres inside a closed mesh, step by step as AR-VOX defines it.
+ * Finds the voxel centres inside a closed mesh, in the steps that AR-VOX defines.
  *
  * A line along x passes through the centres of every row (j, k).  Where it enters
  * the mesh the winding number increases by one, where it leaves it decreases:
@@ -8,11 +8,11 @@
  *        enter                 leave
  *   . . . |+1 o   o   o   o   o |-1 .   .        o  winding != 0: solid
  *
- * A triangle is crossed by the lines that its projection on (y, z) owns.  Its
- * step, +1 or -1, is added at the first centre not left of the crossing, in a
- * difference array of one slice.  A running sum along x gives every winding
- * number, and the last sum must be zero, as a line that enters a closed mesh also
- * leaves it.  Otherwise the mesh leaks: the row is counted and stays void.
+ * A triangle is crossed by the lines that its projection on (y, z) owns. Its step,
+ * +1 or -1, is added at the first centre not left of the crossing, in a difference
+ * array of one slice. A running sum along x gives every winding number, and the
+ * last sum must be zero, because a line that enters a closed mesh also leaves it.
+ * Otherwise the mesh leaks, and the row is counted and remains void.
  *
  * Ownership.  The triangle is oriented so that its projection runs
  * counter-clockwise.  For each edge a -> b,
@@ -47,7 +47,7 @@ typedef struct slice {
     ost_dims dims;
     int f;
     int32_t k;
-    int32_t *steps; /* (dims.x + 1) * dims.y elements; a step at dims.x lies behind the last centre */
+    int32_t *steps; /* (dims.x + 1) * dims.y elements; a step at dims.x lies after the last centre */
 } slice;
 
 /* Returns the lattice coordinate of centre i. */

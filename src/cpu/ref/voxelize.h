@@ -7,7 +7,7 @@
 
 /*
  * Voxelizes both meshes. noncutting may be NULL; otherwise it is snapped to the same grid. voxels has
- * capacity for the entire grid, and all of it is written, as is *report, unless it is NULL.
+ * capacity for the entire grid. The function writes all voxels and, unless report is NULL, *report.
  */
 ost_status ost_ref_voxelize(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, ost_fill_rule rule,
                             ost_voxelize_report *report, uint8_t *voxels, ost_error *err);

@@ -4,11 +4,11 @@
  *
  *   exact coordinate of block (x, y, z)  =  X[x] + Y[y] + Z[z],  each a multiple of 1 / divisor
  *
- * The three parts are tabulated, in units of 2^-16, rounded down with an
- * error below 2: their sum V has  V <= exact * 2^16 < V + 6.  With W = V + 2^15
- * the base is floor(W / 2^16) whenever the low 16 bits of W are 1..2^16 - 7, since then
- * exact + 1/2 lies strictly between that integer and the next.  Otherwise,
- * once in nearly ten thousand, ost_map_block_base divides.
+ * The three parts are tabulated, in units of 2^-16, rounded down with an error below 2: their
+ * sum V has V <= exact * 2^16 < V + 6. With W = V + 2^15 the base is floor(W / 2^16) whenever
+ * the low 16 bits of W are 1..2^16 - 7, since then exact + 1/2 lies strictly between that
+ * integer and the next. Otherwise (once in nearly ten thousand bases) ost_map_block_base
+ * divides.
  *
  * Ranges: |exact| < 2^45.2, and |Y|, |Z| < 2^44.1 (16 m of bone in tool voxels of
  * at least 1 um), so the sums stay below 2^63.

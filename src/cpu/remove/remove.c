@@ -23,10 +23,10 @@
  * and that some pose covers with a voxel of class 2.  A second pass with the
  * tool's other shape counts them on copies of the remaining occupancy.
  *
- * Kernels process complete cubes of a unit, so voxels outside a pose's box can be
- * tested; the reference tests none there.  If a cube that is not outside the tool
- * crosses the box, its hits are clipped to the box, so that the results are the
- * same even for a box that is too small.
+ * Kernels process complete cubes of a unit, so they can also test voxels outside a pose's
+ * box, which the reference does not test. If a cube that is not outside the tool crosses the
+ * box, its hits are clipped to the box, so that the results are the same even for a box that
+ * is too small.
  */
 #include "cpu/remove/event.h"
 
@@ -133,7 +133,7 @@ typedef struct hit_list {
     size_t count;
 } hit_list;
 
-/* Appends the active ones among `hits` of a brick to the list and makes them inactive. */
+/* Appends the active voxels among `hits` of a brick to the list and makes them inactive. */
 static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number, uint64_t hits)
 {
     const uint64_t active = occupancy[number], hit = active & hits;
@@ -265,7 +265,10 @@ static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, i
     run_chunk(&backend->kernels, &scratch->plan, n, chunk, apply, classes, classes ? &chunk->tally : &chunk->touched);
 }
 
-/* Separate from the plain loop, as even a team of one thread makes a system call at its end, in every tick. */
+/*
+ * Processes the listed chunks with several threads. The function is separate from the plain loop, because even a team
+ * of one thread makes a system call at its end, which would occur in every tick.
+ */
 static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply,
                        const ost_density_classes *classes)
 {

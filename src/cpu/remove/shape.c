@@ -22,8 +22,8 @@ enum { VOID, SOLID, BOTH };
 enum { REACH = OST_CELL_REACH, FAR = REACH * REACH };
 
 /*
- * The edge of a granule is 2^granule tool voxels, that of a cell `per` granules; a bone voxel is at
- * most one granule.
+ * The edge of a granule is 2^granule tool voxels, that of a cell `per` granules; the edge of a bone
+ * voxel is at most that of a granule.
  */
 typedef struct grain {
     int granule, per;
@@ -51,7 +51,7 @@ static size_t product(const int32_t d[3])
 
 /*
  * Sets the state of each granule from its voxels, one line of granules at a time, by counting the solid
- * voxels of each (at most 16^3 = 4096). Returns false if memory is lacking.
+ * voxels of each (at most 16^3 = 4096). Returns false if there is no memory.
  */
 static bool mark_granules(const ost_shape *shape, lattice *l)
 {

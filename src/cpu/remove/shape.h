@@ -6,7 +6,7 @@
  *   cells     a lower bound of the distance to the solid's surface;
  *             classifies cubes of bone voxels as inside, outside or mixed
  *   windows   8^3 tool voxels as 64 bytes, one at every third voxel of each axis:
- *             gives the 64 voxels of a mixed brick by one look-up each
+ *             classifies the 64 voxels of a mixed brick by one look-up each
  *
  * Cells.  Space is divided into granules of 2^g tool voxels a side; a granule is
  * void, solid or of both kinds (all space outside the tool's grid is void), and a
@@ -17,11 +17,12 @@
  *         of the cell's kind
  *
  * where v = floor(8 * least distance between the cell and a granule that is not
- * entirely of its kind), and v <= 8 OST_CELL_REACH.  The table extends so far beyond
- * the tool's grid that its outermost cells are void and have the greatest v.  For a
+ * entirely of its kind), and v <= 8 OST_CELL_REACH. The table extends so far beyond
+ * the tool's grid that its outermost cells are void and have the greatest v. For a
  * point outside the table the nearest cell may be used: moving the point there
- * projects it onto a convex box that contains the tool, which increases its distance
- * to no part of the tool, so (C1) holds with the cell's v for the point itself too.
+ * projects it onto a convex box that contains the tool, which does not increase its
+ * distance to any part of the tool, so (C1) holds with the cell's v for the point
+ * itself too.
  *
  * Windows.  Window (i, j, k) begins at voxel step * (i, j, k) - OST_WINDOW_MARGIN.
  * The byte of its row (y, z) is number 8 y + z, the bit of voxel x is bit x.
@@ -45,7 +46,7 @@ enum {
 };
 
 typedef struct ost_cells {
-    const int8_t *value; /* x fastest; 64 bytes before it and behind the last one may be read */
+    const int8_t *value; /* x fastest; 64 bytes before it and after the last one may be read */
     int32_t dims[3];
     int32_t margin; /* number of cells before the tool's voxel (0, 0, 0) on every axis */
     int32_t shift;  /* log2 of a cell's edge in units of 2^-20 tool voxels */

@@ -2,10 +2,11 @@
 /*
  * Lists the triangles of each tile by a counting sort.
  *
- * A triangle is listed in every tile that its bounds overlap, so that a tile's
- * list contains all triangles that cross its rows; further triangles do no harm.
- * A triangle that overlaps more than FEW tiles is listed once, as large, and every
- * tile processes it, so that lists have at most FEW entries per triangle.
+ * A triangle is listed in every tile that its bounds overlap, so that a tile's list
+ * contains all triangles that cross its rows; additional triangles do not affect
+ * the result. A triangle that overlaps more than FEW tiles is listed once, as
+ * large, and every tile processes it, so that lists have at most FEW entries per
+ * triangle.
  *
  *   1  keys     each triangle's tile (vector kernel), in parallel pieces
  *   2  count    per piece and tile
@@ -70,7 +71,7 @@ static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, 
     }
 }
 
-/* Lists a piece's triangles, visited as in count_piece; next has the index of each tile's next entry. */
+/* Lists a piece's triangles, visited as in count_piece; next contains the index of each tile's next entry. */
 static void place_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end,
                         const uint32_t *keys, size_t *next, ost_vox_bins *bins)
 {

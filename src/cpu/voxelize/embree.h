@@ -10,8 +10,8 @@
 #include "cpu/voxelize/voxelize.h"
 
 /*
- * Returns OST_ERR_UNAVAILABLE if osteon was built without Embree. Of the functions below only those
- * that free may then be called, with NULL.
+ * Returns OST_ERR_UNAVAILABLE if osteon was built without Embree. In this case, only those of the
+ * functions below that free may be called, and only with NULL.
  */
 ost_status ost_embree_available(ost_error *err);
 

@@ -11,15 +11,15 @@
  *   vi_load vi_store; vi_from_vd vd_from_vi   conversions of integer values
  *   least greatest        of three vi
  *   vi_vertices(mesh, v, corner, xyz)  coordinates of a corner of LANES triangles; reads
- *                                      nothing behind the last vertex
+ *                                      nothing after the last vertex
  *   keys_lanes                       one key per triangle, from the y and z of LANES triangles
  *   emit(out, v, m)       stores the lanes of v that are set in m consecutively and returns their
  *                         number; LANES int32 may be written; emit_bits: the same with m as bits
  *   bounds_meet_rows(tile, t)        bits of the triangles t that have a row's centre in their bounds
  *
- * Every value is an integer or an integer + 1/4, or a quotient whose rounding
- * is accounted for; nothing is approximate.  With w = 2^f, h = w / 2 and the
- * extents ex, ey, ez <= 2^20 of a triangle, the triangle is small if
+ * Every value is an integer or an integer + 1/4, or a quotient whose rounding is accounted for; no
+ * value is approximate. With w = 2^f, h = w / 2 and the extents ex, ey, ez <= 2^20 of a triangle, the
+ * triangle is small if
  *
  *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
  *
@@ -50,7 +50,7 @@
  * are not used.
  *
  * ost_vox_mark_triangle processes the other triangles: larger ones, and those that
- * may have a crossing behind the last centre of its row.
+ * may have a crossing after the last centre of its row.
  */
 #include <string.h>
 
@@ -59,7 +59,7 @@
 
 enum { BUFFER = 1024 };
 
-/* Numbers of bits of planes that are still to be set. */
+/* Numbers of the bits in the planes that are still to be set. */
 typedef struct pending {
     uint32_t bit[BUFFER + 2 * LANES];
     size_t count;
@@ -145,7 +145,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
     const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->j0));
     const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->k0));
-    /* less one */
+    /* the number of rows and of slices, minus 1 */
     const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0);
     const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->k1 - 1)), k0);
     valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));
@@ -224,7 +224,7 @@ static inline void mark_list(ost_vox_tile *tile, const uint32_t *list, size_t co
         mark_lanes(tile, list + i, LANES, p);
     if (i < count) {
         uint32_t t[LANES];
-        for (size_t l = 0; l < LANES; l++) /* lanes behind the last triangle repeat it */
+        for (size_t l = 0; l < LANES; l++) /* lanes after the last triangle repeat it */
             t[l] = list[i + l < count ? i + l : count - 1];
         mark_lanes(tile, t, (int)(count - i), p);
     }

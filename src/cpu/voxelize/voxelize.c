@@ -47,11 +47,11 @@ typedef struct scratch {
 } scratch;
 
 /*
- * Estimates the time of the work on one thread.  Further threads pay for their
- * start, and for the wait for a core that another process uses, from about a
- * millisecond of work on (docs/log/0.1.md).  Measured on one core of 2.5 GHz:
- * 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
- * 0.15 ns per byte of classes; 0.03 ns per voxel as bits.
+ * Estimates the time of the work on one thread. The time that additional threads
+ * save exceeds the time to start them, and to wait for a core that another process
+ * uses, from about a millisecond of work on (docs/log/0.1.md). Measured on one core
+ * of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a closed surface crosses at
+ * least twice; 0.15 ns per byte of classes; 0.03 ns per voxel as bits.
  */
 static int64_t estimated_ns(const job *j)
 {
@@ -73,8 +73,8 @@ static int32_t tiles_of(int32_t n, int32_t shift)
 }
 
 /*
- * Number of tiles per thread. Several are needed to balance the work, as some contain far more
- * triangles than others.
+ * Number of tiles per thread. Several are needed to balance the work, because some tiles
+ * contain far more triangles than others.
  */
 enum { TILES_A_THREAD = 4 };
 
@@ -344,7 +344,7 @@ static uint8_t *new_voxels(size_t size)
         return NULL;
 #if defined __linux__
     if (size >= HUGE_PAGE)
-        (void)madvise(p, size, MADV_HUGEPAGE); /* only advice: a failure changes nothing but the speed */
+        (void)madvise(p, size, MADV_HUGEPAGE); /* only advice: a failure affects only the speed */
 #endif
     return p;
 }

@@ -17,7 +17,7 @@
  *
  * Exact counts from single bits.  A bit means one crossing, so the bit of a second
  * crossing of the same sign at the same centre is already set.  Such crossings, and
- * those behind the last centre of a row, are spilled: added to the row's own array
+ * those after the last centre of a row, are spilled: added to the row's own array
  * of int32 steps.  Planes and steps together always contain every crossing with its
  * sign, so no crossing is lost and no count saturates.
  *

@@ -21,7 +21,10 @@ static inline __m256i rounded15(__m256i sum)
         OST_WEIGHT_BITS);
 }
 
-/* Unpacking and packing both work within 128-bit lanes, so the results are in the order of a and b. */
+/*
+ * Writes the weighted means of a and b. Unpacking and packing both work within 128-bit lanes, so the results are in the
+ * order of a and b.
+ */
 static inline void blend(const int16_t *a, const int16_t *b, __m256i weights, int16_t *to)
 {
     const __m256i va = _mm256_loadu_si256((const void *)a), vb = _mm256_loadu_si256((const void *)b);
@@ -98,7 +101,7 @@ static inline __attribute__((always_inline)) __m256i weighed(const int32_t *cons
     return _mm256_and_si256(_mm256_blend_epi32(low, high, 0xaa), _mm256_set1_epi32(0xffff));
 }
 
-/* Packing works within 128-bit lanes, so the quarters of the register are reordered. */
+/* Writes weighted sums of rows. Packing works within 128-bit lanes, so the quarters of the register are reordered. */
 static inline __attribute__((always_inline)) void weigh(const int32_t *const rows[4], const int32_t weight[4],
                                                         int count, int width, int16_t *to)
 {

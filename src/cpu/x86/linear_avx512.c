@@ -5,7 +5,7 @@
  *   blend     interleaves a and b to pairs; one multiplication of 16-bit pairs
  *             (vpmaddwd) by the pair of weights gives a (2^15 - w) + b w
  *   stretch   permutes the window that contains 16 pairs from[at], from[at + 1],
- *             then does the same multiplication
+ *             then performs the same multiplication
  *   weigh     multiplies even and odd lanes separately, 32 by 32 bits to 64
  *
  * Ranges.  blend: weights are 1 to 2^15 - 1, sums at most 2^30.  stretch:
@@ -32,7 +32,10 @@ static inline __m512i rounded15(__m512i sum)
         OST_WEIGHT_BITS);
 }
 
-/* Unpacking and packing both work within 128-bit lanes, so the results are in the order of a and b. */
+/*
+ * Returns the weighted means of a and b. Unpacking and packing both work within 128-bit lanes, so the results are in
+ * the order of a and b.
+ */
 static inline __m512i blended(__m512i a, __m512i b, __m512i weights)
 {
     return _mm512_packs_epi32(rounded15(_mm512_madd_epi16(_mm512_unpacklo_epi16(a, b), weights)),
@@ -69,7 +72,7 @@ void ost_stretch_row_avx512(const int16_t *from, const int32_t *at, const int16_
             continue;
         }
         /*
-         * The indices in the window, as pairs at - first, at - first + 1.  Lanes behind `part` may
+         * The indices in the window, as pairs at - first, at - first + 1.  Lanes beyond `part` may
          * select any element.
          */
         const __m512i lower =

@@ -284,9 +284,9 @@ static inline uint64_t sum32(__m256i v)
 }
 
 /*
- * A 16-bit lane can sum 65535 / highest densities, four per brick, before it is added to a
- * 32-bit lane; that can sum 512 bricks of 4 * 2 * 32767 < 2^18 each. The number of borders is a
- * constant of the caller.
+ * A 16-bit lane can sum 65535 / highest densities, four per brick, before it must be added to a
+ * 32-bit lane, which can sum 512 bricks of 4 * 2 * 32767 < 2^18 each. Callers pass the number
+ * of borders as a constant.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
                                                               const int32_t *number, const uint64_t *hits, size_t count,

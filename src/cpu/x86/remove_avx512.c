@@ -8,9 +8,9 @@
  *           register, and VPERMW selects its rows
  *   take    a brick is two registers; compare masks give the classes
  *
- * Indices are stored to memory and tables read by scalar loads: sixteen loads
- * take half the time of a gather, and many are in flight at once.
- * The file has more than 500 lines, because these four steps share the helpers that are inlined into them.
+ * Indices are stored to memory, and tables are read by scalar loads, because sixteen loads take half the
+ * time of a gather and many loads are in flight at once. The file has more than 500 lines, because these
+ * four steps share the helpers that are inlined into them.
  *
  * A window's 16-bit word 4 y + z / 2 holds the bytes of rows (y, z) and
  * (y, z + 1), z even.  In a lane's u = voxel.fraction (3 + 13 bits):
@@ -29,7 +29,7 @@
 
 /*
  * Block (x, y, z) of the unit is in lane x + 2y + 4z. Computes as ost_block_base does; if one of the
- * blocks needs its division, the scalar kernel computes all of them.
+ * blocks needs the division, the scalar kernel computes all of them.
  */
 void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                        const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
@@ -38,7 +38,7 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
     const int64_t *part[3][2];
     unsigned valid = 0xff, unsure = 0;
     for (int b = 0; b < 3; b++) {
-        /* Lanes that are not valid have the values of their neighbour. */
+        /* Lanes that are not valid contain the values of their neighbour. */
         part[b][0] = bases->part[b] + 3 * (size_t)(from[b] - bases->lo[b]);
         part[b][1] = bases->part[b] + 3 * (size_t)(to[b] - 1 - bases->lo[b]);
         valid &= (from[b] == first[b] ? 0xff : second[b]) & (to[b] == first[b] + 2 ? 0xff : ~(unsigned)second[b]);
@@ -284,7 +284,7 @@ static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
 }
 
 /*
- * Computes the positions of bricks from .. from + 15; the values of lanes behind the last brick are not used.
+ * Computes the positions of bricks from .. from + 15; the values of lanes after the last brick are not used.
  * Returns the lanes that are near a tie.
  */
 static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out,
@@ -358,7 +358,7 @@ static inline __mmask32 lookup(__m512i line, __m512i x, __m512i y, __m512i z)
     return _mm512_test_epi16_mask(_mm512_permutexvar_epi16(word, line), _mm512_sllv_epi16(_mm512_set1_epi16(1), bit));
 }
 
-/* Matches again, with the carries of the low bits, those of the count bricks near a tie that are tied. */
+/* Matches again those of the `count` bricks near a tie that are tied, with the carries of the low bits. */
 static void match_tied(const ost_match *match, const places *at, size_t count, uint64_t *hits)
 {
     for (size_t t = 0; t < count; t++) {
@@ -470,10 +470,10 @@ static inline __m512i widen16(__m512i v)
 }
 
 /*
- * A 16-bit lane can sum up to 65535 / highest densities, which is at least two.
- * A brick has two registers, so the lanes are added to 32-bit lanes every `bricks`
- * bricks; those can sum 512 bricks of 2 * 2 * 32767 < 2^17 each.
- * The number of borders is a constant of the caller, so that all sums stay in registers.
+ * A 16-bit lane can sum up to 65535 / highest densities, which is at least two. A brick
+ * has two registers, so the lanes are added to 32-bit lanes every `bricks` bricks; the
+ * 32-bit lanes can sum 512 bricks of 2 * 2 * 32767 < 2^17 each. Callers pass the number
+ * of borders as a constant, so that all sums stay in registers.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
                                                               const int32_t *number, const uint64_t *hits, size_t count,

@@ -77,7 +77,7 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         const halves chunks = wide(chunk), bricks = wide(brick), ins = wide(in);
         const __m256i first = densities_of(bone, (__mmask8)mask, chunks.low, bricks.low, ins.low);
         const __m256i second = densities_of(bone, (__mmask8)(mask >> 8), chunks.high, bricks.high, ins.high);
-        /* Each lane has a density in its low half and the two bytes behind it in its high half. */
+        /* Each lane has a density in its low half and the two bytes after it in its high half. */
         const __m512i both = _mm512_inserti64x4(_mm512_castsi256_si512(first), second, 1);
         _mm512_mask_cvtepi32_storeu_epi16(densities + i, some, both);
     }

@@ -36,8 +36,8 @@ typedef __m128i vi;
 #define vd_from_vi(a) _mm256_cvtepi32_pd(a)
 
 /*
- * Loads and transposes the vertices, since gathers take several times as long. The loads are masked
- * because nothing may be read behind the last vertex.
+ * Loads and transposes the vertices, because gathers take several times as long. The loads are
+ * masked because nothing may be read after the last vertex.
  */
 static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
 {
@@ -90,7 +90,7 @@ static inline __m256i two_vertices(const ost_snapped_mesh *mesh, const uint32_t 
     return _mm256_inserti128_si256(_mm256_castsi128_si256(p0), p1, 1);
 }
 
-/* As in voxelize_avx512.c, two triangles at a time. */
+/* Does the same as bounds_meet_rows in voxelize_avx512.c, for two triangles at a time. */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
     const __m256i h = _mm256_set1_epi32(1 << (tile->f - 1)), h1 = _mm256_set1_epi32((1 << (tile->f - 1)) - 1);
@@ -165,7 +165,7 @@ static inline __m256i count_bytes(__m256i v)
 
 enum { WORDS = 4 }; /* words per vector */
 
-/* As fill_blocks in voxelize_avx512.c, four words at a time. */
+/* Does the same as fill_blocks in voxelize_avx512.c, for four words at a time. */
 static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,
                                 uint64_t *bits, bool *marked, __m256i *counts)
 {
@@ -237,7 +237,10 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, ui
 
 /* ---------------------------------------------------------------- classes */
 
-/* Spreads 32 bits to bytes of 0 or -1: each byte gets the byte that contains its bit, and is masked to that bit. */
+/*
+ * Spreads 32 bits to bytes of 0 or -1: each byte receives a copy of the byte that contains its bit, and is masked to
+ * that bit.
+ */
 static inline __m256i spread(uint32_t bits)
 {
     const __m256i from = _mm256_setr_epi8(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3,

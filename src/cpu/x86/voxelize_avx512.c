@@ -36,8 +36,8 @@ typedef __m256i vi;
 #define vd_from_vi(a) _mm512_cvtepi32_pd(a)
 
 /*
- * Loads four vertices, to be permuted afterwards, since gathers take several times as long. The loads
- * are masked because nothing may be read behind the last vertex.
+ * Loads four vertices, to be permuted afterwards, because gathers take several times as long. The
+ * loads are masked because nothing may be read after the last vertex.
  */
 static inline __m512i four_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner)
 {
@@ -71,9 +71,10 @@ static inline size_t emit(uint32_t *out, vi v, vm m)
 #define emit_bits(out, v, bits) emit(out, v, (vm)(bits))
 
 /*
+ * Returns the bits of the triangles that have a row's centre in their bounds.
  * Compares integers before any transposition: the corners of four triangles, and
- * their bounds, are the quarters (x, y, z, 0) of a register, and of each
- * comparison's bits only those of y and z are used.
+ * their bounds, are the quarters (x, y, z, 0) of a register. Only the bits of y and
+ * z of each comparison are used.
  */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
@@ -150,7 +151,7 @@ static inline __m512i count_bytes(__m512i v)
 /*
  * Computes the bits of one row of complete blocks, or of one block of complete
  * rows; returns false if they are not proven (fill.c).  Bit i of ends is set if
- * word i of the last block begins a row (bit 8: the word behind the block), so
+ * word i of the last block begins a row (bit 8: the word after the block), so
  * that the previous word must not end inside.
  */
 static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,

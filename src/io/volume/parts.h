@@ -5,10 +5,10 @@
  *   part 0: one file, data_bytes of it -> part 1 -> ... -> part count - 1
  *
  * Every part is checked before anything is allocated: a plain part must contain
- * exactly its bytes, a packed one must be able to unpack to them. The parts are then
- * opened one after the other, so only one file is open at a time. Data that continue
- * beyond the end given by the sizes are an error, because either the sizes or the file
- * is wrong.
+ * exactly its bytes, and a packed part must be large enough to unpack to its bytes.
+ * The parts are then opened one after the other, so only one file is open at a time.
+ * Data that continue beyond the end given by the sizes are an error, because either
+ * the sizes or the file is wrong.
  */
 #ifndef OST_IO_VOLUME_PARTS_H
 #define OST_IO_VOLUME_PARTS_H
