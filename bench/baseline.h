@@ -35,8 +35,8 @@ typedef struct bench_thesis_event {
     int chunk_count, chunk_size;
     int16_t *const *chunks;       /* chunk_size^3 densities each, x fastest */
     const int32_t (*corners)[3];  /* bone voxel of each chunk's first voxel */
-    float map[3][4];              /* from bone voxels to tool voxels: rows of an affine matrix */
-    int32_t dims[3];              /* of the tool's grid */
+    float map[3][4];              /* affine matrix from bone voxels to tool voxels, by rows */
+    int32_t dims[3];              /* dimensions of the tool's grid */
     const int16_t *tool;          /* 0 or 1, x fastest */
 } bench_thesis_event;
 

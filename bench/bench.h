@@ -20,7 +20,7 @@
 
 typedef struct bench_options {
     const char *backend; /* "cpu", "cpu:isa=avx2", "ref" */
-    int threads;         /* for rows whose name does not end in /1 */
+    int threads;         /* number of threads of rows whose name does not end in /1 */
     int repeat;          /* 0: the default of each row */
     bool quick;          /* few repetitions and small inputs; the row names do not change */
     double scale;        /* fraction of the 12,040,704 lines of parse/text */
@@ -46,7 +46,7 @@ double bench_series_mean(const bench_series *series);
 
 typedef struct bench_figures {
     size_t count; /* repetitions; 0: not measured */
-    double median, min, max; /* in the row's unit */
+    double median, min, max; /* times in the row's unit */
 } bench_figures;
 
 enum { BENCH_NAME = 48, BENCH_TEXT = 224, BENCH_EXTRA_MAX = 16 };

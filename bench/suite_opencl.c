@@ -23,7 +23,7 @@ typedef struct opencl {
     bench_table *table;
     ost_error *err;
     ost_backend *backend[SIDES];
-    bench_series series[SIDES]; /* of CL and CPU */
+    bench_series series[SIDES]; /* times of CL and CPU */
     bool equal;
 } opencl;
 

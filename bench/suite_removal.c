@@ -36,7 +36,7 @@ typedef struct removal {
     ost_tool *tool;
     ost_bone *bone;
     ost_removal_report report;
-    int16_t *slices; /* of the event's box */
+    int16_t *slices; /* slices of the event's box */
     int32_t z0, z_count;
     bench_thesis thesis;
     bench_work work;

@@ -25,7 +25,7 @@ enum { REPEAT = 101, WIDTH = 1280, HEIGHT = 720, THRESHOLD = 120, DIRTY = 20 };
 
 typedef struct view {
     const char *name;
-    double distance_mm; /* from the glenoid's face, or from the middle of the bone */
+    double distance_mm; /* distance from the glenoid's face, or from the middle of the bone */
     bool glenoid;
     double side;        /* sideways component of the view direction, relative to that along the glenoid's axis */
 } view;

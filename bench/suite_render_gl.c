@@ -22,7 +22,7 @@ typedef struct step {
     enum {
         STILL,
         MOVING, /* the camera moves back and forth sideways by 1.5 voxels per frame */
-        READ    /* the picture is read back, as the program does for its user */
+        READ    /* the picture is read back, as in the programs for users */
     } how;
 } step;
 

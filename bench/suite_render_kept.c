@@ -216,7 +216,7 @@ static bool same(const ost_frame *a, const ost_frame *b)
 
 typedef struct figures {
     bench_series kept, redrawn, other;
-    double stages[2][STAGES]; /* of the incremental and the complete frame, ms */
+    double stages[2][STAGES]; /* times of the incremental and the complete frame, ms */
     int staged, frames;
     uint64_t cells, stale, chunks;
     bool equal;

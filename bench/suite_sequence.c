@@ -27,7 +27,7 @@ typedef struct sequence_run {
     int count;
     ost_map *maps;
     ost_voxel_box *boxes;
-    double *ns; /* of one repetition */
+    double *ns; /* times of the ticks of one repetition */
     int16_t *full, *ours, *expected;
 } sequence_run;
 

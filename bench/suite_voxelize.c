@@ -39,7 +39,7 @@ typedef struct voxelize {
     ost_backend *backend;
     ost_voxelize_report report;
     bench_series ours_bits, ours, embree[2]; /* [low quality] */
-    uint64_t *bits;     /* of the baseline */
+    uint64_t *bits;     /* bits of the baseline */
     uint64_t *own_bits; /* ours; NULL on a backend that writes only bytes */
     int64_t embree_solid;
     bool has_embree, equal;

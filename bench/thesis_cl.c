@@ -42,7 +42,7 @@ struct bench_cl {
     cl_command_queue queue;
     cl_program program;
     cl_kernel remove, nothing;
-    cl_mem small; /* for the empty kernel */
+    cl_mem small; /* buffer for the empty kernel */
     cl_mem tool, *chunks;
     int count;
 };

@@ -30,7 +30,7 @@
 typedef enum ost_voxelizer { OST_VOXELIZER_AUTO, OST_VOXELIZER_TRIANGLES, OST_VOXELIZER_EMBREE } ost_voxelizer;
 
 typedef struct cpu_backend {
-    ref_backend ref; /* first member, since the reference's functions are called with this object */
+    ref_backend ref; /* first member, because the reference's functions are called with this object */
     ost_isa isa;
     int threads; /* >= 1 */
     ost_voxelizer voxelizer;

@@ -87,7 +87,7 @@ typedef struct ost_team {
     int64_t count, block; /* items in all and per block */
     _Atomic int64_t next; /* the next block, if not dealt; with an order: number of blocks begun */
     uint64_t order;       /* seed of this team; 0: none */
-    int64_t first, stride; /* with an order: turn t is for block (first + t stride) mod blocks */
+    int64_t first, stride; /* with an order: in turn t, block (first + t stride) mod blocks is processed */
     int members;          /* number of threads that OpenMP provided; valid after the region */
 } ost_team;
 

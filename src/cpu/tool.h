@@ -10,7 +10,7 @@
 #include "cpu/remove/shape.h"
 
 typedef struct cpu_shapes {
-    ost_shape cutting, touching; /* of the voxels of classes 1 and 2; touching is made only if touches is true */
+    ost_shape cutting, touching; /* tables of the voxels of classes 1 and 2; touching is made only if touches is true */
     bool touches;                /* true if the tool has voxels of class 2 */
 } cpu_shapes;
 

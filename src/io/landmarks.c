@@ -31,7 +31,7 @@ enum { FILE_MAX = 4 << 20, LANDMARKS_MAX = 10000, COLUMNS_MAX = 32 };
 /* ------------------------------------------------------------------ labels */
 
 static const struct {
-    const char *name; /* in lower case, without blanks, '-' and '_' */
+    const char *name; /* label in lower case, without blanks, '-' and '_' */
     ost_landmark_role role;
 } names[] = {
     {"glenoid", OST_LANDMARK_GLENOID},

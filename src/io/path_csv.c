@@ -48,7 +48,7 @@ typedef struct reader {
     const char *path;
     int64_t line, bytes, t_ns; /* t_ns: time of the last row, with a pose or without */
     int columns;       /* number per row; with a header, the least number; 0 before the first row */
-    uint8_t kind[SEEN_COLUMNS]; /* of each column: its index in column_names, or NOT_READ */
+    uint8_t kind[SEEN_COLUMNS]; /* for each column, its index in column_names or NOT_READ */
     bool past_header, header, metres, lifted_column;
     bool lost;         /* the last row had no pose */
     size_t capacity;

@@ -29,7 +29,7 @@
 
 typedef struct cpu_chunk {
     int16_t *density;    /* owned; 64-byte aligned block, densities and then occupancy; NULL if active is 0 */
-    uint64_t *occupancy; /* in the same block */
+    uint64_t *occupancy; /* points into the same block */
     ost_chunk_pool *pool; /* the pool that owns the block; NULL if it was allocated by malloc */
     int32_t active;
     int32_t highest;

@@ -33,13 +33,12 @@
  * The least coordinate is at most 3.5 voxels and a unit below the centre, and
  * not above it: > -12, < dims + 8.
  *
- * Sixteen bits per lane.  c >> 7 and offset >> 7 have 3 bits of voxel and 13 of
- * fraction. (c >> 7) + (offset >> 7) is (c + offset) >> 7 or one less, as the low
- * seven bits may carry; the voxel is wrong only if the carry passes through 13
- * set bits.  `tie` marks the values of (c >> 7) mod 2^13 for which the sum with
- * some offset has 13 set bits: such a brick (2.3 % of them) is matched with the
- * carries.  `near_tie` has one bit for eight such values, few enough bits for
- * registers: a brick whose bit is clear (five bricks of six) is not a tie.
+ * Sixteen bits per lane. c >> 7 and offset >> 7 have 3 bits of voxel and 13 of fraction. (c >> 7) +
+ * (offset >> 7) is (c + offset) >> 7 or one less, because the low seven bits may carry; the voxel is
+ * wrong only if the carry passes through 13 set bits. `tie` marks the values of (c >> 7) mod 2^13
+ * for which the sum with some offset has 13 set bits: such a brick (2.3 % of them) is matched with
+ * the carries. `near_tie` has one bit for eight such values, few enough bits for registers: a brick
+ * whose bit is clear (five bricks of six) is not a tie.
  */
 #ifndef OST_CPU_REMOVE_H
 #define OST_CPU_REMOVE_H
@@ -80,7 +79,7 @@ typedef struct ost_split {
 typedef struct ost_match {
     _Alignas(64) uint16_t high[3][64]; /* (offset - lowest) >> 7 */
     _Alignas(64) uint16_t low[3][64];  /* (offset - lowest) mod 2^7 */
-    int32_t offset[3][64];             /* from the brick's u to the voxel's */
+    int32_t offset[3][64];             /* offset from the brick's u to the voxel's u */
     int32_t lowest[3];                 /* the least offset on each axis */
     bool windows;                      /* windows may be used; high, low, tie and near_tie are valid */
     uint8_t tie[1 << OST_TIE_BITS]; /* bit a: a tie on axis a */

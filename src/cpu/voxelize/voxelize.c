@@ -35,7 +35,7 @@ typedef struct job {
     ost_embree *embree[2]; /* used instead of bins if Embree finds the candidates */
     ost_vox_result result;
     bool stream; /* classes are written past the caches */
-    bool direct; /* one mesh and only bits, in complete blocks: the result is filled in place */
+    bool direct; /* one mesh and only bits, in complete blocks: the fill kernel writes to the result */
 } job;
 
 /* The scratch memory of one thread. */
@@ -43,7 +43,7 @@ typedef struct scratch {
     ost_vox_tile tile;
     uint64_t *bits[2];
     ost_embree_scratch *embree[2];
-    size_t plane_words; /* with padding */
+    size_t plane_words; /* number of words of a plane, with padding */
 } scratch;
 
 /*
@@ -334,8 +334,8 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
 }
 
 /*
- * Allocates voxels without clearing them, since every voxel is written; the first write is by the
- * thread that computes it. Requests huge pages for large tools.
+ * Allocates voxels without clearing them, because every voxel is written. The first write is by
+ * the thread that computes the voxel. Requests huge pages for large tools.
  */
 static uint8_t *new_voxels(size_t size)
 {

@@ -66,8 +66,8 @@ static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int1
     }
     __m128i quarter = _mm_max_epi16(_mm256_castsi256_si128(highest), _mm256_extracti128_si256(highest, 1));
     /*
-     * SSE4.1 has a horizontal minimum of unsigned 16-bit lanes; it is applied to 2^15 - 1 - v, as no v
-     * is negative.
+     * SSE4.1 has a horizontal minimum of unsigned 16-bit lanes; it is applied to 2^15 - 1 - v, because
+     * no v is negative.
      */
     __m128i least_complement = _mm_minpos_epu16(_mm_xor_si128(quarter, _mm_set1_epi16(INT16_MAX)));
     return (ost_brick_sums){active, _mm_extract_epi16(least_complement, 0) ^ INT16_MAX};

@@ -40,7 +40,7 @@ static const struct {
 };
 
 static const struct {
-    const char *label; /* for the report */
+    const char *label; /* name of the format in the report */
     const char *name;  /* assimp selects its reader by this name; no such file exists */
     ost_status (*check)(mesh_input *in, ost_error *err);
 } kinds[] = {

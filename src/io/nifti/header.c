@@ -23,7 +23,7 @@
 static const struct {
     int code, bits;
     ost_element element;
-    const char *name; /* of a type that is refused */
+    const char *name; /* name of a type that is refused */
 } types[] = {
     {DT_UINT8, 8, OST_ELEMENT_UINT8, NULL},      {DT_INT8, 8, OST_ELEMENT_INT8, NULL},
     {DT_INT16, 16, OST_ELEMENT_INT16, NULL},     {DT_UINT16, 16, OST_ELEMENT_UINT16, NULL},

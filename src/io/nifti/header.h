@@ -43,10 +43,10 @@ typedef struct ost_nifti_header {
     int32_t sizes[3];
     bool scaled;
     ost_binary slope, intercept;
-    bool labels;       /* its intent is NIFTI_INTENT_LABEL */
+    bool labels;       /* true if the file's intent is NIFTI_INTENT_LABEL */
     bool oriented;
-    ost_affine affine; /* to LPS */
-    ost_meta meta;     /* from "osteon KEY: VALUE" lines in comments (extension code 6) */
+    ost_affine affine; /* transform from voxels to LPS */
+    ost_meta meta;     /* facts from "osteon KEY: VALUE" lines in comments (extension code 6) */
 } ost_nifti_header;
 
 /* Reads the header from an input at its (unpacked) start, including the extensions. */

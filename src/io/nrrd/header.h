@@ -81,7 +81,7 @@ typedef struct ost_nrrd_header {
     ost_nrrd_encoding encoding;
     bool swap;
     int32_t sizes[3];
-    ost_affine affine; /* to LPS */
+    ost_affine affine; /* transform from voxels to LPS */
     bool oriented;     /* the space is that of a patient: RAS, LAS or LPS */
     uint64_t line_skip;
     int64_t byte_skip; /* -1: the data end at the end of the file */

@@ -28,7 +28,7 @@
 #include "io/text/rect.h"
 
 typedef struct ost_text_raster_options {
-    ost_pm3 given;          /* as for ost_text_scan */
+    ost_pm3 given;          /* spacings by option, as for ost_text_scan */
     int threads;            /* 0 = all */
     ost_progress *progress; /* may be NULL; stage "samples" */
     void *user;

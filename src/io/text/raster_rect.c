@@ -16,7 +16,7 @@
 typedef struct axis_map {
     int32_t count;     /* coordinates within the crop: from, from + 1, ... */
     int32_t from;
-    int32_t *index;    /* owned; of every coordinate, in the complete grid */
+    int32_t *index;    /* owned; index of every coordinate in the complete grid */
     ost_pm spacing;
     int64_t good;      /* coordinates within the crop and at most 1/8 of a voxel off */
     int64_t worst;     /* greatest offset within the crop, in ppm of a voxel */

@@ -35,7 +35,7 @@ typedef struct ost_placement {
     bool oblique;          /* if true, geometry is not meaningful */
     double degrees;        /* greatest angle between a file axis and its LPS axis; for messages */
     char code[4];          /* directions of the file's axes, "LPS", "RAS", ... */
-    ost_geometry geometry; /* of the grid in LPS+ order */
+    ost_geometry geometry; /* geometry of the grid in LPS+ order */
     int64_t base;          /* index in the result of the file's voxel (0, 0, 0) */
     int64_t stride[3];     /* change of that index along each of the file's axes */
 } ost_placement;
