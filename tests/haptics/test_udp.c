@@ -379,10 +379,10 @@ typedef struct stand_in {
     int socket;
     pthread_t thread;
     char to[64];
-    int silent_from, silent_to; /* range of pose numbers without an answer */
+    int silent_from, silent_to; /* range of pose numbers without an answer; a hello ends the silence */
     int end_at;                 /* number of the pose at which it reports its end */
     _Atomic bool stop;
-    int poses, seen, let_go, jumps;
+    int poses, seen, let_go, jumps, hellos;
 } stand_in;
 
 static void *stand_in_serves(void *user)
@@ -403,7 +403,15 @@ static void *stand_in_serves(void *user)
         const ssize_t size = recvfrom(s->socket, bytes, sizeof bytes, 0, (struct sockaddr *)&from, &from_size);
         if (size < 0 || link_unseal(key, bytes, (size_t)size, &p) != LINK_GOOD)
             continue;
-        if (p.type == LINK_POSE) {
+        if (p.type == LINK_HELLO) {
+            /*
+             * A bridge that has received nothing for a second sends only hello, so the number of
+             * poses does not increase until the hello is answered.
+             */
+            s->hellos++;
+            if (s->poses >= s->silent_from)
+                s->silent_to = s->poses;
+        } else if (p.type == LINK_POSE) {
             s->poses++;
             answers = p.sequence;
             if (p.flags & LINK_SEEN) {
@@ -467,11 +475,13 @@ static void leave(stand_in *s)
     free(s);
 }
 
+enum { PATH_TICKS = 100000 };
+
 static ost_haptic *a_hand(ost_path *path)
 {
     ost_error err = {0};
     ost_haptic *device;
-    assert_ok(ost_path_init(path, 100000, &err));
+    assert_ok(ost_path_init(path, PATH_TICKS, &err));
     for (size_t i = 0; i < path->count; i++) /* at 0.1 m/s down, from far away */
         path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
                                     .rpm = OST_RPM_ON,
@@ -543,6 +553,24 @@ static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(voi
     leave(s);
 }
 
+static void after_a_second_of_silence_the_bridge_says_hello_again(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    stand_in *s = stand();
+    s->silent_from = 200;
+    s->silent_to = PATH_TICKS;
+    s->end_at = 2000;
+    start(s);
+    assert_ok(cross(s->to, key_file, 0, &err));
+    assert_true(report.ended);
+    assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
+    assert_true(s->hellos >= 2); /* one at the start, one after the silence */
+    assert_true(report.limps >= 1);
+    assert_int_equal(s->jumps, 0);
+    leave(s);
+}
+
 static void where_nobody_answers(void **state)
 {
     (void)state;
@@ -568,6 +596,7 @@ int main(void)
         cmocka_unit_test(what_cannot_be_opened),
         cmocka_unit_test(a_bridge_holds_and_presses),
         cmocka_unit_test(when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again),
+        cmocka_unit_test(after_a_second_of_silence_the_bridge_says_hello_again),
         cmocka_unit_test(where_nobody_answers),
     };
     return cmocka_run_group_tests(tests, begin, end);
