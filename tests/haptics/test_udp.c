@@ -539,7 +539,7 @@ static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(voi
     s->silent_to = 600;
     s->end_at = 1000;
     start(s);
-    assert_ok(cross(s->to, key_file, 0, &err));
+    assert_ok(cross(s->to, key_file, PATH_TICKS, &err));
     assert_true(report.ended);
     assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
     assert_true(report.limps >= 1);
@@ -562,7 +562,7 @@ static void after_a_second_of_silence_the_bridge_says_hello_again(void **state)
     s->silent_to = PATH_TICKS;
     s->end_at = 2000;
     start(s);
-    assert_ok(cross(s->to, key_file, 0, &err));
+    assert_ok(cross(s->to, key_file, PATH_TICKS, &err));
     assert_true(report.ended);
     assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
     assert_true(s->hellos >= 2); /* one at the start, one after the silence */
