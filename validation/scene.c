@@ -114,8 +114,11 @@ static ost_status add_tools(scene *s, draw *d, int count, ost_pm least, ost_pm m
 
 static ost_status make_poses(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
+    static const int counts[] = {0, 8, 2, 4, 1};
     if (c->number == 4)
         return scene_corners(s, d, err);
+    if (counts[c->number % 5]) /* 0: the three classes of AR-CLS-2 */
+        s->world.classes = scene_classes(counts[c->number % 5], 149);
     ost_status status = make_bone(s, d, c->tier == PLAN_SMOKE ? 48 : 80, err);
     if (status == OST_OK)
         status = add_tools(s, d, 3, 3000 * UM, 24000 * UM, err);

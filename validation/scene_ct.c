@@ -133,3 +133,13 @@ ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err
     s->sample_count = n;
     return OST_OK;
 }
+
+ost_density_classes scene_classes(int count, int step)
+{
+    ost_density_classes classes = {.count = count};
+    for (int i = 0; i < count; i++) {
+        classes.border[i] = (int16_t)(1 + step * i);
+        classes.name[i][0] = (char)('a' + i);
+    }
+    return classes;
+}

@@ -85,6 +85,9 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
    rows of voxels within their bounds. */
 ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 
+/* Returns `count` density classes, 1 to 8, whose lowest densities are 1, 1 + step, 1 + 2 step, ... */
+ost_density_classes scene_classes(int count, int step);
+
 /* Makes `count` unrelated poses at which a tool is in the bone, with sweep off. */
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);
 /* Adds `count` ticks with the last tool near the middle of the bone. */

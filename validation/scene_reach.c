@@ -187,20 +187,9 @@ static void rod_ticks(scene *s, draw *d, int32_t tool)
     }
 }
 
-/* Returns 1, 2, 3 or 8 classes, which have 0, 1, 2 or 7 borders. */
-static ost_density_classes classes_of(int number)
-{
-    static const int counts[] = {1, 8, 2, 3};
-    ost_density_classes classes = {.count = counts[number % 4]};
-    for (int i = 0; i < classes.count; i++) {
-        classes.border[i] = (int16_t)(1 + 4096 * i);
-        classes.name[i][0] = (char)('a' + i);
-    }
-    return classes;
-}
-
 static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
+    static const int counts[] = {1, 8, 2, 3};
     const int kind = c->number / KINDS;
     const ost_pm spacing = 500 * UM, far = OST_LENGTH_MAX - 60000 * UM;
     s->rect = (ost_geometry){{RODS_X, RODS_Y, RODS_Z},
@@ -225,7 +214,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
                 s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, density,
                                                            (uint32_t)(s->sample_count % s->batch)};
             }
-    s->world.classes = classes_of(kind);
+    s->world.classes = scene_classes(counts[kind % 4], 4096); /* 0, 7, 1 or 2 borders between classes */
     const ost_dims rods[3] = {{61, 1, 2}, {3, 59, 1}, {2, 3, 63}};
     ost_status status = reserve_ticks(s, 3 * ROD_TICKS + 2, err);
     for (int32_t t = 0; t < 3 && status == OST_OK; t++) {
