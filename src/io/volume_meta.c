@@ -58,7 +58,7 @@ static ost_status copy_nrrd(ost_input *input, const ost_meta *meta, ost_outfile 
     bool ended = false;
     ost_status status = OST_OK;
     while (status == OST_OK && !ended) {
-        status = next_line(input, block, OST_NRRD_HEADER_MAX, &size, err);
+        status = next_line(input, block, OST_HEADER_MAX, &size, err);
         if (status != OST_OK)
             return status;
         ended = size == 0 || block[0] == '\n' || strcmp(block, "\r\n") == 0;
@@ -71,7 +71,7 @@ static ost_status copy_nrrd(ost_input *input, const ost_meta *meta, ost_outfile 
             status = ost_outfile_write(out, "\n", 1, err);
     }
     while (status == OST_OK) {
-        status = ost_input_read(input, block, OST_NRRD_HEADER_MAX, &size, err);
+        status = ost_input_read(input, block, OST_HEADER_MAX, &size, err);
         if (status != OST_OK || size == 0)
             return status;
         status = ost_outfile_write(out, block, size, err);
@@ -83,7 +83,7 @@ static ost_status write_nrrd(const char *path, const ost_meta *meta, ost_error *
 {
     ost_input *input = NULL;
     ost_outfile *out = NULL;
-    char *block = malloc(OST_NRRD_HEADER_MAX);
+    char *block = malloc(OST_HEADER_MAX);
     if (!block)
         return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a copy of its header", path);
     ost_status status = ost_input_open(path, &input, err);

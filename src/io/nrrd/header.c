@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "io/nrrd/header.h"
 
-#include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -28,60 +26,6 @@ static ost_nrrd_field find_field(const char *name)
 }
 
 /* ------------------------------------------------------------------ lines */
-
-/* Appends one byte; the buffer doubles up to the limit. */
-static ost_status append(ost_nrrd_text *text, size_t *capacity, int byte, const char *path, ost_error *err)
-{
-    if (text->size == OST_NRRD_HEADER_MAX)
-        return ost_fail(err, OST_ERR_INPUT,
-                        "%s: the header is longer than %d bytes; expected an empty line at its end", path,
-                        OST_NRRD_HEADER_MAX);
-    if (text->size == *capacity) {
-        size_t more = *capacity ? 2 * *capacity : 4096;
-        char *bytes = realloc(text->bytes, more);
-        if (!bytes)
-            return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a header of %zu bytes", path, more);
-        text->bytes = bytes;
-        *capacity = more;
-    }
-    text->bytes[text->size++] = (char)byte;
-    return OST_OK;
-}
-
-/*
- * Appends one line, terminated by NUL. Sets *ended at the end of the file, if no byte precedes it. *start is an
- * offset, because the buffer may be moved.
- */
-static ost_status append_line(ost_input *input, ost_nrrd_text *text, size_t *capacity, size_t *start, bool *ended,
-                              ost_error *err)
-{
-    const char *path = ost_input_path(input);
-    *start = text->size;
-    *ended = false;
-    for (;;) {
-        int byte;
-        ost_status status = ost_input_byte(input, &byte, err);
-        if (status != OST_OK)
-            return status;
-        if (byte < 0 && text->size == *start) {
-            *ended = true;
-            return OST_OK;
-        }
-        if (byte == 0)
-            return ost_fail(err, OST_ERR_INPUT, "%s: a NUL in its header, before byte %llu; expected text", path,
-                            (unsigned long long)ost_input_offset(input));
-        if (byte < 0 || byte == '\n') {
-            if (text->size > *start && text->bytes[text->size - 1] == '\r')
-                text->bytes[text->size - 1] = 0;
-            return append(text, capacity, 0, path, err);
-        }
-        status = append(text, capacity, byte, path, err);
-        if (status != OST_OK)
-            return status;
-    }
-}
-
-/* ----------------------------------------------------------------- meaning */
 
 /* Undoes the format's escapes "\\" and "\n"; a newline becomes a space, because a value here is one line. */
 static void unescape(char *value)
@@ -148,69 +92,55 @@ static ost_status check_magic(const char *path, const char *line, ost_error *err
     return OST_OK;
 }
 
-static bool starts_list(const char *value)
+/*
+ * Reads the lines of the header and, after `data file: LIST`, the names. *listed is the index of the first
+ * name, or 0 if there is no list.
+ */
+static ost_status read_lines(ost_input *input, ost_header_lines *lines, size_t *listed, bool *ended, ost_error *err)
 {
-    return value && strncasecmp(value, "LIST", 4) == 0 && (value[4] == 0 || value[4] == ' ' || value[4] == '\t');
+    *listed = 0;
+    for (;;) {
+        ost_status status = ost_header_lines_next(lines, input, "an empty line", ended, err);
+        if (status != OST_OK || *ended)
+            return status;
+        const char *line = ost_header_line(lines, lines->count - 1);
+        if (lines->count == 1 && (status = check_magic(ost_input_path(input), line, err)) != OST_OK)
+            return status;
+        if (*listed)
+            continue;
+        if (*line == 0)
+            return OST_OK;
+        const char *colon = strchr(line, ':');
+        if (colon && (strncasecmp(line, "data file:", 10) == 0 || strncasecmp(line, "datafile:", 9) == 0) &&
+            ost_data_is_list(colon + 1 + strspn(colon + 1, " \t")))
+            *listed = lines->count;
+    }
 }
 
 ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *err)
 {
     const char *path = ost_input_path(input);
     memset(out, 0, sizeof *out);
-    size_t capacity = 0, list_start = 0;
-    size_t *starts = NULL; /* offsets of the field lines, which are split after the buffer has its final address */
-    size_t lines = 0, starts_capacity = 0;
-    bool in_list = false, ended;
-    ost_status status = OST_OK;
-    for (;;) {
-        size_t start;
-        status = append_line(input, out, &capacity, &start, &ended, err);
-        if (status != OST_OK || ended)
-            break;
-        if (lines == 0 && (status = check_magic(path, out->bytes + start, err)) != OST_OK)
-            break;
-        if (in_list)
-            continue;
-        if (out->bytes[start] == 0)
-            break;
-        if (lines == starts_capacity) {
-            size_t more = starts_capacity ? 2 * starts_capacity : 64;
-            size_t *bigger = realloc(starts, more * sizeof *starts);
-            if (!bigger) {
-                status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %zu header lines", path, more);
-                break;
-            }
-            starts = bigger;
-            starts_capacity = more;
-        }
-        starts[lines++] = start;
-        const char *line = out->bytes + start;
-        const char *colon = strchr(line, ':');
-        if (colon && (strncasecmp(line, "data file:", 10) == 0 || strncasecmp(line, "datafile:", 9) == 0) &&
-            starts_list(colon + 1 + strspn(colon + 1, " \t"))) {
-            in_list = true;
-            list_start = out->size;
-            out->list_line = (long)lines + 1;
-        }
-    }
-    if (status == OST_OK && lines == 0)
+    size_t listed;
+    bool ended;
+    ost_status status = read_lines(input, &out->lines, &listed, &ended, err);
+    if (status == OST_OK && out->lines.count == 0)
         status = ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected a NRRD header", path);
-    for (size_t i = 1; status == OST_OK && i < lines; i++)
-        status = take_line(path, out, out->bytes + starts[i], (long)i + 1, err);
-    if (status == OST_OK && in_list) {
-        out->list = out->bytes + list_start;
-        out->list_bytes = out->size - list_start;
+    const size_t fields = listed ? listed : out->lines.count - !ended;
+    for (size_t i = 1; status == OST_OK && i < fields; i++)
+        status = take_line(path, out, ost_header_line(&out->lines, i), (long)i + 1, err);
+    if (status == OST_OK && listed) {
+        out->list_bytes = out->lines.size - (listed < out->lines.count ? out->lines.start[listed] : out->lines.size);
+        out->list = out->lines.bytes + out->lines.size - out->list_bytes;
     }
     if (status == OST_OK && ended && !out->field[OST_NRRD_DATA_FILE].value)
         status = ost_fail(err, OST_ERR_INPUT,
                           "%s: file ends in the header, at byte %llu; expected an empty line and the data", path,
                           (unsigned long long)ost_input_offset(input));
-    free(starts);
     return status;
 }
 
 void ost_nrrd_text_free(ost_nrrd_text *text)
 {
-    free(text->bytes);
-    text->bytes = NULL;
+    ost_header_lines_free(&text->lines);
 }

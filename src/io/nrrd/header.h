@@ -17,7 +17,9 @@
 
 #include <osteon/io.h>
 
+#include "io/volume/data_files.h"
 #include "io/volume/element.h"
+#include "io/volume/header_lines.h"
 #include "io/volume/orient.h"
 #include "io/volume/input.h"
 
@@ -49,19 +51,15 @@ typedef enum ost_nrrd_field {
     OST_NRRD_FIELD_COUNT
 } ost_nrrd_field;
 
-enum { OST_NRRD_HEADER_MAX = 1 << 22 }; /* bytes: enough for 16384 file names */
-
 /* The text of a header, split into fields. */
 typedef struct ost_nrrd_text {
-    char *bytes; /* owned; every line ends in NUL */
-    size_t size;
+    ost_header_lines lines;
     struct {
         char *value; /* NULL if absent */
         long line;
     } field[OST_NRRD_FIELD_COUNT];
-    char *list; /* for `data file: LIST`: the names, one per line, each terminated by NUL */
+    const char *list; /* for `data file: LIST`: the names, one per line, each terminated by NUL */
     size_t list_bytes;
-    long list_line;
     ost_meta meta; /* osteon_KEY:=VALUE */
     bool labels;   /* true if there is a key Segment0_...: a segmentation of 3D Slicer */
 } ost_nrrd_text;
@@ -73,12 +71,10 @@ typedef struct ost_nrrd_text {
 ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *err);
 void ost_nrrd_text_free(ost_nrrd_text *text);
 
-typedef enum ost_nrrd_encoding { OST_NRRD_RAW, OST_NRRD_GZIP, OST_NRRD_TEXT } ost_nrrd_encoding;
-
 /* The interpreted header. */
 typedef struct ost_nrrd_header {
     ost_element element;
-    ost_nrrd_encoding encoding;
+    ost_data_form encoding;
     bool swap;
     int32_t sizes[3];
     ost_affine affine; /* transform from voxels to LPS */

@@ -94,9 +94,9 @@ static const name_value types[] = {
 
 enum { ENCODING_REFUSED = 100 };
 static const name_value encodings[] = {
-    {"raw", OST_NRRD_RAW},
-    {"gzip|gz", OST_NRRD_GZIP},
-    {"text|txt|ascii", OST_NRRD_TEXT},
+    {"raw", OST_DATA_RAW},
+    {"gzip|gz", OST_DATA_GZIP},
+    {"text|txt|ascii", OST_DATA_TEXT},
     {"hex|bzip2|bz2|zrl", ENCODING_REFUSED},
 };
 
@@ -117,12 +117,12 @@ static ost_status mean_elements(const meaning *m, ost_nrrd_header *out)
         return wrong(m, OST_NRRD_ENCODING, "no encoding of the NRRD format; expected raw, gzip or text");
     if (encoding == ENCODING_REFUSED)
         return wrong(m, OST_NRRD_ENCODING, "this encoding is not read here; save the file again as raw, gzip or text");
-    out->encoding = (ost_nrrd_encoding)encoding;
+    out->encoding = (ost_data_form)encoding;
 
     const char *endian = value_of(m, OST_NRRD_ENDIAN);
     if (endian && strcasecmp(endian, "little") != 0 && strcasecmp(endian, "big") != 0)
         return wrong(m, OST_NRRD_ENDIAN, "little or big was expected");
-    if (!endian && ost_element_bytes(out->element) > 1 && out->encoding != OST_NRRD_TEXT)
+    if (!endian && ost_element_bytes(out->element) > 1 && out->encoding != OST_DATA_TEXT)
         return missing(m, "endian");
     out->swap = endian && strcasecmp(endian, "big") == 0;
     return OST_OK;
@@ -138,7 +138,7 @@ static ost_status mean_skips(const meaning *m, ost_nrrd_header *out)
     p = value_of(m, OST_NRRD_BYTE_SKIP);
     if (p && (!read_integer(&p, &out->byte_skip) || *p || out->byte_skip < -1))
         return wrong(m, OST_NRRD_BYTE_SKIP, "a count of bytes, or -1 for data at the file's end, was expected");
-    if (out->byte_skip == -1 && out->encoding != OST_NRRD_RAW)
+    if (out->byte_skip == -1 && out->encoding != OST_DATA_RAW)
         return wrong(m, OST_NRRD_BYTE_SKIP, "only raw data can be counted from the file's end");
     return OST_OK;
 }

@@ -5,20 +5,27 @@
 #include <string.h>
 
 #include "io/nrrd/header.h"
-#include "io/nrrd/parts.h"
 #include "io/nrrd/text_rows.h"
 #include "io/volume/rows.h"
 
 static const char *const encoding_names[] = {
-    [OST_NRRD_RAW] = "raw", [OST_NRRD_GZIP] = "gzip", [OST_NRRD_TEXT] = "text"};
+    [OST_DATA_RAW] = "raw", [OST_DATA_GZIP] = "gzip", [OST_DATA_ZLIB] = "zlib", [OST_DATA_TEXT] = "text"};
 
 static ost_status read_voxels(const char *path, const ost_nrrd_text *text, const ost_nrrd_header *header,
                               uint64_t header_end, const ost_volume_options *options, const ost_placement *placement,
                               const ost_geometry *geometry, ost_volume *out, ost_volume_report *report, ost_error *err)
 {
-    ost_nrrd_parts own;
+    ost_data_files files = {.path = path,
+                            .names = {text->field[OST_NRRD_DATA_FILE].value, text->field[OST_NRRD_DATA_FILE].line,
+                                      text->list, text->list_bytes},
+                            .form = header->encoding,
+                            .element_bytes = ost_element_bytes(header->element),
+                            .attached_at = header_end,
+                            .line_skip = header->line_skip,
+                            .byte_skip = header->byte_skip};
+    memcpy(files.sizes, header->sizes, sizeof files.sizes);
     ost_parts parts;
-    ost_status status = ost_nrrd_parts_init(&own, &parts, path, text, header, header_end, err);
+    ost_status status = ost_data_files_open(&files, &parts, err);
     if (status != OST_OK)
         return status;
     ost_nrrd_text_rows all = {

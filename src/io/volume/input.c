@@ -25,6 +25,7 @@ struct ost_input {
     uint64_t raw_read; /* bytes read from the file: the file offset of raw[raw_end] */
     size_t raw_at, raw_end;
     bool packed;
+    const char *form; /* "gzip" or "compressed", for messages; valid if packed */
     bool member_done; /* the current gzip member has ended */
     z_stream z;
     uint64_t unpacked; /* bytes that inflate has produced */
@@ -134,17 +135,29 @@ ost_status ost_input_seek(ost_input *input, uint64_t offset, ost_error *err)
     return OST_OK;
 }
 
-ost_status ost_input_gunzip(ost_input *input, ost_error *err)
+/* window_bits is the argument of zlib's inflateInit2, which selects the formats that are accepted. */
+static ost_status start_inflate(ost_input *input, int window_bits, const char *form, ost_error *err)
 {
     assert(!input->packed);
     memset(&input->z, 0, sizeof input->z);
-    if (inflateInit2(&input->z, 15 + 16) != Z_OK)
+    if (inflateInit2(&input->z, window_bits) != Z_OK)
         return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for decompression", input->path);
     input->packed = true;
+    input->form = form;
     input->member_done = false;
     input->unpacked = 0;
     input->out_at = input->out_end = 0;
     return OST_OK;
+}
+
+ost_status ost_input_gunzip(ost_input *input, ost_error *err)
+{
+    return start_inflate(input, 15 + 16, "gzip", err);
+}
+
+ost_status ost_input_inflate(ost_input *input, ost_error *err)
+{
+    return start_inflate(input, 15 + 32, "compressed", err);
 }
 
 /* Reads more raw bytes. raw_at == raw_end afterwards means the end of the file. */
@@ -166,8 +179,8 @@ static ost_status fill_raw(ost_input *input, ost_error *err)
 
 static ost_status damaged(const ost_input *input, const char *what, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_INPUT, "%s: gzip data damaged at byte %llu (%s), %llu bytes unpacked", input->path,
-                    (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
+    return ost_fail(err, OST_ERR_INPUT, "%s: %s data damaged at byte %llu (%s), %llu bytes unpacked", input->path,
+                    input->form, (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
 }
 
 /* Unpacks more bytes. out_at == out_end afterwards means that the last member has ended, at the end of the file. */
@@ -184,15 +197,16 @@ static ost_status fill_out(ost_input *input, ost_error *err)
                 if (input->member_done)
                     return OST_OK;
                 return ost_fail(err, OST_ERR_INPUT,
-                                "%s: gzip data truncated at the end of the file, byte %llu, %llu bytes unpacked",
-                                input->path, (unsigned long long)input->file_bytes,
+                                "%s: %s data truncated at the end of the file, byte %llu, %llu bytes unpacked",
+                                input->path, input->form, (unsigned long long)input->file_bytes,
                                 (unsigned long long)input->unpacked);
             }
         }
         if (input->member_done) {
             if (input->raw[input->raw_at] != 0x1f)
-                return ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes follow its gzip data, from byte %llu", input->path,
-                                (unsigned long long)ost_input_file_left(input), (unsigned long long)file_offset(input));
+                return ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes follow its %s data, from byte %llu", input->path,
+                                (unsigned long long)ost_input_file_left(input), input->form,
+                                (unsigned long long)file_offset(input));
             if (inflateReset(&input->z) != Z_OK)
                 return damaged(input, "next member", err);
             input->member_done = false;

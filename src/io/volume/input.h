@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The input of the volume readers: a regular file as a stream of bytes, unpacked
- * with gunzip on request.
+ * from gzip or zlib on request.
  *
  *   open -> plain bytes ... gunzip -> the unpacked form of the remaining bytes
  *
@@ -32,6 +32,8 @@ uint64_t ost_input_file_left(const ost_input *input);
 ost_status ost_input_seek(ost_input *input, uint64_t offset, ost_error *err);
 /* Treats the file as gzip from the next byte on; it may have several members. Offsets of unpacked bytes start at 0. */
 ost_status ost_input_gunzip(ost_input *input, ost_error *err);
+/* The same for one zlib stream (RFC 1950) or gzip, as MetaImage files have it. */
+ost_status ost_input_inflate(ost_input *input, ost_error *err);
 
 bool ost_input_is_packed(const ost_input *input);
 /*

@@ -1,19 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "io/nrrd/parts.h"
+#include "io/volume/data_files.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-static long value_line(const ost_nrrd_parts *own)
-{
-    return own->text->field[OST_NRRD_DATA_FILE].line;
-}
+#include <osteon/length.h>
 
 /* ------------------------------------------------------------------- names */
 
-static ost_status check_name(const ost_nrrd_parts *own, const char *name, ost_error *err)
+static ost_status check_name(const ost_data_files *files, const char *name, ost_error *err)
 {
     const char *reason = NULL;
     if (!*name)
@@ -29,22 +26,22 @@ static ost_status check_name(const ost_nrrd_parts *own, const char *name, ost_er
     if (!reason)
         return OST_OK;
     return ost_fail(err, OST_ERR_INPUT,
-                    "%s:%ld: data file '%.100s': %s; expected a file in the header's folder or below it", own->path,
-                    value_line(own), name, reason);
+                    "%s:%ld: data file '%.100s': %s; expected a file in the header's folder or below it", files->path,
+                    files->names.line, name, reason);
 }
 
 /* Joins the header's folder and the name. */
-static ost_status join(const ost_nrrd_parts *own, const char *name, char out[OST_NRRD_NAME_MAX], ost_error *err)
+static ost_status join(const ost_data_files *files, const char *name, char out[OST_DATA_NAME_MAX], ost_error *err)
 {
-    ost_status status = check_name(own, name, err);
+    ost_status status = check_name(files, name, err);
     if (status != OST_OK)
         return status;
-    const char *slash = strrchr(own->path, '/');
-    int folder = slash ? (int)(slash - own->path) + 1 : 0;
-    int n = snprintf(out, OST_NRRD_NAME_MAX, "%.*s%s", folder, own->path, name);
-    if (n < 0 || n >= OST_NRRD_NAME_MAX)
-        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.60s...': the name is too long", own->path,
-                        value_line(own), name);
+    const char *slash = strrchr(files->path, '/');
+    int folder = slash ? (int)(slash - files->path) + 1 : 0;
+    int n = snprintf(out, OST_DATA_NAME_MAX, "%.*s%s", folder, files->path, name);
+    if (n < 0 || n >= OST_DATA_NAME_MAX)
+        return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.60s...': the name is too long", files->path,
+                        files->names.line, name);
     return OST_OK;
 }
 
@@ -85,40 +82,41 @@ static int expand(const char *pattern, size_t length, int64_t number, char *out,
     return conversions;
 }
 
-static const char *next_listed(const ost_nrrd_parts *own, const char *at)
+static const char *next_listed(const ost_data_files *files, const char *at)
 {
-    const char *end = own->text->list + own->text->list_bytes;
+    const char *end = files->names.list + files->names.list_bytes;
     while (at < end && !*at)
         at++;
     return at < end ? at : NULL;
 }
 
-static ost_status name_of(ost_nrrd_parts *own, uint64_t index, char out[OST_NRRD_NAME_MAX], ost_error *err)
+static ost_status name_of(ost_data_files *files, uint64_t index, char out[OST_DATA_NAME_MAX], ost_error *err)
 {
-    char name[OST_NRRD_NAME_MAX];
-    if (own->attached) {
-        snprintf(out, OST_NRRD_NAME_MAX, "%s", own->path);
+    char name[OST_DATA_NAME_MAX];
+    if (!files->names.value) {
+        snprintf(out, OST_DATA_NAME_MAX, "%s", files->path);
         return OST_OK;
     }
-    if (own->pattern) {
-        if (expand(own->pattern, own->pattern_length, own->first + (int64_t)index * own->step, name, sizeof name) != 1)
+    if (files->pattern) {
+        const int64_t number = files->first + (int64_t)index * files->step;
+        const int shown = files->pattern_length < 100 ? (int)files->pattern_length : 100;
+        if (expand(files->pattern, files->pattern_length, number, name, sizeof name) != 1)
             return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.*s': one %%d, with a width at most, was expected",
-                            own->path, value_line(own), (int)(own->pattern_length < 100 ? own->pattern_length : 100),
-                            own->pattern);
-        return join(own, name, out, err);
+                            files->path, files->names.line, shown, files->pattern);
+        return join(files, name, out, err);
     }
-    if (own->text->list) {
-        if (index < own->list_index || !own->list_at) {
-            own->list_index = 0;
-            own->list_at = next_listed(own, own->text->list);
+    if (files->names.list) {
+        if (index < files->list_index || !files->list_at) {
+            files->list_index = 0;
+            files->list_at = next_listed(files, files->names.list);
         }
-        while (own->list_index < index) {
-            own->list_at = next_listed(own, own->list_at + strlen(own->list_at));
-            own->list_index++;
+        while (files->list_index < index) {
+            files->list_at = next_listed(files, files->list_at + strlen(files->list_at));
+            files->list_index++;
         }
-        return join(own, own->list_at, out, err);
+        return join(files, files->list_at, out, err);
     }
-    return join(own, own->text->field[OST_NRRD_DATA_FILE].value, out, err);
+    return join(files, files->names.value, out, err);
 }
 
 /* -------------------------------------------------------------------- open */
@@ -140,32 +138,33 @@ static ost_status skip_lines(ost_input *input, uint64_t lines, ost_error *err)
 
 static ost_status open_part(void *user, uint64_t index, ost_input **out, ost_error *err)
 {
-    ost_nrrd_parts *own = user;
-    const ost_nrrd_header *header = own->header;
-    char path[OST_NRRD_NAME_MAX];
+    ost_data_files *files = user;
+    char path[OST_DATA_NAME_MAX];
     *out = NULL;
-    ost_status status = name_of(own, index, path, err);
+    ost_status status = name_of(files, index, path, err);
     if (status == OST_OK)
         status = ost_input_open(path, out, err);
     if (status != OST_OK)
         return status;
     ost_input *input = *out;
-    if (own->attached)
-        status = ost_input_seek(input, own->attached_at, err);
+    if (!files->names.value)
+        status = ost_input_seek(input, files->attached_at, err);
     if (status == OST_OK)
-        status = skip_lines(input, header->line_skip, err);
-    if (status == OST_OK && header->byte_skip == -1) {
+        status = skip_lines(input, files->line_skip, err);
+    if (status == OST_OK && files->byte_skip == -1) {
         uint64_t left = ost_input_file_left(input);
-        if (left < own->part_bytes)
+        if (left < files->part_bytes)
             status = ost_fail(err, OST_ERR_INPUT, "%s: has %llu bytes of data, but the header's sizes need %llu",
-                              path, (unsigned long long)left, (unsigned long long)own->part_bytes);
+                              path, (unsigned long long)left, (unsigned long long)files->part_bytes);
         else
-            status = ost_input_skip(input, left - own->part_bytes, err);
+            status = ost_input_skip(input, left - files->part_bytes, err);
     } else if (status == OST_OK) {
-        if (header->encoding == OST_NRRD_GZIP)
+        if (files->form == OST_DATA_GZIP)
             status = ost_input_gunzip(input, err);
-        if (status == OST_OK && header->byte_skip > 0)
-            status = ost_input_skip(input, (uint64_t)header->byte_skip, err);
+        else if (files->form == OST_DATA_ZLIB)
+            status = ost_input_inflate(input, err);
+        if (status == OST_OK && files->byte_skip > 0)
+            status = ost_input_skip(input, (uint64_t)files->byte_skip, err);
     }
     if (status != OST_OK) {
         ost_input_close(input);
@@ -198,21 +197,21 @@ static const char *trailing_numbers(const char *value, int count, int64_t number
     return end;
 }
 
-static ost_status wrong(const ost_nrrd_parts *own, const char *what, ost_error *err)
+static ost_status wrong(const ost_data_files *files, const char *what, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.100s': %s", own->path, value_line(own),
-                    own->text->field[OST_NRRD_DATA_FILE].value, what);
+    return ost_fail(err, OST_ERR_INPUT, "%s:%ld: data file '%.100s': %s", files->path, files->names.line,
+                    files->names.value, what);
 }
 
 /*
  * Reads "name.%d MIN MAX STEP [D]". If the last four words are numbers, the fourth
  * number is D; else there are three numbers and no D.
  */
-static ost_status count_numbered(ost_nrrd_parts *own, int64_t *subdimension, bool *numbered, ost_error *err)
+static ost_status count_numbered(ost_data_files *files, int64_t *subdimension, bool *numbered, ost_error *err)
 {
-    const char *value = own->text->field[OST_NRRD_DATA_FILE].value;
+    const char *value = files->names.value;
     int64_t n[4];
-    char probe[OST_NRRD_NAME_MAX];
+    char probe[OST_DATA_NAME_MAX];
     *numbered = false;
     const char *end = trailing_numbers(value, 4, n);
     if (end)
@@ -225,78 +224,80 @@ static ost_status count_numbered(ost_nrrd_parts *own, int64_t *subdimension, boo
     const int64_t far = INT64_C(1) << 40;
     if (min < 0 || max < 0 || min > far || max > far || step == 0 || step > far || step < -far ||
         (max - min) / step < 0 || (max != min && (max > min) != (step > 0)))
-        return wrong(own, "a first and a last number and a step that leads from one to the other were expected", err);
+        return wrong(files, "a first and a last number and a step that leads from one to the other were expected", err);
     *numbered = true;
-    own->pattern = value;
-    own->pattern_length = (size_t)(end - value);
-    own->first = min;
-    own->step = step;
-    own->count = (uint64_t)((max - min) / step) + 1;
-    if (expand(value, own->pattern_length, min, probe, sizeof probe) != 1)
-        return wrong(own, "one %d, with a width at most, was expected in the name", err);
+    files->pattern = value;
+    files->pattern_length = (size_t)(end - value);
+    files->first = min;
+    files->step = step;
+    files->count = (uint64_t)((max - min) / step) + 1;
+    if (expand(value, files->pattern_length, min, probe, sizeof probe) != 1)
+        return wrong(files, "one %d, with a width at most, was expected in the name", err);
     return OST_OK;
 }
 
-static ost_status count_listed(ost_nrrd_parts *own, int64_t *subdimension, ost_error *err)
+static ost_status count_listed(ost_data_files *files, int64_t *subdimension, ost_error *err)
 {
-    const char *tail = own->text->field[OST_NRRD_DATA_FILE].value + 4;
+    const char *tail = files->names.value + 4;
     tail += strspn(tail, " \t");
     if (*tail) {
         ost_decimal d;
         bool exact;
         if (ost_decimal_read(tail, tail + strlen(tail), &d) != tail + strlen(tail) ||
             !ost_decimal_scale(&d, 1, subdimension, &exact) || !exact)
-            return wrong(own, "LIST, with a number of axes at most, was expected", err);
+            return wrong(files, "LIST, with a number of axes at most, was expected", err);
     }
-    own->count = 0;
-    for (const char *p = next_listed(own, own->text->list); p; p = next_listed(own, p + strlen(p)))
-        own->count++;
-    if (own->count == 0)
-        return wrong(own, "no file names follow the list's header", err);
+    files->count = 0;
+    for (const char *p = next_listed(files, files->names.list); p; p = next_listed(files, p + strlen(p)))
+        files->count++;
+    if (files->count == 0)
+        return wrong(files, "no file names follow the list's header", err);
     return OST_OK;
 }
 
-ost_status ost_nrrd_parts_init(ost_nrrd_parts *own, ost_parts *parts, const char *path, const ost_nrrd_text *text,
-                               const ost_nrrd_header *header, uint64_t header_end, ost_error *err)
+bool ost_data_is_list(const char *value)
 {
-    *own = (ost_nrrd_parts){.path = path, .text = text, .header = header, .attached_at = header_end, .count = 1};
-    const char *value = text->field[OST_NRRD_DATA_FILE].value;
+    return value && strncasecmp(value, "LIST", 4) == 0 && (value[4] == 0 || value[4] == ' ' || value[4] == '\t');
+}
+
+ost_status ost_data_files_open(ost_data_files *files, ost_parts *parts, ost_error *err)
+{
     int64_t subdimension = 2;
     bool several = false;
     ost_status status = OST_OK;
-    own->attached = !value;
-    if (value && text->list) {
+    files->count = 1;
+    if (files->names.list) {
         several = true;
-        status = count_listed(own, &subdimension, err);
-    } else if (value) {
-        status = count_numbered(own, &subdimension, &several, err);
+        status = count_listed(files, &subdimension, err);
+    } else if (files->names.value) {
+        status = count_numbered(files, &subdimension, &several, err);
     }
     if (status != OST_OK)
         return status;
 
     uint64_t voxels = 1, product = 1;
     for (int a = 0; a < 3; a++) {
-        voxels *= (uint64_t)header->sizes[a];
+        voxels *= (uint64_t)files->sizes[a];
         if (a < subdimension)
-            product *= (uint64_t)header->sizes[a];
+            product *= (uint64_t)files->sizes[a];
     }
     uint64_t in_part = voxels;
     if (several) {
         if (subdimension < 1 || subdimension > 3)
-            return wrong(own, "a file holds 1, 2 or 3 axes", err);
-        if (own->count > OST_NRRD_PARTS_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "%s:%ld: %llu data files; expected at most %d", path, value_line(own),
-                            (unsigned long long)own->count, OST_NRRD_PARTS_MAX);
-        if (subdimension < 3 ? own->count != voxels / product : (uint64_t)header->sizes[2] % own->count != 0)
+            return wrong(files, "a file holds 1, 2 or 3 axes", err);
+        if (files->count > OST_DATA_FILES_MAX)
+            return ost_fail(err, OST_ERR_RANGE, "%s:%ld: %llu data files; expected at most %d", files->path,
+                            files->names.line, (unsigned long long)files->count, OST_DATA_FILES_MAX);
+        if (subdimension < 3 ? files->count != voxels / product : (uint64_t)files->sizes[2] % files->count != 0)
             return ost_fail(err, OST_ERR_INPUT, "%s:%ld: %llu data files of %lld axes each do not fit sizes %d %d %d",
-                            path, value_line(own), (unsigned long long)own->count, (long long)subdimension,
-                            header->sizes[0], header->sizes[1], header->sizes[2]);
-        in_part = voxels / own->count;
+                            files->path, files->names.line, (unsigned long long)files->count, (long long)subdimension,
+                            files->sizes[0], files->sizes[1], files->sizes[2]);
+        in_part = voxels / files->count;
     }
-    bool as_text = header->encoding == OST_NRRD_TEXT;
+    bool as_text = files->form == OST_DATA_TEXT;
     /* The shortest text of n numbers has one digit per number and one blank between two numbers. */
-    own->part_bytes = as_text ? 2 * in_part - 1 : in_part * ost_element_bytes(header->element);
+    files->part_bytes = as_text ? 2 * in_part - 1 : in_part * files->element_bytes;
     *parts = (ost_parts){
-        .open = open_part, .user = own, .count = own->count, .part_bytes = own->part_bytes, .text = as_text};
+        .open = open_part, .user = files, .count = files->count, .part_bytes = files->part_bytes, .text = as_text};
     return OST_OK;
 }

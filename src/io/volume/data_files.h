@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The location of the data of a NRRD or MetaImage header: after the header, or in files that
+ * the header names.
+ *
+ *   name                         one file
+ *   name.%03d MIN MAX STEP [D]   numbered files
+ *   LIST [D]                     followed by one name per line
+ *
+ * D is the number of axes that each file contains completely (default 2, slices; 3
+ * divides the last axis into slabs); the files follow each other without gaps, and
+ * their number must match the sizes. A file begins with line_skip lines, then
+ * byte_skip bytes (counted after decompression, if it is compressed), then the data.
+ *
+ * A header may be malicious, so a data file must be in the header's folder or below
+ * it. Absolute names and any ".." are refused.
+ */
+#ifndef OST_IO_VOLUME_DATA_FILES_H
+#define OST_IO_VOLUME_DATA_FILES_H
+
+#include "io/volume/parts.h"
+
+enum { OST_DATA_FILES_MAX = 1 << 16, OST_DATA_NAME_MAX = 4096 };
+
+typedef enum ost_data_form { OST_DATA_RAW, OST_DATA_GZIP, OST_DATA_ZLIB, OST_DATA_TEXT } ost_data_form;
+
+/* The names as the header gives them. Strings belong to the header's text. */
+typedef struct ost_data_names {
+    const char *value; /* NULL if the data follow the header */
+    long line;         /* line of the value in the header, for messages */
+    const char *list;  /* for LIST: the names, each terminated by NUL; otherwise NULL */
+    size_t list_bytes;
+} ost_data_names;
+
+typedef struct ost_data_files {
+    /* The fields up to the blank line are set by the caller. */
+    const char *path; /* path of the header */
+    ost_data_names names;
+    ost_data_form form;
+    int32_t sizes[3];
+    size_t element_bytes;
+    uint64_t attached_at; /* offset in the header's file of the first byte after the header */
+    uint64_t line_skip;
+    int64_t byte_skip;    /* -1: the data end at the end of the file */
+
+    uint64_t part_bytes;
+    /* for numbered files */
+    const char *pattern; /* has pattern_length bytes */
+    size_t pattern_length;
+    int64_t first, step;
+    uint64_t count;
+    /* for LIST: the next name, so that all names are found in one pass */
+    const char *list_at;
+    uint64_t list_index;
+} ost_data_files;
+
+/* Returns true if the value of the header's field begins with the word LIST. value may be NULL. */
+bool ost_data_is_list(const char *value);
+
+/* Sets *parts, which uses *files; *files must outlive it. */
+ost_status ost_data_files_open(ost_data_files *files, ost_parts *parts, ost_error *err);
+
+#endif

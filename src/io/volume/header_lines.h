@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The lines of a text header (NRRD, MetaImage), read from an input one by one. The lines may end
+ * in LF or CR LF, and all of them remain in memory until the header is interpreted.
+ */
+#ifndef OST_IO_VOLUME_HEADER_LINES_H
+#define OST_IO_VOLUME_HEADER_LINES_H
+
+#include "io/volume/input.h"
+
+enum { OST_HEADER_MAX = 1 << 22 }; /* bytes: enough for 16384 file names */
+
+/* Initialise it with 0. A pointer into `bytes` is valid only until the next line is read. */
+typedef struct ost_header_lines {
+    char *bytes;   /* owned; every line ends in NUL */
+    size_t size, capacity;
+    size_t *start; /* owned; offset in `bytes` of each line */
+    size_t count, start_capacity;
+} ost_header_lines;
+
+/*
+ * Reads one line. Sets *ended, and reads no line, at the end of the input. OST_ERR_INPUT if the
+ * header contains a NUL or exceeds OST_HEADER_MAX; end_mark is what ends a header, for the message.
+ */
+ost_status ost_header_lines_next(ost_header_lines *lines, ost_input *input, const char *end_mark, bool *ended,
+                                 ost_error *err);
+void ost_header_lines_free(ost_header_lines *lines);
+
+/* Returns line `index`, counted from 0. */
+static inline char *ost_header_line(const ost_header_lines *lines, size_t index)
+{
+    return lines->bytes + lines->start[index];
+}
+
+#endif
