@@ -35,13 +35,14 @@ typedef enum ost_file_kind {
     OST_FILE_NIFTI,
     OST_FILE_MESH,
     OST_FILE_PATH_CSV,
-    OST_FILE_SESSION /* session.h */
+    OST_FILE_SESSION, /* session.h */
+    OST_FILE_METAIMAGE
 } ost_file_kind;
 
 /*
- * Determines the kind of a file by its content or, without a signature, by its name. Returns
- * OST_ERR_INPUT, with the program that converts it, for a format that osteon does not read: DICOM,
- * MetaImage, TIFF, compressed files and others.
+ * Determines the kind of a file by its content or, without a signature, by its name. For a format
+ * that osteon does not read (DICOM, TIFF, compressed files and others), returns OST_ERR_INPUT with a
+ * message that names a program for its conversion.
  */
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);
 
@@ -50,7 +51,7 @@ OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_
 /* The conversions that were applied to a volume when it was read. */
 typedef struct ost_volume_report {
     char type[24];             /* type of the file's elements: "int16", "float32", ... */
-    char encoding[24];         /* "raw", "gzip" or "text" */
+    char encoding[24];         /* "raw", "gzip", "zlib" or "text" */
     char orientation[16];      /* orientation stated in the file, e.g. "LPS" or "RAS"; "" if there is none */
     bool reoriented;           /* axes were flipped or permuted to LPS+ */
     bool assumed;              /* the file states no orientation; LPS was assumed */
@@ -68,12 +69,15 @@ typedef enum ost_nifti_form { OST_FORM_AUTO, OST_FORM_QFORM, OST_FORM_SFORM } os
 
 typedef struct ost_volume_options {
     bool clamp;             /* saturate densities beyond int16 instead of failing */
-    bool resample_oblique;  /* resample an oblique NIfTI or NRRD (nearest) instead of failing */
+    bool resample_oblique;  /* resample an oblique grid (nearest) instead of failing */
     char orientation[4];    /* orientation of a file that states none, e.g. "RAS"; "": not specified */
     ost_nifti_form form;
 } ost_volume_options;
 
-/* Reads an NRRD or NIfTI file as int16 with axes in LPS+. options may be NULL (all false); report may be NULL. */
+/*
+ * Reads an NRRD, NIfTI or MetaImage file as int16 with axes in LPS+. options may be NULL (all false);
+ * report may be NULL.
+ */
 OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out,
                                    ost_volume_report *report, ost_error *err);
 /* Reads geometry, meta and report without the voxels. Each of the three pointers may be NULL. */
@@ -210,7 +214,7 @@ typedef struct ost_import_options {
     bool digests;             /* compute the SHA-256 of every stage (costs one pass over each grid) */
     ost_progress *progress;   /* may be NULL */
     void *progress_user;
-    const char *mask;         /* a label map on the CT's grid, NRRD or NIfTI; NULL: the complete CT (AR-SEG-6) */
+    const char *mask;         /* a label map on the CT's grid; NULL: the complete CT (AR-SEG-6) */
     int16_t mask_labels[OST_MASK_LABELS_MAX]; /* the labels that are selected */
     int mask_label_count;     /* 0: all labels except 0 */
     bool mask_fill;           /* set selected voxels below the threshold to the threshold */
@@ -239,7 +243,7 @@ typedef struct ost_import_result {
     ost_geometry cubic;
     ost_meta meta;                 /* copied from the file; kind, threshold and resample are set */
     ost_resample resample;         /* the rule that was used */
-    ost_volume_report volume;      /* for NRRD and NIfTI */
+    ost_volume_report volume;      /* for NRRD, NIfTI and MetaImage */
     ost_scatter_report scatter;    /* for text */
     bool spacing_inferred[3];
     uint64_t rounded_positions;    /* coordinates with more than nine decimals */

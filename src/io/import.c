@@ -453,6 +453,7 @@ static ost_status rect_from_file(job *j, ost_error *err)
         return j->options->mask ? ost_mask_refuse_text(j->path, err) : rect_from_text(j, err);
     case OST_FILE_NRRD:
     case OST_FILE_NIFTI:
+    case OST_FILE_METAIMAGE:
         return rect_from_volume(j, err);
     case OST_FILE_MESH:
         return ost_fail(err, OST_ERR_INPUT, "%s: is a mesh, not a CT; 'osteon voxelize' reads meshes", j->path);
@@ -460,10 +461,9 @@ static ost_status rect_from_file(job *j, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s: is a tool's path, not a CT; expected lines of x y z density", j->path);
     case OST_FILE_SESSION:
         return ost_fail(err, OST_ERR_INPUT, "%s: is a session, not a CT; 'osteon replay' makes a bone of it", j->path);
-    case OST_FILE_UNKNOWN:
-        break;
+    case OST_FILE_UNKNOWN: break;
     }
-    return ost_fail(err, OST_ERR_INPUT, "%s: not a CT; expected text (x y z density), NRRD or NIfTI", j->path);
+    return ost_fail(err, OST_ERR_INPUT, "%s: not a CT; expected text (x y z density), NRRD, NIfTI, MetaImage", j->path);
 }
 
 ost_status ost_import(ost_backend *backend, const char *path, const ost_import_options *options, ost_bone **out,

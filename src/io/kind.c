@@ -3,6 +3,7 @@
  * Determines the kind of a file from its first bytes or, if these do not identify it, from its name.
  *
  *   NRRD0001..5                              NRRD, with attached data or only the header
+ *   "ObjectType =", "NDims =" or "Comment =" MetaImage, with attached data or only the header
  *   348 or 540, "n+1" "ni1" "n+2" "ni2"      NIfTI; also inside gzip
  *   "ply", 4D 4D, "solid ... facet",
  *   84 + 50 n bytes                          meshes
@@ -22,6 +23,7 @@
 
 #include "core/file.h"
 #include "io/foreign.h"
+#include "io/metaimage/header.h"
 #include "io/session/layout.h"
 #include "io/text/fields.h"
 
@@ -150,6 +152,7 @@ static ost_file_kind kind_by_name(const char *path)
         {".nhdr", OST_FILE_NRRD},   {".nii", OST_FILE_NIFTI},    {".nii.gz", OST_FILE_NIFTI},
         {".hdr", OST_FILE_NIFTI},   {".stl", OST_FILE_MESH},     {".obj", OST_FILE_MESH},
         {".ply", OST_FILE_MESH},    {".3ds", OST_FILE_MESH},     {".session", OST_FILE_SESSION},
+        {".mha", OST_FILE_METAIMAGE}, {".mhd", OST_FILE_METAIMAGE},
     };
     size_t length = strlen(path);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
@@ -164,6 +167,8 @@ static ost_file_kind plain_kind(const unsigned char *head, size_t size, off_t fi
 {
     if (is_nrrd(head, size))
         return OST_FILE_NRRD;
+    if (ost_metaimage_sniff(head, size))
+        return OST_FILE_METAIMAGE;
     if (is_session(head, size))
         return OST_FILE_SESSION;
     if (is_nifti(head, size))

@@ -96,7 +96,7 @@ static ost_status set_facts(const ost_import_options *options, ost_meta *meta, o
 
 ost_status ost_mask_refuse_text(const char *path, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_USAGE, "%s: is a text; a mask needs a CT as NRRD or NIfTI", path);
+    return ost_fail(err, OST_ERR_USAGE, "%s: is a text; a mask needs a CT as NRRD, NIfTI or MetaImage", path);
 }
 
 ost_status ost_mask_apply(const char *path, const ost_import_options *options, int32_t threshold, ost_volume *volume,

@@ -7,6 +7,8 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "io/metaimage/header.h"
+#include "io/metaimage/read.h"
 #include "io/nifti/read.h"
 #include "io/nrrd/read.h"
 #include "io/volume/input.h"
@@ -38,12 +40,13 @@ static const char *header_of(const char *path, char *out, size_t capacity)
 static ost_status unknown(const char *path, const unsigned char *bytes, size_t size, ost_error *err)
 {
     if (size == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected a NRRD or NIfTI volume", path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected a NRRD, NIfTI or MetaImage volume", path);
     char start[3 * 8 + 1] = "";
     for (size_t i = 0; i < size && i < 8; i++)
         snprintf(start + 3 * i, 4, "%02x ", bytes[i]);
     start[strlen(start) - 1] = 0;
-    return ost_fail(err, OST_ERR_INPUT, "%s: not a NRRD or NIfTI file (it starts with bytes %s)", path, start);
+    return ost_fail(err, OST_ERR_INPUT, "%s: not a NRRD, NIfTI or MetaImage file (it starts with bytes %s)", path,
+                    start);
 }
 
 ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out,
@@ -68,6 +71,12 @@ ost_status ost_volume_read_any(const char *path, const ost_volume_options *optio
         status = ost_input_seek(input, 0, err);
         if (status == OST_OK)
             status = ost_nrrd_read(input, options, out, geometry, meta, report, element, err);
+        goto done;
+    }
+    if (status == OST_OK && ost_metaimage_sniff(head, got)) {
+        status = ost_input_seek(input, 0, err);
+        if (status == OST_OK)
+            status = ost_metaimage_read(input, options, out, geometry, meta, report, element, err);
         goto done;
     }
     if (status == OST_OK && got >= 2 && head[0] == 0x1f && head[1] == 0x8b) {

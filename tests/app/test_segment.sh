@@ -84,7 +84,7 @@ refuse 2 "expected FILE or FILE:LABEL" import ct.nrrd --mask :1 --out b.nrrd
 refuse 2 "nowhere.nrrd" import ct.nrrd --mask nowhere.nrrd:1 --out b.nrrd
 refuse 2 "mask-fill needs --mask" import ct.nrrd --mask-fill --out b.nrrd
 printf '0 0 0 500\n1 0 0 500\n0 1 0 500\n0 0 1 500\n' >ct.txt
-refuse 2 "ct.txt: is a text; a mask needs a CT as NRRD or NIfTI" import ct.txt --mask labels.nrrd --out b.nrrd
+refuse 2 "ct.txt: is a text; a mask needs a CT as NRRD, NIfTI or MetaImage" import ct.txt --mask labels.nrrd --out b.nrrd
 refuse 2 "cut-ball '1,2,3': expected X,Y,Z,RADIUS" segment ct.nrrd --out b.nrrd --cut-ball 1,2,3
 refuse 2 "cut-ball '1,2,3,0': expected X,Y,Z,RADIUS" segment ct.nrrd --out b.nrrd --cut-ball 1,2,3,0
 refuse 2 "cut-plane '1,2,3,0,0,0': expected X,Y,Z,NX,NY,NZ" segment ct.nrrd --out b.nrrd --cut-plane 1,2,3,0,0,0

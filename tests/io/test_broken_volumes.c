@@ -142,7 +142,7 @@ static void nrrd_starts(void **state)
         const char *text, *words;
     } cases[] = {
         {"", "is empty"},
-        {"N", "not a NRRD or NIfTI file"},
+        {"N", "not a NRRD, NIfTI or MetaImage file"},
         {"NRRD", "expected NRRD0001"},
         {"NRRD0006\n\n", "NRRD0001 to NRRD0005"},
         {"NRRD0000\n\n", "NRRD0001 to NRRD0005"},
@@ -151,8 +151,8 @@ static void nrrd_starts(void **state)
         {"NRRD0005\n", "file ends in the header"},
         {"NRRD0005\n\n", "no 'dimension:'"},
         {"NRRD0005\ntype: uint8", "file ends in the header"},
-        {"solid cube\n", "not a NRRD or NIfTI file"},
-        {"1 2 3 4\n", "not a NRRD or NIfTI file"},
+        {"solid cube\n", "not a NRRD, NIfTI or MetaImage file"},
+        {"1 2 3 4\n", "not a NRRD, NIfTI or MetaImage file"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         write_file("s.nrrd", cases[i].text, strlen(cases[i].text));

@@ -25,6 +25,8 @@ static void by_content(void **state)
     } cases[] = {
         {"a.txt", "NRRD0004\ntype: short\n", OST_FILE_NRRD},
         {"a", "NRRD0005\n", OST_FILE_NRRD},
+        {"a", "ObjectType = Image\nNDims = 3\n", OST_FILE_METAIMAGE},
+        {"a.txt", "NDims = 3\nDimSize = 2 2 2\n", OST_FILE_METAIMAGE},
         {"a.bin", "ply\nformat ascii 1.0\n", OST_FILE_MESH},
         {"a.txt", "solid cube\n facet normal 0 0 1\n", OST_FILE_MESH},
         {"a", "0 0 0 100\n", OST_FILE_CT_TEXT},
@@ -44,6 +46,7 @@ static void by_content(void **state)
         {"a.session", "junk", OST_FILE_SESSION},
         {"a.nii.gz", "junk", OST_FILE_NIFTI},
         {"a.nhdr", "junk", OST_FILE_NRRD},
+        {"a.MHA", "junk", OST_FILE_METAIMAGE},
         {"a.obj", "v 0 0 0\n", OST_FILE_MESH},
     };
     char *folder = scratch_folder();
@@ -119,8 +122,6 @@ static void foreign_formats(void **state)
     } cases[] = {
         {"IM0001", "DICM", 4, 128, "a DICOM file", "dcm2niix"},
         {"a.nii", "DICM", 4, 128, "a DICOM file", "dcm2niix"}, /* whatever its name */
-        {"a.mhd", "ObjectType = Image\nNDims = 3\n", 28, 0, "a MetaImage header", "3D Slicer"},
-        {"a.txt", "NDims = 3\nDimSize = 2 2 2\n", 27, 0, "a MetaImage header", "3D Slicer"},
         {"a.mnc", "CDF\001", 4, 0, "a NetCDF file", "mnc2nii"},
         {"a.mnc", "\x89HDF\r\n\x1a\n", 8, 0, "an HDF5 file", "mnc2nii"},
         {"a.tif", "II*\0", 4, 0, "a TIFF file", "3D Slicer"},

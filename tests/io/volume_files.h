@@ -81,11 +81,11 @@ static inline void write_file(const char *name, const void *data, size_t size)
     assert_int_equal(fclose(file), 0);
 }
 
-/* Appends one gzip member to out. */
-static inline void put_gzip(bytes *out, const void *data, size_t size)
+/* Appends a compressed stream to out; window_bits is the argument of deflateInit2. */
+static inline void put_deflated(bytes *out, const void *data, size_t size, int window_bits)
 {
     z_stream z = {0};
-    assert_int_equal(deflateInit2(&z, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+    assert_int_equal(deflateInit2(&z, 9, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY), Z_OK);
     z.next_in = (unsigned char *)(uintptr_t)data;
     z.avail_in = (uInt)size;
     z.next_out = out->data + out->size;
@@ -93,6 +93,12 @@ static inline void put_gzip(bytes *out, const void *data, size_t size)
     assert_int_equal(deflate(&z, Z_FINISH), Z_STREAM_END);
     out->size = sizeof out->data - z.avail_out;
     deflateEnd(&z);
+}
+
+/* Appends one gzip member to out. */
+static inline void put_gzip(bytes *out, const void *data, size_t size)
+{
+    put_deflated(out, data, size, 15 + 16);
 }
 
 /* Appends the low `size` bytes of bits, least or most significant first. */

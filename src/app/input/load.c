@@ -371,7 +371,7 @@ ost_status load_volume(const app_state *app, const char *name, loaded_volume *ou
         return status;
     if (kind == OST_FILE_CT_TEXT)
         return load_text_volume(app, name, out, err);
-    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI)
+    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI && kind != OST_FILE_METAIMAGE)
         return ost_fail(err, OST_ERR_INPUT, "%s: no voxels; expected a CT, a bone or a tool grid", name);
     ost_meta meta = {0};
     status = ost_volume_read_header(name, NULL, &meta, NULL, err);

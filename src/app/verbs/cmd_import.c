@@ -15,6 +15,7 @@ static const char *kind_text(ost_file_kind kind)
     case OST_FILE_CT_TEXT: return "text";
     case OST_FILE_NRRD: return "NRRD";
     case OST_FILE_NIFTI: return "NIfTI";
+    case OST_FILE_METAIMAGE: return "MetaImage";
     case OST_FILE_MESH: return "mesh";
     case OST_FILE_PATH_CSV: return "path";
     case OST_FILE_SESSION: return "session";
@@ -142,7 +143,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     const usage_text usage = {
         .synopsis = "CT --out BONE.nrrd [options]",
         .about = "Converts a CT into a bone: cubic voxels, of which those below the threshold are\n"
-                 "empty. CT is a text of lines \"x y z density\", an NRRD or a NIfTI.",
+                 "empty. CT is a text of lines \"x y z density\", an NRRD, a NIfTI or a MetaImage.",
         .operands = operands,
         .options = options,
         .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"

@@ -257,6 +257,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     switch (kind) {
     case OST_FILE_NRRD: status = info_volume(app, name, "NRRD", digest, err); break;
     case OST_FILE_NIFTI: status = info_volume(app, name, "NIfTI", digest, err); break;
+    case OST_FILE_METAIMAGE: status = info_volume(app, name, "MetaImage", digest, err); break;
     case OST_FILE_CT_TEXT: status = info_text(app, name, err); break;
     case OST_FILE_MESH: status = info_mesh(app, name, err); break;
     case OST_FILE_PATH_CSV: status = info_path(app, name, err); break;

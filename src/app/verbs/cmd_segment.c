@@ -178,8 +178,9 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "CT --out LABELS.nrrd [options]",
-        .about = "Divides a CT, an NRRD or a NIfTI, into bones: components of dense voxels that share\n"
-                 "faces. Label 1 is the largest. osteon import --mask LABELS.nrrd:1 makes a bone of it.",
+        .about = "Divides a CT (NRRD, NIfTI or MetaImage) into bones: components of dense voxels that\n"
+                 "share faces. Label 1 is the largest. osteon import --mask LABELS.nrrd:1 makes a bone\n"
+                 "of it.",
         .operands = operands,
         .options = options,
         .notes = "Lengths are in millimetres in the patient's axes (LPS), densities in HU. The label map\n"
