@@ -46,7 +46,7 @@ void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which
 /* Computes the half-open range of chunks that may intersect the tool's box; empty if there are none. */
 void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
 
-/* Draws a line between two positions in the bone's voxels. strength: opacity in 256ths; width: in
+/* Draws a line between two positions, in the bone's voxel coordinates. strength: opacity in 256ths; width: in
    pixels, at least 1. */
 void ost_overlay_line(const ost_frame *frame, const ost_eye *eye, const float from[3], const float to[3],
                       uint32_t colour, unsigned strength, int width);

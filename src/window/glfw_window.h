@@ -29,7 +29,7 @@ struct ost_window {
     bool minimised, hidden, damaged;
     int64_t looked_ns;
     /* The following fields depend on the OpenGL context. */
-    int side; /* side of the greatest texture, in pixels */
+    int side; /* side length of the largest texture, in pixels */
     /* extension that reports a driver's reset */
     enum { NO_NOTIFICATION, BY_KHR, BY_ARB } reset_notification;
     int64_t reset_ns[OST_WINDOW_RESETS];

@@ -275,7 +275,7 @@ static void in_the_scapulas_frame(void **state)
     NEAR(m.inclination_planned_deg, 5, 1e-6);
     NEAR(m.version_deg, 8, 0.1);
     NEAR(m.inclination_deg, 1, 0.1);
-    /* In a left shoulder inward is -x, and the direction of the back is unchanged. */
+    /* In a left shoulder, the medial direction is -x; the posterior direction is unchanged. */
     plan = (ost_metrics_plan){.axis = {-1, 0, 0},
                               .left = true,
                               .depth_mm = 3,

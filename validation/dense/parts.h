@@ -136,8 +136,8 @@ ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_r
 
 /* ------------------------------------------------- the marks of an event's voxels */
 
-/* For each voxel of the bone, the number of poses at which it is in a cutting and in a non-cutting voxel of the
-   tool. */
+/* For each voxel of the bone, two counts of poses: those at which it lies in a cutting voxel of the tool, and those at
+   which it lies in a non-cutting voxel. */
 typedef struct dense_marks {
     uint16_t *cut, *touch;
     uint8_t *met; /* per chunk: 1 if one of its voxels is marked */

@@ -125,8 +125,8 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
 /* Begins the recording if --record is given. */
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
 
-/* Opens the session of --resume. Its bone, tools and world replace the defaults. Options may
-   replace the names of files that were moved. */
+/* Opens the session that --resume names. Its bone, tools and world replace the defaults. Other
+   options can override the names of files that were moved. */
 ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err);
 /* Replays the session's ticks into the world and the new recording. Fails if a tick's result
    differs from the recorded one. */

@@ -50,7 +50,7 @@ typedef struct ost_text_coordinate {
 
 typedef struct ost_text_axis {
     ost_pm min, max;
-    ost_pm given;       /* spacing by option or by the text's own fact; 0: to be found */
+    ost_pm given;       /* spacing, given by an option or stated in the text; 0: to be determined */
     uint32_t units;     /* units and rounded as in ost_lattice_axis */
     bool rounded;
     size_t distinct;    /* number of coordinates in set, which is sorted after the pass */

@@ -100,8 +100,8 @@ typedef struct ost_visible {
     uint64_t *seen;
     uint8_t *only;              /* owned by the frame; as in ost_chosen */
     /*
-     * The pixels that each OST_LANES entries cover, made by ost_extent_word; OST_EXTENT_UNKNOWN
-     * until they have been drawn once. Every thread computes the same value, so threads need not
+     * The pixels that each group of OST_LANES entries covers, computed by ost_extent_word;
+     * OST_EXTENT_UNKNOWN until the group has been drawn once. Every thread computes the same value, so threads need not
      * wait for each other.
      */
     _Atomic uint64_t *extent;
