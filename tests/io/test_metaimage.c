@@ -181,7 +181,7 @@ static void data_in_several_files(void **state)
         char text[300];
         const int part = COUNT / cases[i].files;
         for (int f = 0; f < cases[i].files; f++) {
-            char name[16];
+            char name[32];
             snprintf(name, sizeof name, "s%02d.raw", f + 1);
             raw.size = 0;
             put_text(&raw, "skip"); /* HeaderSize */
