@@ -48,7 +48,10 @@ static inline bool ost_text_density(uint64_t w, int64_t length, int16_t *density
     t = (t ^ UINT64_C(0x3030303030303030)) & (UINT64_MAX << (64 - 8 * digits));
     if (((t + UINT64_C(0x0606060606060606)) | t) & UINT64_C(0xf0f0f0f0f0f0f0f0))
         return false;
-    /* Combines digits to pairs, fours and eight: the upper half of each product's lanes is the required sum. */
+    /*
+     * Combines digits to pairs, pairs to groups of four, and these to eight digits. In each lane of a product, the
+     * upper half is the required sum.
+     */
     t = (t * 2561) >> 8 & UINT64_C(0x00ff00ff00ff00ff);
     t = (t * 6553601) >> 16 & UINT64_C(0x0000ffff0000ffff);
     t = (t * UINT64_C(42949672960001)) >> 32;

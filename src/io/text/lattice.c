@@ -29,8 +29,8 @@
  * searched by bisection.
  *
  * If no decimal with nine digits is feasible (thirds of a millimetre),
- * RHE((c_(m-1) - c_0) / n) is used if (F) holds with n pm more: k steps of a spacing
- * that is half a picometre off end k / 2 pm off.
+ * RHE((c_(m-1) - c_0) / n) is used if (F) holds with n pm more: an error of half a
+ * picometre in the spacing becomes k / 2 pm after k steps.
  *
  * Axes whose spacings differ by less than 1 % share one spacing that is feasible for
  * all of them, found in the same way, so that an isotropic grid remains isotropic.
@@ -87,8 +87,9 @@ static int64_t last_step(const fit *f)
 static const char advice[] = "give the spacing (--spacing)";
 
 /*
- * Reports that coordinate i does not fit. Either this coordinate is wrong or one of
- * the two whose gap was taken as the step, so the message names all three.
+ * Reports that coordinate i does not fit the lattice. The error is in this coordinate
+ * or in one of the two coordinates whose gap was taken as the step. The message
+ * therefore names all three.
  */
 static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
 {
@@ -225,10 +226,10 @@ static side probe(const fit *const *fits, int count, int64_t s)
 }
 
 /*
- * Returns the feasible multiple of q nearest to num / den, of two the smaller; 0 if
- * there is none.  Invariant of the bisection: at `near` the probe is not HERE and
- * points towards `far`; at `far` it points the other way or is HERE, or `far` is the
- * end of the range.
+ * Returns the feasible multiple of q nearest to num / den, the smaller of two equally
+ * near ones; 0 if there is none.  Invariant of the bisection: at `near` the probe is
+ * not HERE and points towards `far`; at `far` it points the other way or is HERE, or
+ * `far` is the end of the range.
  */
 static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, int64_t num, int64_t den)
 {
@@ -245,7 +246,7 @@ static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, in
     if (above == HERE)
         return (m + 1) * q;
     if (below != above)
-        return 0; /* the interval lies between two multiples */
+        return 0; /* no multiple of q is feasible */
     int64_t step = above == ABOVE ? 1 : -1;
     int64_t near = step > 0 ? m + between : m, far = step > 0 ? FEASIBLE_MAX / q + 1 : 0;
     while ((far - near) * step > 1) {
@@ -284,7 +285,7 @@ static int64_t spacing_of(const fit *f)
     return s;
 }
 
-/* Finds the steps and the unit of one axis, stored in f, and its spacing. */
+/* Finds the steps, the unit and the spacing of one axis. The steps and the unit are stored in f. */
 static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error *err)
 {
     const ost_lattice_axis *axis = f->axis;

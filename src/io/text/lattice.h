@@ -37,9 +37,9 @@ typedef struct ost_lattice_axis {
     char name;            /* 'x', 'y', 'z' */
     size_t count;         /* 1 <= count <= OST_DIM_MAX */
     const ost_pm *value;  /* distinct, ascending */
-    const int64_t *line;  /* the line in which each occurs first */
-    uint32_t units;       /* bit n: unit n occurs */
-    bool rounded;         /* some coordinate has more than nine places, so it may be half a picometre off */
+    const int64_t *line;  /* the line in which each value occurs first */
+    uint32_t units;       /* bit n is 1 if unit n occurs */
+    bool rounded;         /* a coordinate has more than nine decimal places and may be half a picometre off */
 } ost_lattice_axis;
 
 /*

@@ -123,8 +123,9 @@ static ost_status fill(ost_text_lines *lines, ost_error *err)
 }
 
 /*
- * Returns true for text with CR and no LF, as computers wrote it before 2001. A CR
- * that ends the file is ignored, because it may be half of a CR LF.
+ * Returns true if the text contains CR but no LF: some computers ended lines in this
+ * way before 2001. A CR at the end of the file is ignored, because it may be the first
+ * half of a CR LF.
  */
 static bool ends_lines_with_cr(const char *text, size_t size)
 {

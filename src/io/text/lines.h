@@ -38,7 +38,10 @@ ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error
 ost_status ost_text_lines_unpack(ost_text_lines *lines, bool *packed, ost_error *err);
 void ost_text_lines_close(ost_text_lines *lines); /* NULL is allowed */
 
-/* Reads the next block, which is valid until the next call. line_number is for the message about an endless line. */
+/*
+ * Reads the next block, which is valid until the next call. line_number is used in the message about a line that is
+ * too long.
+ */
 ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_text_block *block, ost_error *err);
 /* Returns to the file's start. */
 ost_status ost_text_lines_rewind(ost_text_lines *lines, ost_error *err);

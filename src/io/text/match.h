@@ -22,8 +22,8 @@
 #include "core/isa.h"
 
 /*
- * MARGIN: greatest number of bytes that a kernel reads beyond the text: eight lines, each with the longest pattern
- * and a density one byte too long, and the reads that begin at the end of the last line.
+ * MARGIN: the greatest number of bytes that a kernel reads beyond the text. It allows for eight lines, each with the
+ * longest pattern and a density that is one byte too long, and for the reads that begin at the end of the last line.
  */
 enum { OST_TEXT_COLUMN_MAX = 16, OST_TEXT_AROUND_MAX = 32, OST_TEXT_MARGIN = 1024 };
 _Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX +

@@ -85,8 +85,8 @@ static bool learn_column(reading *r, const char *p, const char *newline, const o
 }
 
 /*
- * Reads comments, the header and the first row, up to the line in which another axis
- * changes; this determines the order of the axes.
+ * Reads comments, the header and the first row. The first line in which the coordinate
+ * of another axis changes ends the row and determines the order of the axes.
  */
 static bool learn_row(reading *r, const char *text, size_t bytes)
 {
@@ -132,7 +132,7 @@ static bool learn_row(reading *r, const char *text, size_t bytes)
     return false;
 }
 
-/* Reads the slow axis' coordinate from the last line, and determines whether that line ends with a newline. */
+/* Reads the coordinate of the slow axis from the last line. *terminated is true if that line ends with a newline. */
 static bool learn_last(reading *r, bool *terminated)
 {
     char text[2 * OST_TEXT_LINE_MAX];
@@ -152,7 +152,10 @@ static bool learn_last(reading *r, bool *terminated)
     return true;
 }
 
-/* Finds the middle axis' coordinates and the number of slices from the first slice and the coordinate of the second. */
+/*
+ * Finds the coordinates of the middle axis and the number of slices, from the first slice and the coordinate of the
+ * second slice.
+ */
 static bool learn_slice(reading *r)
 {
     ost_text_raster *raster = r->raster;
@@ -224,7 +227,8 @@ typedef struct piece {
 } piece;
 
 /*
- * Returns true if the lines of the pieces are all voxels, each once and in order, with strictly monotone coordinates.
+ * Returns true if the lines of all pieces together contain every voxel once and in order, and if the coordinates are
+ * strictly monotone.
  */
 static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int count, int64_t voxels)
 {
@@ -324,7 +328,10 @@ static bool walk_all(reading *r, int64_t voxels, bool *cancelled)
 
 /* -------------------------------------------------------------------- summary */
 
-/* Fills the summary as the first of two passes does: extent, distinct ascending coordinates with first lines, units. */
+/*
+ * Fills the summary with the values that the first of two passes would find: the extent, the distinct coordinates in
+ * ascending order with the line in which each occurs first, and the units.
+ */
 static bool summarise(reading *r, int64_t voxels)
 {
     const ost_text_raster *raster = r->raster;

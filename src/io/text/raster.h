@@ -28,15 +28,15 @@
 #include "io/text/rect.h"
 
 typedef struct ost_text_raster_options {
-    ost_pm3 given;          /* spacings by option, as for ost_text_scan */
+    ost_pm3 given;          /* spacings given by options, with the same meaning as in ost_text_scan */
     int threads;            /* 0 = all */
-    ost_progress *progress; /* may be NULL; stage "samples" */
+    ost_progress *progress; /* reports the stage "samples"; may be NULL */
     void *user;
 } ost_text_raster_options;
 
 /* Arrays are indexed by rank: 0 is the axis that runs fastest. */
 typedef struct ost_text_raster {
-    int axis[3];       /* 0 x, 1 y, 2 z */
+    int axis[3];       /* 0 is x, 1 is y, 2 is z */
     int32_t count[3];  /* 1 <= count <= OST_DIM_MAX */
     ost_pm *at[3];     /* owned; count coordinates, strictly ascending or descending */
     int64_t first_line;
@@ -61,11 +61,11 @@ ost_status ost_text_raster_read(const char *path, const ost_text_raster_options 
                                 ost_text_raster *raster, bool *found, ost_error *err);
 void ost_text_raster_free(ost_text_raster *raster);
 
-/* Adds the same bytes to the hasher as ost_text_scan. */
+/* Adds to the hasher the same bytes as ost_text_scan adds. */
 ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err);
 
 /*
- * Returns true if every sample has a voxel of its own in the grid. Returns false also if memory cannot be allocated.
+ * Returns true if every sample has a voxel of its own in the grid. Also returns false if memory cannot be allocated.
  * Defined in raster_rect.c.
  */
 bool ost_text_raster_fits(const ost_text_raster *raster, const ost_geometry *full);

@@ -18,9 +18,9 @@ typedef struct axis_map {
     int32_t from;
     int32_t *index;    /* owned; index of every coordinate in the complete grid */
     ost_pm spacing;
-    int64_t good;      /* coordinates within the crop and at most 1/8 of a voxel off */
+    int64_t good;      /* number of coordinates within the crop and at most 1/8 of a voxel off */
     int64_t worst;     /* greatest offset within the crop, in ppm of a voxel */
-    int32_t worst_at;  /* the first coordinate with that offset */
+    int32_t worst_at;  /* index of the first coordinate with the greatest offset */
 } axis_map;
 
 static void maps_free(axis_map maps[3])
@@ -30,8 +30,8 @@ static void maps_free(axis_map maps[3])
 }
 
 /*
- * Maps one axis. Returns false if two coordinates share a voxel, one would be rejected,
- * or there is no memory. |at - origin| < 2^54, off * 10^6 < 2^56.
+ * Maps one axis. Returns false if two coordinates share a voxel, if a coordinate would
+ * be rejected, or if there is no memory. |at - origin| < 2^54, off * 10^6 < 2^56.
  */
 static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop,
                      axis_map *map)
@@ -86,7 +86,7 @@ static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost
     report->samples = (uint64_t)samples;
     report->off_lattice = (uint64_t)(samples - maps[0].good * maps[1].good * maps[2].good);
     for (int rank = 0; rank < 3; rank++) {
-        /* Compute the first line within the crop that has the coordinate with the greatest offset. */
+        /* The result is the first line within the crop that has the coordinate with the greatest offset. */
         int64_t line = raster->first_line;
         for (int other = 0; other < 3; other++)
             line += (other == rank ? maps[other].worst_at : maps[other].from) * ost_text_raster_stride(raster, other);

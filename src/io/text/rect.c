@@ -108,7 +108,10 @@ static ost_status add_row(pass *p, const ost_text_row *row, ost_error *err)
 {
     if (p->options->crop && !in_crop(p->options->full, p->options->crop, row))
         return OST_OK;
-    /* Lines of a batch are 32-bit offsets; only 2 * 10^9 lines of comments between two samples can exceed them. */
+    /*
+     * The lines of a batch are stored as 32-bit offsets. An offset could only overflow if there were 2 * 10^9 lines
+     * of comments between two samples.
+     */
     if (p->count > 0 && row->line - p->first_line > INT32_MAX) {
         ost_status status = flush(p, err);
         if (status != OST_OK)

@@ -11,17 +11,18 @@
 typedef struct ost_text_rect_options {
     ost_duplicates duplicates;
     const ost_geometry *full;      /* the complete grid of the text */
-    const ost_voxel_box *crop;     /* NULL: rect is the complete grid; else rect is this part of it */
+    const ost_voxel_box *crop;     /* the part of `full` that rect covers; NULL if rect is the complete grid */
     ost_text_fingerprint expected; /* the fingerprint of the first pass */
-    int64_t dims_line;             /* line of the text's own dims, which require one sample per voxel; else 0 */
+    int64_t dims_line;             /* line of the text's own dims, which require one sample per voxel; 0 if none */
     ost_progress *progress;        /* may be NULL */
     void *user;
 } ost_text_rect_options;
 
 /*
- * Rewinds source and scatters it into rect, which must be empty.  Returns OST_ERR_INPUT
- * with the line and its values at the first sample that is off the lattice or in
- * conflict with another one, and if the file is not the one that was scanned.
+ * Rewinds source and scatters its samples into rect, which must be empty.  Returns
+ * OST_ERR_INPUT at the first sample that is off the lattice or in conflict with another
+ * sample; the message contains the line and its values.  Also returns OST_ERR_INPUT if
+ * the file is not the one that was scanned.
  */
 ost_status ost_text_to_rect(ost_text_source *source, const ost_text_rect_options *options, ost_grid *rect,
                             ost_scatter_report *report, ost_error *err);

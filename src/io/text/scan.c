@@ -333,8 +333,8 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
         if (summary->own_origin.line)
             status = check_origin(path, summary, a, spacing[a], err);
         /*
-         * A found spacing may be below its bound: (max - origin) / spacing < 1.7 * 10^13 / 1. The result is clamped
-         * here and refused by the check of the geometry.
+         * A spacing found from the coordinates may be less than the least valid spacing. Then (max - origin) / spacing
+         * < 1.7 * 10^13 / 1. The quotient is clamped here, and the check of the geometry refuses it.
          */
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;

@@ -16,7 +16,7 @@
 
 #include "io/text/parse.h"
 
-/* ------------------------------------------------- a text as rows, repeatedly */
+/* --------------------------------------- a text as rows, which can be rewound */
 
 typedef struct ost_text_source {
     ost_text_lines *lines;
@@ -45,13 +45,13 @@ void ost_text_fingerprint_add(ost_text_fingerprint *fingerprint, const ost_text_
 
 typedef struct ost_text_coordinate {
     ost_pm value;
-    int64_t line; /* the line in which it occurs first; 0 marks a free entry of the set */
+    int64_t line; /* the line in which the coordinate occurs first; 0 marks a free entry of the set */
 } ost_text_coordinate;
 
 typedef struct ost_text_axis {
     ost_pm min, max;
     ost_pm given;       /* spacing, given by an option or stated in the text; 0: to be determined */
-    uint32_t units;     /* units and rounded as in ost_lattice_axis */
+    uint32_t units;     /* units and rounded have the same meaning as in ost_lattice_axis */
     bool rounded;
     size_t distinct;    /* number of coordinates in set, which is sorted after the pass */
     ost_text_coordinate *set;
@@ -59,7 +59,7 @@ typedef struct ost_text_axis {
 
 /* Three values that the text itself states (AR-CT-8). */
 typedef struct ost_text_own {
-    int64_t line; /* the first line that states them; 0 if there is none */
+    int64_t line; /* the first line that states the values; 0 if no line states them */
     int64_t value[3];
 } ost_text_own;
 
@@ -69,12 +69,15 @@ typedef struct ost_text_summary {
     uint64_t rounded_positions;
     ost_meta meta;
     ost_text_own own_spacing, own_origin; /* facts "spacing_mm" and "origin_mm", in picometres */
-    ost_text_own own_dims;                /* fact "dims": the text then has one line for every voxel */
+    ost_text_own own_dims;                /* fact "dims"; a text with this fact has one line for every voxel */
 } ost_text_summary;
 
 /* Initialises an empty summary with the spacings given by option. The summary can then be freed at any time. */
 void ost_text_summary_begin(ost_text_summary *summary, ost_pm3 given);
-/* The user data of ost_text_fact_take, which is a parser's `fact` and stores the text's own facts in the summary. */
+/*
+ * The user data of ost_text_fact_take. This function is called as a parser's `fact` and stores the text's own facts in
+ * the summary.
+ */
 typedef struct ost_text_facts {
     ost_text_summary *summary;
     ost_pm3 given;

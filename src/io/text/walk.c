@@ -118,7 +118,10 @@ static void learn_pattern(ost_text_walker *walker, const char *p, const char *ne
     }
 }
 
-/* Derives the pattern of the slice's next row from the texts of the first slice. Returns false if it cannot. */
+/*
+ * Derives the pattern of the slice's next row from the texts of the first slice. Returns false if the pattern cannot be
+ * derived.
+ */
 static bool foresee_row(ost_text_walker *walker)
 {
     const ost_text_plan *plan = walker->plan;

@@ -15,8 +15,8 @@
  * When a row ends, the pattern of the next row is derived from the current one: the text
  * of the middle axis is replaced by its text in the same row of the first slice. Every
  * text except the first begins with its separator, so the concatenated texts are parsed as
- * the separate texts were. A line that consists of these bytes does therefore not need
- * parsing either.
+ * the separate texts were. Therefore, a line that consists of these bytes is not parsed
+ * either.
  */
 #ifndef OST_IO_TEXT_WALK_H
 #define OST_IO_TEXT_WALK_H
@@ -31,9 +31,9 @@ typedef struct ost_text_plan {
     int64_t begin, end;  /* range of bytes in the file: from the first sample's line on */
     ost_text_raster *raster;
     ost_text_column *columns; /* owned; raster->count[0] */
-    uint8_t *lengths;         /* owned; lengths of their texts; 0 for a text that is too long */
+    uint8_t *lengths;         /* owned; length of each column's text; 0 if the text is too long */
     ost_text_column *middles; /* owned; texts of the middle axis, raster->count[1] of them */
-    uint8_t *middle_lengths;  /* owned; 0 for a text that is too long */
+    uint8_t *middle_lengths;  /* owned; length of each text in middles; 0 if the text is too long */
     uint32_t shortest;        /* the least length of a column */
     bool fast;                /* every column's text fits into its array */
     bool carriage;
@@ -43,26 +43,26 @@ typedef struct ost_text_plan {
 
 typedef struct ost_text_walker {
     const ost_text_plan *plan;
-    bool learning;       /* true while the coordinates of the middle axis are being found; voxels are stored in `row` */
-    bool done;           /* if learning: the first slice has ended */
-    ost_pm second_slow;  /* if done: coordinate of the second slice */
+    bool learning;       /* the walk finds the coordinates of the middle axis, and stores voxels in `row` */
+    bool done;           /* the first slice has ended; used only if learning is true */
+    ost_pm second_slow;  /* coordinate of the second slice; valid if done is true */
     bool placed;         /* a line has been read, so `at` is valid */
     bool known;          /* pattern is valid in this row */
-    int32_t at[3];       /* position of the next line, by rank; at[0] == count: the row has ended */
+    int32_t at[3];       /* position of the next line, by rank; the row has ended if at[0] == count */
     ost_pm middle, slow; /* coordinates of this row */
     int64_t first, next; /* the lines walked are the voxels [first, next) */
     int32_t first_slow_index;
     ost_pm first_slow;   /* coordinate of the first line */
-    uint32_t units[3];   /* by axis, as in ost_text_axis */
+    uint32_t units[3];   /* decimal units that occur on each axis, as in ost_text_axis */
     ost_text_pattern pattern;
-    ost_text_around piece[3]; /* texts by axis for the row of the pattern; that of the fastest axis is not stored */
+    ost_text_around piece[3]; /* text of each axis in the row of the pattern, except of the fastest axis */
     ost_text_around gap;      /* the characters between the last position and the density */
     ost_text_parser parser;
     char *buffer;        /* owned */
     int16_t *row;        /* owned; only if learning */
 } ost_text_walker;
 
-/* Opens a walker. Returns false if there is no memory; the walker can be closed then too. */
+/* Opens a walker. Returns false if there is no memory. The walker can be closed in this case too. */
 bool ost_text_walker_open(ost_text_walker *walker, const ost_text_plan *plan, bool learning);
 void ost_text_walker_close(ost_text_walker *walker);
 

@@ -10,8 +10,9 @@
 enum { LANES = 4 };
 
 /*
- * Parses densities. last: bytes that end with the density; length: the density's
- * length, any signed number.  Returns the values; lanes of *good are -1 if valid.
+ * Parses densities. last: bytes that end with the density. length: the density's
+ * length; every signed number is allowed. Returns the values. A lane of *good is -1
+ * if the density in this lane is valid.
  */
 static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 {
@@ -29,20 +30,20 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
     over = _mm256_and_si256(over, _mm256_set1_epi8((char)0xf0));
     fits = _mm256_and_si256(fits, _mm256_cmpeq_epi64(over, zero));
     /*
-     * Combines digits to pairs and pairs to fours. The upper four are the last four digits; the lower four contain at
-     * most one digit, the ten thousands.
+     * Combines digits to pairs, and pairs to groups of four. The upper group consists of the last four digits of a
+     * density. The lower group contains at most one digit, that of the ten thousands.
      */
     __m256i pairs = _mm256_maddubs_epi16(t, _mm256_set1_epi16(0x010a));
     __m256i fours = _mm256_madd_epi16(pairs, _mm256_set1_epi32(0x00010064));
     __m256i value = _mm256_add_epi64(_mm256_mul_epu32(fours, _mm256_set1_epi64x(10000)), _mm256_srli_epi64(fours, 32));
     __m256i limit = _mm256_sub_epi64(_mm256_set1_epi64x(INT16_MAX), negative);
     *good = _mm256_andnot_si256(_mm256_cmpgt_epi64(value, limit), fits);
-    /* -v = ~v + 1 */
+    /* negation in two's complement: -v = ~v + 1 */
     return _mm256_sub_epi64(_mm256_xor_si256(value, negative), negative);
 }
 
 /*
- * Shifts a word, which begins with a density as in match.c, so that the byte before the newline becomes the highest.
+ * Shifts a word that begins with a density, as in match.c. The byte before the newline becomes the highest byte.
  * Returns the density's length.
  */
 static inline int64_t align(uint64_t *word, bool carriage)

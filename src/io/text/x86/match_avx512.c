@@ -15,7 +15,7 @@ typedef struct densities {
     __mmask8 good;
 } densities;
 
-/* Parses densities. last: bytes that end with the density; length: the density's length, any number. */
+/* Parses densities. last: bytes that end with the density. length: the density's length; every number is allowed. */
 static inline densities parse(__m512i last, __m512i length)
 {
     const __m512i one = _mm512_set1_epi64(1), bits = _mm512_set1_epi64(64);
@@ -30,8 +30,8 @@ static inline densities parse(__m512i last, __m512i length)
     __m512i over = _mm512_or_si512(_mm512_add_epi8(t, _mm512_set1_epi8(6)), t);
     good &= _mm512_testn_epi64_mask(over, _mm512_set1_epi8((char)0xf0));
     /*
-     * Combines digits to pairs and pairs to fours. The upper four are the last four digits; the lower four contain at
-     * most one digit, the ten thousands.
+     * Combines digits to pairs, and pairs to groups of four. The upper group consists of the last four digits of a
+     * density. The lower group contains at most one digit, that of the ten thousands.
      */
     __m512i pairs = _mm512_maddubs_epi16(t, _mm512_set1_epi16(0x010a));
     __m512i fours = _mm512_madd_epi16(pairs, _mm512_set1_epi32(0x00010064));
@@ -80,7 +80,7 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
     return true;
 }
 
-/* Does the same for `count` lines, 1 to 8, and stores only their densities. */
+/* Matches lines as match_eight does, but only `count` of them, 1 to 8, and stores only their densities. */
 static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                        const char **text, const char *end, int count, int16_t *density)
 {

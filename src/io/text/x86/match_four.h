@@ -36,7 +36,7 @@ enum { OST_TEXT_JUMP = 21, OST_TEXT_AHEAD = 768 };
 /* The expected bytes of some lines, and the differences found so far. */
 typedef struct match_state {
     __m256i before, before_mask, after, after_mask;
-    size_t lead, other; /* lengths in bytes: of before; of before and after */
+    size_t lead, other; /* length of `before`, and sum of the lengths of `before` and `after`, in bytes */
     const char *line;   /* beginning of the next line */
     const char *q;      /* beginning of its density */
     __m128i found16;    /* found16, found32: not 0 if some byte differs */
@@ -114,7 +114,10 @@ static inline __attribute__((always_inline)) void match_four(match_state *s, con
     s->line = line;
 }
 
-/* Processes one line of any length and returns the word of its density. Its end is searched for in eight bytes. */
+/*
+ * Processes one line of any length. Returns the eight bytes from the beginning of its density on, in which the end of
+ * the line is searched for.
+ */
 static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column,
                                                                 uint8_t length)
 {
