@@ -41,7 +41,7 @@ typedef struct ost_data_files {
     size_t element_bytes;
     uint64_t attached_at; /* offset in the header's file of the first byte after the header */
     uint64_t line_skip;
-    int64_t byte_skip;    /* -1: the data end at the end of the file */
+    int64_t byte_skip;    /* bytes to skip before the data; -1 if the data end at the end of the file */
 
     uint64_t part_bytes;
     /* for numbered files */
@@ -49,7 +49,7 @@ typedef struct ost_data_files {
     size_t pattern_length;
     int64_t first, step;
     uint64_t count;
-    /* for LIST: the next name, so that all names are found in one pass */
+    /* for LIST: the position and index of the next name; all names are thus found in one pass */
     const char *list_at;
     uint64_t list_index;
 } ost_data_files;
@@ -57,7 +57,7 @@ typedef struct ost_data_files {
 /* Returns true if the value of the header's field begins with the word LIST. value may be NULL. */
 bool ost_data_is_list(const char *value);
 
-/* Sets *parts, which uses *files; *files must outlive it. */
+/* Sets *parts. Because *parts refers to *files, *files must outlive *parts. */
 ost_status ost_data_files_open(ost_data_files *files, ost_parts *parts, ost_error *err);
 
 #endif

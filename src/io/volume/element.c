@@ -101,8 +101,9 @@ static int binary_round(ost_binary value, int32_t *out, bool *exact)
 enum { SCALE_BITS = 78, SCALE_INTEGER = 47 };
 
 /*
- * Computes floor(mantissa * 2^(exponent + 78)), |mantissa| < 2^117. Returns false if
- * the value reaches 2^47; the sum of two terms thus stays below 2^126.
+ * Computes floor(mantissa * 2^(exponent + 78)). Requires |mantissa| < 2^117. Returns false
+ * if the magnitude of mantissa * 2^exponent reaches 2^47. The magnitude of a result is thus
+ * less than 2^125, and that of the sum of two results less than 2^126.
  */
 static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
 {
@@ -244,7 +245,10 @@ static size_t convert_general(ost_converter *c, const unsigned char *bytes, size
     return count;
 }
 
-/* Converts the common CT elements at memory speed; they always fit and are never rounded. Returns false for others. */
+/*
+ * Converts the common CT elements at memory speed. Their values always fit into int16 and are never rounded. Returns
+ * false for all other elements.
+ */
 static bool convert_plain(const ost_converter *c, const unsigned char *bytes, size_t count, int16_t *out)
 {
     if (c->scaled)

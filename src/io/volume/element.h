@@ -53,7 +53,7 @@ typedef struct ost_converter {
     bool clamp; /* saturate values beyond int16 */
     bool scaled;
     ost_binary slope, intercept;
-    uint64_t rounded, clamped; /* numbers of values, counted by ost_convert */
+    uint64_t rounded, clamped; /* numbers of rounded and of clamped values, counted by ost_convert */
 } ost_converter;
 
 typedef enum ost_bad_kind { OST_BAD_NONE, OST_BAD_NAN, OST_BAD_INFINITE, OST_BAD_RANGE } ost_bad_kind;

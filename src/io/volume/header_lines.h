@@ -8,9 +8,9 @@
 
 #include "io/volume/input.h"
 
-enum { OST_HEADER_MAX = 1 << 22 }; /* bytes: enough for 16384 file names */
+enum { OST_HEADER_MAX = 1 << 22 }; /* greatest size of a header in bytes; enough for 16384 file names */
 
-/* Initialise it with 0. A pointer into `bytes` is valid only until the next line is read. */
+/* The lines of a header; must be initialised with 0. A pointer into `bytes` is valid until the next line is read. */
 typedef struct ost_header_lines {
     char *bytes;   /* owned; every line ends in NUL */
     size_t size, capacity;
@@ -19,8 +19,8 @@ typedef struct ost_header_lines {
 } ost_header_lines;
 
 /*
- * Reads one line. Sets *ended, and reads no line, at the end of the input. OST_ERR_INPUT if the
- * header contains a NUL or exceeds OST_HEADER_MAX; end_mark is what ends a header, for the message.
+ * Reads one line. At the end of the input, sets *ended and reads no line. Returns OST_ERR_INPUT if the
+ * header contains a NUL or exceeds OST_HEADER_MAX. end_mark is the text that ends a header, for the message.
  */
 ost_status ost_header_lines_next(ost_header_lines *lines, ost_input *input, const char *end_mark, bool *ended,
                                  ost_error *err);

@@ -24,15 +24,19 @@ ost_status ost_input_open(const char *path, ost_input **out, ost_error *err);
 void ost_input_close(ost_input *input); /* NULL is allowed */
 const char *ost_input_path(const ost_input *input);
 
-/* Return the file's size and the number of its bytes that have not been read yet (packed bytes after gunzip). */
+/* Returns the file's size in bytes. */
 uint64_t ost_input_file_bytes(const ost_input *input);
+/* Returns the number of bytes of the file that have not been read yet. In a packed file, these are packed bytes. */
 uint64_t ost_input_file_left(const ost_input *input);
 
 /* Moves to an offset in the file and returns to plain bytes. */
 ost_status ost_input_seek(ost_input *input, uint64_t offset, ost_error *err);
 /* Treats the file as gzip from the next byte on; it may have several members. Offsets of unpacked bytes start at 0. */
 ost_status ost_input_gunzip(ost_input *input, ost_error *err);
-/* The same for one zlib stream (RFC 1950) or gzip, as MetaImage files have it. */
+/*
+ * Treats the file as one zlib stream (RFC 1950) or as gzip from the next byte on, because MetaImage files contain one
+ * of them. Offsets of unpacked bytes start at 0.
+ */
 ost_status ost_input_inflate(ost_input *input, ost_error *err);
 
 bool ost_input_is_packed(const ost_input *input);
@@ -42,7 +46,10 @@ bool ost_input_is_packed(const ost_input *input);
  */
 uint64_t ost_input_at_most(const ost_input *input);
 
-/* Reads `wanted` bytes; *got is less only at the end. Packed data that are truncated or damaged are OST_ERR_INPUT. */
+/*
+ * Reads `wanted` bytes; *got is less than `wanted` only at the end. Returns OST_ERR_INPUT if packed data are truncated
+ * or damaged.
+ */
 ost_status ost_input_read(ost_input *input, void *bytes, size_t wanted, size_t *got, ost_error *err);
 /* Reads one byte; *byte is -1 at the end. */
 ost_status ost_input_byte(ost_input *input, int *byte, ost_error *err);
@@ -53,7 +60,10 @@ ost_status ost_input_expect_end(ost_input *input, ost_error *err);
 /* Returns the offset of the next byte: in the file or, after gunzip, in the unpacked data. */
 uint64_t ost_input_offset(const ost_input *input);
 enum { OST_LOCATION_TEXT = 64 };
-/* Formats the offset `back` bytes before the next one as "byte 12" or "byte 12 of the unpacked data". Returns text. */
+/*
+ * Formats the offset that lies `back` bytes before the next byte, as "byte 12" or "byte 12 of the unpacked data".
+ * Returns text.
+ */
 char *ost_input_location(const ost_input *input, uint64_t back, char text[OST_LOCATION_TEXT]);
 
 #endif

@@ -88,7 +88,7 @@ static double greatest_angle(const ost_affine *affine, const int to[3])
 
 bool ost_affine_restate(ost_affine *affine, const char code[4])
 {
-    static const char letters[] = "LPSRAI"; /* the axis is the index modulo 3; the last three point backwards */
+    static const char letters[] = "LPSRAI"; /* letter i denotes axis i % 3; R, A and I reverse it */
     const ost_affine from = *affine;
     ost_affine to = {{{0}}, {0}};
     bool seen[3] = {false, false, false};
@@ -135,8 +135,8 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
         dims[w] = sizes[a];
         spacing[w] = llabs(step);
         /*
-         * A flipped axis begins at the centre of its last voxel. All components change, because a tilted
-         * axis affects the others too. The results are below 2^43 + 3 * 2^37 * 2^14.
+         * A flipped axis begins at the centre of its last voxel. All components of the origin change, because
+         * a tilted axis has components along the other axes. The results are below 2^43 + 3 * 2^37 * 2^14.
          */
         for (int v = 0; v < 3 && step < 0; v++)
             origin[v] += affine->column[a][v] * (sizes[a] - 1);

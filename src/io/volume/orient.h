@@ -36,8 +36,8 @@ typedef struct ost_placement {
     double degrees;        /* greatest angle between a file axis and its LPS axis; for messages */
     char code[4];          /* directions of the file's axes, "LPS", "RAS", ... */
     ost_geometry geometry; /* geometry of the grid in LPS+ order */
-    int64_t base;          /* index in the result of the file's voxel (0, 0, 0) */
-    int64_t stride[3];     /* change of that index along each of the file's axes */
+    int64_t base;          /* index of the file's voxel (0, 0, 0) in the result */
+    int64_t stride[3];     /* change of the index in the result per voxel along each of the file's axes */
 } ost_placement;
 
 /*
@@ -49,11 +49,11 @@ bool ost_affine_restate(ost_affine *affine, const char code[4]);
 
 /*
  * Computes the placement; sizes are in the file's order. Returns OST_ERR_INPUT if the columns are linearly dependent,
- * and OST_ERR_RANGE from ost_geometry_check if the grid is straight.
+ * and, for a straight grid, OST_ERR_RANGE if ost_geometry_check returns it.
  */
 ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_placement *out, ost_error *err);
 
-/* Returns the index in the result of the file's voxel (i, j, k). */
+/* Returns the index of the file's voxel (i, j, k) in the result. */
 static inline int64_t ost_placement_element(const ost_placement *p, int32_t i, int32_t j, int32_t k)
 {
     return p->base + i * p->stride[0] + j * p->stride[1] + k * p->stride[2];

@@ -16,13 +16,13 @@
 #include "io/volume/input.h"
 
 typedef struct ost_parts {
-    /* Opens part `index`. The next byte of *out is then the first byte of its data. */
+    /* Opens part `index`. The next byte of *out is then the first byte of the part's data. */
     ost_status (*open)(void *user, uint64_t index, ost_input **out, ost_error *err);
     void *user;
     uint64_t count;
-    uint64_t part_bytes; /* bytes of data in each part, unpacked */
+    uint64_t part_bytes; /* size in bytes of the unpacked data of each part */
     bool text;           /* true if lengths are not known in advance; part_bytes is then the minimum */
-    /* The fields below are set by the functions. */
+    /* The functions of this file set the fields below. */
     ost_input *input;
     uint64_t index; /* index of the next part to open */
     uint64_t left;  /* remaining bytes of the open part */
@@ -30,13 +30,14 @@ typedef struct ost_parts {
 
 /* Checks, before allocation, that every part exists and can contain its data. */
 ost_status ost_parts_check(const ost_parts *parts, ost_error *err);
-/* Reads exactly size bytes. If there are fewer, the error gives the offset of their end. Not for text. */
+/* Reads exactly size bytes. If the data end earlier, the error message contains the offset of their end. Must not be
+   called for text. */
 ost_status ost_parts_read(ost_parts *parts, void *bytes, size_t size, ost_error *err);
 /* Called after the last byte: returns an error if further data follow. */
 ost_status ost_parts_end(ost_parts *parts, ost_error *err);
 void ost_parts_close(ost_parts *parts);
 
-/* Opens the next part if none is open. For readers of text, which then read from parts->input directly. */
+/* Opens the next part if no part is open. Called by readers of text, which then read from parts->input directly. */
 ost_status ost_parts_ready(ost_parts *parts, ost_error *err);
 
 #endif

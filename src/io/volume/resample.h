@@ -22,7 +22,10 @@
 
 ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3], const ost_placement *placement,
                                  ost_geometry *out, ost_error *err);
-/* file has the file's voxels, its first axis fastest; out is initialised with the geometry from the function above. */
+/*
+ * Stores in each voxel of out the nearest voxel of the file. file: the file's voxels, with the file's first axis
+ * fastest. out must be initialised with the geometry from ost_resample_geometry.
+ */
 void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], const int16_t *file, ost_volume *out);
 
 #endif

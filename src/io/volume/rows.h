@@ -25,7 +25,7 @@ struct ost_rows {
     int32_t sizes[3]; /* sizes in the file's order */
     ost_parts *parts;
     ost_converter converter;
-    void *scratch; /* one row of elements; set by the functions */
+    void *scratch; /* one row of elements; set by the functions of this file */
 };
 
 /* Implements `next` for binary elements. */
@@ -57,7 +57,10 @@ ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const 
                               const ost_volume_options *options, bool oriented, ost_placement *placement,
                               ost_geometry *geometry, ost_volume_report *report, ost_error *err);
 
-/* Checks the parts, allocates, reads every row and ends the parts. *out is initialised here; its meta is empty. */
+/*
+ * Checks the parts, allocates the voxels, reads every row, and checks that no further data follow. *out is initialised
+ * here; its meta is empty.
+ */
 ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement,
                            const ost_geometry *geometry, ost_volume *out, ost_error *err);
 

@@ -22,7 +22,7 @@ struct ost_volume_writer {
 
 /* ------------------------------------------------------------------- bytes */
 
-/* Packs bytes and writes the output of deflate; with Z_FINISH, until deflate has no more output. */
+/* Packs bytes and writes the output of deflate. If flush is Z_FINISH, writes all output that deflate still holds. */
 static ost_status deflate_bytes(ost_volume_writer *w, const void *bytes, size_t size, int flush, ost_error *err)
 {
     const unsigned char *at = bytes;
@@ -55,7 +55,7 @@ ost_status ost_volume_writer_pack(ost_volume_writer *w, ost_error *err)
 {
     assert(!w->packing);
     memset(&w->z, 0, sizeof w->z);
-    /* 16 selects a gzip header made by zlib, which has no name and time 0. */
+    /* The value 16 selects a gzip header that zlib makes. It contains no name, and its time is 0. */
     if (deflateInit2(&w->z, LEVEL, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
         return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for compression", ost_outfile_path(w->file));
     w->packing = true;

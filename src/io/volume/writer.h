@@ -26,7 +26,9 @@ ost_status ost_volume_writer_put(ost_volume_writer *writer, const void *voxels, 
 ost_status ost_volume_writer_commit(ost_volume_writer *writer, ost_error *err);
 void ost_volume_writer_discard(ost_volume_writer *writer); /* NULL is allowed */
 
-/* For the formats: writes bytes unchanged, or packed after ost_volume_writer_pack has been called. */
+/*
+ * Called by the code of a format. Writes bytes unchanged, or packed if ost_volume_writer_pack has been called before.
+ */
 ost_status ost_volume_writer_bytes(ost_volume_writer *writer, const void *bytes, size_t size, ost_error *err);
 ost_status ost_volume_writer_pack(ost_volume_writer *writer, ost_error *err);
 
