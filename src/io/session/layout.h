@@ -23,7 +23,7 @@
 #include <osteon/session.h>
 
 enum {
-    SESSION_VERSION = 2, /* the version written; 1 is read too: its ticks have no motor speed */
+    SESSION_VERSION = 2, /* the version that is written; version 1, whose ticks have no motor speed, is read too */
     SESSION_VERSION_MIN = 1,
     SESSION_ALIGN = 64,
     SESSION_BLOCK = 64,   /* size of the block header */
@@ -88,13 +88,14 @@ bool ost_session_block_decode(const unsigned char in[SESSION_BLOCK], session_blo
 
 void ost_session_record_encode(const ost_record *record, unsigned char out[SESSION_RECORD]);
 /*
- * Decodes a record. Returns false if its kind is unknown. A newer osteon has written such a record, and it is skipped.
+ * Decodes a record. Returns false if the kind of the record is unknown, because a newer osteon has written it. The
+ * caller then skips the record.
  */
 bool ost_session_record_decode(const unsigned char in[SESSION_RECORD], ost_record *out);
 
 /* --------------------------------------------------------------- header.c */
 
-/* Encodes the header's payload, padded; the caller frees *out. */
+/* Encodes the header's payload, including its padding. The caller frees *out. */
 ost_status ost_session_header_encode(const ost_session_header *header, unsigned char **out, uint32_t *size,
                                      ost_error *err);
 ost_status ost_session_header_decode(const unsigned char *in, size_t size, ost_session_header **out, ost_error *err);

@@ -27,9 +27,9 @@ typedef struct scan {
     ost_session *session;
     uint64_t at, size;
     uint64_t next_sequence;
-    uint64_t next_record;   /* number with which the next block should begin */
-    uint64_t damage_from;   /* start of the damage that contains `at`; size if there is none */
-    bool gap;               /* a tick number was skipped before `at`; set by missing ticks, not by missing notes */
+    uint64_t next_record;   /* number of the record with which the next block should begin */
+    uint64_t damage_from;   /* start of the damaged bytes that reach up to `at`; size if there are none */
+    bool gap;               /* ticks are missing before `at`; not set if only notes are missing */
     bool have_header;
 } scan;
 
@@ -129,7 +129,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
     return store_block(s, block, c->at, err);
 }
 
-/* Returns true if a block with a valid block header can follow the blocks before it. */
+/* Returns true if this block, whose block header is valid, can follow the blocks before it. */
 static bool may_follow(const scan *c, const session_block *block)
 {
     if (block->sequence < c->next_sequence)

@@ -50,18 +50,18 @@ struct ost_recorder {
     session_writer writer;       /* used only by the writer thread */
     unsigned char *block;        /* owned; a block header, then records; used only by the writer thread */
     uint64_t in_block;           /* records in block that have not been written yet */
-    uint64_t lost_in_block;      /* the value of lost when they were taken from the ring */
+    uint64_t lost_in_block;      /* the value of lost when the records in block were taken from the ring */
     pthread_t thread;
     bool running;
 
     _Atomic uint64_t put, written, bytes;
     _Atomic int failing; /* errno of the last attempt; 0 after success */
     _Atomic bool stop;
-    pthread_mutex_t wake_lock; /* protects stop; never taken by put */
+    pthread_mutex_t wake_lock; /* protects stop; the functions that put records never lock it */
     pthread_cond_t wake;
 };
 
-/* ------------------------------------------------------ the sink for a file */
+/* --------------------------------------------- the sink that writes to a file */
 
 static int file_append(void *user, const void *bytes, size_t size)
 {
@@ -221,7 +221,7 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     if (capacity > CAPACITY_MAX || (capacity & (capacity - 1)) != 0)
         return ost_fail(err, OST_ERR_USAGE, "a recorder's capacity of %u records; expected a power of two up to %d",
                         (unsigned)capacity, CAPACITY_MAX);
-    /* aligned_alloc instead of calloc, because the ring's head and tail must each begin at a cache line. */
+    /* Uses aligned_alloc instead of calloc, because the ring's head and tail must each begin at a cache line. */
     const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
     ost_recorder *r = aligned_alloc(RING_LINE, size);
     if (!r)

@@ -26,7 +26,7 @@ typedef struct session_ring {
     unsigned char *slots; /* owned; capacity records */
     uint64_t capacity;    /* a power of two */
     _Alignas(RING_LINE) _Atomic uint64_t head;
-    uint64_t tail_known; /* the last tail that the producer has read */
+    uint64_t tail_known; /* the value of tail that the producer read last */
     _Alignas(RING_LINE) _Atomic uint64_t tail;
 } session_ring;
 
