@@ -54,7 +54,7 @@ typedef struct element {
 
 typedef struct ply {
     mesh_input *in;
-    mesh_text text; /* the header and an ASCII body; text.at is the position in a binary body too */
+    mesh_text text; /* the header and an ASCII body; text.at is also the position in a binary body */
     FILE *out;
     int format;
     int element_count;
@@ -66,7 +66,7 @@ typedef struct ply {
 typedef struct value {
     const char *text;
     size_t size;
-    double number; /* NAN for an ASCII word that is not an integer, of which only the text is used */
+    double number; /* NAN for an ASCII word that is not an integer; only the text of that word is used */
 } value;
 
 static ost_status wrong(const ply *p, mesh_word found, const char *expected, ost_error *err)
@@ -146,8 +146,8 @@ static ost_status read_property(ply *p, ost_error *err)
 }
 
 /*
- * Checks that vertices have exactly one x, y and z of a float type each, and that
- * they come before the faces, which must have exactly one list of vertices.
+ * Checks that a vertex has exactly one x, one y and one z, all of float types, that
+ * the vertices come before the faces, and that a face has exactly one list of vertices.
  */
 static ost_status check_layout(const ply *p, ost_error *err)
 {
@@ -290,7 +290,7 @@ static ost_status read_list(ply *p, const property *q, int64_t index, ost_error 
         return status;
     if (!(v.number >= 0))
         return bad_value(p, index, q->corners ? "face" : "element", "a count of values", err);
-    const uint64_t count = (uint64_t)v.number; /* each takes at least 1 byte, so the file's size limits the loop */
+    const uint64_t count = (uint64_t)v.number; /* a value takes at least 1 byte: the file's size limits the loop */
     uint32_t first = 0, last = 0;
     for (uint64_t i = 0; status == OST_OK && i < count; i++) {
         status = next_value(p, q->type, &v, err);

@@ -196,10 +196,10 @@ bool ost_mesh_word_is(mesh_word word, const char *keyword)
 }
 
 /*
- * A magnitude of 10^38 or more overflows a float32. A value is less than 10^(digits
- * of the mantissa + exponent); a value that becomes infinite only by rounding is
- * detected after assimp has converted it. A word of more than 64 bytes is not a
- * coordinate.
+ * Accepts only magnitudes below 10^38, because the greatest float32 is 3.4 * 10^38.
+ * A magnitude is less than 10^(digits of the mantissa + exponent). A value that
+ * nevertheless becomes infinite is detected after assimp has converted it. A word of
+ * more than 64 bytes is not a coordinate.
  */
 bool ost_mesh_word_number(mesh_word word)
 {

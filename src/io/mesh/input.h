@@ -28,7 +28,7 @@ typedef struct mesh_input {
     uint8_t *bytes; /* owned; followed by one zero byte */
     size_t size;
     uint64_t faces;     /* number of primitives of any kind, counted by the check */
-    uint64_t triangles; /* number of triangles into which their polygons are divided */
+    uint64_t triangles; /* number of triangles into which the polygons are divided */
     size_t bodies;
 } mesh_input;
 
