@@ -124,7 +124,7 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
     double b = nim->quatern_b, c = nim->quatern_c, d = nim->quatern_d;
     double squares = b * b + c * c + d * d, a = 0;
     if (1.0 - squares < 1e-7) {
-        /* For a rotation by 180 degrees, the computed value of a would only be noise. */
+        /* In a rotation by 180 degrees, the component a is 0; the computed value would only be noise. */
         double length = sqrt(squares);
         b /= length;
         c /= length;
@@ -146,7 +146,10 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
     }
 }
 
-/* Replaces the spacing of a column by that of pixdim if the column is straight except for noise and both agree. */
+/*
+ * Replaces the spacing in a column of the affine by pixdim. This requires that the column deviates from its axis only
+ * by noise, and that its spacing agrees with pixdim.
+ */
 static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 {
     int major = 0;

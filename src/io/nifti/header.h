@@ -37,7 +37,7 @@
 typedef struct ost_nifti_header {
     int version;
     bool swap;
-    bool pair;           /* header and image are two files */
+    bool pair;           /* true if header and image are in two files */
     uint64_t image_at;   /* offset in the image's file at which the voxels start */
     ost_element element;
     int32_t sizes[3];
@@ -53,8 +53,8 @@ typedef struct ost_nifti_header {
 ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_nifti_header *out, ost_error *err);
 
 /*
- * Lines in which osteon's writer stores exact lengths. They are used only if the header's floats are the same lengths,
- * rounded.
+ * Keys of the lines in which osteon's writer stores exact lengths. The exact lengths are used only if they equal the
+ * header's floats after rounding.
  */
 #define OST_NIFTI_SPACING "spacing_mm"
 #define OST_NIFTI_ORIGIN "origin_mm"

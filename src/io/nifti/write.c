@@ -24,7 +24,10 @@
 #include "core/conditions.h"
 #include "io/nifti/extension.h"
 
-/* Bytes for OST_META_MAX lines of the greatest length, both exact lengths and the extension's own fields. */
+/*
+ * Greatest size of the extension in bytes: OST_META_MAX lines of the greatest possible size, the lines with the exact
+ * spacing and origin, and the extension's own fields.
+ */
 enum { EXTENSION_CAPACITY = OST_META_MAX * (OST_META_KEY + OST_META_VALUE + 16) + 512 };
 
 static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_header *h)
