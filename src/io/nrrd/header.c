@@ -10,7 +10,7 @@ static const char *const spellings[] = {
 #undef OST_NRRD_FIELD_ROW
 };
 
-/* Returns the field of this name, without regard to case, or OST_NRRD_FIELD_COUNT. */
+/* Returns the field with this name, without regard to case; OST_NRRD_FIELD_COUNT if there is no such field. */
 static ost_nrrd_field find_field(const char *name)
 {
     size_t length = strlen(name);
@@ -93,8 +93,8 @@ static ost_status check_magic(const char *path, const char *line, ost_error *err
 }
 
 /*
- * Reads the lines of the header and, after `data file: LIST`, the names. *listed is the index of the first
- * name, or 0 if there is no list.
+ * Reads the lines of the header and, after `data file: LIST`, the file names. *listed is the index of the
+ * line with the first file name, or 0 if there is no list.
  */
 static ost_status read_lines(ost_input *input, ost_header_lines *lines, size_t *listed, bool *ended, ost_error *err)
 {

@@ -80,7 +80,7 @@ typedef struct ost_nrrd_header {
     ost_affine affine; /* transform from voxels to LPS */
     bool oriented;     /* the space is that of a patient: RAS, LAS or LPS */
     uint64_t line_skip;
-    int64_t byte_skip; /* -1: the data end at the end of the file */
+    int64_t byte_skip; /* bytes to skip before the data; -1 if the data end at the end of the file */
 } ost_nrrd_header;
 
 ost_status ost_nrrd_header_mean(const char *path, const ost_nrrd_text *text, ost_nrrd_header *out, ost_error *err);

@@ -50,7 +50,7 @@ typedef struct name_value {
     int value;
 } name_value;
 
-/* Returns the value whose names include this one, without regard to case, or -1. */
+/* Returns the value of the row whose names include `name`, without regard to case; -1 if there is no such row. */
 static int lookup(const name_value *table, size_t rows, const char *name, size_t length)
 {
     for (size_t r = 0; r < rows; r++) {

@@ -11,8 +11,8 @@
 #include "io/volume/rows.h"
 
 typedef struct ost_nrrd_text_rows {
-    ost_rows rows; /* the first member, so that `next` can convert its pointer */
-    uint64_t in_part, left; /* numbers of values in each part and still to be read from the open part */
+    ost_rows rows; /* the first member, because `next` converts an ost_rows * to a pointer to this struct */
+    uint64_t in_part, left; /* number of values in each part; number of values not yet read from the open part */
 } ost_nrrd_text_rows;
 
 ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
