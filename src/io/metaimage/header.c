@@ -89,8 +89,8 @@ static bool is_blank(char c)
 }
 
 /*
- * Returns the key of a line, or KEY_COUNT if it decides nothing. *length is the length of its name, and
- * *equals points to its '=' or is NULL.
+ * Returns the key of a line, or KEY_COUNT if the reader does not use the key. *length is the length of the
+ * key's name. *equals points to the line's '=', or is NULL if there is none.
  */
 static key key_of(char *line, size_t *length, char **equals)
 {
@@ -149,7 +149,8 @@ static ost_status read_lines(reader *r, ost_input *input, size_t *count)
                     r->path, (unsigned long long)ost_input_offset(input));
 }
 
-/* Splits the lines into fields. No pointer is taken before, because the buffer of lines may be moved. */
+/* Splits the lines into fields. Pointers into the lines are stored only after all lines have been read, because reading
+   a line may move the buffer. */
 static ost_status read_fields(reader *r, ost_input *input, ost_data_names *names)
 {
     size_t count;
@@ -196,8 +197,8 @@ static ost_status missing(const reader *r, const char *what)
 }
 
 /*
- * Reads `count` decimals, each times a factor (1 if factor is NULL). Returns false if the value has other
- * words, or if `exactly` is true and a result had to be rounded.
+ * Reads `count` decimals and multiplies each by a factor (by 1 if factor is NULL). Returns false if the value
+ * does not consist of `count` decimals, or if `exactly` is true and a result had to be rounded.
  */
 static bool read_decimals(const char *value, int count, const uint64_t *factor, bool exactly, int64_t *out)
 {
@@ -253,7 +254,7 @@ static ost_status mean_elements(const reader *r, ost_metaimage_header *out)
         {"MET_CHAR", OST_ELEMENT_INT8},        {"MET_UCHAR", OST_ELEMENT_UINT8},
         {"MET_SHORT", OST_ELEMENT_INT16},      {"MET_USHORT", OST_ELEMENT_UINT16},
         {"MET_INT", OST_ELEMENT_INT32},        {"MET_UINT", OST_ELEMENT_UINT32},
-        {"MET_LONG", OST_ELEMENT_INT32},       {"MET_ULONG", OST_ELEMENT_UINT32}, /* 4 bytes on every host */
+        {"MET_LONG", OST_ELEMENT_INT32},       {"MET_ULONG", OST_ELEMENT_UINT32}, /* MET_LONG always has 4 bytes */
         {"MET_LONG_LONG", OST_ELEMENT_INT64},  {"MET_ULONG_LONG", OST_ELEMENT_UINT64},
         {"MET_FLOAT", OST_ELEMENT_FLOAT32},    {"MET_DOUBLE", OST_ELEMENT_FLOAT64},
     };

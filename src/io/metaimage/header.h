@@ -22,13 +22,13 @@
 #include "io/volume/orient.h"
 
 typedef struct ost_metaimage_header {
-    ost_header_lines lines; /* owned; the strings of `names` belong to it */
+    ost_header_lines lines; /* owned; contains the strings of `names` */
     ost_data_names names;
     ost_element element;
     ost_data_form form;     /* OST_DATA_RAW or OST_DATA_ZLIB */
     bool swap;
     int32_t sizes[3];
-    int64_t byte_skip;      /* -1: the data end at the end of the file */
+    int64_t byte_skip;      /* bytes to skip before the data; -1 if the data end at the end of the file */
     ost_affine affine;      /* transform from voxels to LPS */
     bool oriented;          /* true if the header has a TransformMatrix */
 } ost_metaimage_header;
