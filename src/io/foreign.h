@@ -8,8 +8,9 @@
 #include <osteon/status.h>
 
 /*
- * Returns OST_ERR_INPUT if the first bytes of the file `path` are the signature of such a
- * format, otherwise OST_OK. The error message names the format and the program that converts it.
+ * Returns OST_ERR_INPUT if the first bytes of the file `path` are the signature of a format that
+ * osteon does not read, otherwise OST_OK. The error message names the format and the program that
+ * converts it.
  */
 ost_status ost_refuse_foreign(const char *path, const unsigned char *head, size_t size, ost_error *err);
 

@@ -32,7 +32,7 @@ static struct {
 bool ost_outfile_named_only;
 
 struct ost_outfile {
-    char *path;       /* as the caller passed it */
+    char *path;       /* the path as the caller passed it */
     char *target;     /* path with symbolic links resolved; NULL if the file is written in place */
     const char *base; /* last component of target */
     int folder;       /* descriptor of the target's folder; -1 if the file is written in place */
@@ -48,8 +48,8 @@ struct ost_outfile {
 /* ------------------------------------------------------------ hidden names */
 
 /*
- * Lists a random name in a free slot and returns its index. Returns -1 and sets
- * errno if all slots are in use or the system returns no random numbers.
+ * Stores a random name in a free slot and returns the index of the slot. Returns -1
+ * and sets errno if all slots are in use or the system returns no random numbers.
  */
 static int slot_take(int folder)
 {
@@ -160,7 +160,7 @@ static ost_status open_destination(ost_outfile *file, ost_error *err)
     return file->fd < 0 ? cannot_write(file, errno, err) : OST_OK;
 }
 
-/* Opens the unnamed or hidden file in the target's folder. */
+/* Opens an unnamed file in the target's folder or, if that fails, a hidden file. */
 static ost_status open_in_folder(ost_outfile *file, ost_error *err)
 {
     char *slash = strrchr(file->target, '/');

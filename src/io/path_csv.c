@@ -11,8 +11,8 @@
  *
  * Decimals are read exactly: time to nanoseconds, positions to picometres,
  * quaternions to 2^-30, each RHE.  Ten decimals identify every multiple of 2^-30
- * (half a unit of the tenth is 0.054 of one), so a written path is read back as
- * the same integers.
+ * (half a unit of the tenth decimal is 0.054 * 2^-30), so a written path is read
+ * back as the same integers.
  */
 #include "core/conditions.h"
 
@@ -47,7 +47,7 @@ enum { TIMES_MEDIAN = 10 };
 typedef struct reader {
     const char *path;
     int64_t line, bytes, t_ns; /* t_ns: time of the last row, with a pose or without */
-    int columns;       /* number per row; with a header, the least number; 0 before the first row */
+    int columns;       /* columns per row; with a header, the least number of columns; 0 before the first row */
     uint8_t kind[SEEN_COLUMNS]; /* for each column, its index in column_names or NOT_READ */
     bool past_header, header, metres, lifted_column;
     bool lost;         /* the last row had no pose */
@@ -285,7 +285,10 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Computes the median of the values of(a, b) over all pairs of adjacent ticks; there must be at least one pair. */
+/*
+ * Calls the function `of` for all pairs of adjacent ticks and computes the median of the results. There must be at
+ * least one pair.
+ */
 static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out,
                             ost_error *err)
 {
@@ -309,8 +312,8 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 }
 
 /*
- * Sets *out to given if it is not 0, otherwise to the greater of least and factor times the median of `of` over all
- * pairs of adjacent ticks. The median is computed only if a pair exceeds least.
+ * Sets *out to `given` unless that is 0. Otherwise, *out becomes the greater of two values: `least`, and `factor` times
+ * the median that median_of computes. The median is computed only if `of` exceeds `least` for a pair of ticks.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
                            ost_i128 least, int factor, ost_i128 *out, ost_error *err)
@@ -462,7 +465,10 @@ ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *e
     ost_status status = ost_outfile_open(path, &out, err);
     if (status != OST_OK)
         return status;
-    /* If the column `lifted` exists, a reader does not mark gaps itself, so it reads the same ticks (AR-PATH-5). */
+    /*
+     * If the column `lifted` exists, a reader does not mark gaps itself. It therefore reads the same ticks as are
+     * written here (AR-PATH-5).
+     */
     status = ost_outfile_printf(out, err, "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz%s,lifted,rpm\n", tools ? ",tool" : "");
     for (size_t i = 0; i < in->count && status == OST_OK; i++) {
         status = ost_path_put_tick(out, &in->ticks[i], tools, err);

@@ -5,8 +5,8 @@
  *   NRRD    header lines --copied except osteon_KEY:=VALUE--> new lines --> an empty line, and every byte after it
  *   NIfTI   written by osteon: read, and written again with the other facts
  *
- * Both write through an output file, so the old file remains until the new one is
- * complete.
+ * In both formats the result is written through an output file (outfile.h), so the old
+ * file remains until the new one is complete.
  */
 #include <osteon/io.h>
 

@@ -21,9 +21,9 @@ ost_volume_format ost_volume_format_of(const char *path);
 ost_status ost_volume_format_unknown(const char *path, ost_error *err);
 
 /*
- * Opens a writer for a volume, not for text.  element is int16 or, for NRRD only,
- * uint8.  odd_voxel (NRRD only): the origin lies half a picometre further on every
- * axis, which a tool with an odd voxel needs (AR-FILE-3).
+ * Opens a writer for a volume in any format except text.  element is int16 or, for NRRD
+ * only, uint8.  odd_voxel (NRRD only): the origin lies half a picometre further on every
+ * axis, as a tool requires whose voxel size in picometres is odd (AR-FILE-3).
  */
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta,
                                   ost_element element, bool odd_voxel, const ost_write_options *options,
