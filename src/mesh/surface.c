@@ -30,7 +30,9 @@ typedef struct pattern {
     uint8_t loop_count;
     struct {
         uint8_t length;
-        int8_t apex; /* a fan from here has no diagonal in a face; -1: the loop needs a vertex in the middle */
+        /* vertex from which a fan of triangles has no diagonal in a face of the cell; -1 if there is no such vertex
+           and the loop needs a vertex in its middle */
+        int8_t apex;
         uint8_t edge[LOOP_MAX];
     } loop[4];
 } pattern;
@@ -119,7 +121,7 @@ static void pattern_make(int solid, pattern *p)
 typedef struct builder {
     const ost_volume *volume;
     int32_t threshold;
-    int64_t nx, ny;          /* numbers of centres, including a void border: dims + 2 */
+    int64_t nx, ny;          /* numbers of voxel centres, including a void border: dims + 2 */
     uint32_t *slice[2][2];   /* [lower, upper][x, y] */
     uint32_t *between;       /* z */
     ost_mesh mesh;
@@ -334,9 +336,9 @@ static void position(const builder *b, uint32_t v, double out[3])
 }
 
 /*
- * Smooths the surface: each vertex is moved to the projection of the mean of its
- * neighbours onto its edge.  The vertices start in the middle of their edges; a few
- * rounds convert steps to slopes.
+ * Smooths the surface. Each round projects the mean of a vertex's neighbours onto the
+ * edge of the vertex and moves the vertex there.  The vertices start in the middle of
+ * their edges; a few rounds turn the steps between voxels into slopes.
  */
 static ost_status smooth(builder *b, ost_error *err)
 {
@@ -381,7 +383,8 @@ static ost_pm nearest_pm(double mm)
     return ost_pm_from_binary(mm, &pm) ? pm : 0;
 }
 
-/* Computes the final positions of the vertices on edges, and then each middle as the mean of its ring. */
+/* Computes the final positions of the vertices on edges, and then each vertex in the middle of a loop as the mean of
+   the loop's vertices. */
 static ost_status place_vertices(builder *b, ost_error *err)
 {
     for (size_t v = 0; v < b->mesh.vertex_count; v++)

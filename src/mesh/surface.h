@@ -27,8 +27,8 @@
 #include <osteon/mesh.h>
 
 typedef enum ost_surface_placement {
-    OST_SURFACE_DENSITY, /* vertices where the density crosses the threshold; for a CT */
-    OST_SURFACE_SMOOTH   /* smoothed vertices between solid and void; for a bone or a tool, whose void is 0 */
+    OST_SURFACE_DENSITY, /* places vertices where the density crosses the threshold; intended for a CT */
+    OST_SURFACE_SMOOTH   /* smooths the border of solid and void; intended for a bone or a tool, whose void is 0 */
 } ost_surface_placement;
 
 /*

@@ -82,10 +82,12 @@ static int by_size(const void *a, const void *b)
     const ranked *p = a, *q = b;
     if (p->voxels != q->voxels)
         return p->voxels > q->voxels ? -1 : 1;
-    return p->component < q->component ? -1 : p->component > q->component; /* the order of their first voxels */
+    /* Components are numbered in the order of their first voxels. */
+    return p->component < q->component ? -1 : p->component > q->component;
 }
 
-/* Sets label[c] of each component that is large enough, in descending order of size, and to 0 for all others. */
+/* Numbers the components that are large enough, from 1 in descending order of size, and stores the number of component
+   c in label[c]. The label of all other components remains 0. */
 static ost_status rank(job *j, int16_t *label, ost_error *err)
 {
     const uint64_t least = j->options.min_voxels ? j->options.min_voxels : 1;
