@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The appearance of a simulation's frames, apart from bone and tool (appearance.h). */
+/* Sets the appearance of a simulation's frames, except for bone and tool (app/picture/appearance.h). */
 #ifndef OST_APP_SIM_APPEARANCE_H
 #define OST_APP_SIM_APPEARANCE_H
 

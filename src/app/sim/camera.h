@@ -10,7 +10,7 @@
 
 typedef struct sim_camera {
     ost_orbit orbit;       /* current orbit */
-    ost_orbit from, to;    /* begin and end of the flight */
+    ost_orbit from, to;    /* start and end of the flight */
     double begin_s;
     bool flying;
     ost_view_subject subject;
@@ -19,8 +19,8 @@ typedef struct sim_camera {
     double farthest;
 } sim_camera;
 
-/* Makes a camera. voxel_mm: the smallest voxel that is drawn. It limits the distance to a number of
-   voxels that a frame can show. */
+/* Makes a camera. voxel_mm: the size of the smallest voxel that is drawn. It determines the greatest
+   distance of the camera, because a frame can show only a limited number of voxels. */
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm);
 /* Begins a flight to a view. tool: its pose, or NULL. */
 void sim_camera_fly(sim_camera *camera, ost_view_name view, const ost_pose *tool, double now_s);

@@ -35,7 +35,7 @@ void sim_scene_forces(sim_scene *scene, double max_n, double scale);
    plan's centre, along the plan's axis, in mm; 0 without a plan. user is a sim_scene. */
 double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose);
 
-/* Makes the facts that follow from the state. The caller sets rates, messages and the remaining facts. */
+/* Computes the facts that follow from the state. The caller sets the other facts, such as rates and messages. */
 sim_hud_facts sim_facts_make(const sim_scene *scene, const ost_live_state *state, bool has_state);
 
 #endif

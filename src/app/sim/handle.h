@@ -26,7 +26,8 @@ void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, doub
 void sim_handle_twist(sim_handle *handle, double angle);
 /* Moves the hand along the tool's axis in its working direction, in mm. */
 void sim_handle_push(sim_handle *handle, double mm);
-/* Makes the state that a device would read. Returns false if the pose is out of range. */
+/* Stores in *out the state that a device with the hand's pose would report. Returns false if the pose
+   is out of range. */
 bool sim_handle_state(const sim_handle *handle, ost_haptic_state *out);
 
 #endif

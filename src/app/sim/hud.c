@@ -32,9 +32,9 @@ struct sim_hud {
 /* ----------------------------------------------------------------- size */
 
 /* Computes the size of a unit in pixels. The HUD is designed for frames 1000 wide and 720 high. On
-   larger frames it grows less than the frame, because these are usually viewed from a greater
-   distance. The size is a multiple of 1/16, so that a small change of the frame's size does not
-   rebuild the lettering. */
+   larger frames the HUD grows less than the frame, because large frames are usually viewed from a
+   greater distance. The size is a multiple of 1/16, so that the lettering need not be rebuilt after
+   a small change of the frame's size. */
 static double unit_for(int width, int height, double scale)
 {
     const double dense = fmax(1, scale), available = fmin(height / 720.0, width / 1000.0) / dense;
@@ -88,7 +88,7 @@ typedef struct table {
         const char *name;
         char value[ROW_TEXT];
         uint32_t colour;
-        double share; /* length of a bar below the row, from 0 to 1; negative if there is none */
+        double share; /* length of the bar below the row, from 0 to 1; negative if the row has no bar */
     } row[ROWS];
 } table;
 
@@ -117,7 +117,7 @@ static double plain(double value)
     return fabs(value) < 0.05 ? 0 : value;
 }
 
-/* Adds a force and the maximum of its scale, with a bar that has marks at its quarters. */
+/* Adds a row with a force, the maximum of its scale, and a bar with a mark at each quarter. */
 static void add_force(table *t, const char *name, double n, double full)
 {
     const double share = full > 0 ? fmax(0, fmin(1, n / full)) : 0;

@@ -21,25 +21,25 @@
 typedef struct sim_hud_facts {
     const char *tool;     /* for example "reamer" */
     const char *device;
-    int number, tools;    /* number of the current tool, from 1, and of all tools */
+    int number, tools;    /* number of the current tool, counted from 1; number of tools */
     bool running;         /* at least one tick has run */
     double seconds;       /* time since the operation began */
     double contact_n, force_n;           /* contact force on the bone; hand force on the device */
     double contact_full_n, force_full_n; /* maxima of their scales */
-    bool force_given;     /* a force is computed, even if the device can only display it */
+    bool force_given;     /* true if a force is computed, even if the device only displays it */
     double removed_mm3;
-    bool planned;         /* the next four fields are known */
-    /* depth below the native face at which this tool removed bone, and its planned depth; 0 if there is
-       no plan for this tool */
+    bool planned;         /* true if the next four fields are valid */
+    /* greatest depth below the native face at which the tool removed bone; planned depth of the tool, 0
+       if no depth is planned */
     double reached_mm, planned_mm;
     /* angles in degrees by which the tool's outward axis deviates from the planned axis, toward
        posterior and superior */
     double back_deg, up_deg;
     bool touching, pedal;
     const char *fault;    /* fault of the device; NULL if there is none */
-    bool plain;           /* hides the hint at F1, because there is no keyboard */
+    bool plain;           /* hides the hint about the key F1, because there is no keyboard */
     bool timings;         /* the user has requested the times of the servo loop and of frames */
-    bool rates;           /* the next five fields are known */
+    bool rates;           /* true if the next five fields are valid */
     double ticks_s, frames_s, late_us, takes_us, frame_ms;
     uint64_t missed;
     bool recording, help;
@@ -67,7 +67,7 @@ typedef struct sim_hud sim_hud;
 /* Creates a HUD for frames of this size on a display of this scale (1: 96 dpi). */
 ost_status sim_hud_create(int width, int height, double scale, sim_hud **out, ost_error *err);
 void sim_hud_free(sim_hud *hud); /* hud may be NULL */
-/* Returns true if the HUD also suits frames of this size and scale. */
+/* Returns true if the HUD can also be used for frames of this size on a display of this scale. */
 bool sim_hud_suits(const sim_hud *hud, int width, int height, double scale);
 /* Computes the positions of all parts, within the frame and without overlaps. */
 sim_hud_layout sim_hud_arrange(const sim_hud *hud, int width, int height, const sim_hud_facts *facts);

@@ -144,7 +144,7 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
     /* A resumed session was already checked when it began. */
     if (s->resumed)
         return OST_OK;
-    /* A path contains the first pose of each of its tools. Without a path, every tool begins at home. */
+    /* A path contains the first pose of each of its tools. Without a path, every tool begins at the pose `home`. */
     const bool by_path = s->path.count && (sim_follows_path(args) || args->paths_given);
     if (by_path)
         start_poses(&s->path, site.first);

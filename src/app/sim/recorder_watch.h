@@ -12,9 +12,9 @@
 
 typedef struct recorder_watch {
     bool failing, stuck, losing;
-    uint64_t written;   /* count of written records when it last increased */
+    uint64_t written;   /* number of written records when this number last increased */
     double grew_ms;     /* time of that increase */
-    uint64_t reported_lost; /* count of lost records in the last message */
+    uint64_t reported_lost; /* number of lost records in the last message */
 } recorder_watch;
 
 enum { RECORDER_WATCH_TEXT = 320 };

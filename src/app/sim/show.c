@@ -80,7 +80,7 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     show->scene.force_given = s->force != NULL;
     show->scene.recording = s->recorder != NULL;
     status = sim_appearance_make(args, s, known ? &glenoid : NULL, err);
-    /* The first update builds all lists and looks of the bone, before the servo loop runs. */
+    /* The first update builds the lists of the bone's surface voxels and their looks, before the servo loop runs. */
     return status == OST_OK ? ost_viewer_update(&show->viewer, err) : status;
 }
 

@@ -23,7 +23,7 @@ typedef enum sim_renderer {
     SIM_RENDERER_GL,
     SIM_RENDERER_THESIS
 } sim_renderer;
-extern const char *const sim_renderer_names[]; /* "none", "null", "points", "gl", "thesis" */
+extern const char *const sim_renderer_names[]; /* the names "none", "null", "points", "gl", "thesis" */
 
 typedef struct sim_show {
     const app_state *app;
@@ -34,19 +34,19 @@ typedef struct sim_show {
     ost_orbit orbit;
     sim_scene scene;
     sim_hud *hud;             /* used for frames without a window; owned */
-    film *film;               /* borrowed; NULL if there is none */
+    film *film;               /* borrowed; NULL if no film is written */
     appearance look;
-    ost_tool_volume ghost_tool; /* volume of the first tool, which the ghost shows */
-    frame_times drawn, apart; /* during the operation: time to make a frame; interval between frames */
-    int64_t updated_ns;       /* begin of the current frame */
-    int64_t last_ns;          /* begin of the previous frame; 0 if no frame was drawn immediately before this one */
+    ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as the ghost */
+    frame_times drawn, apart; /* times to draw a frame, and intervals between frames, during the operation */
+    int64_t updated_ns;       /* start time of the current frame */
+    int64_t last_ns;          /* start time of the previous frame; 0 if the current one follows a pause */
     int64_t end_ns;           /* end of the operation */
-    void *thread;             /* NULL if there is none */
+    void *thread;             /* NULL if there is no thread that draws */
     ost_status status;        /* status of the drawing thread */
     ost_error err;
 } sim_show;
 
-/* Creates s->show. Without a renderer it stays NULL. */
+/* Creates s->show. Without a renderer, s->show stays NULL. */
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_show_free(sim_show *show);
 

@@ -22,7 +22,7 @@
 #include "app/session/record.h"
 #include "app/input/start_check.h"
 
-enum { SIM_RECORDER_CAPACITY = 65536 }; /* records that can wait to be written: 65 s */
+enum { SIM_RECORDER_CAPACITY = 65536 }; /* number of records that can wait to be written: 65 s of ticks */
 
 typedef struct sim_args {
     const char *device, *bone, *out, *record, *classes_text, *session, *resume, *debrief, *force_file;
@@ -76,13 +76,13 @@ typedef struct simulation {
     ost_operation_report done;
     ost_metrics_plan plan;
     bool planned;         /* plan is set */
-    start_checked site;   /* its field known is false if a session is resumed */
+    start_checked site;   /* site.known is false if a session is resumed */
     debrief debrief;      /* empty without --debrief */
     ost_volume uncut;     /* the bone before the operation; owned until the show takes ownership */
     ost_session *resumed; /* session that --resume continues; NULL without --resume */
     ost_tick last;        /* last tick of the resumed session */
-    ost_motor motor;      /* motor after the resumed session */
-    ost_pose home;        /* pose at which the tool begins, clear of the bone, unless a path sets one */
+    ost_motor motor;      /* state of the motor at the end of the resumed session */
+    ost_pose home;        /* initial pose of the tool: the first pose of the path, or else a pose clear of the bone */
     uint64_t before;      /* number of ticks in the resumed session */
     struct sim_show *show; /* NULL if nothing is rendered */
     struct sim_window *window; /* NULL with --headless */
@@ -108,8 +108,8 @@ void sim_force_print(const app_state *app, const sim_args *args);
 enum { SIM_FORCE_KEYS = 32, SIM_LIMIT_TEXT = 160 };
 /* Writes the source of the force limit to text: "default", or "device: a sigma.7 gives 12 N, 0.2 N m". */
 void sim_force_limit_text(const sim_args *args, char text[SIM_LIMIT_TEXT]);
-/* Makes the force model, unless --force is off. A device that cannot render forces has no force
-   model; with it, --force is an error. */
+/* Makes the force model, unless --force is off. There is no force model if the device cannot render
+   forces. In this case it is an error if --force requests a force. */
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
 /* Reserves a core for the servo loop: this thread and all threads that it creates no longer run on
    it. Must be called first, because OpenGL drivers and devices also create threads. */
@@ -118,7 +118,7 @@ typedef struct sim_force_texts {
     char key[SIM_FORCE_KEYS][40], value[SIM_FORCE_KEYS][OST_FORCE_VALUE], from[SIM_LIMIT_TEXT];
 } sim_force_texts;
 /* Writes the parameters and the source of the limit as keys of a session. There are at most
-   SIM_FORCE_KEYS + 2 keys, of which the last one is NULL. */
+   SIM_FORCE_KEYS + 2 keys; the name of the last key is NULL. */
 void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys);
 /* Checks the site before the first tick (start_check.h). */
 ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err);

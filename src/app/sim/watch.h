@@ -11,7 +11,7 @@ typedef struct sim_watch sim_watch;
    recorder must outlive the watch. seconds: the expected duration, 0 if unknown. */
 ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity,
                            double seconds, sim_watch **out, ost_error *err);
-/* Waits for the thread; watch may be NULL. */
+/* Stops the thread, waits until it has ended, and frees watch, which may be NULL. */
 void sim_watch_end(sim_watch *watch);
 
 #endif

@@ -20,7 +20,7 @@ void sim_window_close(sim_window *window); /* window may be NULL */
 
 /* Creates the device mouse's input with the hand's initial pose. Must be called before the device is opened. */
 ost_status sim_window_mouse_create(simulation *s, const ost_pose *start, ost_error *err);
-ost_mouse_input *sim_window_mouse(const simulation *s);    /* NULL if there is none */
+ost_mouse_input *sim_window_mouse(const simulation *s);    /* NULL if another device is used */
 
 /*
  * Runs the servo loop on a separate thread and the window on the calling thread, until either of
