@@ -42,8 +42,8 @@ typedef struct glenoid_plan_options {
 
 /*
  * Finds the plan. header: the header of the session called `session`, or NULL. *known becomes false
- * if no source contains the glenoid's position; this is an error if needed is true or if a part of
- * the plan is given. The values are rounded to those that a session can store.
+ * if no source contains the glenoid's position; the missing position is an error if `needed` is true
+ * or if a part of the plan is given. The values are rounded to those that a session can store.
  */
 ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session,
                              const ost_session_header *header, const ost_meta *meta, const char *bone, bool needed,

@@ -126,7 +126,7 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
     *out = (ost_import_options){
         .spacing = ct->spacing,
         .cubic = ct->cubic,
-        .threshold = (int32_t)ct->threshold, /* 0: the bone's own threshold, else 120 */
+        .threshold = (int32_t)ct->threshold, /* 0: the threshold of the bone, otherwise 120 */
         .chunk_size = 16 << ct->chunk,
         .has_resample = ct->resample >= 0,
         .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,
@@ -316,7 +316,7 @@ static int32_t threshold_of(const ost_meta *meta)
     return THRESHOLD;
 }
 
-/* Loads a CT given as text. It is imported, because the grid's size bounds the memory of an import. */
+/* Loads a CT given as text by importing it, because the memory of an import is limited by the grid's size. */
 static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
     ost_backend *backend = NULL;

@@ -16,14 +16,14 @@
 typedef struct ct_options {
     ost_pm3 spacing;
     ost_pm cubic;
-    int64_t threshold; /* 0: the bone's own threshold, else 120 */
+    int64_t threshold; /* 0: the threshold stored in the file if the file is a bone, otherwise 120 */
     const char *crop;
     int chunk; /* index in "16|32|64" */
-    int resample; /* index in "linear|nearest|thesis" = ost_resample; negative: depends on the file's contents */
-    int duplicates; /* index in "error|first|last|max" = ost_duplicates */
+    int resample; /* an ost_resample, index in "linear|nearest|thesis"; negative: depends on the file's contents */
+    int duplicates; /* an ost_duplicates, index in "error|first|last|max" */
     bool clamp, resample_oblique;
     const char *orientation; /* NULL if not given */
-    int form;                /* index in "auto|qform|sform" = ost_nifti_form */
+    int form;                /* an ost_nifti_form, index in "auto|qform|sform" */
     const char *mask;        /* FILE[:LABEL,...]; NULL if not given */
     bool mask_fill;
 } ct_options;
@@ -59,8 +59,8 @@ typedef struct ct_options {
 
 typedef struct tool_options {
     ost_pm voxel;
-    int unit; /* index in "auto|mm|cm|m|inch|um" = ost_unit */
-    int rule; /* index in "winding|parity" = ost_fill_rule */
+    int unit; /* an ost_unit, index in "auto|mm|cm|m|inch|um" */
+    int rule; /* an ost_fill_rule, index in "winding|parity" */
 } tool_options;
 
 #define TOOL_OPTIONS_DEFAULT {.voxel = OST_PM_PER_MM / 2}
@@ -93,14 +93,14 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
 /* Converts the options of a verb to those of ost_import. */
 ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
                                ost_error *err);
-/* Warns if the orientation of a file was assumed, now or when it was imported. */
+/* Warns if the orientation of a file was assumed, either now or when the file was imported. */
 void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta);
 /* Warns about effects of an import that the user may not expect. */
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
 
 enum { LOAD_UNITS_TEXT = 200 };
-/* Lists the sizes from 20 to 600 mm that the same number would mean in other units. Writes ": it
-   would be ...", or "" if there are none. Returns out. */
+/* Suggests other units for a mesh of size `mm`, in millimetres. Writes ": it would be ..." with each unit
+   in which the size is from 20 to 600 mm, or "" if there is no such unit. Returns out. */
 char *load_other_units(char out[LOAD_UNITS_TEXT], double mm);
 
 ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);

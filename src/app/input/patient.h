@@ -62,8 +62,8 @@ typedef struct patient_options {
                 "glenoid, axis (a point inside the bone on the axis), trigonum, inferior angle"                        \
     }
 
-/* Stores in meta the facts that the options and their landmarks file contain, for the volume called
-   name. Reports unknown labels. */
+/* Stores in meta the facts from the options and from the landmarks file that the options name. Reports
+   unknown labels in that file. `name` is the name of the volume, for messages. */
 ost_status patient_take(const app_state *app, const patient_options *options, const char *name,
                         const ost_geometry *geometry, ost_meta *meta, ost_error *err);
 

@@ -44,7 +44,7 @@ ost_status target_find(const app_state *app, const target_options *options, cons
 ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out,
                        ost_error *err);
 
-/* Counts of the gaps at which the paths lift a tool, and of the rows without a pose. */
+/* The number of gaps in the paths at which a tool is lifted, and the number of rows without a pose. */
 typedef struct ream_gaps {
     size_t gaps, lost_rows;
 } ream_gaps;
@@ -63,7 +63,7 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
                           const ost_meta *meta, const char *bone, const ost_tool_geometry *const *tools, int tool_count,
                           const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err);
 
-/* Computes the period of a rate of removal. Without a rate it is 0, and every tick removes. */
+/* Computes the period of a rate of removal. Without a rate, the period is 0, and every tick removes bone. */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rows for a verb's table of options, about how a path removes bone. */
+/* Rows for a verb's table of options: the options that determine how a path removes bone. */
 #ifndef OST_APP_INPUT_REMOVAL_OPTIONS_H
 #define OST_APP_INPUT_REMOVAL_OPTIONS_H
 

@@ -15,12 +15,14 @@
 
 typedef struct start_checked {
     ost_glenoid glenoid;
-    bool known;         /* set if the glenoid is set; otherwise nothing is counted */
-    int64_t near_side;  /* voxels on the near side of the face before the operation; after it, those removed there */
+    bool known;         /* set if the glenoid is set; otherwise no voxels are counted */
+    /* before the operation: number of voxels on the near side of the face; after it: number of voxels
+       removed on the near side */
+    int64_t near_side;
 } start_checked;
 
 /* The input of start_check. tools has one element for each name. first[i] is the pose at which tool
-   i begins; NULL if it is not used. plan is NULL if there is none. */
+   i begins; NULL if tool i is not used. plan is NULL if there is no plan. */
 typedef struct start_setup {
     const char *bone_name;
     const ost_bone *bone;
