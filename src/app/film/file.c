@@ -32,7 +32,7 @@ struct film_file {
     size_t size;
     uint64_t frames;
     ost_outfile *out;    /* owned; the .y4m file or the file that ffmpeg writes; NULL if there is neither */
-    int pipe;            /* -1 if there is none */
+    int pipe;            /* descriptor of the pipe to ffmpeg or to the command; -1 if there is no pipe */
     pid_t encoder;
     FILE *messages;      /* owned; receives ffmpeg's standard error; NULL if ffmpeg inherits it */
 };
@@ -125,7 +125,7 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
     static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7",
                                       "-crf", "24",         "-b:v",      "0",        NULL};
-    /* With these arguments, every player accepts the colours and the frame size, which must be even. */
+    /* These arguments produce colours and a frame size that every player accepts. Width and height must be even. */
     char program[NAME], descriptor_path[32];
     const char *argv[40] = {program,
                             "-hide_banner",

@@ -15,8 +15,8 @@ ost_status film_file_open(const char *target, const char *command, int fps, film
 ost_status film_file_frame(film_file *file, const uint32_t *pixels, int width, int height, ost_error *err);
 /* Repeats the previous frame. */
 ost_status film_file_again(film_file *file, ost_error *err);
-/* Closes the output and frees file in any case; file may be NULL. After an earlier failure err is
-   NULL, and the output file is discarded. */
+/* Closes the output and frees file in any case; file may be NULL. After an earlier failure, the caller
+   passes NULL as err, and the output file is discarded. */
 ost_status film_file_close(film_file *file, ost_error *err);
 
 #endif

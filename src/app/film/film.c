@@ -91,7 +91,7 @@ static void write_still(film *f, const job *j)
     free(bytes);
 }
 
-/* Repeats the previous frame until the video has index frames. Fills times at which no frame was passed in. */
+/* Repeats the previous frame until the video has `index` frames, for times at which no frame was passed in. */
 static ost_status repeat_until(film *f, int64_t index, ost_error *err)
 {
     ost_status status = OST_OK;

@@ -22,15 +22,15 @@
 enum { FILM_TEXT = 200 };
 
 typedef struct film_options {
-    const char *target, *pipe; /* destination of the video: at most one of the two is set */
+    const char *target, *pipe; /* destination of the video; at most one of target and pipe is set */
     int64_t fps;               /* frames per second of the video */
     bool wait;                 /* if the queue is full, waits for the writer instead of dropping the frame */
 } film_options;
 
 typedef struct film_report {
     uint64_t frames;   /* number of frames in the video */
-    uint64_t repeated; /* frames among these that repeat the previous frame */
-    uint64_t dropped;  /* frames that were drawn but not written */
+    uint64_t repeated; /* number of frames in the video that repeat the previous frame */
+    uint64_t dropped;  /* number of frames that were drawn but not written */
     int width, height;
 } film_report;
 
@@ -60,7 +60,7 @@ void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int w
 /* Saves a picture in the current folder under the next free name: osteon-001.png and so on.
    film_message reports the result. */
 void film_still(film *f, const uint32_t *pixels, int stride, int width, int height);
-/* Returns the latest message if it is newer than the previous call, else NULL. */
+/* Returns the latest message, or NULL if there was no new message since the previous call. */
 const char *film_message(film *f, char text[FILM_TEXT]);
 uint64_t film_dropped(film *f);
 
