@@ -43,8 +43,8 @@ static const case_result *result_at(const campaign *c, int i, int s)
     return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
 }
 
-/* Prints one line per stage: the number of differences, their causes, and the greatest margin,
-   which is the distance of a decision from the border at which it changes. */
+/* Prints one line per stage: the number of differences, their causes, and the greatest margin. A margin
+   is the distance of a decision from the border at which the decision changes. */
 static void print_margins(const app_state *app, const margins *m)
 {
     print_line(app, "  stage    differing   inherited   below thr.   unexplained   at borders   greatest margin");

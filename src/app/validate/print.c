@@ -100,7 +100,7 @@ static void print_paths(const app_state *app, const path_list *list, json_t *o)
     put(o, "not_entered", missing);
 }
 
-/* Prints the result of the second implementation. It checks the steps that no other comparison checks. */
+/* Prints the result of the second implementation, which checks the steps that no other comparison checks. */
 static void print_second(const app_state *app, const campaign *c, bool equal)
 {
     char ticks[FORMAT_TEXT], tools[FORMAT_TEXT];

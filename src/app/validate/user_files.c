@@ -50,7 +50,7 @@ json_t *user_files_how(int argc, char **argv)
 }
 
 /* Parses the options stored in a bundle. The bundle may come from an untrusted source, so only
-   options of the table are accepted. */
+   the options in the verb's table are accepted. */
 static ost_status parse_how(app_state *app, const json_t *how, user_files *u, ost_error *err)
 {
     const option table[] = {USER_FILES_HOW(*u), {.name = NULL}};

@@ -29,13 +29,13 @@ typedef struct user_files {
 
 #define USER_FILES_DEFAULT {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1}
 
-/* Rows for a verb's table of options that name the files. */
+/* Rows for a verb's table of options: the options that name the files. */
 #define USER_FILES(u, about_ct, about_tool, about_path)                                                \
     {.name = "ct", .kind = OPTION_LIST, .out = &(u).cts, .value = "FILE", .help = about_ct},           \
     {.name = "tool", .kind = OPTION_LIST, .out = &(u).tools, .value = "FILE", .help = about_tool},     \
     {.name = "path", .kind = OPTION_LIST, .out = &(u).paths, .value = "FILE", .help = about_path}
 
-/* Rows for the options with which the files are read, as in import, voxelize and ream. */
+/* Rows for a verb's table of options: how the files are read, as in import, voxelize and ream. */
 #define USER_FILES_HOW(u)                                                                                              \
     CT_OPTIONS((u).ct), TOOL_OPTIONS((u).how),                                                                         \
         TARGET_OPTIONS((u).target, "centre of the glenoid's face, for the built-in paths (default: as in the CT)"),    \
@@ -55,8 +55,8 @@ ost_status user_files_read(const app_state *app, const user_files *u, json_t *ho
 ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store,
                          json_t **record, ost_error *err);
 
-/* Finds the files of a bundle's record among the given files, by size and digest, and reads them
-   with the same options. *again is their new record. */
+/* Finds the files of a bundle's record among the given files, by size and digest, and reads these files
+   with the options in the record. *again is a new record of the files. */
 ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store,
                             json_t **again, ost_error *err);
 

@@ -24,7 +24,7 @@ typedef struct validate_args {
     int64_t faults, suite_limit_s;
     bool cpu_only, faults_only, from_parent, apart;
     user_files own;
-    json_t *record; /* record of own; NULL if there are no files */
+    json_t *record; /* record of the user's files in `own`; NULL if there are no files */
     sign_key *key;  /* key of --sign; NULL if the bundle is not signed */
 } validate_args;
 
@@ -53,10 +53,10 @@ ost_status validate_print(app_state *app, const validate_args *args, const campa
                           const sensitivity *proof, const json_t *common, ost_error *err);
 /* Prints the last lines: the command that checks the bundle, the verdict, and the names of picture and report. */
 void validate_print_last(app_state *app, const char *out, const json_t *summary);
-/* Prints a result that is not equal: its position, both values, and its pattern. */
+/* Prints where a result differs from the reference: the position, both values, and the pattern. */
 void validate_print_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
-/* Prints the sensitivity proof. Lists mistakes that were never triggered or that never changed a
-   result, because the proof does not cover them. */
+/* Prints the sensitivity proof. A mistake that was never triggered, or that never changed a result, is
+   listed, because the proof does not cover this mistake. */
 void validate_print_faults(const app_state *app, const sensitivity *s);
 /* Prints the suite's counts and the first tests that failed. suite: the contents of suite.json. */
 void validate_print_suite(const app_state *app, const json_t *suite);
