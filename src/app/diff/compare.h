@@ -20,8 +20,8 @@
 typedef enum diff_kind {
     DIFF_REMOVED, /* solid in A only */
     DIFF_ADDED,   /* solid in B only */
-    DIFF_CHANGED, /* solid in both, but the densities differ */
-    DIFF_BELOW,   /* solid in neither, but the densities differ */
+    DIFF_CHANGED, /* solid in both A and B, with different densities */
+    DIFF_BELOW,   /* solid in neither A nor B, with different densities */
     DIFF_KIND_COUNT
 } diff_kind;
 
@@ -46,17 +46,17 @@ enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
 
 typedef struct diff_result {
     bool same_dims, same_spacing, same_origin;
-    bool rounded_geometry; /* spacing or origin is equal only after rounding to float32 */
+    bool rounded_geometry; /* true if spacing or origin is equal only after rounding to float32 */
     bool equal;
     int64_t count[DIFF_KIND_COUNT], different;
     ost_voxel_box box; /* encloses all differences */
-    int32_t busiest[3]; /* on each axis the slice with the most differences */
+    int32_t busiest[3]; /* for each axis, the index of the slice with the most differences */
     int chunk_size;
     ost_dims chunk_dims;
     size_t chunk_count;
     diff_chunk *chunks; /* owned: the chunks that differ, in grid order */
     size_t first_count;
-    diff_voxel *first; /* owned: the first `limit` voxels in grid order */
+    diff_voxel *first; /* owned: the first `limit` voxels that differ, in grid order */
     const char *class; /* the first pattern that applies; NULL if there is nothing to classify */
     int pattern_count;
     diff_pattern patterns[DIFF_PATTERN_MAX];

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws pictures of a difference: on each axis the slice with the most differences, and a view of
- * B's surface from there. In the view, the bone that is in A but not in B is coloured by its depth.
+ * Draws pictures of a difference: for each axis the slice with the most differences, and a view of
+ * B's surface at the point where these slices meet. In the view, the bone that is in A but not in B
+ * is coloured by its depth.
  *
- * Grey shows the density, dimmed. Removed voxels are red, added ones blue, changed ones amber, and
- * those below the threshold violet.
+ * Grey shows the density, dimmed. Removed voxels are red, added voxels blue and changed voxels
+ * amber. Voxels that differ below the threshold are violet.
  */
 #include "app/diff/compare.h"
 
