@@ -31,8 +31,8 @@ typedef struct replay_args {
 typedef struct ending {
     bool found;     /* set if the file contains the session's end record */
     bool complete;  /* set if the file contains the end record and all ticks */
-    bool compared;  /* set if all ticks were replayed, so that the end is also compared */
-    uint64_t ticks; /* number recorded: from the end record if there is one, else from the last tick that can be read */
+    bool compared;  /* set if all ticks were replayed; only then is the end compared */
+    uint64_t ticks; /* number of recorded ticks: from the end record, or else from the last tick that can be read */
     ost_session_end end;
     ost_world_totals totals;
     ost_digest root;
@@ -230,7 +230,7 @@ static ost_status print_end(const app_state *app, replay *here, const ending *e,
     return OST_ERR_DIFFER;
 }
 
-/* Reports a difference without --verify: the tick, but not the position. */
+/* Reports a difference if --verify is not given. The report contains the tick, but not the position. */
 static ost_status print_briefly(const app_state *app, const replay *here, ost_error *err)
 {
     json_t *o = json_object();

@@ -49,8 +49,8 @@ static uint32_t at_most_32(uint64_t n)
     return n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
 }
 
-/* Compares all values that a recorded tick contains about its step: the digest, and the fields that
-   are recorded separately. */
+/* Returns true if the result of the latest step equals the recorded result: the digest, and the fields
+   that a tick contains in addition to the digest. */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick)
 {
     const ost_step_result *step = &r->step;

@@ -26,8 +26,8 @@ typedef struct replay {
     bool differs;
     ost_session_tick recorded;
     uint64_t digest;
-    ost_step_result step; /* its report is valid until the next tick */
-    /* If not NULL, called after every tick. */
+    ost_step_result step; /* step.report is valid until the next tick */
+    /* Called after every tick, unless the pointer is NULL. */
     ost_status (*each)(void *user, const ost_session_tick *tick, const ost_step_result *step, ost_error *err);
     void *each_user;
 } replay;
