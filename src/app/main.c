@@ -209,7 +209,7 @@ static int run_verb(const app_verb *which, int argc, char **argv)
     const bool failed = status != OST_OK && status != OST_ERR_DIFFER;
     bool verdict = !failed || app.answered;
     if (verdict && app.json) {
-        /* 15 digits represent up to 8 m exactly to one picometre, and print 0.47 as 0.47. */
+        /* With 15 digits, lengths up to 8 m are exact to one picometre, and 0.47 is printed as 0.47. */
         char *text = json_dumps(app.result, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
         if (text)
             print_json(text);

@@ -66,9 +66,9 @@ typedef struct operand {
 typedef struct usage_text {
     const char *synopsis; /* text after "osteon VERB " */
     const char *about;
-    const operand *operands; /* all are required; ends with a NULL name; may be NULL */
-    const option *options;   /* ends with a NULL name */
-    const char *notes;       /* describes units and coordinate systems; may be NULL */
+    const operand *operands; /* all operands are required; the array ends with a NULL name; may be NULL */
+    const option *options;   /* the array ends with a NULL name */
+    const char *notes;       /* text about units and coordinate systems; may be NULL */
     const char *example;
 } usage_text;
 

@@ -26,7 +26,7 @@ typedef struct debrief {
     ost_technique technique;
 } debrief;
 
-/* Begins a debrief and copies the bone. tools: the count tools to which ticks refer by index. */
+/* Begins a debrief and copies the bone. tools: an array of `count` tools; ticks refer to a tool by its index. */
 ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count,
                          debrief *out, ost_error *err);
 /* Adds a tick. Ticks must be added in order. */

@@ -56,7 +56,7 @@ static bool at_hole(const ost_metrics *m, int i)
     return false;
 }
 
-/* Returns the shade of a cell, and in *step its step on the scale of depths. */
+/* Returns the shade of a cell. *step is set to the cell's step on the scale of depths. */
 static shade shade_of(const debrief *d, const ost_metrics *m, int i, int *step)
 {
     const double depth = (double)m->depth_mm[i], after = (double)m->after_mm[i];
@@ -209,7 +209,7 @@ static void picture(html_page *p, const ost_picture *image, const char *caption)
     ost_error why = {0};
     const ost_status status = ost_picture_encode_png(image, &bytes, &size, &why);
     if (status == OST_ERR_UNAVAILABLE)
-        return; /* built without libpng: the page contains only its tables and maps */
+        return; /* osteon was built without libpng: the page contains only tables and maps */
     if (status != OST_OK && p->status == OST_OK)
         p->status = ost_fail(p->err, status, "%s", why.text);
     html_print(p, "<figure><img alt=\"%s\" src=\"data:image/png;base64,", caption);

@@ -12,7 +12,8 @@
 #define AIM_WALL_MM 2.0
 #define AIM_OVER_MM3 20.0
 #define AIM_CONTACT 90.0
-#define FAR_TIMES 8.0 /* a figure that exceeds its aim by this factor is far off the plan; so is an open wall */
+/* A figure that exceeds its aim by this factor is far off the plan. An open wall is far off the plan too. */
+#define FAR_TIMES 8.0
 
 const char *const verdict_grades[VERDICT_GRADES] = {"As planned", "Near the plan", "Off the plan", "Far off the plan"};
 

@@ -93,8 +93,8 @@ ost_status appearance_check(const app_state *app, appearance_options *o, ost_err
 
 /* -------------------------------------------------------------------- clip */
 
-/* Computes three unit vectors: inward along the glenoid's axis, and two perpendicular to it, right
-   (horizontal) and above (upward). */
+/* Computes three perpendicular unit vectors: `inward` is the direction of the glenoid's axis, `right`
+   is horizontal, and `above` points upward. */
 static void axis_frame(const ost_view_subject *s, double inward[3], double right[3], double above[3])
 {
     static const double lateral[3] = {-1, 0, 0}, top[3] = {0, 0, 1};

@@ -10,7 +10,7 @@
 typedef struct view_options {
     int view; /* an ost_view_name */
     bool view_given;
-    ost_pm extent; /* 0: the default of the view */
+    ost_pm extent; /* height of the view at its centre; 0 selects the default of the view */
     const char *size;
     bool no_legend;
 } view_options;
@@ -37,7 +37,7 @@ void view_fit(const target_options *target, const ost_volume *volume, int32_t th
 /* Returns the orbit of the view. tool: see ost_view_orbit. */
 ost_orbit view_orbit(const view_options *options, const ost_view_subject *subject, const ost_pose *tool);
 
-/* Returns true if the file states the directions of its axes or its format defines them. */
+/* Returns true if the directions of the grid's axes are known from the file or from its format. */
 bool view_oriented(const ost_meta *meta);
 
 #endif

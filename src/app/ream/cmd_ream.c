@@ -29,7 +29,7 @@ enum { SAVED_TICKS = 1024 };
 static void job_free(ream_job *j)
 {
     free(j->tick_ns);
-    /* After an error elsewhere, the recorder is still open. The ticks recorded before the error are kept. */
+    /* If another function failed, the recorder is still open here. The ticks recorded before the error are kept. */
     ost_recorder_close(j->recorder, NULL, NULL);
     debrief_free(&j->debrief);
     ost_world_free(j->world);
@@ -89,7 +89,7 @@ static bool has_device_speed(const ost_path *path)
     return false;
 }
 
-/* Replaces the path's poses by the poses of the tools as the motor turns them. */
+/* Converts the path's poses, which are those of the hand, to poses of the tool, which the motor turns. */
 static ost_status motor_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_motor motor = {0};

@@ -13,14 +13,14 @@
 
 /* The complete setup of a world, without the voxels. */
 typedef struct session_setup {
-    const char *bone; /* the names are borrowed from the caller or from the header */
+    const char *bone; /* all names in this struct are borrowed from the caller or from the header */
     option_list tools;
     ct_options ct;
     tool_options how;
     bool sweep_off;
     int64_t removal_period_ns;
     ost_density_classes classes;
-    const ost_metrics_plan *plan; /* NULL if there is none; not set by session_keys_read (app/input/glenoid_plan.h) */
+    const ost_metrics_plan *plan; /* NULL without a plan; not set by session_keys_read (app/input/glenoid_plan.h) */
 } session_setup;
 
 /* Makes a header. bone and tools must be in their state before the first tick. device is "path" or
@@ -29,7 +29,7 @@ ost_status session_keys_make(const session_setup *setup, ost_backend *backend, c
                              ost_tool *const *tools, const char *device, ost_session_header **out, ost_error *err);
 
 /* Reads a header. If a key is missing or invalid, returns OST_ERR_INPUT with a message that names
-   the session and the key. Texts in *out are valid as long as header. */
+   the session and the key. The texts in *out are valid as long as `header` exists. */
 ost_status session_keys_read(const char *session, const ost_session_header *header, session_setup *out, ost_error *err);
 
 /* Returns OST_ERR_INPUT unless the digests of bone and tools equal those in the header. */

@@ -55,7 +55,7 @@ static void one_device(const ost_device_info *device, void *user)
         print_line(list->app, "  %-24s      %s", "", device->notes);
 }
 
-/* Lists the devices among which the user can choose with a backend; only OpenCL has them. */
+/* Lists the devices that the backends offer for selection. Only the OpenCL backend offers any. */
 static ost_status list_devices(const app_state *app, ost_error *err)
 {
     device_list list = {.app = app, .array = json_array()};

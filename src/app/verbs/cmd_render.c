@@ -92,7 +92,7 @@ static ost_status check_args(app_state *app, render_args *args, ost_error *err)
     return status == OST_OK ? out_check(app, args->out, "png", err) : status;
 }
 
-/* Adds the tool to the picture. Without --pose, the tool is at the beginning of the built-in reaming. */
+/* Adds the tool to the picture. Without --pose, the pose is the first one of the built-in reaming path. */
 static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
 {
     ost_path path = {0};
