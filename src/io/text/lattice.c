@@ -32,7 +32,7 @@
  * RHE((c_(m-1) - c_0) / n) is used if (F) holds with n pm more: an error of half a
  * picometre in the spacing becomes k / 2 pm after k steps.
  *
- * Axes whose spacings differ by less than 1 % share one spacing that is feasible for
+ * Axes whose spacings differ by at most 1 % share one spacing that is feasible for
  * all of them, found in the same way, so that an isotropic grid remains isotropic.
  *
  * Ranges.  |c_i - c_0| <= 1.6 * 10^13, u <= 10^12, k <= 16383 < 2^14, so

@@ -52,7 +52,7 @@ static inline int64_t ost_text_raster_stride(const ost_text_raster *raster, int 
 
 /*
  * Sets *found if the text is a scan, its geometry is valid, and every sample has a
- * voxel of its own. The summary is then the one of ost_text_scan (except for the
+ * voxel of its own. The summary then equals that of ost_text_scan (except for the
  * fingerprint's hash); the caller frees summary and raster.  Apart from the errors of
  * opening the file, OST_ERR_CANCELLED is the only error: all others are reported by
  * the two-pass readers.

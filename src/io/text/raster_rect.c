@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts a raster scan to the rect grid: each axis of the scan is mapped to the voxels of the
- * grid, and the densities are copied by these maps, slice by slice, or at once if the order is
- * that of the grid.
+ * Converts a raster scan to the rect grid. Each axis of the scan is mapped to the voxels of the
+ * grid. The densities are copied by these maps slice by slice, or all at once if the scan has the
+ * order of the grid.
  */
 #include "core/conditions.h"
 
@@ -119,7 +119,7 @@ static ost_status upload_mapped(const char *path, const ost_text_raster *raster,
 {
     const ost_dims dims = ost_grid_geometry(rect)->dims;
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
-    /* For every voxel along an axis: the offset of its coordinate in raster->voxels; -1 if it has no coordinate. */
+    /* For every voxel along an axis: the offset of its coordinate in raster->voxels; -1 if it has none. */
     int64_t *offset[3] = {NULL, NULL, NULL};
     int16_t *slice = malloc((size_t)dims.x * (size_t)dims.y * sizeof *slice);
     bool enough = slice != NULL;

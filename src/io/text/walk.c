@@ -151,7 +151,7 @@ static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 
 /*
  * Computes the index of a slice from its coordinate, assuming evenly spaced slices.
- * The index is correct for rounded coordinates too. If it is wrong, the indices are
+ * The index is correct for rounded coordinates too. If an index is wrong, the indices are
  * not consecutive and the walk fails. |v - s_0| * 16383 < 2^58.
  */
 static int32_t slice_of(const ost_text_plan *plan, ost_pm value)

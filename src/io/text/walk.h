@@ -55,7 +55,7 @@ typedef struct ost_text_walker {
     ost_pm first_slow;   /* coordinate of the first line */
     uint32_t units[3];   /* decimal units that occur on each axis, as in ost_text_axis */
     ost_text_pattern pattern;
-    ost_text_around piece[3]; /* text of each axis in the row of the pattern, except of the fastest axis */
+    ost_text_around piece[3]; /* text of each axis except the fastest, in the row of the pattern */
     ost_text_around gap;      /* the characters between the last position and the density */
     ost_text_parser parser;
     char *buffer;        /* owned */
