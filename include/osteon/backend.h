@@ -20,7 +20,7 @@
  * backend; otherwise the call returns OST_ERR_USAGE.
  * Threads: a backend and its objects may be used by one thread at a time;
  * different backends are independent.  After fork(), the child must not call
- * osteon before exec, because it lacks the threads of the OpenMP runtime.
+ * osteon before exec, because the child lacks the threads of the OpenMP runtime.
  * Errors: these functions check their arguments.  A failed call leaves its
  * in-out objects unchanged unless its comment says otherwise.  The exception is
  * a device that fails while it changes a grid or a bone: the state of that
@@ -48,10 +48,10 @@ typedef struct ost_backend_info {
     const char *name;        /* "ref" */
     const char *description; /* one sentence */
     bool available;
-    char reason[256]; /* if not available: the reason and what to install */
+    char reason[256]; /* if the backend is not available: the reason and what to install */
 } ost_backend_info;
 
-/* Returns the number of backends; indices 0 to count - 1 are in a fixed order. */
+/* Returns the number of backends. The backends are numbered from 0 in a fixed order. */
 OST_API int ost_backend_count(void);
 /*
  * Describes the backend with number `index`. Tests whether the backend can be opened on this machine, without opening
@@ -65,12 +65,12 @@ typedef struct ost_device_info {
     const char *platform; /* name and version of the platform */
     const char *name;     /* name of the device and version of its driver */
     bool available;
-    const char *reason; /* if not available: the reason */
-    const char *notes;  /* floating-point properties, for records; they have no effect on any voxel */
+    const char *reason; /* if the device is not available: the reason */
+    const char *notes;  /* floating-point properties of the device, for records; they have no effect on any voxel */
     const char *facts;  /* lines "CL_DEVICE_VENDOR=..." as the driver reports them, for records; may be "" */
 } ost_device_info;
 
-/* Receives one device; the texts are valid until it returns. */
+/* Receives one device. The texts are valid until the function returns. */
 typedef void ost_device_visit(const ost_device_info *device, void *user);
 
 /*
@@ -86,14 +86,15 @@ OST_API ost_status ost_backend_devices(int index, ost_device_visit *visit, void 
 OST_API ost_status ost_backend_open(const char *spec, ost_backend **out, ost_error *err);
 /* Closes a backend. All its grids, bones and tools must have been freed. NULL is allowed. */
 OST_API void ost_backend_close(ost_backend *backend);
-/* Returns the name without options, for example "cpu"; static. */
+/* Returns the name of a backend without options, for example "cpu"; static. */
 OST_API const char *ost_backend_name(const ost_backend *backend);
 
-/* Settings of an open backend; they follow from its options, the environment and the machine. */
+/* Settings of an open backend, which follow from its options, the environment and the machine. */
 typedef struct ost_backend_settings {
     const char *isa; /* instruction set in use, for instance "avx2"; "" if the backend has no choice */
     int threads;     /* greatest number of threads, >= 1 */
-    int platform, device; /* indices as in "cl:platform=0,device=1"; -1 if the backend has no devices */
+    /* indices of the platform and the device, as in "cl:platform=0,device=1"; -1 if the backend has no devices */
+    int platform, device;
 } ost_backend_settings;
 
 /* Returns the settings of an open backend. The texts are valid until the backend is closed. */
@@ -115,41 +116,43 @@ OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t c
 /* ---------------------------------------------------------------- import */
 
 /*
- * One line of a CT text (thesis, Alg. 2.2).  line is relative to the first line
+ * One line of a CT in text form (thesis, Alg. 2.2).  The member line is relative to the first line
  * of the batch, so that 32 bits suffice for a file of any length.
  */
 typedef struct ost_sample {
     int64_t x, y, z; /* centre of the voxel in picometres */
     int32_t density; /* must fit int16; otherwise the call returns OST_ERR_RANGE and scatters no sample */
-    uint32_t line;   /* line number minus the number of the batch's first line */
+    uint32_t line;   /* number of the line minus the number of the batch's first line */
 } ost_sample;
 
-/* The rule for the density of a voxel with several samples (AR-CT-6). */
+/* The rule that determines the density of a voxel with several samples (AR-CT-6). */
 typedef enum ost_duplicates {
     OST_DUPLICATES_ERROR, /* samples of different densities are an error */
-    OST_DUPLICATES_FIRST, /* the first density in the order of the file */
+    OST_DUPLICATES_FIRST, /* the first density in the order of the file is used */
     OST_DUPLICATES_LAST,
     OST_DUPLICATES_MAX
 } ost_duplicates;
 
 /*
- * Counts of a scatter, summed over its batches.  Line numbers are absolute; each is the lowest line for which the
- * condition holds, or 0 if there is none.
+ * The results of scattering samples into a grid, summed over all batches.  Line numbers are absolute.  Each line number
+ * is that of the lowest line for which the condition holds, or 0 if there is no such line.
  */
 typedef struct ost_scatter_report {
     uint64_t samples;
-    uint64_t duplicates;         /* samples whose voxel already had a density, equal or not */
-    uint64_t off_lattice;        /* samples more than 1/8 of a voxel off the lattice */
-    uint64_t worst_offset_ppm;   /* greatest offset, floor, in millionths of a voxel */
-    int64_t worst_line;          /* first sample with the greatest offset */
-    int64_t rejected_line;       /* first sample more than 3/8 of a voxel off the lattice, or outside the grid */
-    int64_t conflict_line;       /* first sample whose voxel already has another density (OST_DUPLICATES_ERROR) */
-    int16_t conflict_had, conflict_has; /* density of that voxel, and density of that sample */
+    uint64_t duplicates;         /* number of samples whose voxel already had a density, equal or not */
+    uint64_t off_lattice;        /* number of samples more than 1/8 of a voxel off the lattice */
+    uint64_t worst_offset_ppm;   /* greatest offset from the lattice in millionths of a voxel, rounded down */
+    int64_t worst_line;          /* line of the first sample with the greatest offset */
+    /* line of the first sample more than 3/8 of a voxel off the lattice, or outside the grid */
+    int64_t rejected_line;
+    /* line of the first sample whose voxel already has another density (OST_DUPLICATES_ERROR) */
+    int64_t conflict_line;
+    int16_t conflict_had, conflict_has; /* at conflict_line: density of the voxel, and density of the sample */
 } ost_scatter_report;
 
 /*
  * Scatters a batch of samples into a rect grid (AR-CT-4: index = RHE((p - origin) / spacing)).  Batches must be passed
- * in the order of the file; the counts of each batch are added to *report.  The grid records which voxels have a
+ * in the order of the file.  The counts of each batch are added to *report.  The grid records which voxels have a
  * density.  If a sample is rejected or in conflict, the report contains its line, and the content of the grid is
  * undefined.
  */
@@ -157,9 +160,10 @@ OST_API ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, siz
                                   ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
 
 /*
- * Rule of resampling (AR-CUB).  t = ((2i + 1) c - s) / (2s) is the centre of a cubic voxel, in units of rect voxels.
- * LINEAR interpolates between the eight voxels around t, NEAREST uses the voxel that contains t, and THESIS uses the
- * voxel floor(i c / s) (Alg. 2.5).
+ * Rule of resampling (AR-CUB).  On each axis, let s be the spacing of the rect grid and c the edge length of a cubic
+ * voxel.  t = ((2i + 1) c - s) / (2s) is the centre of cubic voxel i, in units of rect voxels.  LINEAR interpolates
+ * between the eight voxels around t, NEAREST uses the voxel that contains t, and THESIS uses the voxel floor(i c / s)
+ * (Alg. 2.5).
  */
 typedef enum ost_resample { OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST, OST_RESAMPLE_THESIS } ost_resample;
 
@@ -167,8 +171,9 @@ typedef enum ost_resample { OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST, OST_RESAM
 OST_API const char *ost_resample_name(ost_resample rule);
 
 /*
- * Resamples rect to cubic voxels with edges of length `cubic`. Both grids cover the same physical box:
- * dims = ceil(dims * s / c), origin = rect origin + RHE((c - s) / 2) on each axis (AR-CUB-1).
+ * Resamples rect to cubic voxels with edges of length `cubic`.  Both grids cover the same physical
+ * box.  With c = cubic and s the spacing of rect, dims = ceil(dims * s / c) and origin = rect
+ * origin + RHE((c - s) / 2) on each axis (AR-CUB-1).
  */
 OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out,
                                      ost_error *err);
@@ -200,7 +205,10 @@ OST_API ost_status ost_bone_create(ost_backend *backend, const ost_geometry *geo
                                    int32_t threshold, ost_bone **out, ost_error *err);
 /* Frees a bone. NULL is allowed. */
 OST_API void ost_bone_free(ost_bone *bone);
-/* Writes the properties and counts of a bone to *out. On a device, the call blocks until they are available. */
+/*
+ * Writes the properties and counts of a bone to *out. If the bone is on a device, the call blocks until the counts are
+ * available.
+ */
 OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, ost_error *err);
 /*
  * Copies densities from host memory to slices z0 <= k < z0 + count of a bone.  voxels has dims.x * dims.y * count
@@ -211,16 +219,16 @@ OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, co
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 /*
  * Reads the densities of `count` single voxels.  Voxel i has the indices at[0][i], at[1][i] and at[2][i] along x, y and
- * z; its density is 0 if it is not active or outside the grid.  May be called in a tick, because it allocates no
- * memory.  Returns OST_ERR_UNAVAILABLE on a backend whose voxels are not in host memory.
+ * z.  The density of a voxel that is not active or is outside the grid is 0.  May be called in a tick, because the
+ * function allocates no memory.  Returns OST_ERR_UNAVAILABLE on a backend whose voxels are not in host memory.
  */
 OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                                    ost_error *err);
 /*
- * Reads the occupancy of `count` chunks.  chunks contains their numbers cx + chunk_dims.x * (cy + chunk_dims.y * cz).
- * words has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z) and is
- * bit v % 32 of word v / 32.  May be called in a tick, because it allocates no memory; on a device, it blocks until the
- * data has arrived.  Returns OST_ERR_UNAVAILABLE on a backend that delivers only slices (plugin).
+ * Reads the occupancy of `count` chunks.  chunks contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
+ * cz).  words has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z)
+ * and is bit v % 32 of word v / 32.  May be called in a tick, because the function allocates no memory; on a device, it
+ * blocks until the data has arrived.  Returns OST_ERR_UNAVAILABLE on a backend that delivers only slices (plugin).
  */
 OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                       ost_error *err);
@@ -233,15 +241,15 @@ OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost
 /* ----------------------------------------------------------------- tools */
 
 /*
- * The rule by which a point is inside a mesh: its winding number is not zero (WINDING), or the number of crossings is
- * odd (PARITY) (AR-VOX-4).
+ * The rule that decides whether a point is inside a mesh (AR-VOX-4).  WINDING: the winding number of the point is not
+ * zero.  PARITY: the number of crossings is odd.
  */
 typedef enum ost_fill_rule { OST_FILL_WINDING, OST_FILL_PARITY } ost_fill_rule;
 
 typedef struct ost_voxelize_report {
     uint64_t solid_voxels; /* cutting and non-cutting voxels */
     uint64_t cutting_voxels;
-    uint64_t leaking_rows; /* rows whose crossings do not cancel (AR-VOX-6); they are void */
+    uint64_t leaking_rows; /* number of rows whose crossings do not cancel (AR-VOX-6); these rows are void */
 } ost_voxelize_report;
 
 /*
@@ -255,7 +263,10 @@ OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cu
  * Creates a tool from voxels in host memory (classes 0, 1 and 2; AR-TOOL-4), which are copied. The caller frees *out.
  */
 OST_API ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
-/* Copies a tool to host memory. *out need not be initialised; its meta is then empty. The caller frees *out. */
+/*
+ * Copies a tool to host memory. *out need not be initialised. The meta of *out is empty afterwards. The caller frees
+ * *out.
+ */
 OST_API ost_status ost_tool_download(const ost_tool *tool, ost_tool_volume *out, ost_error *err);
 /* Frees a tool. NULL is allowed. */
 OST_API void ost_tool_free(ost_tool *tool);
@@ -278,7 +289,10 @@ OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const o
 OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                     ost_removal_report *report, ost_error *err);
 
-/* Blocks until all previous calls are complete. Returns the status of a call that failed after it had returned. */
+/*
+ * Blocks until all previous calls are complete. Returns the status of a call whose work failed after the call had
+ * returned.
+ */
 OST_API ost_status ost_backend_finish(ost_backend *backend, ost_error *err);
 
 #ifdef __cplusplus

@@ -8,8 +8,9 @@
  *                                                                                       |
  *   report per chunk and density class <------------- ost_bone_remove <------------------'
  *
- * All of this is integer host code shared by every backend; tests/oracle compares
- * it with an independent implementation that computes with fractions.
+ * The functions below compute with integers on the host and are shared by every
+ * backend.  tests/oracle compares them with an independent implementation that
+ * computes with fractions.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -75,8 +76,8 @@ typedef struct ost_map {
 } ost_map;
 
 /*
- * Computes the map of a pose. bone must have equal spacing on all axes. Returns OST_ERR_RANGE beyond the limits of
- * AR-MAP-2.
+ * Computes the map of a pose. bone must have equal spacing on all axes. Returns OST_ERR_RANGE if a limit of AR-MAP-2 is
+ * exceeded.
  */
 OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
                                 ost_map *out, ost_error *err);
@@ -90,7 +91,7 @@ OST_API bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base
 
 /* ------------------------------------------------------------------ event */
 
-/* Bone voxels lo <= (i, j, k) < hi; empty when some lo >= hi. */
+/* The bone voxels (i, j, k) with lo <= (i, j, k) < hi on each axis. The box is empty if lo >= hi on any axis. */
 typedef struct ost_voxel_box {
     int32_t lo[3], hi[3];
 } ost_voxel_box;
@@ -99,7 +100,8 @@ typedef struct ost_voxel_box {
 enum { OST_CLASS_MAX = 8, OST_CLASS_NAME = 24 };
 typedef struct ost_density_classes {
     int count;                    /* 1..OST_CLASS_MAX */
-    int16_t border[OST_CLASS_MAX]; /* from 1, strictly increasing; voxels below border[0] belong to class 0 */
+    /* lower borders, at least 1 and strictly increasing; voxels below border[0] belong to class 0 */
+    int16_t border[OST_CLASS_MAX];
     char name[OST_CLASS_MAX][OST_CLASS_NAME];
 } ost_density_classes;
 
@@ -128,9 +130,9 @@ typedef struct ost_removal_event {
 } ost_removal_event;
 
 typedef struct ost_chunk_report {
-    int32_t chunk; /* cx + chunk_dims.x * (cy + chunk_dims.y * cz) */
+    int32_t chunk; /* number of the chunk: cx + chunk_dims.x * (cy + chunk_dims.y * cz) */
     uint32_t voxels[OST_CLASS_MAX];
-    int64_t density[OST_CLASS_MAX]; /* sum over those voxels, before removal */
+    int64_t density[OST_CLASS_MAX]; /* sum of the densities of the removed voxels of each class, before removal */
 } ost_chunk_report;
 
 /*

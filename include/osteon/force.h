@@ -10,10 +10,10 @@
  * The tool's surface is a shell of points with inward normals.  A point touches
  * bone if the voxel one voxel outward of it is active.  There are two force laws:
  *
- *   energy    A spring and a damper couple the tool to the device.  Points that
- *             touch bone and cut advance as fast as the cutting power of the
- *             pressure allows, so dense bone takes longer.  Points that do not
- *             cut stop the tool.
+ *   energy    A spring and a damper couple the tool to the device.  A cutting point
+ *             that touches bone advances as fast as the cutting power of the
+ *             pressure allows, so dense bone takes longer.  A point that does not
+ *             cut stops the tool.
  *   instant   The tool is at the device's pose, as in the thesis.  The force is
  *             that of a compressed layer of bone around the tool.
  *
@@ -39,21 +39,25 @@ typedef enum ost_force_mode { OST_FORCE_ENERGY, OST_FORCE_INSTANT } ost_force_mo
 /* Parameters of the force, in SI units. docs/reference/force.md lists the source of each default. */
 typedef struct ost_force_params {
     ost_force_mode mode;
-    double scale;              /* hand force / contact force; a device of 3.3 N cannot render the 40 N of a reamer */
-    double stiffness;          /* stiffness of the coupling, N/m of hand force */
-    double damping;            /* damping of the coupling, N s/m of hand force */
+    /* ratio of hand force to contact force; a device limited to 3.3 N cannot render the 40 N of a reamer */
+    double scale;
+    double stiffness;          /* stiffness of the coupling for the hand force, N/m */
+    double damping;            /* damping of the coupling for the hand force, N s/m */
     double speed;              /* angular speed of the tool about its z axis, rad/s; 0: the tool does not cut */
-    double cutting_ratio;      /* tangential force / normal force of a cutting point */
+    double cutting_ratio;      /* ratio of tangential to normal force at a cutting point */
     double energy;             /* energy to cut bone of the reference density, J/m^3 */
     double reference_density;  /* g/cm^3 */
     double density_at_0;       /* density at 0 HU, g/cm^3 */
     double density_per_hu;     /* increase of density per HU, g/cm^3 */
-    double layer;              /* thickness of the compressed layer, m (instant) */
-    double layer_stiffness;    /* force per area and depth of the layer at the reference density, N/m^3 (instant) */
-    double turn_stiffness;     /* angular stiffness, N m/rad of hand torque; 0: tool has the device's orientation */
+    double layer;              /* thickness of the compressed layer, m; only for OST_FORCE_INSTANT */
+    /* force per area and per depth of the layer at the reference density, N/m^3; only for OST_FORCE_INSTANT */
+    double layer_stiffness;
+    /* angular stiffness of the coupling for the hand torque, N m/rad; 0: the tool has the device's orientation */
+    double turn_stiffness;
     double turn_damping;       /* angular damping of the coupling, N m s/rad */
-    double vibration;          /* amplitude at the tooth-passing frequency / shaking_n; 0: no vibration */
-    double runout;             /* amplitude at the frequency of rotation, across the axis / shaking_n; 0: no runout */
+    double vibration;          /* ratio of the amplitude at the tooth-passing frequency to shaking_n; 0: no vibration */
+    /* ratio of the amplitude across the axis, at the frequency of rotation, to shaking_n; 0: no runout */
+    double runout;
     double teeth;              /* number of teeth that pass in one turn */
 } ost_force_params;
 
@@ -61,13 +65,13 @@ typedef struct ost_force_params {
 OST_API ost_force_params ost_force_defaults(void);
 /* Returns the density in g/cm^3 of bone with hu Hounsfield units. */
 OST_API double ost_force_density(const ost_force_params *params, int hu);
-/* Returns energy * (density / reference_density)^2: the energy in J/m^3 to cut bone with hu Hounsfield units. */
+/* Returns the energy in J/m^3 to cut bone with hu Hounsfield units: energy * (density / reference_density)^2. */
 OST_API double ost_force_energy(const ost_force_params *params, int hu);
 
 /* ------------------------------------------------------------------ shells */
 
 typedef struct ost_shell_point {
-    double at[3], inward[3]; /* position in m and unit normal, in the tool's frame */
+    double at[3], inward[3]; /* position in m and inward unit normal, in the tool's frame */
     double area;             /* area of the surface represented by the point, m^2 */
     bool cutting;
 } ost_shell_point;
@@ -80,8 +84,8 @@ typedef struct ost_shell {
 } ost_shell;
 
 /*
- * Computes a shell of at most OST_SHELL_MAX points from a tool's voxels.  The areas of the points add up to the tool's
- * surface.  The caller frees *out by ost_shell_free.  Returns OST_ERR_MEMORY on failure.
+ * Computes a shell of at most OST_SHELL_MAX points from a tool's voxels.  The sum of the points' areas is the surface
+ * area of the tool.  The caller frees *out by ost_shell_free.  Returns OST_ERR_MEMORY on failure.
  */
 OST_API ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error *err);
 /* Frees the points of a shell, which is then empty. */
@@ -92,8 +96,9 @@ OST_API void ost_shell_free(ost_shell *shell);
 typedef struct ost_force ost_force;
 
 /*
- * Creates a force for a bone.  The bone must outlive the force.  params is copied; NULL selects the defaults.
- * Returns OST_ERR_UNAVAILABLE if the bone's backend cannot sample single voxels within a tick (cl, plugins).
+ * Creates a force for a bone.  The bone must outlive the force.  params is copied; NULL selects the defaults.  Returns
+ * OST_ERR_UNAVAILABLE if the bone's backend cannot sample single voxels within a tick; these are the backends cl and
+ * plugin.
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
                                     ost_error *err);
@@ -108,24 +113,25 @@ OST_API ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell,
 typedef struct ost_force_result {
     ost_pose tool;        /* pose of the tool after the step */
     double force_n[3], torque_nm[3];           /* hand force and hand torque before the safety layer */
-    double axial_n;       /* contact force along the tool's axis, against its advance */
-    double off_axis_n;    /* contact force across the axis */
-    double cutting_nm;    /* contact torque about the axis */
+    double axial_n;       /* contact force along the tool's axis, positive against the tool's advance */
+    double off_axis_n;    /* contact force perpendicular to the tool's axis */
+    double cutting_nm;    /* contact torque about the tool's axis */
     double power_w;       /* power used to cut bone */
-    double shaking_n;     /* hand force of the cutting points, weighted by density / reference_density */
+    /* sum of the hand forces of the cutting points, each weighted by density / reference_density */
+    double shaking_n;
     int touching;         /* number of points that touch bone */
 } ost_force_result;
 
 /*
  * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose.  Does not remove bone;
- * for this, the caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  Unless
- * ost_force_set_pose has set a pose, the first step of a tool starts at the device's pose.
+ * to remove bone, the caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  The first
+ * step of a tool starts at the device's pose, unless ost_force_set_pose has set a pose.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s,
                                   ost_force_result *out, ost_error *err);
 /*
- * Computes the same step as ost_force_step without changing the state, so that the data of the next ost_force_step is
- * in the caches (see ost_world_rehearse).
+ * Computes the same step as ost_force_step without changing the state.  Afterwards, the data that the next
+ * ost_force_step needs is in the caches (see ost_world_rehearse).
  */
 OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s,
                                       ost_force_result *out, ost_error *err);
@@ -144,10 +150,12 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
 typedef struct ost_safety_params {
     double max_force_n, max_torque_nm;       /* greatest force and torque; saturation is smooth */
     double slew_n;              /* greatest change of the force in one tick, N */
-    double ramp_s;              /* time in which the force rises from 0 after a start and after a fault */
+    double ramp_s;              /* time in which the force rises from 0 after a start or a fault, s */
     int max_ticks_without_sample; /* number of ticks without a new pose after which the force is 0 */
-    uint32_t dead_man;          /* bit mask of buttons, one of which must be held; 0: none */
-    double stored_j;            /* energy that the coupling can store, J; the passivity observer counts no more */
+    /* bit mask of dead-man buttons, at least one of which must be held; 0: no button is required */
+    uint32_t dead_man;
+    /* greatest energy that the coupling can store, J; the passivity observer limits the stored energy to this value */
+    double stored_j;
     double max_damping;         /* greatest damping that the passivity controller adds, N s/m; 0: no controller */
 } ost_safety_params;
 
@@ -165,14 +173,17 @@ typedef struct ost_force_key {
     double lo, hi;
 } ost_force_key;
 
-/* Returns the number of parameters of both structs; indices 0 to count - 1 are in a fixed order. */
+/*
+ * Returns the number of parameters of ost_force_params and ost_safety_params together. The parameters are numbered from
+ * 0 in a fixed order.
+ */
 OST_API int ost_force_key_count(void);
 /* Returns the description of parameter number `index`, which is static, or NULL if index is out of range. */
 OST_API const ost_force_key *ost_force_key_at(int index);
 /* Returns the value of parameter number `index`, read from the struct that contains the parameter. */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
-/* Writes a value into text in the form of a parameter file. Returns text. */
+/* Writes a value to text in the format of a parameter file. Returns text. */
 OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]);
 
 /*
@@ -194,16 +205,19 @@ typedef struct ost_safety {
     uint64_t damped_ticks; /* ticks in which the passivity controller reduced the force */
 } ost_safety;
 
-/* The decision of the safety layer on the force of a tick. After WITHHELD and FAULT, the force ramps in from 0. */
+/*
+ * The decision of the safety layer on the force of a tick. After OST_SAFETY_WITHHELD and OST_SAFETY_FAULT, the force
+ * rises gradually from 0.
+ */
 typedef enum ost_safety_answer {
-    OST_SAFETY_GIVEN,    /* the force is written, within the limits */
+    OST_SAFETY_GIVEN,    /* the force is reduced to the limits and written to the device */
     OST_SAFETY_WITHHELD, /* the force is reduced to 0 because no dead-man button is held or poses are missing */
     OST_SAFETY_FAULT     /* the force is 0 because the computed force or torque is not finite */
 } ost_safety_answer;
 
 /* Initialises the safety layer. params is copied; NULL selects the defaults. */
 OST_API void ost_safety_begin(ost_safety *safety, const ost_safety_params *params);
-/* Sets the force to 0 after a fault; the following steps ramp the force in again. */
+/* Sets the force to 0 after a fault. In the following steps, the force rises gradually from 0. */
 OST_API void ost_safety_stop(ost_safety *safety);
 /*
  * Applies the limits to force_n and torque_nm in place.  device is the newest pose of the device; fresh is true if this

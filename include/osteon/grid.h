@@ -38,7 +38,7 @@ enum { OST_DIM_MAX = 16384 };
 
 /* Returns the number of voxels, x * y * z. The product does not overflow for dims within AR-GRID. */
 OST_API int64_t ost_dims_count(ost_dims dims);
-/* Returns OST_ERR_RANGE if a value is outside the ranges above. The message calls the grid `what`. */
+/* Returns OST_ERR_RANGE if a value is outside the ranges of AR-GRID. In the message, the grid is called `what`. */
 OST_API ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, ost_error *err);
 /* Returns true if dims, spacing and origin are equal. */
 OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
@@ -65,7 +65,7 @@ typedef struct ost_meta {
 OST_API const char *ost_meta_get(const ost_meta *meta, const char *key);
 /* Returns true for dims, spacing_mm and origin_mm, which describe a grid's geometry and are never written as facts. */
 OST_API bool ost_meta_key_is_geometry(const char *key);
-/* Sets a fact. Returns OST_ERR_RANGE if key or value violates the rules above, or if meta is full. */
+/* Sets a fact. Returns OST_ERR_RANGE if key or value is not allowed, or if meta is full. */
 OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_error *err);
 
 /* Keys with a defined meaning. Lengths are decimal numbers in mm; vectors have the form "x y z". */
@@ -80,7 +80,7 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
 #define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* lowest point of the scapula */
 #define OST_META_ORIENTATION                                                                                           \
     "orientation" /* "stated XYZ" or "assumed LPS"; set if the file of the CT has no orientation (AR-FILE-6) */
-#define OST_META_TOOL_CORNER "tool_corner_mm"  /* MinVoxelCoords of Alg. 2.1, exact */
+#define OST_META_TOOL_CORNER "tool_corner_mm"  /* corner of a tool's grid: MinVoxelCoords of Alg. 2.1, exact */
 
 /* A dense grid of densities in host memory. */
 typedef struct ost_volume {

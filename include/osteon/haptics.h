@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Haptic devices and the servo loop, which reads a device and writes its wrench
- * a thousand times a second.
+ * Haptic devices, and the servo loop, which reads the pose of a device and writes a
+ * wrench to the device a thousand times a second.
  *
  *   device --pose--> ost_servo --tick--> the caller's function
  *      ^                                        |
@@ -11,8 +11,8 @@
  * accepts a wrench.  The servo loop polls most devices; a device with a clock of
  * its own calls the tick on its own thread.  `osteon devices` lists all devices.
  *
- * Threads: a device is used by one thread at a time.  While ost_servo_run runs,
- * only its thread uses the device.
+ * Threads: a device may be used by one thread at a time.  While ost_servo_run is
+ * running, only the servo thread may use the device.
  */
 #ifndef OSTEON_HAPTICS_H
 #define OSTEON_HAPTICS_H
@@ -28,22 +28,22 @@ extern "C" {
 enum {
     OST_HAPTIC_FORCE = 1,       /* renders forces */
     OST_HAPTIC_TORQUE = 2,      /* renders torques */
-    OST_HAPTIC_ORIENTATION = 4, /* senses orientation, not only position */
-    OST_HAPTIC_TOOL = 8,        /* reports which tool is in use */
-    OST_HAPTIC_OWN_CLOCK = 16,  /* calls the tick on its own thread */
-    OST_HAPTIC_LOGICAL = 32,    /* the poses depend only on the number of the tick, not on time */
-    OST_HAPTIC_SHOWN = 64       /* accepts forces and displays them, but does not render them */
+    OST_HAPTIC_ORIENTATION = 4, /* the device measures orientation in addition to position */
+    OST_HAPTIC_TOOL = 8,        /* the device reports which tool is in use */
+    OST_HAPTIC_OWN_CLOCK = 16,  /* the device calls the tick function on its own thread */
+    OST_HAPTIC_LOGICAL = 32,    /* the device's poses depend only on the number of the tick, not on time */
+    OST_HAPTIC_SHOWN = 64       /* the device accepts and displays forces, but does not render them */
 };
 
 /*
- * Action of a button.  The buttons of each device have default actions; `osteon devices` lists them, and the option
- * `osteon sim --buttons` changes them.
+ * Action of a button.  The buttons of each device have default actions.  `osteon devices` lists the default actions,
+ * and the option `osteon sim --buttons` changes them.
  */
 typedef enum ost_action {
     OST_ACTION_NONE,
     OST_ACTION_MOTOR,        /* the motor is on while the button is held */
     OST_ACTION_SWITCH,       /* each press switches the motor on or off */
-    OST_ACTION_TOOL,         /* selects the next tool, which starts at the device's pose */
+    OST_ACTION_TOOL,         /* each press selects the next tool, which starts at the device's pose */
     OST_ACTION_CLUTCH,       /* while the button is held, the tool does not move and the device moves freely */
     OST_ACTION_HOME,         /* moves the tool to its first pose, clear of the bone, without cutting on the way */
     OST_ACTION_COUNT
@@ -62,22 +62,22 @@ typedef struct ost_haptic_info {
     const char *description; /* one sentence */
     uint32_t caps;           /* OST_HAPTIC_* bits */
     bool available;
-    char reason[256];        /* if not available: the reason and a remedy */
-    double max_force_n;      /* 0 if the device renders no force */
+    char reason[256];        /* if the device is not available: the reason and a remedy */
+    double max_force_n;      /* greatest force, N; 0 if the device renders no force */
     double max_stiffness_n_m;
     int button_count;        /* button i is bit i of ost_haptic_state.buttons */
     ost_button buttons[OST_BUTTONS_MAX];
 } ost_haptic_info;
 
 /*
- * Writes the actions of a device's buttons to out: the default actions, changed as text specifies, for instance
- * "stylus1=next-tool,2=none".  text identifies a button by its name or by its number, starting at 1.  text may be NULL.
- * Returns OST_ERR_USAGE, with the name in err, for an unknown button or action.
+ * Writes the actions of a device's buttons to out.  These are the default actions with the changes that text specifies,
+ * for instance "stylus1=next-tool,2=none".  In text, a button is identified by its name or by its number, starting at
+ * 1.  text may be NULL.  Returns OST_ERR_USAGE, with the name in err, for an unknown button or action.
  */
 OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX],
                                      ost_error *err);
 
-/* Returns the number of devices that this library supports; indices 0 to count - 1 are in a fixed order. */
+/* Returns the number of devices that this library supports. The devices are numbered from 0 in a fixed order. */
 OST_API int ost_haptic_count(void);
 /* Describes device number `index`. Returns OST_ERR_USAGE if index is out of range. */
 OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_error *err);
@@ -85,13 +85,17 @@ OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_erro
 typedef struct ost_haptic ost_haptic;
 typedef struct ost_mouse_input ost_mouse_input;
 
-/* Inputs of a device. The pointers are borrowed until ost_haptic_open returns. */
+/* The data that a device needs to open. The pointers are borrowed until ost_haptic_open returns. */
 typedef struct ost_haptic_setup {
-    const ost_path *path; /* script: path of the tool; sim: path of the simulated hand */
-    const char *session;  /* replay: file name of a session */
-    ost_mouse_input *mouse; /* mouse: state set by a window; borrowed until ost_haptic_close */
-    ost_pose start;       /* null: pose of the tool; motion: first pose; real devices: pose at the handle's centre */
-    ost_path_options gaps; /* motion: rules for gaps in the file */
+    const ost_path *path; /* path of the tool (device script), or of the simulated hand (device sim) */
+    const char *session;  /* file name of the session that the device replay repeats */
+    ost_mouse_input *mouse; /* state that a window sets for the device mouse; borrowed until ost_haptic_close */
+    /*
+     * Pose of the tool for the device null, and first pose of the device motion.  For a real device: the pose when the
+     * handle is at its centre.
+     */
+    ost_pose start;
+    ost_path_options gaps; /* rules for gaps in the file of the device motion */
 } ost_haptic_setup;
 
 /*
@@ -122,21 +126,24 @@ OST_API void ost_haptic_close(ost_haptic *device);
 OST_API const char *ost_haptic_name(const ost_haptic *device);
 
 enum { OST_HAPTIC_TEXT = 160 };
-/* Writes a short description of an open device, such as the address on which it listens, or "", to text; returns it. */
+/*
+ * Writes a short description of an open device to text, for example the address on which the device listens. The
+ * description may be "". Returns text.
+ */
 OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAPTIC_TEXT]);
 /*
- * Force limits reported by an open device, and their source, for example "HD_NOMINAL_MAX_FORCE" or "an omega".
+ * The force limits that an open device reports, and their source, for example "HD_NOMINAL_MAX_FORCE" or "an omega".
  * The limit of the safety layer is OST_HAPTIC_LIMIT_SHARE times the reported limit.
  */
 #define OST_HAPTIC_LIMIT_SHARE 0.9
 typedef struct ost_haptic_limits {
-    double force_n;                 /* peak force reported by the device; may be NAN */
-    double continuous_n, torque_nm; /* continuous force and torque; 0: not reported */
+    double force_n;                 /* peak force that the device reports, N; may be NAN */
+    double continuous_n, torque_nm; /* continuous force and torque; 0 if the device does not report them */
     char from[48];
 } ost_haptic_limits;
-/* Returns false if the device reports no limits. */
+/* Writes the force limits of a device to *out. Returns false if the device reports no limits. */
 OST_API bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out);
-/* Returns true if the force is 0.1 to 100 N and the torque is 0 or 0.001 to 10 N m. */
+/* Returns true if the limits are plausible: a force of 0.1 to 100 N, and a torque of 0 or of 0.001 to 10 N m. */
 OST_API bool ost_haptic_limits_usable(const ost_haptic_limits *limits);
 /* A counter of a device. */
 enum { OST_HAPTIC_COUNTS = 12 };
@@ -145,17 +152,18 @@ typedef struct ost_haptic_tally {
     uint64_t value;
 } ost_haptic_tally;
 /*
- * Writes the counters of a device to out and returns their number. The counters are 0 when the device is opened.
- * May be called on any thread.
+ * Writes the counters of a device to out and returns the number of counters. All counters are 0 when the device is
+ * opened. May be called on any thread.
  */
 OST_API int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST_HAPTIC_COUNTS]);
 
 typedef enum ost_haptic_answer {
     OST_HAPTIC_FRESH, /* a new pose */
     OST_HAPTIC_NO_SAMPLE, /* no new sample; the state is unchanged */
-    OST_HAPTIC_NOT_TRACKED, /* tracking is lost; once it resumes, the device continues from the tool's last pose */
-    OST_HAPTIC_ENDED, /* no more poses will follow because the input has ended, for example a path */
-    OST_HAPTIC_LOST   /* no more poses will follow because the device failed or was unplugged */
+    /* tracking is lost; when tracking resumes, the device continues from the tool's last pose */
+    OST_HAPTIC_NOT_TRACKED,
+    OST_HAPTIC_ENDED, /* the input, for example a path, has ended; no more poses will follow */
+    OST_HAPTIC_LOST   /* the device failed or was unplugged; no more poses will follow */
 } ost_haptic_answer;
 
 /* A sample of a device. */
@@ -164,7 +172,8 @@ typedef struct ost_haptic_state {
     int32_t tool; /* index of the tool; -1 if the device does not report the tool */
     uint32_t buttons; /* bit i is set while button i is held */
     bool lifted;  /* the tool was lifted before this pose (path.h) */
-    bool turned;  /* replay: the pose already includes the rotation by the motor at rpm (motor.h) */
+    /* set by the device replay: the pose already includes the motor's rotation at the speed rpm (motor.h) */
+    bool turned;
     int32_t rpm;  /* motor speed in turns per minute; valid if turned */
 } ost_haptic_state;
 
@@ -185,20 +194,26 @@ OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *
 OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
 
 /*
- * The input of the device `mouse`.  The thread of a window sets a pose; the device follows this pose smoothly and no
- * faster than an operation accepts.  Both sides are wait-free; only one thread may call ost_mouse_input_put.
+ * The input of the device `mouse`.  The thread of a window sets a pose.  The device follows this pose smoothly, and no
+ * faster than an operation accepts.  Both sides are wait-free.  Only one thread may call ost_mouse_input_put.
  */
 enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the device `mouse` */
-/* Creates the input with its first state. The caller frees it after closing the device. */
+/* Creates the input of the device `mouse` with its first state. The caller frees the input after closing the device. */
 OST_API ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err);
 /* Frees the input of the device `mouse`. NULL is allowed. */
 OST_API void ost_mouse_input_free(ost_mouse_input *mouse);
-/* Sets the pose. If state->lifted, the device moves there in one tick and reports that the tool was lifted. */
+/*
+ * Sets the pose of the mouse. If state->lifted is true, the device moves to this pose in one tick and reports that the
+ * tool was lifted.
+ */
 OST_API void ost_mouse_input_put(ost_mouse_input *mouse, const ost_haptic_state *state);
 
 /* ------------------------------------------------------------- histograms */
 
-/* Number of bins of each part of a histogram: 1 us wide below 4096 us, 1 ms wide for longer times up to 4096 ms. */
+/*
+ * Number of bins in each of the two parts of a histogram. The bins of the first part are 1 us wide and hold times below
+ * 4096 us. The bins of the second part are 1 ms wide and hold longer times, up to 4096 ms.
+ */
 enum { OST_TIMES_BINS = 4096 };
 /* A histogram of times. Zero-initialise it before use. */
 typedef struct ost_times {
@@ -209,8 +224,8 @@ typedef struct ost_times {
 /* Adds a time in nanoseconds to a histogram. Allocates no memory. */
 OST_API void ost_times_add(ost_times *times, uint64_t ns);
 /*
- * Returns the quantile `share` (0 to 1) in us: the upper end of the bin that contains it, but at most the greatest time
- * added.  Returns 0 for an empty histogram.
+ * Returns the quantile `share` (0 to 1) in us.  The result is the upper end of the bin that contains the quantile, but
+ * at most the greatest time that was added.  Returns 0 for an empty histogram.
  */
 OST_API double ost_times_share_us(const ost_times *times, double share);
 
@@ -218,8 +233,8 @@ OST_API double ost_times_share_us(const ost_times *times, double share);
 
 /*
  * Returns the core to reserve for the servo loop: the last core in the affinity of the calling thread, or -1 if there
- * is only one core or the affinity is unknown.  Must be called before ost_servo_core_leave.  On a core of its own, the
- * loop misses no deadlines because of a renderer that uses all other cores.
+ * is only one core or the affinity is unknown.  Must be called before ost_servo_core_leave.  If the loop has a core of
+ * its own, a renderer that uses all other cores does not make the loop miss deadlines.
  */
 OST_API int ost_servo_core(void);
 /*
@@ -228,10 +243,10 @@ OST_API int ost_servo_core(void);
  */
 OST_API bool ost_servo_core_leave(int core);
 
-/* The real-time properties granted by the system, as text for reports. */
+/* The real-time properties that the system granted, as text for reports. */
 typedef struct ost_realtime {
-    char scheduling[120]; /* "SCHED_FIFO 80", or the class in use and the reason */
-    char memory[120];     /* "locked", or the reason why it is not */
+    char scheduling[120]; /* "SCHED_FIFO 80", or the scheduling in use and the reason for it */
+    char memory[120];     /* "locked", or the reason why the memory is not locked */
     char core[120];       /* "core 1 alone", or the reason why no core is reserved */
 } ost_realtime;
 
@@ -240,9 +255,9 @@ typedef struct ost_servo_sample {
     int64_t t_ns;         /* time of the world: number * period */
     ost_haptic_state state;
     bool declared;        /* there is no new pose; state is the last state */
-    bool tracking_lost;   /* state is the last state, or has a zero quaternion if tracking was lost from the start */
+    bool tracking_lost;   /* state is the last state; its quaternion is zero if tracking was lost from the start */
     uint32_t wake_ns;     /* delay between the due time and the start of the tick */
-    uint32_t missed;      /* number of ticks skipped before this one */
+    uint32_t missed;      /* number of ticks skipped before this tick */
 } ost_servo_sample;
 
 /*
@@ -253,21 +268,24 @@ typedef bool ost_servo_tick(void *user, const ost_servo_sample *sample, ost_wren
 /* Called on the servo thread after the wrench has been written. exec_ns is the duration of the tick. */
 typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 
-/* Called on the servo thread before a tick is due, when its pose is not known yet. Must not block; see lead_ns. */
+/*
+ * Called on the servo thread before a tick is due, when the pose of the tick is not known yet. Must not block; see
+ * lead_ns.
+ */
 typedef void ost_servo_rehearse(void *user);
 
 /* Options of the servo loop. A zero-initialised struct selects the defaults. */
 typedef struct ost_servo_options {
     int64_t period_ns;    /* 0 selects 1,000,000 */
-    uint64_t ticks;       /* number of ticks; 0: until the device ends or tick returns false */
-    bool no_clock;        /* run ticks without waiting, for devices whose poses do not depend on time */
-    bool no_realtime;     /* request neither real-time priority nor locked memory */
-    bool pinned;          /* run on `core` only; the affinity is restored afterwards */
+    uint64_t ticks;       /* number of ticks; with 0, the loop runs until the device ends or tick returns false */
+    bool no_clock;        /* ticks run without waiting; for devices whose poses do not depend on time */
+    bool no_realtime;     /* neither real-time priority nor locked memory is requested */
+    bool pinned;          /* the loop runs only on `core`; the affinity is restored afterwards */
     int core;
     /*
-     * The loop wakes this time before a tick is due, calls rehearse, and then spins until the tick is due, so that
-     * the core is awake and the data is in its caches.  0 to half a period.  There is no rehearsal if lead_ns is 0,
-     * rehearse is NULL, no_clock is set, or the device has a clock of its own.
+     * The loop wakes lead_ns before a tick is due, calls rehearse, and then spins until the tick is due.  When the tick
+     * starts, the core is therefore awake, and the data is in its caches.  The range of lead_ns is 0 to half a period.
+     * There is no rehearsal if lead_ns is 0, rehearse is NULL, no_clock is set, or the device has a clock of its own.
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
@@ -283,45 +301,50 @@ typedef enum ost_servo_end {
 } ost_servo_end;
 
 /*
- * The results of the servo loop. Because of its histograms, the struct has about 260 kB and does not belong on the
+ * The results of the servo loop. The struct contains histograms and has about 260 kB, so it should not be placed on the
  * stack.
  */
 typedef struct ost_servo_report {
     ost_servo_end end;
     uint64_t ticks;
-    uint64_t missed;           /* deadlines: ticks that ended after the next was due, and ticks skipped for this */
     /*
-     * The missed deadlines by cause; the sum is `missed`.  missed_by_work: the tick used more than half a period of
-     * thread CPU time.  Otherwise missed_woken_late: the loop woke at least one period late.  Otherwise
-     * missed_preempted: the thread was preempted.
+     * number of missed deadlines: ticks that ended after the next tick was due, and ticks that were skipped for this
+     * reason
+     */
+    uint64_t missed;
+    /*
+     * The missed deadlines by cause; the sum of the three numbers is `missed`.  missed_by_work: the tick used more than
+     * half a period of thread CPU time.  missed_woken_late: not missed_by_work, and the loop woke at least one period
+     * late.  missed_preempted: all other missed deadlines, where the thread was preempted.
      */
     uint64_t missed_by_work, missed_woken_late, missed_preempted;
-    int64_t lead_ns;           /* lead of the rehearsals; 0: there were no rehearsals */
+    int64_t lead_ns;           /* time by which a rehearsal precedes its tick; 0 if there were no rehearsals */
     uint64_t longest_miss;     /* greatest number of consecutive ticks skipped */
     uint64_t without_sample;   /* ticks without a new pose */
     uint64_t tracking_lost;    /* ticks without tracking */
-    int64_t stolen_ms;         /* sum over all cores of the time stolen by the hypervisor in the run; -1: unknown */
+    int64_t stolen_ms;         /* time stolen by the hypervisor during the run, summed over all cores; -1 if unknown */
     ost_times wake, exec, completion;
-    ost_times own;             /* thread CPU time of the ticks, that is, exec without preemption */
+    /* thread CPU time of the ticks, that is, their durations without the time of preemption */
+    ost_times own;
     ost_realtime realtime;
 } ost_servo_report;
 
 /*
- * The watchdog ends the loop after this number of consecutive ticks without a new sample, which is 5 ms at 1 kHz.
- * A report of lost tracking counts as a sample.
+ * Number of consecutive ticks without a new sample after which the watchdog ends the loop.  At 1 kHz, this is 5 ms.  A
+ * report that tracking is lost counts as a sample.
  */
 enum { OST_SERVO_WATCHDOG_TICKS = 5 };
 
 /*
- * Runs the servo loop on the calling thread until one of the events of ost_servo_end.  Ticks are due at absolute times.
- * A late tick runs at once; ticks whose time has passed are skipped and counted.  No tick runs before the device's
- * first pose, unless the device reports that tracking is lost.  At the end of the loop, a wrench of 0 is written to the
- * device.  A device with a clock of its own calls tick on its own thread.
+ * Runs the servo loop on the calling thread until one of the events listed in ost_servo_end occurs.  Ticks are due at
+ * absolute times.  A late tick runs at once; ticks whose time has passed are skipped and counted.  No tick runs before
+ * the device's first pose, unless the device reports that tracking is lost.  At the end of the loop, a wrench of 0 is
+ * written to the device.  A device with a clock of its own calls tick on its own thread.
  *
- * options may be NULL, which selects the defaults; done may be NULL.  *report (about 260 kB; not on the stack) is
- * always written.  Returns OST_ERR_USAGE, with a report of zeros and without running a tick, if the period is not
- * within 10,000 ns to 1 s, if lead_ns is not within 0 to half a period, or if no_clock is set for a device without
- * OST_HAPTIC_LOGICAL.  Returns an error if a device with a clock of its own cannot run.
+ * options may be NULL, which selects the defaults.  done may be NULL.  *report is always written; it has about 260 kB
+ * and should not be placed on the stack.  Returns OST_ERR_USAGE, with a report of zeros and without running a tick, if
+ * the period is not within 10,000 ns to 1 s, if lead_ns is not within 0 to half a period, or if no_clock is set for a
+ * device without OST_HAPTIC_LOGICAL.  Returns an error if a device with a clock of its own cannot run.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
                                  ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);

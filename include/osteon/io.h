@@ -22,7 +22,7 @@ extern "C" {
 #endif
 
 /*
- * Called from time to time with the completed share of the work, in [0, 1]. Returns false to cancel the operation,
+ * Called from time to time with the completed share of the work, from 0 to 1.  Returns false to cancel the operation,
  * which then returns OST_ERR_CANCELLED.
  */
 typedef bool ost_progress(void *user, const char *stage, double share);
@@ -58,19 +58,19 @@ typedef struct ost_volume_report {
     bool resampled;            /* the grid was oblique and was resampled because the options allow this */
     bool labels;               /* a label map: NIfTI intent 1002, or an NRRD with keys Segment0_... (3D Slicer) */
     uint64_t rounded_values;   /* number of non-integer densities, which were rounded RHE */
-    uint64_t clamped_values;   /* number of densities beyond int16 that were saturated, if the options allow this */
+    uint64_t clamped_values;   /* number of densities beyond int16, which were saturated if the options allow this */
 } ost_volume_report;
 
 /*
- * Selects one of the two transforms of a NIfTI file as the position of the grid. AUTO selects it by the codes of the
- * transforms; transforms that differ by more than a voxel are then an error.
+ * Selects which of the two transforms of a NIfTI file determines the position of the grid. AUTO selects the transform
+ * by the codes of the two transforms. With AUTO, transforms that differ by more than a voxel are an error.
  */
 typedef enum ost_nifti_form { OST_FORM_AUTO, OST_FORM_QFORM, OST_FORM_SFORM } ost_nifti_form;
 
 typedef struct ost_volume_options {
     bool clamp;             /* saturate densities beyond int16 instead of failing */
     bool resample_oblique;  /* resample an oblique grid (nearest) instead of failing */
-    char orientation[4];    /* orientation of a file that states none, e.g. "RAS"; "": not specified */
+    char orientation[4];    /* orientation to assume for a file that states none, e.g. "RAS"; "" if not specified */
     ost_nifti_form form;
 } ost_volume_options;
 
@@ -108,9 +108,10 @@ typedef enum ost_unit { OST_UNIT_AUTO, OST_UNIT_MM, OST_UNIT_CM, OST_UNIT_M, OST
 
 typedef struct ost_mesh_report {
     char format[24];           /* "STL (binary)", "OBJ", ... */
-    size_t file_triangles;     /* number of faces before polygons were divided and lines and points were omitted */
-    size_t bodies;             /* number of parts in the file, which are joined to one mesh */
-    double bounds_mm[6];       /* min x y z, max x y z */
+    /* number of faces in the file, before polygons were divided and lines and points were omitted */
+    size_t file_triangles;
+    size_t bodies;             /* number of parts in the file, which are joined into one mesh */
+    double bounds_mm[6];       /* bounds: min x y z, max x y z */
 } ost_mesh_report;
 
 /*
@@ -135,20 +136,20 @@ OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, os
 
 /*
  * A path file is CSV text, plain or gzip, with the columns
- * `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or x_m,y_m,z_m in metres.  Decimals
- * are read exactly, and t strictly increases (AR-PATH-1 to 3).  A row with nan in its pose is
- * not a tick; the tick after it begins lifted.
+ * `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or x_m,y_m,z_m in metres.  Decimals are
+ * read exactly, and t strictly increases (AR-PATH-1 to 3).  A row with nan in its pose is not a
+ * tick; the tick after such a row begins lifted.
  */
 typedef struct ost_path_report {
     size_t rows, lost_rows;   /* number of all rows; number of rows without a pose */
-    size_t gaps;              /* number of ticks that begin lifted */
+    size_t gaps;              /* number of ticks that begin with the tool lifted */
     int64_t begin_ns, end_ns; /* times of the first and the last row, with or without a pose */
 } ost_path_report;
 
 /* Reads a path. options and report may be NULL. */
 OST_API ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out,
                                  ost_path_report *report, ost_error *err);
-/* Calls ost_path_read without options and report. */
+/* Calls ost_path_read with NULL for options and report. */
 OST_API ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err);
 /* Writes a path with the columns lifted and rpm. The column tool is written if any tool index is not 0. */
 OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *err);
@@ -156,11 +157,11 @@ OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_
 /* ------------------------------------------------------------- landmarks */
 
 typedef enum ost_landmark_role {
-    OST_LANDMARK_OTHER,          /* a label without a role */
-    OST_LANDMARK_GLENOID,        /* glenoid, glenoid centre (center), GC: the centre of the face */
-    OST_LANDMARK_AXIS_POINT,     /* axis, axis point, glenoid axis: a point on the axis, in the bone */
-    OST_LANDMARK_TRIGONUM,       /* trigonum, trigonum spinae (scapulae), root of spine, spine root, TS */
-    OST_LANDMARK_INFERIOR_ANGLE  /* inferior angle, angulus inferior, AI, IA */
+    OST_LANDMARK_OTHER,          /* any label that has no role */
+    OST_LANDMARK_GLENOID,        /* centre of the face; labels: glenoid, glenoid centre (center), GC */
+    OST_LANDMARK_AXIS_POINT,     /* point on the axis, in the bone; labels: axis, axis point, glenoid axis */
+    OST_LANDMARK_TRIGONUM,       /* labels: trigonum, trigonum spinae (scapulae), root of spine, spine root, TS */
+    OST_LANDMARK_INFERIOR_ANGLE  /* labels: inferior angle, angulus inferior, AI, IA */
 } ost_landmark_role;
 
 /* Returns the role of a label, ignoring case, blanks, '-' and '_'. */
@@ -168,7 +169,7 @@ OST_API ost_landmark_role ost_landmark_role_of(const char *label);
 
 enum { OST_LANDMARK_LABEL = 64 };
 typedef struct ost_landmark {
-    char label[OST_LANDMARK_LABEL]; /* truncated if longer; control characters are replaced by '?' */
+    char label[OST_LANDMARK_LABEL]; /* label, truncated if longer; control characters are replaced by '?' */
     ost_landmark_role role;
     ost_pm3 at;                     /* LPS */
 } ost_landmark;
@@ -200,37 +201,39 @@ OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta,
 enum { OST_MASK_LABELS_MAX = 128 };
 /* Options of an import. A zero-initialised struct selects the defaults. */
 typedef struct ost_import_options {
-    ost_pm3 spacing;          /* overrides the spacing in the file; 0: from the file, or inferred for text */
-    ost_pm cubic;             /* spacing of the cubic grid; 0: the x spacing of the rect grid */
-    int32_t threshold;        /* 0: the threshold in the file if it is a bone, otherwise 120 */
+    /* replaces the spacing in the file; 0: the spacing is read from the file, or inferred for text */
+    ost_pm3 spacing;
+    ost_pm cubic;             /* spacing of the cubic grid; 0 selects the x spacing of the rect grid */
+    int32_t threshold;        /* 0 selects the threshold in the file if the file is a bone, and otherwise 120 */
     int chunk_size;           /* 0: 32 */
-    bool has_resample;        /* false: linear, or nearest for a label map */
+    bool has_resample;        /* false: the rule is linear, or nearest for a label map */
     ost_resample resample;    /* used if has_resample */
     ost_duplicates duplicates;
     ost_volume_options volume;
-    bool crop;                /* import only the voxels of the rect grid in crop_box */
+    bool crop;                /* only the voxels of the rect grid within crop_box are imported */
     ost_voxel_box crop_box;
-    int threads;              /* number of threads that read text; 0: one for each processor */
-    bool digests;             /* compute the SHA-256 of every stage (costs one pass over each grid) */
+    int threads;              /* number of threads that read text; 0 selects one for each processor */
+    bool digests;             /* the SHA-256 of every stage is computed, which costs one pass over each grid */
     ost_progress *progress;   /* may be NULL */
     void *progress_user;
-    const char *mask;         /* a label map on the CT's grid; NULL: the complete CT (AR-SEG-6) */
+    /* file name of a label map on the CT's grid; NULL: the complete CT is imported (AR-SEG-6) */
+    const char *mask;
     int16_t mask_labels[OST_MASK_LABELS_MAX]; /* the labels that are selected */
-    int mask_label_count;     /* 0: all labels except 0 */
-    bool mask_fill;           /* set selected voxels below the threshold to the threshold */
+    int mask_label_count;     /* number of selected labels; 0 selects all labels except 0 */
+    bool mask_fill;           /* densities of selected voxels below the threshold are set to the threshold */
 } ost_import_options;
 
 /* The effect of a mask, in voxels of the CT. */
 typedef struct ost_mask_report {
     uint64_t selected;        /* number of voxels whose label is selected */
-    uint64_t removed;         /* number of other voxels at or above the threshold, which were set to 0 */
-    uint64_t filled;          /* number of selected voxels that were set to the threshold */
+    uint64_t removed;         /* number of voxels at or above the threshold that are not selected and were set to 0 */
+    uint64_t filled;          /* number of selected voxels whose density was set to the threshold */
 } ost_mask_report;
 
 enum { OST_STAGES_MAX = 8 };
 /* The duration and, if requested, the digest of a stage of an import. */
 typedef struct ost_stage {
-    char name[16];       /* "samples" (text only), "rect", "cubic", "chunks" */
+    char name[16];       /* one of "samples" (text only), "rect", "cubic" and "chunks" */
     double time_ms;
     bool has_digest;
     ost_digest digest;
@@ -241,12 +244,12 @@ typedef struct ost_import_result {
     ost_file_kind kind;
     ost_geometry rect;
     ost_geometry cubic;
-    ost_meta meta;                 /* copied from the file; kind, threshold and resample are set */
-    ost_resample resample;         /* the rule that was used */
-    ost_volume_report volume;      /* for NRRD, NIfTI and MetaImage */
+    ost_meta meta;                 /* facts copied from the file; the import sets kind, threshold and resample */
+    ost_resample resample;         /* the resampling rule that was used */
+    ost_volume_report volume;      /* set for NRRD, NIfTI and MetaImage */
     ost_scatter_report scatter;    /* for text */
     bool spacing_inferred[3];
-    uint64_t rounded_positions;    /* coordinates with more than nine decimals */
+    uint64_t rounded_positions;    /* number of coordinates with more than nine decimals */
     int stage_count;
     ost_stage stages[OST_STAGES_MAX];
     ost_mask_report mask;          /* zero without a mask */

@@ -57,7 +57,7 @@ typedef struct ost_decimal {
     int32_t places;
     bool inexact;
     bool more;
-    bool negative; /* the sign as written, which distinguishes -0 */
+    bool negative; /* true if a minus sign was written; distinguishes -0 from 0 */
 } ost_decimal;
 
 /*
@@ -69,10 +69,10 @@ typedef struct ost_decimal {
 OST_API const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out);
 
 /*
- * Computes RHE(value * factor), factor >= 1. The result is exact for decimals of up
- * to 36 significant digits, and for any number of digits if the factor is a product
- * of powers of 2 and 10 whose ties have at most 36 digits. Returns false if the result
- * does not fit int64. If exact is not NULL, *exact is true if nothing was rounded.
+ * Computes RHE(value * factor), factor >= 1. The result is exact for decimals of up to 36
+ * significant digits. If the factor is a product of powers of 2 and 10 whose ties have at most 36
+ * digits, the result is exact for any number of digits. Returns false if the result does not fit
+ * int64. If exact is not NULL, *exact is set to true if nothing was rounded.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 
@@ -82,7 +82,10 @@ OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_
  */
 OST_API bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude);
 
-/* Converts a decimal in millimetres to picometres, RHE. Returns false if it is outside +-OST_LENGTH_MAX. */
+/*
+ * Converts a decimal in millimetres to picometres, rounded RHE. Returns false if the length is outside
+ * +-OST_LENGTH_MAX.
+ */
 OST_API bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact);
 
 /*

@@ -10,16 +10,16 @@
  *
  * Both sides are wait-free: they take no lock, allocate no memory, make no
  * system call, and no loop depends on the other thread.  A slow or absent viewer
- * adds no work to a tick, because a chunk that changes twice before it is taken
- * is taken once.  No change is lost: after the last tick and ost_live_flush, the
+ * adds no work to a tick: if a chunk changes twice before the viewer takes it, the
+ * viewer takes it only once.  No change is lost: after the last tick and ost_live_flush, the
  * chunks taken are bit-identical to the bone.  Before that, a chunk may be
  * partly updated when it is taken.  Because bone is only removed, such a chunk
- * may contain voxels that have just been removed; the next take corrects it.
+ * may contain voxels that have just been removed; the next take corrects the chunk.
  *
  * ost_bone_occupancy copies the words from the backend.  `cpu` and `ref` copy
  * them fast enough for a tick.  `cl` reads them from the device and blocks until
- * they arrive, as for the report of a removal.  `plugin` has no such words, so
- * ost_live_create returns OST_ERR_UNAVAILABLE.
+ * they arrive, as for the report of a removal.  `plugin` cannot deliver words of
+ * occupancy, so ost_live_create returns OST_ERR_UNAVAILABLE.
  *
  * Threads: changed, publish and flush are called on the servo thread, state_get
  * and take on one viewer thread.  create and free are called while neither thread
@@ -43,15 +43,15 @@ typedef struct ost_live_state {
     int64_t t_ns;           /* time of the last tick */
     int32_t tool;           /* index of the current tool */
     int32_t rpm;            /* speed of the current tool's motor (path.h) */
-    ost_pose device, pose;  /* poses of the device and of the tool; they differ while the tool is in contact */
+    ost_pose device, pose;  /* poses of the device and of the tool; the two poses differ while the tool is in contact */
     double force_n[3], torque_nm[3]; /* hand force and hand torque, exerted by the device */
     double contact_n;       /* contact force of the tool on the bone */
     double reached_mm[OST_LIVE_TOOLS]; /* greatest depth at which each tool removed bone (depth_of in operation.h) */
     uint64_t removals, removed_voxels;
     uint64_t missed;        /* skipped ticks */
-    uint32_t wake_ns, exec_ns; /* delay and duration of the last tick */
-    uint32_t touching;      /* bone voxels that the tool touched or removed in the last tick */
-    int32_t fault;          /* an ost_fault (operation.h); 0: none */
+    uint32_t wake_ns, exec_ns; /* delay of the start of the last tick; duration of the last tick */
+    uint32_t touching;      /* number of bone voxels that the tool touched or removed in the last tick */
+    int32_t fault;          /* the current ost_fault (operation.h); 0: no fault */
     bool declared;          /* the device returned no new pose in the last tick */
 } ost_live_state;
 

@@ -4,8 +4,8 @@
  *
  *   file -> ost_mesh (picometres) -> ost_snapped_mesh (lattice) -> backend
  *
- * The snapped mesh is computed once, on the host, and its digest is recorded.  From the snapped
- * mesh on, all backends must give equal results (docs/spec/arithmetic.md, AR-MESH).
+ * The snapped mesh is computed once, on the host, and its digest is recorded.  All backends start
+ * from this mesh and must give equal results (docs/spec/arithmetic.md, AR-MESH).
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -51,19 +51,22 @@ enum { OST_TOOL_DIM_MAX = 4096, OST_TOOL_DIM_REMOVE_MAX = 1024 };
 #define OST_TOOL_VOXEL_MIN (OST_PM_PER_MM / 1000)
 #define OST_TOOL_VOXELS_MAX (INT64_C(1) << 33)
 
-/* The grid of a tool: dims, voxel size and MinVoxelCoords, which is a corner, not a centre (thesis, Alg. 2.1). */
+/*
+ * The grid of a tool: dims, voxel size and corner. The corner is MinVoxelCoords of the thesis (Alg. 2.1), which is not
+ * the centre of a voxel.
+ */
 typedef struct ost_tool_geometry {
     ost_dims dims;
     ost_pm voxel;
     ost_pm3 corner;
 } ost_tool_geometry;
 
-/* Returns OST_ERR_RANGE, with the limit in the message, if one of the limits above is exceeded. */
+/* Returns OST_ERR_RANGE, with the limit in the message, if a limit of AR-TOOL-1 is exceeded. */
 OST_API ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, ost_error *err);
 
 /*
- * Computes the grid of a tool by Alg. 2.1 with RHE over the bounds [min, max]. Returns OST_ERR_RANGE beyond
- * OST_TOOL_DIM_MAX or 2^33 voxels.
+ * Computes the grid of a tool from the bounds [min, max] of its mesh, by Alg. 2.1 with RHE. Returns OST_ERR_RANGE if
+ * the grid has more than OST_TOOL_DIM_MAX voxels along an axis or more than 2^33 voxels.
  */
 OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_pm voxel, ost_tool_geometry *out,
                                                  ost_error *err);
@@ -92,7 +95,7 @@ OST_API ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *
                                  ost_error *err);
 /* Frees the arrays of a snapped mesh, which is then empty. */
 OST_API void ost_snapped_mesh_free(ost_snapped_mesh *mesh);
-/* Computes the digest of a snapped mesh, the data that every backend receives (AR-DIG-7). */
+/* Computes the digest of a snapped mesh, which is the data that every backend receives (AR-DIG-7). */
 OST_API ost_status ost_snapped_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
 #ifdef __cplusplus

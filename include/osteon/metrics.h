@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The outcome of an operation on a glenoid: the bone before and after, compared
- * with a plan.  The values are floating-point numbers and are used only in reports.
+ * The outcome of an operation on a glenoid: the bone before and after the operation
+ * is compared with a plan.  The values are floating-point numbers and are used only
+ * in reports.
  *
  *   outward  ^        before            frame of the plan: w along its inward axis,
  *            |   ___________            from the centre of the face; u and v across
@@ -28,13 +29,19 @@ typedef struct ost_metrics_plan {
     ost_pm3 at;      /* centre of the face */
     double axis[3];  /* inward direction, of any length except 0 */
     bool left;
-    double depth_mm; /* depth of reaming at the centre */
+    double depth_mm; /* planned depth of reaming at the centre of the face */
     /* Landmarks of the scapula, used to measure angles in the scapula's own frame. */
     bool landmarks;
-    ost_pm3 trigonum, inferior; /* point at which the spine meets the medial border; lowest point of the scapula */
+    /*
+     * trigonum: point at which the scapular spine meets the medial border; inferior angle: lowest point of the scapula
+     */
+    ost_pm3 trigonum, inferior;
 } ost_metrics_plan;
 
-/* Size of the maps: OST_METRICS_MAP^2 cells, centred on the axis, OST_METRICS_PITCH_MM apart. */
+/*
+ * Size of the maps of surfaces. A map has OST_METRICS_MAP^2 cells, is centred on the plan's axis, and its cells are
+ * OST_METRICS_PITCH_MM apart.
+ */
 enum { OST_METRICS_MAP = 81 };
 #define OST_METRICS_PITCH_MM 0.5
 
@@ -48,14 +55,15 @@ typedef struct ost_metrics_tool {
 
 /* A tick: the position of the tool, the force, and the numbers of voxels removed and touched. */
 typedef struct ost_motion {
-    double t_s, mm[3];         /* time; position of the tool's tip, the lowest point of its axis */
+    /* time in s; position in mm of the tool's tip, which is the lowest point of the tool's axis */
+    double t_s, mm[3];
     double axis[3];            /* working direction of the tool (-z of its frame), a unit vector */
-    double force_n;            /* hand force; 0 if there is no force */
+    double force_n;            /* hand force, N; 0 if there is no force */
     uint32_t removed, touched; /* numbers of voxels */
     int32_t tool;
 } ost_motion;
 
-/* Ticks in ascending order of time, and the tools to which their indices refer. */
+/* Ticks in ascending order of time, and the tools to which the indices in the ticks refer. */
 typedef struct ost_metrics_motion {
     const ost_metrics_tool *tools;
     int tool_count;
@@ -63,35 +71,40 @@ typedef struct ost_metrics_motion {
     size_t count;
 } ost_metrics_motion;
 
-/* The metrics of an operation; docs/reference/metrics.md defines each. */
+/* The metrics of an operation; docs/reference/metrics.md defines each value. */
 typedef struct ost_metrics {
     double removed_mm3, removed_by_class_mm3[OST_CLASS_MAX];
-    /* The floor: the exposed bone, without the holes of drills. */
+    /* The following values describe the floor, which is the exposed bone without the holes of drills. */
     double floor_mm2;
-    double depth_mean_mm, depth_p95_mm, depth_max_mm; /* below the native face, along the plan's axis */
-    bool reamed;            /* a reamer removed bone; the values of the reamer below are computed from its poses */
-    /* depth of reaming: deepest position of the reamer's tip below the plan's centre, along the plan's axis */
+    /* depths of the floor below the native face, along the plan's axis */
+    double depth_mean_mm, depth_p95_mm, depth_max_mm;
+    bool reamed;            /* a reamer removed bone; the following values of the reamer are computed from its poses */
+    /* depth of reaming: the deepest position of the reamer's tip below the plan's centre, along the plan's axis */
     double reach_mm;
     double tilt_deg;        /* angle between the axes of the reamer and the plan */
-    double entry_mm;        /* distance in the plane of the face from the plan's centre to the reamer's axis */
+    double entry_mm;        /* distance from the plan's centre to the reamer's axis, in the plane of the face */
     /*
-     * Angles in the scapula's own frame if there are landmarks, otherwise in the CT's axial and
-     * coronal planes. Retroversion and superior inclination are positive.
+     * The angles are measured in the scapula's own frame if there are landmarks, and otherwise in
+     * the axial and coronal planes of the CT. Retroversion and superior inclination are positive.
      */
     bool scapular;
     double version_planned_deg, inclination_planned_deg; /* angles of the plan's axis */
     double version_deg, inclination_deg;                 /* angles of the reamer's axis */
     double version_error_deg, inclination_error_deg;     /* reamed minus planned */
     bool sphere;                                      /* the floor is large enough to fit a sphere */
-    double sphere_mm, fit_rms_mm;                     /* radius of the sphere; RMS deviation of the floor from it */
-    /* depth of the sphere on the plan's axis, below the plan's centre */
+    /* radius of the fitted sphere; RMS deviation of the floor from the sphere */
+    double sphere_mm, fit_rms_mm;
+    /* depth of the fitted sphere below the plan's centre, along the plan's axis */
     double centre_depth_mm;
     /*
-     * Fit of an implant whose back is the sphere: backing contact as a share of the floor; largest gap, without the
-     * worst 1 % of the floor.
+     * Fit of an implant whose back is the fitted sphere: backing contact as a share of the floor, and the largest gap
+     * if the worst 1 % of the floor is left out.
      */
     double contact_percent, gap_max_mm;
-    /* Hard bone (650 HU or more) within 4.5 mm below the native face, under the floor. */
+    /*
+     * Hard bone (650 HU or more) under the floor, within 4.5 mm below the native face: its volume before the operation,
+     * and the percentage of this volume that remains.
+     */
     double plate_mm3, plate_kept_percent;
     double over_mm3; /* over-reaming: volume removed more than 1 mm below the plan's depth, except by drills */
     /* share of the floor more than 1 mm below the plan's depth; greatest depth of the floor below the plan's depth */
@@ -101,22 +114,28 @@ typedef struct ost_metrics {
      * greatest lowering.
      */
     double rim_seen_percent, rim_lowered_percent, rim_lowered_mm;
-    /* distances from rim to rim, across and upward; NAN: not on the map */
+    /* Width and height of the face from rim to rim. NAN if the rim is not on the map. */
     double width_before_mm, width_after_mm, height_before_mm, height_after_mm;
     bool hole;                          /* a drill removed bone below the plan's centre */
-    double hole_depth_mm;               /* deepest position of the drill's tip, measured as reach_mm */
-    double hole_angle_deg, hole_entry_mm; /* measured as tilt_deg and entry_mm */
-    double hole_diameter_mm;            /* from the mean area of the hole's slices; NAN without a complete slice */
-    /* distance from the part of the hole at least 6 mm below the face to the nearest voxel outside the bone; <= 6 mm */
+    double hole_depth_mm;               /* deepest position of the drill's tip, measured in the same way as reach_mm */
+    /* angle and entry of the drill, measured in the same way as tilt_deg and entry_mm */
+    double hole_angle_deg, hole_entry_mm;
+    /* diameter computed from the mean area of the hole's slices; NAN without a complete slice */
+    double hole_diameter_mm;
+    /*
+     * distance from the hole to the nearest voxel outside the bone, at most 6 mm; only the part of the hole that is at
+     * least 6 mm below the face is measured
+     */
     double hole_wall_mm;
-    bool hole_breach;    /* this part of the hole is open to the outside */
-    /* positions of the surfaces along w; NAN: no bone */
+    bool hole_breach;    /* the hole is open to the outside, at least 6 mm below the face */
+    /* maps of the surfaces' positions along w; NAN where there is no bone */
     float before_mm[OST_METRICS_MAP * OST_METRICS_MAP], after_mm[OST_METRICS_MAP * OST_METRICS_MAP];
-    float depth_mm[OST_METRICS_MAP * OST_METRICS_MAP]; /* NAN where no bone was exposed */
-    bool drilled[OST_METRICS_MAP * OST_METRICS_MAP]; /* a drill removed bone in this cell; not part of the floor */
+    float depth_mm[OST_METRICS_MAP * OST_METRICS_MAP]; /* depth below the native face; NAN where no bone was exposed */
+    /* a drill removed bone in this cell; the cell is not part of the floor */
+    bool drilled[OST_METRICS_MAP * OST_METRICS_MAP];
 } ost_metrics;
 
-enum { OST_METRICS_CONTACT_UM = 500 }; /* a gap up to this value, or up to 0.6 bone voxels, counts as contact */
+enum { OST_METRICS_CONTACT_UM = 500 }; /* a gap counts as contact up to this value or up to 0.6 bone voxels */
 
 /*
  * Computes the metrics. The two volumes must have the same geometry, with equal spacing on all axes. motion may
@@ -127,8 +146,8 @@ OST_API ost_status ost_metrics_make(const ost_volume *before, const ost_volume *
                                     const ost_metrics_motion *motion, ost_metrics *out, ost_error *err);
 
 /*
- * A plunge begins when the tip, in contact, moves inward faster than OST_PLUNGE_MM_S on average over 50 ms.
- * It ends when the tip moves slower than OST_PLUNGE_END_MM_S.
+ * A plunge begins when the tip is in contact and moves inward faster than OST_PLUNGE_MM_S on average over 50 ms. The
+ * plunge ends when the tip moves slower than OST_PLUNGE_END_MM_S.
  */
 #define OST_PLUNGE_MM_S 25.0
 #define OST_PLUNGE_END_MM_S 15.0
@@ -137,15 +156,17 @@ typedef struct ost_technique {
     double seconds, path_mm;     /* duration and path length from the first tick to the last */
     int contacts, passes;        /* numbers of intervals in contact and of intervals in which bone was removed */
     double contact_s, cutting_s, contact_path_mm;
-    bool felt;                   /* there was a force in at least one tick */
-    double force_mean_n, force_p95_n, force_max_n; /* hand force: mean and 95th percentile in contact; maximum */
-    double tilt_mean_deg, tilt_max_deg; /* angle between the tool's working direction and the plan's axis, in contact */
-    double inward_max_mm_s;      /* greatest inward speed over 50 ms, in contact */
+    bool felt;                   /* the force was not 0 in at least one tick */
+    /* hand force: mean and 95th percentile while in contact, and maximum */
+    double force_mean_n, force_p95_n, force_max_n;
+    /* angle between the tool's working direction and the plan's axis while in contact */
+    double tilt_mean_deg, tilt_max_deg;
+    double inward_max_mm_s;      /* greatest inward speed, averaged over 50 ms, while in contact */
     int plunges;
     double plunge_mm;            /* depth of the deepest plunge */
 } ost_technique;
 
-/* Computes the technique from ticks, which must be in ascending order of time. */
+/* Computes the technique from the ticks, which must be in ascending order of time. */
 OST_API ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_metrics_plan *plan,
                                       ost_technique *out, ost_error *err);
 

@@ -23,7 +23,7 @@ enum { OST_RPM_REAMER = 200 };
 
 /* The state of a motor. Must be zero-initialised before the first tick. */
 typedef struct ost_motor {
-    int64_t phase; /* 0 to OST_MOTOR_TURN - 1 */
+    int64_t phase; /* angle of the motor, 0 to OST_MOTOR_TURN - 1 */
     int64_t t_ns;  /* time of the last tick */
     bool moved;    /* true after the first tick */
 } ost_motor;
@@ -33,9 +33,12 @@ typedef struct ost_motor {
  * not change the phase.
  */
 OST_API void ost_motor_advance(ost_motor *motor, const ost_tick *tick);
-/* Returns the pose of the tool: the pose of the hand, rotated by the phase of the motor. */
+/* Returns the pose of the tool, which is the pose of the hand rotated by the phase of the motor. */
 OST_API ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *handle);
-/* Returns the pose of the hand from the pose of the tool: the inverse of ost_motor_pose, up to one unit of rounding. */
+/*
+ * Computes the pose of the hand from the pose of the tool. This is the inverse of ost_motor_pose, up to one unit of
+ * rounding.
+ */
 OST_API ost_pose ost_motor_handle_pose(const ost_motor *motor, const ost_pose *tool);
 /* Returns the tool's rotation about its z axis in radians, from 0 to -2 pi. For forces and pictures. */
 OST_API double ost_motor_angle(const ost_motor *motor);

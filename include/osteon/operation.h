@@ -39,21 +39,26 @@ typedef struct ost_operation ost_operation;
 typedef struct ost_operation_options {
     int32_t tool;            /* index of the tool if the device does not report it */
     /*
-     * Speed of the motor while it is on, in turns per minute, 0 to OST_RPM_MAX; with 0, the tool removes no bone.
-     * OST_RPM_ON: the poses of the device already include the rotation of the tool, and the motor is on.
+     * Speed of the motor while the motor is on, in turns per minute, 0 to OST_RPM_MAX.  With a speed of 0, the tool
+     * removes no bone.  OST_RPM_ON means that the poses of the device already include the rotation of the tool, and
+     * that the motor is on.
      */
     int32_t rpm;
-    bool motor_waits;        /* true: the motor is off until switched on; false: the motor is on from the first tick */
+    /* true: the motor is off until it is switched on; false: the motor is on from the first tick */
+    bool motor_waits;
     ost_action buttons[OST_BUTTONS_MAX]; /* actions of the device's buttons */
-    int32_t tools;           /* OST_ACTION_TOOL cycles through the tools 0 to tools - 1; 0: it has no effect */
+    /* OST_ACTION_TOOL cycles through the tools 0 to tools - 1; with 0, the action has no effect */
+    int32_t tools;
     ost_pose home;           /* pose of the hand after OST_ACTION_HOME; a zero quaternion disables the action */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
-    ost_force *force;        /* borrowed, with the world's tools; NULL: no force, the tool has the device's pose */
-    ost_live_channel *live;          /* borrowed, for the world's bone; NULL: no live state */
-    const ost_safety_params *safety; /* read by ost_operation_create; NULL: the defaults */
+    /* borrowed; has the world's tools; NULL: there is no force, and the tool has the device's pose */
+    ost_force *force;
+    ost_live_channel *live;          /* borrowed; created for the world's bone; NULL: no live state */
+    const ost_safety_params *safety; /* read by ost_operation_create; NULL selects the defaults */
     /*
-     * For an operation that continues another one: number of ticks before, last tick, and state of the motor after
-     * that tick.  Otherwise zero and NULL.
+     * These members are for an operation that continues an earlier one: the number of ticks of the earlier operation,
+     * its last tick, and the state of the motor after that tick.  For any other operation, the members are zero and
+     * NULL.
      */
     uint64_t steps_before;
     const ost_tick *last;    /* read by ost_operation_create */
@@ -65,8 +70,8 @@ typedef struct ost_operation_options {
 
 /*
  * Creates an operation on a world.  The world must outlive the operation; while the loop runs, only the servo thread
- * may use the world.  An operation that continues another one begins 1 ms after the last tick, at the last pose of the
- * tool.  If the device is more than 5 mm away from this pose, there is a fault until it returns.
+ * may use the world.  An operation that continues an earlier one begins 1 ms after the last tick, at the last pose of
+ * the tool.  If the device is more than 5 mm away from this pose, there is a fault until the device returns to it.
  */
 OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out,
                                         ost_error *err);
@@ -74,20 +79,24 @@ OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_op
 OST_API void ost_operation_free(ost_operation *operation);
 
 /*
- * Runs one tick; an ost_servo_tick.  A pose that a hand cannot have reached is a fault: the tool does not move, no bone
- * is removed, and the force is 0 until the device is again within 5 mm of the tool's pose.  During a drop-out, that is,
- * while the device reports lost tracking, the tool does not move either; a drop-out is recorded and counted, but is not
- * a fault.  Returns false, which stops the loop, if the backend fails.
+ * Runs one tick.  This function is an ost_servo_tick.  A pose that a hand cannot have reached is a fault: the tool does
+ * not move, no bone is removed, and the force is 0 until the device is again within 5 mm of the tool's pose.  A
+ * drop-out is an interval in which the device reports lost tracking.  During a drop-out the tool does not move either,
+ * but a drop-out is not a fault; it is recorded and counted.  Returns false, which stops the loop, if the backend
+ * fails.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
 /*
- * Sets the actions of the keys that are held: bit 1 << ost_action for each.  One thread other than the servo thread may
- * call this function at any time.
+ * Sets the actions whose keys are held.  For each ost_action whose key is held, active contains the bit 1 << action.
+ * One thread other than the servo thread may call this function at any time.
  */
 OST_API void ost_operation_keys(ost_operation *operation, uint32_t active);
-/* Loads the bone, tables and code of the next tick into the caches; an ost_servo_rehearse. Changes no state. */
+/*
+ * Loads the bone, tables and code of the next tick into the caches. Changes no state. This function is an
+ * ost_servo_rehearse.
+ */
 OST_API void ost_operation_rehearse(void *operation);
-/* Records the duration of a tick and publishes the live state; an ost_servo_done. */
+/* Records the duration of a tick and publishes the live state. This function is an ost_servo_done. */
 OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns);
 
 typedef struct ost_operation_report {
@@ -95,12 +104,14 @@ typedef struct ost_operation_report {
     uint64_t faults;       /* number of faults */
     uint64_t fault_ticks;  /* ticks during faults */
     ost_fault last_fault;  /* the most recent fault */
-    uint64_t dropouts, dropout_ticks, longest_dropout; /* number of drop-outs; ticks in all; ticks of the longest */
+    /* number of drop-outs; number of ticks in all drop-outs; number of ticks in the longest drop-out */
+    uint64_t dropouts, dropout_ticks, longest_dropout;
     double peak_n;         /* greatest hand force */
-    double peak_axial_n, energy_j; /* greatest contact force along the axis; work of cutting */
+    double peak_axial_n, energy_j; /* greatest contact force along the tool's axis; work of cutting */
     uint64_t touching_ticks, damped_ticks; /* ticks in contact; ticks in which the passivity controller added damping */
-    ost_status shown;      /* not OST_OK: the backend failed to deliver the live state, which is no longer updated */
-    ost_status status;     /* not OST_OK: the world failed; error contains the message */
+    /* not OST_OK if the backend failed to deliver the live state, which is then no longer updated */
+    ost_status shown;
+    ost_status status;     /* not OST_OK if the world failed; error then contains the message */
     ost_error error;
 } ost_operation_report;
 /* Copies the report. May be called only after the loop has ended. */

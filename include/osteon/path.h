@@ -18,20 +18,23 @@ extern "C" {
 #endif
 
 /*
- * OST_RPM_ON: the motor is on at an unknown speed; the pose includes the rotation of
- * the tool.  OST_RPM_OF_DEVICE: the pose is that of the device, without the motor's
- * rotation, which the operation adds (motor.h); a world does not accept such a tick.
+ * OST_RPM_ON: the motor is on at an unknown speed, and the pose includes the rotation of the tool.
+ * OST_RPM_OF_DEVICE: the pose is that of the device and does not include the motor's rotation,
+ * which the operation adds (motor.h).  A world does not accept a tick with OST_RPM_OF_DEVICE.
  */
 enum { OST_RPM_ON = -1, OST_RPM_OF_DEVICE = -2, OST_RPM_MAX = 3000 };
 
-/* One revolution of the motor, in the unit of its angles: 1 rpm * 1 ns. */
+/* One revolution of the motor in the unit of the motor's angles, which is 1 rpm * 1 ns. */
 #define OST_MOTOR_TURN INT64_C(60000000000)
 
 /* A row of a path: the pose of a tool at a point in time. */
 typedef struct ost_tick {
     int64_t t_ns; /* time in nanoseconds */
     int32_t tool; /* index into the world's tools */
-    /* speed of the motor: 1 to OST_RPM_MAX, OST_RPM_ON, OST_RPM_OF_DEVICE, or 0: off, the tool removes no bone */
+    /*
+     * speed of the motor: 1 to OST_RPM_MAX, OST_RPM_ON or OST_RPM_OF_DEVICE; with 0, the motor is off and the tool
+     * removes no bone
+     */
     int32_t rpm;
     ost_pose pose;
     bool lifted;  /* the tool was lifted before this tick: there is no sweep from the previous tick (AR-SWEEP-5) */
@@ -48,8 +51,9 @@ enum { OST_PATH_TICKS_MAX = 100000000 };
 
 enum { OST_PATH_NO_GAPS = -1 };
 /*
- * If two rows are farther apart than one of these limits, there is a gap between them and the second row begins lifted.
- * 0: the limit is computed from the rows (AR-PATH-5).  OST_PATH_NO_GAPS: there is no limit.
+ * If two rows are farther apart than max_gap_ns or max_jump_pm, there is a gap between them and the second row begins
+ * with the tool lifted.  The value 0 means that the limit is computed from the rows (AR-PATH-5).  OST_PATH_NO_GAPS
+ * means that there is no limit.
  */
 typedef struct ost_path_options {
     int64_t max_gap_ns;

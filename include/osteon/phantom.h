@@ -22,18 +22,19 @@ extern "C" {
 #endif
 
 typedef enum ost_phantom_kind {
-    OST_PHANTOM_SCAPULA,     /* 256 x 234 x 201 at 0.47 x 0.47 x 1 mm */
-    OST_PHANTOM_GLENOID,     /* 49 x 81 x 41 at 0.47 x 0.47 x 1 mm: the glenoid of the scapula */
-    OST_PHANTOM_TRABECULAR,  /* core 1: 156 x 156 x 313 at 32 um */
-    OST_PHANTOM_TRABECULAR2, /* core 2: 314 x 316 x 360 at 32 um */
-    OST_PHANTOM_FOAM,        /* 314 x 320 x 604 at 32 um */
+    OST_PHANTOM_SCAPULA,     /* 256 x 234 x 201 voxels of 0.47 x 0.47 x 1 mm */
+    OST_PHANTOM_GLENOID,     /* 49 x 81 x 41 voxels of 0.47 x 0.47 x 1 mm: the glenoid of the scapula */
+    OST_PHANTOM_TRABECULAR,  /* core 1: 156 x 156 x 313 voxels of 32 um */
+    OST_PHANTOM_TRABECULAR2, /* core 2: 314 x 316 x 360 voxels of 32 um */
+    OST_PHANTOM_FOAM,        /* 314 x 320 x 604 voxels of 32 um */
     OST_PHANTOM_COUNT
 } ost_phantom_kind;
 
 typedef struct ost_phantom_options {
     uint64_t seed;     /* 0: 1 */
-    ost_pm3 spacing;   /* 0: the spacing of the thesis; dims = ceil(size / spacing), with the same physical size */
-    double scale;      /* scale of the anatomy and its box; 0: 1 */
+    /* 0 selects the spacing of the thesis; the physical size remains the same, so dims = ceil(size / spacing) */
+    ost_pm3 spacing;
+    double scale;      /* scale of the anatomy and its box; 0 selects 1 */
     bool left;         /* default: right */
 } ost_phantom_options;
 
@@ -47,7 +48,7 @@ OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_opt
  * Parametric tools as closed triangle meshes.  In the frame of the tool, the working
  * face points to -z, the cutting direction, and the shaft to +z.  Lengths are in
  * picometres; 0 selects the default.
- *   reamer  hemispherical head with teeth, and a non-cutting hub; the default bounds
+ *   reamer  domed head with teeth, and a non-cutting hub; the default bounds
  *           are (-18, -18, 0)..(17.4, 18, 20.3) mm
  *   peg     cylinder
  *   burr    sphere on a shaft
@@ -55,17 +56,16 @@ OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_opt
 typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_TOOL_KIND_COUNT } ost_tool_kind;
 
 /*
- * The complete tool, its cutting part (head) or its non-cutting part (shaft).  The
- * shaft of a reamer is the hub behind its back; the shaft of a burr starts at the
- * centre of the sphere.  The union of head and shaft is the complete tool.  A peg has
- * no shaft.
+ * A part of a tool: the complete tool, its cutting part (head) or its non-cutting part (shaft).
+ * The shaft of a reamer is the hub behind its back; the shaft of a burr starts at the centre of the
+ * sphere.  The union of head and shaft is the complete tool.  A peg has no shaft.
  */
 typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } ost_tool_part;
 
 typedef struct ost_tool_options {
-    ost_pm diameter; /* default: reamer 36 mm, peg 6 mm, burr 6 mm */
-    ost_pm length;   /* default: reamer head 20.3 mm, peg 30 mm, burr shaft 20 mm */
-    int segments;    /* number of segments around the axis; default: 96 */
+    ost_pm diameter; /* the defaults are 36 mm for a reamer, 6 mm for a peg and 6 mm for a burr */
+    ost_pm length;   /* the defaults are 20.3 mm for a reamer's head, 30 mm for a peg and 20 mm for a burr's shaft */
+    int segments;    /* number of segments around the axis; 0 selects 96 */
     ost_tool_part part;
 } ost_tool_options;
 

@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* 8-bit RGB, row 0 at the top. */
+/* A picture with 8 bits per colour channel (RGB). Row 0 is at the top. */
 typedef struct ost_picture {
     int width, height;
     uint8_t *rgb; /* owned; 3 * width * height */
@@ -32,10 +32,11 @@ OST_API ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **
  * coronal, sagittal; radiological convention, isotropic pixels).
  */
 typedef struct ost_slices_options {
-    int32_t at[3];        /* voxel; -1: the middle of the grid, or of the removed voxels if before is not NULL */
-    int32_t threshold;    /* voxels at or above this density are active; 0: 120 */
-    int level, width;     /* level and width of the window in HU; 0, 0: 400, 1800 */
-    int pixels;           /* pixels of the longest side of a slice; 0: 480 */
+    /* indices of the voxel; -1 selects the middle of the grid or, if before is not NULL, of the removed voxels */
+    int32_t at[3];
+    int32_t threshold;    /* voxels at or above this density are active; 0 selects 120 */
+    int level, width;     /* level and width of the grey-scale window in HU; 0, 0 selects 400, 1800 */
+    int pixels;           /* number of pixels of the longest side of a slice; 0 selects 480 */
     bool unoriented;      /* the patient's directions are unknown and are not drawn */
 } ost_slices_options;
 /*
@@ -50,21 +51,23 @@ OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume
  * through the centre of the view.
  */
 typedef struct ost_view_options {
-    double direction[3];  /* from the eye into the scene, in the bone's frame; 0 0 0: posterior (0 1 0) in LPS */
-    double up[3];         /* upward direction in the bone's frame; 0 0 0: superior (0 0 1) */
-    int32_t threshold;    /* voxels at or above this density are active; 0: 120 */
-    int width, height;    /* pixels; 0, 0: 800, 800 */
-    double centre_mm[3];  /* used if extent_mm > 0 */
-    double extent_mm;     /* height of the view in the plane through the centre; 0: the complete bone */
+    /* direction of view, from the eye into the scene, in the bone's frame; 0 0 0 selects posterior (0 1 0) in LPS */
+    double direction[3];
+    double up[3];         /* upward direction in the bone's frame; 0 0 0 selects superior (0 0 1) */
+    int32_t threshold;    /* voxels at or above this density are active; 0 selects 120 */
+    int width, height;    /* size of the picture in pixels; 0, 0 selects 800, 800 */
+    double centre_mm[3];  /* centre of the view, used if extent_mm > 0 */
+    /* height of the view in the plane through the centre; with 0, the view shows the complete bone */
+    double extent_mm;
     bool tool;            /* the volume is a tool and is drawn as steel */
     bool unoriented;      /* the patient's directions are unknown and are not drawn */
     bool no_legend;       /* legend, scale and directions are not drawn */
-    int threads;          /* 0: one for each processor */
+    int threads;          /* number of threads; 0 selects one for each processor */
 } ost_view_options;
 /*
  * Draws a view of the active voxels, as osteon render does (render.h), with a scale bar and the patient's directions.
- * The voxels must be cubes.  If before is not NULL, the surface exposed since then is coloured by its depth below the
- * earlier surface, and a legend is drawn.  The caller owns *out.
+ * The voxels must be cubes.  If before is not NULL, the newly exposed surface is coloured by its depth below the
+ * surface of before, and a legend is drawn.  The caller owns *out.
  */
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
                                     ost_picture *out, ost_error *err);

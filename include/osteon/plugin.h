@@ -28,13 +28,13 @@
  * ends.
  *
  * Lifetimes.  The arguments of a slot are valid until the slot returns; the plugin
- * must copy any data that it uses later.  Objects created by a slot belong to the
- * host, which frees each of them by its free slot before close.
+ * must copy any data that it uses later.  The host owns the objects that slots
+ * create, and frees each object by its free slot before it calls close.
  *
  * Errors.  A slot returns an ost_plugin_status and, unless this is OST_PLUGIN_OK,
- * writes one line of text for the user to error->text.  A slot that fails must
- * not have changed an object; if it may have changed one, it returns
- * OST_PLUGIN_LOST, and the host does not use that object again.  No exception and
+ * writes one line of text for the user to error->text.  A slot that fails must not
+ * have changed an object.  If the slot may have changed an object, the slot returns
+ * OST_PLUGIN_LOST, and the host does not use the object again.  No exception and
  * no longjmp may leave a slot.  The host checks statuses, NULL objects, chunk
  * numbers and reports, and reports violations.  A plugin that writes beyond the
  * bounds of its arguments can crash the process, so `osteon validate` runs each
@@ -58,13 +58,14 @@ extern "C" {
 
 #define OST_PLUGIN_ABI 2
 
-/* The result of a slot; every slot that can fail returns one as int32_t. */
+/* The status that a slot returns. Every slot that can fail returns a status as int32_t. */
 typedef enum ost_plugin_status {
     OST_PLUGIN_OK = 0,
     OST_PLUGIN_USAGE = 1,       /* options or arguments are wrong */
     OST_PLUGIN_RANGE = 2,       /* a value is beyond the limits of this plugin */
     OST_PLUGIN_MEMORY = 3,
-    OST_PLUGIN_UNAVAILABLE = 4, /* the device does not exist or was not built in; the text names what to install */
+    /* the device does not exist or was not built in; the error text states what to install */
+    OST_PLUGIN_UNAVAILABLE = 4,
     OST_PLUGIN_FAILED = 5,      /* any other failure; no object has changed */
     OST_PLUGIN_LOST = 6         /* the content of the object is unknown from now on */
 } ost_plugin_status;
@@ -95,7 +96,7 @@ typedef struct ost_plugin_tool_geometry {
 /* ---------------------------------------------------------------- import */
 
 /* A sample of a CT. */
-typedef struct ost_plugin_sample { /* its layout of 32 bytes never changes */
+typedef struct ost_plugin_sample { /* the layout of this struct and its size of 32 bytes never change */
     int64_t x_pm, y_pm, z_pm;
     int32_t density;
     uint32_t line; /* line number minus first_line of the batch */
@@ -104,13 +105,16 @@ typedef struct ost_plugin_sample { /* its layout of 32 bytes never changes */
 /* A batch of samples. */
 typedef struct ost_plugin_samples {
     uint32_t size;
-    int32_t duplicates; /* 0 error, 1 first, 2 last, 3 max (AR-CT-6) */
+    int32_t duplicates; /* rule for several samples of a voxel: 0 error, 1 first, 2 last, 3 max (AR-CT-6) */
     uint64_t count;
     int64_t first_line;
     const ost_plugin_sample *sample;
 } ost_plugin_samples;
 
-/* In: results of the previous batches; out: results including this batch. See ost_scatter_report in backend.h. */
+/*
+ * On entry, the struct contains the results of the previous batches; on return, it includes this batch. See
+ * ost_scatter_report in backend.h.
+ */
 typedef struct ost_plugin_scatter_report {
     uint32_t size;
     int16_t conflict_had, conflict_has;
@@ -159,7 +163,7 @@ typedef struct ost_plugin_map {
     int32_t step[3][3]; /* [bone axis][tool axis] */
     ost_plugin_int128 origin[3], column[3][3], divisor;
     double affine[3][4];
-    int32_t box_lo[3], box_hi[3]; /* no voxel outside [lo, hi) can be inside the tool's grid at this pose */
+    int32_t box_lo[3], box_hi[3]; /* no voxel outside [box_lo, box_hi) can be inside the tool's grid at this pose */
 } ost_plugin_map;
 
 /* An event: the maps of its poses and the density classes (AR-REM). */
@@ -169,13 +173,17 @@ typedef struct ost_plugin_event {
     uint64_t stride;   /* bytes from one map to the next */
     const ost_plugin_map *maps;
     int32_t class_count;      /* 1 to 8 */
-    /* borders; a voxel is in the last class whose border is <= its density, or in class 0 if there is none */
+    /*
+     * borders of the classes; a voxel belongs to the last class whose border is <= the voxel's density, or to class 0
+     * if there is no such class
+     */
     const int16_t *class_from;
 } ost_plugin_event;
 
 /*
- * Inputs and results of the steps that precede the work on voxels, for plugins that execute these
- * steps themselves (slots snap and steps).  This is a mesh as read from a file.
+ * A mesh as read from a file, which is the input of the slot snap.  This struct and the three
+ * structs below are inputs and results of the steps that precede the work on voxels.  They are for
+ * plugins that execute these steps themselves (slots snap and steps).
  */
 typedef struct ost_plugin_raw_mesh {
     uint32_t size;
@@ -202,18 +210,22 @@ typedef struct ost_plugin_pose {
 } ost_plugin_pose;
 
 /*
- * The input of the slot steps.  Of a map passed to add, the host reads divisor, origin, column and
- * step, from which block_base computes the base of a block.
+ * The input of the slot steps.  The host reads the members divisor, origin, column and step of each
+ * map that is passed to add.  From these members, the host's function block_base computes the base
+ * of a block.
  */
 typedef struct ost_plugin_steps {
     uint32_t size;
     uint32_t reserved;
     const ost_plugin_geometry *bone;
     const ost_plugin_tool_geometry *tool;
-    const ost_plugin_pose *from; /* start of the sweep; NULL: the event has one pose, `to` */
+    const ost_plugin_pose *from; /* start of the sweep; if NULL, the only pose of the event is `to` */
     const ost_plugin_pose *to;
     void *sink;
-    /* Receives a pose and its map. If add does not return OST_PLUGIN_OK, the slot stops and returns that value. */
+    /*
+     * Receives a pose and its map. If add does not return OST_PLUGIN_OK, the slot stops and returns the value that add
+     * returned.
+     */
     int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map);
 } ost_plugin_steps;
 
@@ -226,8 +238,9 @@ typedef struct ost_plugin_report {
     uint32_t reserved;
     void *sink;
     /*
-     * voxels contains class_count counts, and density class_count sums. If add does not return
-     * OST_PLUGIN_OK, the slot stops and returns that value.
+     * Receives the counts of one chunk. voxels contains class_count counts, and density contains
+     * class_count sums. If add does not return OST_PLUGIN_OK, the slot stops and returns the value
+     * that add returned.
      */
     int32_t (*add)(void *sink, int32_t chunk, const uint32_t *voxels, const int64_t *density);
     uint64_t touched_voxels; /* active voxels covered only by non-cutting tool voxels */
@@ -240,7 +253,10 @@ typedef struct ost_plugin_bone_stats {
     int64_t active_chunks, active_voxels, chunk_bytes, resident_bytes;
 } ost_plugin_bone_stats;
 
-/* The rule of resampling from the rect grid to the cubic grid (AR-CUB-2 to 4); since interface 2. */
+/*
+ * The rule of resampling from the rect grid to the cubic grid (AR-CUB-2 to 4). The enumeration exists since version 2
+ * of the interface.
+ */
 typedef enum ost_plugin_resample {
     OST_PLUGIN_LINEAR = 0,
     OST_PLUGIN_NEAREST = 1,
@@ -287,10 +303,13 @@ typedef struct ost_plugin {
     int32_t (*open)(const char *options, const ost_plugin_host *host, ost_plugin_instance **out,
                     ost_plugin_error *error);
     void (*close)(ost_plugin_instance *self);
-    /* Waits until all work is complete. Returns the status of work that failed after its slot had returned. */
+    /*
+     * Waits until all work is complete. Returns the status of any work that failed after the slot that started it had
+     * returned.
+     */
     int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
 
-    /* A new grid is zero-filled. Slices are z0 <= k < z0 + count. */
+    /* A new grid is filled with 0. Uploads and downloads copy the slices z0 <= k < z0 + count. */
     int32_t (*grid_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out,
                            ost_plugin_error *error);
     void (*grid_free)(ost_plugin_grid *grid);
@@ -309,7 +328,9 @@ typedef struct ost_plugin {
     int32_t (*cubic_to_chunks)(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold,
                                ost_plugin_bone **out, ost_plugin_error *error);
 
-    /* A new bone has no active voxels. An upload sets densities below the threshold to 0. Slices have no padding. */
+    /*
+     * A new bone has no active voxels. An upload sets densities below the threshold to 0. The slices have no padding.
+     */
     int32_t (*bone_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size,
                            int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);
     void (*bone_free)(ost_plugin_bone *bone);
@@ -341,18 +362,22 @@ typedef struct ost_plugin {
                        ost_plugin_report *report, ost_plugin_error *error);
 
     /*
-     * The steps that precede the work on voxels. A plugin that executes them itself sets these slots.
-     * If a slot is NULL or beyond the size of the table, the host executes the step and passes its
-     * results to the plugin. `osteon validate` calls these slots in every case and compares their
-     * results bit by bit with the results of the host (stages snap and steps). Its verdict states
-     * which of the two steps the plugin executed itself.
+     * The two slots below execute the steps that precede the work on voxels. A plugin that executes
+     * these steps itself sets the slots. If a slot is NULL or beyond the size of the table, the
+     * host executes the step and passes the results to the plugin. `osteon validate` calls these
+     * slots in every case and compares their results bit by bit with the results of the host
+     * (stages snap and steps). The verdict of `osteon validate` states which of the two steps the
+     * plugin executed itself.
      */
-    /* Snaps a mesh (AR-MESH-3, AR-MESH-4) and writes *made. The order of the remaining triangles does not change. */
+    /*
+     * Snaps a mesh (AR-MESH-3, AR-MESH-4) and writes the result to *made. The triangles that are not dropped remain in
+     * their order.
+     */
     int32_t (*snap)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
                     const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made, ost_plugin_error *error);
     /*
-     * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). Calls in->add once for
-     * each pose, in order. Does not call in->add if the slot returns an error.
+     * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). Calls in->add once
+     * for each pose, in order. A slot that returns an error does not call in->add.
      */
     int32_t (*steps)(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
 } ost_plugin;

@@ -4,15 +4,16 @@
  *
  *     p_bone = R(q) p_tool + t          Hamilton convention, active rotation
  *
- * A pose is quantised once, when it is read from a device or a file.  From then on its
- * integers do not change, whether live, recorded or replayed, and on every backend.
+ * A pose is quantised once, when it is read from a device or a file.  From then on, the integers of
+ * the pose do not change: they are the same live, recorded and replayed, and on every backend.
  *
  *   t   picometres, at most 8 m on each axis
  *   q   w, x, y, z times 2^30, RHE, never renormalised; | |q| - 1 | <= 1e-3
  *       when read (an interpolated pose may be shorter, see event.h)
  *
  * In the thesis a pose refers to the centre of the tool's box, which depends on the
- * resolution of the tool; here a pose does not (docs/design/thesis-notes.md).
+ * resolution of the tool. Here a pose refers to the tool's frame and does not
+ * depend on the resolution (docs/design/thesis-notes.md).
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */

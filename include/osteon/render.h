@@ -29,11 +29,11 @@ enum { OST_FRAME_MAX = 8192 }; /* greatest width and height of a frame in pixels
  */
 typedef struct ost_camera {
     ost_pose pose;
-    int32_t focal_milli; /* thousandths of a pixel, 1000 to 100,000,000 */
+    int32_t focal_milli; /* focal length in thousandths of a pixel, 1000 to 100,000,000 */
     int width, height;   /* pixels, 1 to OST_FRAME_MAX */
 } ost_camera;
 
-/* Returns OST_ERR_RANGE, with the offending value in err, if a value is outside the ranges above. */
+/* Returns OST_ERR_RANGE, with the offending value in err, if a value of the camera is out of its range. */
 OST_API ost_status ost_camera_check(const ost_camera *camera, ost_error *err);
 
 /*
@@ -52,10 +52,11 @@ typedef enum ost_style {
 typedef struct ost_points_options {
     int32_t threshold; /* 0: 120 */
     ost_style style;
-    const char *isa;   /* a level as in OSTEON_ISA; NULL: the best level of this machine */
-    int threads;       /* 0: one for each processor */
+    /* name of a level, as in the environment variable OSTEON_ISA; NULL selects the best level of this machine */
+    const char *isa;
+    int threads;       /* number of threads; 0 selects one for each processor */
 } ost_points_options;
-/* Draws the voxels at or above the threshold, which must be cubes, as seen by the camera. The caller owns *out. */
+/* Draws the voxels at or above the threshold as seen by the camera. The voxels must be cubes. The caller owns *out. */
 OST_API ost_status ost_picture_points(const ost_volume *volume, const ost_camera *camera,
                                       const ost_points_options *options, ost_picture *out, ost_error *err);
 

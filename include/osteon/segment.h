@@ -22,12 +22,12 @@ extern "C" {
 #endif
 
 /*
- * A cut: a ball or a half space that separates two touching bones.  Its voxels belong to no
- * component.  A half space is the side of a plane to which the normal points, including the
+ * A cut: a ball or a half space that separates two touching bones.  The voxels of a cut belong to
+ * no component.  A half space is the side of a plane to which the normal points, including the
  * plane.  The length of the normal has no effect.
  */
 typedef struct ost_segment_cut {
-    ost_pm3 at;     /* centre of the ball, or a point of the plane, LPS */
+    ost_pm3 at;     /* centre of the ball, or a point on the plane, in LPS */
     ost_pm radius;  /* radius of the ball, at most 1 m; 0: a half space */
     ost_pm3 normal; /* normal of the plane, not zero; each component from -10^12 to 10^12 */
 } ost_segment_cut;
@@ -35,12 +35,13 @@ typedef struct ost_segment_cut {
 enum { OST_SEGMENT_LABELS_MAX = 32767 };
 /* Options of a segmentation. A zero-initialised struct selects the defaults. */
 typedef struct ost_segment_options {
-    int32_t threshold;     /* 1..32767; a component contains a voxel of at least this density; 0: 120 */
-    int32_t growth;        /* least density of the voxels of a component, at most the threshold; 0: the threshold */
+    int32_t threshold;     /* every component contains a voxel of at least this density, 1 to 32767; 0 selects 120 */
+    /* lowest density of the voxels of a component, at most the threshold; 0 selects the threshold */
+    int32_t growth;
     const ost_segment_cut *cuts;
     size_t cut_count;
     uint64_t min_voxels;   /* components with fewer voxels have no label */
-    bool fill;             /* holes without air are given the label of the surrounding bone */
+    bool fill;             /* holes that contain no air are given the label of the surrounding bone */
     int32_t air;           /* a hole that contains a voxel below this density is not filled */
 } ost_segment_options;
 
@@ -49,7 +50,7 @@ typedef struct ost_segment {
     uint64_t voxels;       /* number of voxels, without the filled holes */
     uint64_t filled;       /* number of voxels of the filled holes */
     ost_voxel_box box;     /* bounds of the component */
-    int32_t first[3];      /* first voxel of the component, x fastest */
+    int32_t first[3];      /* first voxel of the component in the order of the grid, x fastest */
 } ost_segment;
 
 /*

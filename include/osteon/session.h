@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sessions: a file that records the inputs of a world and the results of its steps,
- * tick by tick, while they happen (docs/spec/session.md).
+ * A session is a file that records the inputs of a world and the results of its
+ * steps, tick by tick, while the world runs (docs/spec/session.md).
  *
  *   tick --put--> ring --> writer thread --> blocks, appended --> SESSION
  *                                                                    |
@@ -61,19 +61,21 @@ enum {
     OST_TICK_MET = 2,       /* the boxes of bone and tool intersected */
     OST_TICK_FORCE = 4,     /* the force was written to the device */
     OST_TICK_DECLARED = 8,  /* the device had no new pose; the last pose was used */
-    OST_TICK_LIFTED = 16    /* the tool was lifted before this tick (path.h); used only in files, for tick.lifted */
+    /* the tool was lifted before this tick (path.h); only files use this flag, to store tick.lifted */
+    OST_TICK_LIFTED = 16
 };
 
 typedef struct ost_session_tick {
-    uint64_t number; /* number of the tick, from 0; a missing number means a lost tick */
+    uint64_t number; /* number of the tick, from 0; if a number is missing, the tick was lost */
     ost_tick tick;   /* the input of the world */
     uint32_t flags, buttons;
     /* The results of the step. */
     uint64_t digest;         /* ost_step_digest (sim.h) */
     uint32_t removed, touched; /* numbers of voxels, at most 2^32 - 1 each */
     uint16_t poses;          /* number of poses of the sweep */
-    uint16_t fault;          /* the ost_fault (operation.h) because of which the device receives no force, or 0 */
-    /* Set only in live operation; otherwise zero. */
+    /* the ost_fault (operation.h) because of which the device receives no force; 0 without a fault */
+    uint16_t fault;
+    /* The members below are set only in live operation; otherwise they are zero. */
     int32_t force_un[3];     /* force in micronewtons, in the bone's frame */
     int32_t torque_unm[3];   /* torque in micronewton metres about the tool's origin */
     uint32_t wake_ns, exec_ns; /* delay between the due time and the start of the tick; duration of the tick */
@@ -109,18 +111,21 @@ typedef struct ost_record {
 
 /* --------------------------------------------------------------- reading */
 
-/* Content of a session file, and missing data. */
+/* The content of a session file, and the data that is missing from it. */
 typedef struct ost_session_summary {
     uint64_t file_bytes, blocks, records, ticks;
-    uint64_t first_tick, last_tick; /* numbers of the ticks; undefined if there are no ticks */
+    uint64_t first_tick, last_tick; /* numbers of the first and last tick; undefined if there are no ticks */
     int64_t first_t_ns, last_t_ns;
     bool ended;                    /* the end record is present */
     uint64_t complete_ticks;       /* number of ticks before the first missing tick; these can be replayed */
-    /* records for which the ring of the recorder had no free slot; the recorder writes this count to the file */
+    /*
+     * number of records that were lost because the ring of the recorder had no free slot; the recorder writes this
+     * number to the file
+     */
     uint64_t lost_records;
-    uint64_t damaged_bytes;        /* damaged bytes before the last valid block */
-    uint64_t missing_records;      /* records lost because of this damage */
-    uint64_t cut_bytes;            /* bytes after the last valid block */
+    uint64_t damaged_bytes;        /* number of damaged bytes before the last valid block */
+    uint64_t missing_records;      /* number of records lost because of the damaged bytes */
+    uint64_t cut_bytes;            /* number of bytes after the last valid block */
     bool header_damaged;           /* one of the two copies of the header is damaged */
 } ost_session_summary;
 
@@ -158,7 +163,7 @@ OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_err
 OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost_error *err);
 /*
  * Writes a CSV table for other programs, with one line per tick: the columns of a path, followed by
- * all others (docs/spec/session.md).
+ * all other columns (docs/spec/session.md).
  */
 OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, ost_error *err);
 
@@ -175,11 +180,15 @@ typedef struct ost_recorder ost_recorder;
 
 typedef struct ost_recorder_options {
     uint32_t capacity; /* capacity of the ring in records, a power of two; 0: 65536 (65 s at 1 kHz; 8 MB) */
-    bool no_sync;    /* do not sync: more data may be lost if the power fails, but not if the process is killed */
+    /*
+     * The file is not synced. If the power fails, more data may be lost. If the process is killed, no more data is
+     * lost.
+     */
+    bool no_sync;
 } ost_recorder_options;
 
 typedef struct ost_recorder_state {
-    uint64_t put, written, lost; /* numbers of records; put does not include lost */
+    uint64_t put, written, lost; /* numbers of records; put does not include lost records */
     uint64_t written_bytes;
     bool failing;                /* the last attempt to write failed and will be repeated */
     char reason[160];            /* the reason, if failing */
@@ -188,11 +197,15 @@ typedef struct ost_recorder_state {
 /* Creates or replaces the file `path`, writes the header and starts the writer thread. options may be NULL. */
 OST_API ost_status ost_recorder_open(const char *path, const ost_session_header *header,
                                      const ost_recorder_options *options, ost_recorder **out, ost_error *err);
-/* Puts a record; wait-free. Only one thread may put records. Returns false if the record was lost. */
+/*
+ * Puts a record into the ring. The function is wait-free. Only one thread may put records. Returns false if the record
+ * was lost.
+ */
 OST_API bool ost_recorder_put(ost_recorder *recorder, const ost_record *record);
 /*
- * Waits until a slot is free and puts a record. For callers without a deadline. If the ring remains full and the disk
- * fails for ten seconds, the record is lost and the function returns false.
+ * Waits until the ring has a free slot, and puts a record into the ring. This function is for callers without a
+ * deadline. If the ring remains full and the disk fails for ten seconds, the record is lost and the function returns
+ * false.
  */
 OST_API bool ost_recorder_put_waiting(ost_recorder *recorder, const ost_record *record);
 /* Copies the state of the recorder to *out. May be called on any thread. */

@@ -23,11 +23,14 @@ extern "C" {
 typedef struct ost_world ost_world;
 
 typedef struct ost_world_options {
-    bool sweep_off;                /* one pose per event, as in the thesis (AR-SWEEP-6) */
-    bool broad_phase_off;          /* test every voxel of the bone, as in the definition of removal; for tests */
-    int64_t removal_period_ns;     /* 0: every tick is an event; otherwise the first tick of every period (AR-REM-7) */
-    ost_density_classes classes;   /* count 0: the default classes */
-    /* number of ticks stored for ost_world_failover, up to OST_WORLD_SAVED_TICKS_MAX; 0: it is not available */
+    bool sweep_off;                /* an event has only one pose, as in the thesis (AR-SWEEP-6) */
+    bool broad_phase_off;          /* every voxel of the bone is tested, as in the definition of removal; for tests */
+    /* 0: every tick is an event; otherwise the first tick of every period is an event (AR-REM-7) */
+    int64_t removal_period_ns;
+    ost_density_classes classes;   /* a count of 0 selects the default classes */
+    /*
+     * number of ticks stored for ost_world_failover, up to OST_WORLD_SAVED_TICKS_MAX; with 0, failover is not available
+     */
     int32_t saved_ticks;
 } ost_world_options;
 
@@ -51,7 +54,7 @@ OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const 
 
 /*
  * Allocates the memory for the longest sweep and the largest report of a tick, 1 MB and 104 bytes per chunk, so that
- * later ticks do not allocate.  To be called before a real-time loop.  A backend reserves its own memory when it is
+ * later ticks do not allocate.  Should be called before a real-time loop.  A backend reserves its own memory when it is
  * opened.
  */
 OST_API ost_status ost_world_reserve(ost_world *world, ost_error *err);
@@ -60,7 +63,8 @@ typedef struct ost_step_result {
     bool removal;               /* the tick was an event */
     bool boxes_meet;            /* the oriented boxes of bone and tool intersect in at least one pose of the sweep */
     int pose_count;             /* number of poses of the sweep; 0 without an event */
-    int32_t chunk_lo[3];        /* half-open range of chunks that the event can change; empty without intersection */
+    /* half-open range of chunks that the event can change; empty if the boxes do not intersect */
+    int32_t chunk_lo[3];
     int32_t chunk_hi[3];
     const ost_removal_report *report;   /* report of the event, valid until the next step; NULL without an event */
 } ost_step_result;
@@ -72,8 +76,8 @@ typedef struct ost_step_result {
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 /*
- * Reads the same data as a step with the tool at this pose, without changing anything, so that code, tables and bone
- * are in the caches when the tick is due.  Invalidates the report of the last step.
+ * Reads the same data as a step with the tool at this pose, but changes nothing.  When the tick is due, code, tables
+ * and bone are then in the caches.  Invalidates the report of the last step.
  */
 OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose *pose, ost_error *err);
 
@@ -122,14 +126,14 @@ struct ost_glenoid;
 /*
  * Counts the active voxels in front of the face of a glenoid.  Let w be the position along the inward axis, measured
  * from the centre of the face, and r the distance from this axis, in mm.  The voxels with w < -(3 + min(r, 18)^2 / 60)
- * are in front of the face; a healthy rim has none.  Only voxels with r <= radius_mm and w >= -reach_mm are counted; 0
- * means no limit.
+ * are in front of the face; a healthy rim has no such voxels.  Only voxels with r <= radius_mm and w >= -reach_mm are
+ * counted; a value of 0 for radius_mm or reach_mm means no limit.
  */
 OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm,
                                      double reach_mm, int64_t *voxels, ost_error *err);
 /*
- * Computes the percentage of bone within 4 mm of the axis, both from 1 to 11 mm inward and from 1 to 11 mm outward of
- * the centre.
+ * Computes the percentage of bone in two cylinders about the axis with a radius of 4 mm.  One cylinder extends from 1
+ * to 11 mm inward of the centre, the other from 1 to 11 mm outward.
  */
 OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent,
                                        double *outward_percent, ost_error *err);
@@ -149,14 +153,15 @@ typedef struct ost_glenoid {
 /* The side of the body on which a glenoid is. */
 typedef enum ost_side { OST_SIDE_UNKNOWN, OST_SIDE_LEFT, OST_SIDE_RIGHT } ost_side;
 /*
- * Returns the side implied by the inward axis of a glenoid.  Because a glenoid faces laterally, the inward axis of a
- * left glenoid points to the patient's right, and vice versa.  Returns OST_SIDE_UNKNOWN if the axis is within 15
- * degrees of the sagittal plane.
+ * Returns the side that the inward axis of a glenoid implies.  Because a glenoid faces laterally, the inward axis of a
+ * left glenoid points to the patient's right, and that of a right glenoid to the patient's left.  Returns
+ * OST_SIDE_UNKNOWN if the axis is within 15 degrees of the sagittal plane.
  */
 OST_API ost_side ost_side_of_axis(const double axis[3]);
 /*
- * Determines the side of a glenoid: `stated`, or the side implied by the axis if stated is OST_SIDE_UNKNOWN.  Returns
- * OST_ERR_INPUT if stated contradicts the axis, and OST_ERR_USAGE if neither determines the side.
+ * Determines the side of a glenoid.  This is the side `stated` or, if stated is OST_SIDE_UNKNOWN, the side that the
+ * axis implies.  Returns OST_ERR_INPUT if stated contradicts the axis, and OST_ERR_USAGE if neither stated nor the axis
+ * determines the side.
  */
 OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, ost_error *err);
 /*
@@ -165,13 +170,13 @@ OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool 
  */
 OST_API ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err);
 /*
- * Reads OST_META_GLENOID_AXIS; *there is false if this fact is absent. Returns OST_ERR_INPUT if the value is not a
- * direction.
+ * Reads OST_META_GLENOID_AXIS.  *there is set to false if this fact is absent.  Returns OST_ERR_INPUT if the value is
+ * not a direction.
  */
 OST_API ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there, ost_error *err);
 /*
- * Reads the point `key`, which has three decimals in mm; *there is false if this fact is absent.  Returns OST_ERR_INPUT
- * or OST_ERR_RANGE, with key and value in err.
+ * Reads the fact `key`, a point given by three decimals in mm.  *there is set to false if this fact is absent.  Returns
+ * OST_ERR_INPUT or OST_ERR_RANGE, with key and value in err.
  */
 OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there,
                                        ost_error *err);
