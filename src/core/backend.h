@@ -54,12 +54,12 @@ struct ost_backend_ops {
 
     /*
      * Returns true if open can succeed on this machine, according to a cheap check. Otherwise writes the reason, at
-     * most size bytes. reason is never NULL.
+     * most size bytes, to reason, which is never NULL.
      */
     bool (*available)(char *reason, size_t size);
     /*
-     * Visits every device, with the reason if the device cannot be used. Visits none if the backend
-     * has no choice of devices. Slow, because it tests the devices.
+     * Visits every device, with the reason if the device cannot be used. Visits no device if the
+     * backend has no choice of devices. This slot is slow, because it tests the devices.
      */
     ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
     /* Opens a backend. options is the text after "name:", or "". Sets *out; (*out)->ops need not be set. */
@@ -76,13 +76,13 @@ struct ost_backend_ops {
     ost_status (*grid_upload)(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*grid_download)(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 
-    /* AR-CT-4 to 6; bit-exact, including the report. */
+    /* Scatters samples into a rect grid (AR-CT-4 to 6). The result is bit-exact, including the report. */
     ost_status (*ct_to_rect)(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
-    /* AR-CUB; bit-exact. geometry is the geometry of the cubic grid. */
+    /* Resamples rect to a new cubic grid with the given geometry (AR-CUB). The result is bit-exact. */
     ost_status (*rect_to_cubic)(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                 ost_error *err);
-    /* AR-CHK; bit-exact. */
+    /* Creates a bone from a cubic grid (AR-CHK). The result is bit-exact. */
     ost_status (*cubic_to_chunks)(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
                                   ost_error *err);
 
@@ -94,22 +94,28 @@ struct ost_backend_ops {
     ost_status (*bone_upload)(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
     /*
-     * Reads the densities of single voxels, 0 outside the grid. Used in ticks, so it allocates no memory.
-     * Returns OST_ERR_UNAVAILABLE if the voxels are not in host memory.
+     * Reads the densities of single voxels. The density is 0 outside the grid. Used in ticks, so this slot allocates no
+     * memory. Returns OST_ERR_UNAVAILABLE if the voxels are not in host memory.
      */
     ost_status (*bone_sample)(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                               ost_error *err);
     /*
-     * Reads the occupancy of complete chunks, n^3/32 words per chunk, in the layout of chunk_grid.h. Used
-     * in ticks, so it allocates no memory and waits for no other thread; if the voxels are on a device, it
-     * waits for the device. Returns OST_ERR_UNAVAILABLE if the backend can read voxels only by slices.
+     * Reads the occupancy of complete chunks, n^3/32 words per chunk, in the layout of chunk_grid.h. Used in ticks, so
+     * this slot allocates no memory and waits for no other thread; if the voxels are on a device, the slot waits for
+     * the device. Returns OST_ERR_UNAVAILABLE if the backend can read voxels only by slices.
      */
     ost_status (*bone_occupancy)(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                  ost_error *err);
-    /* Computes the leaves of 32^3 voxels (AR-DIG-2), for any chunk size. leaves has space for all leaves. */
+    /*
+     * Computes the digests of the leaves of 32^3 voxels (AR-DIG-2), for any chunk size. leaves has space for all
+     * leaves.
+     */
     ost_status (*bone_leaves)(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
-    /* AR-VOX; bit-exact, including the report. noncutting is NULL or has the same grid as cutting. */
+    /*
+     * Voxelizes one or two meshes (AR-VOX). The result is bit-exact, including the report. noncutting is NULL or has
+     * the same grid as cutting.
+     */
     ost_status (*voxelize)(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
     ost_status (*tool_upload)(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
@@ -117,23 +123,29 @@ struct ost_backend_ops {
     ost_status (*tool_download)(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
     void (*tool_free)(ost_tool *tool);
 
-    /* AR-REM; bit-exact, including the report, which the caller has cleared. */
+    /*
+     * Removes the voxels that an event hits (AR-REM). The result is bit-exact, including the report, which the caller
+     * has cleared.
+     */
     ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                          ost_removal_report *report, ost_error *err);
     ost_status (*collide)(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                           ost_removal_report *report, ost_error *err);
 
     /*
-     * The steps that precede the work on voxels, for a backend that executes them itself. Only validation
-     * calls these slots, to compare the results. If a backend uses the results of src/core, both slots are
-     * NULL, or they return OST_ERR_UNAVAILABLE.
+     * The two slots below execute the steps that precede the work on voxels. They are for a backend that executes these
+     * steps itself. Only validation calls these slots, to compare the results. If a backend uses the results of
+     * src/core, both slots are NULL or return OST_ERR_UNAVAILABLE.
      */
-    /* AR-MESH-3, AR-MESH-4. The caller frees out by ost_snapped_mesh_free. */
+    /*
+     * Snaps a mesh to the lattice of a tool grid (AR-MESH-3, AR-MESH-4). The caller frees out by ost_snapped_mesh_free.
+     */
     ost_status (*snap)(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,
                        ost_error *err);
     /*
-     * AR-SWEEP-1 to 4, AR-MAP-1 to 3. from is NULL for an event without a sweep from a previous pose.
-     * poses and maps have space for OST_SWEEP_MAX elements. *count is 0 if the event is rejected.
+     * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). from is NULL for an
+     * event without a sweep from a previous pose. poses and maps have space for OST_SWEEP_MAX
+     * elements. *count is 0 if the event is rejected.
      */
     ost_status (*steps)(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,
                         const ost_pose *from, const ost_pose *to, int *count, ost_pose *poses, ost_map *maps,
@@ -145,12 +157,12 @@ extern const ost_backend_ops ost_backend_cpu;
 extern const ost_backend_ops ost_backend_cl;
 extern const ost_backend_ops ost_backend_plugin;
 
-/* The slot `devices` of a backend that has no choice of devices. */
+/* Implements the slot `devices` for a backend that has no choice of devices. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
-/* The slot `bone_sample` of a backend whose voxels are not in host memory. */
+/* Implements the slot `bone_sample` for a backend whose voxels are not in host memory. */
 ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                          ost_error *err);
-/* The slot `bone_occupancy` of a backend that can read voxels only by slices. */
+/* Implements the slot `bone_occupancy` for a backend that can read voxels only by slices. */
 ost_status ost_no_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
 
 #endif

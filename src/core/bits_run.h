@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Sets [*from, *to) to the next run of set bits at or after *to. Returns false if there is none. */
+/* Sets [*from, *to) to the next run of set bits at or after *to. Returns false if there is no further run. */
 static inline bool ost_bits_run(const uint64_t *word, int words, int *from, int *to)
 {
     int i = *to;

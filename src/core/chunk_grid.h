@@ -59,17 +59,18 @@ bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk);
 void ost_chunk_release(ost_chunk *chunk);
 
 /*
- * These functions copy slices z0 <= k < z0 + count to or from the grid, without the padding, x fastest.
- * Upload sets densities below the threshold to 0; on failure the grid is unchanged.
+ * The two functions below copy the slices z0 <= k < z0 + count to or from the grid, without the
+ * padding, x fastest. Upload sets densities below the threshold to 0; on failure the grid is
+ * unchanged.
  */
 ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count, const int16_t *voxels,
                                  ost_error *err);
 void ost_chunk_grid_download(const ost_chunk_grid *grid, int32_t z0, int32_t count, int16_t *voxels);
 
 /*
- * Reads the 32^3 voxels of a leaf (AR-DIG-2), zero outside the grid, for any n.
- * Returns false if no chunk in the leaf has memory; all voxels of the leaf are then
- * zero, and `voxels` is unchanged.
+ * Reads the 32^3 voxels of a leaf (AR-DIG-2), for any n. Voxels outside the grid are zero. Returns
+ * false if no chunk in the leaf has memory; all voxels of the leaf are then zero, and `voxels` is
+ * unchanged.
  */
 bool ost_chunk_grid_leaf(const ost_chunk_grid *grid, ost_dims leaf, int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF]);
 

@@ -33,8 +33,8 @@ static bool is_digit(const char *p, const char *end)
 }
 
 /*
- * Reads e[+-]digits at p into *exponent. Returns a pointer to the byte after the exponent, p if there
- * is no exponent, or NULL if its magnitude is too great.
+ * Reads e[+-]digits at p into *exponent. Returns a pointer to the byte after the exponent, p if
+ * there is no exponent, or NULL if the magnitude of the exponent is too great.
  */
 static const char *read_exponent(const char *p, const char *end, int32_t *exponent)
 {
@@ -58,8 +58,9 @@ static const char *read_exponent(const char *p, const char *end, int32_t *expone
 }
 
 /*
- * Limits a count of digits to half of the range of int32. Readers limit the length of lines, so their
- * counts are far smaller; a longer text gives a value that is out of range.
+ * Limits a count of digits to half of the range of int32. Readers limit the length of lines, so the
+ * counts that they pass are far smaller. For a longer text, the limited count gives a value that is
+ * out of range.
  */
 static int32_t saturated(int64_t count)
 {
@@ -75,7 +76,7 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 
     ost_decimal d = {.negative = negative};
     int mantissa_digits = 0;
-    int64_t tail_unit = TEN_TO_18; /* unit of the last digit of the tail so far */
+    int64_t tail_unit = TEN_TO_18; /* unit of the last digit that was added to the tail */
     int64_t exponent = 0;
     int64_t places = 0;
     bool any = false;
@@ -113,8 +114,8 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 }
 
 /*
- * Returns true if RHE rounds the quotient up. The fraction of the quotient is the sum of remainder / ten_to_e,
- * of beyond in units of 10^-18 / ten_to_e, and, if more is set, of a smaller positive part.
+ * Returns true if RHE rounds the quotient up. The fraction of the quotient is the sum of remainder / ten_to_e, of
+ * beyond in units of 10^-18 / ten_to_e, and of a smaller positive part if more is set.
  */
 static bool rounds_up(ost_i128 quotient, ost_i128 remainder, ost_i128 ten_to_e, int64_t beyond, bool more)
 {

@@ -69,7 +69,7 @@ ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err)
     return status;
 }
 
-/* Computes the digest of up to three pieces, one after the other. */
+/* Computes the digest of up to three pieces that follow each other. */
 static ost_status hash_pieces(const void *const piece[], const size_t size[], int count, ost_digest *out,
                               ost_error *err)
 {
@@ -183,7 +183,7 @@ ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_d
     return ost_digest_dense(kind, &volume->geometry, volume->voxels, sizeof *volume->voxels, out, err);
 }
 
-/* Copies the leaf at leaf coordinates (lx, ly, lz), zero outside the grid. */
+/* Copies the voxels of the leaf with the indices (lx, ly, lz). Voxels outside the grid are 0. */
 static void gather_leaf(const uint8_t *voxels, size_t voxel_size, ost_dims dims, int32_t lx, int32_t ly, int32_t lz,
                         uint8_t *leaf)
 {

@@ -29,7 +29,7 @@
 typedef struct ost_divider {
     ost_i128 divisor;
     int64_t inverse; /* I */
-    int shift;       /* s + 46, not negative */
+    int shift;       /* number of bits by which the dividend is shifted: s + 46, not negative */
 } ost_divider;
 
 /* Prepares divisions by a divisor, 2^15 <= divisor <= 2^120. */
@@ -62,7 +62,7 @@ static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *
     return q;
 }
 
-/* Returns RHE(n / divisor), for the range of n of ost_floor_by. */
+/* Returns RHE(n / divisor). n must be in the range that ost_floor_by requires. */
 static inline int64_t ost_rhe_by(const ost_divider *by, ost_i128 n)
 {
     ost_i128 r;

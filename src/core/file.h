@@ -24,9 +24,9 @@
 #include <osteon/status.h>
 
 typedef struct ost_file {
-    int fd;       /* close-on-exec, blocking; -1 after a failure */
+    int fd;       /* file descriptor, close-on-exec and blocking; -1 after a failure */
     int64_t size; /* size in bytes at the time of opening */
-    bool absent;  /* after a failure: no file has this name */
+    bool absent;  /* after a failure: true if no file has this name */
 } ost_file;
 
 /*

@@ -19,12 +19,13 @@ const char *ost_isa_name(ost_isa isa)
 
 enum {
     LEAF1_C = 1 << 23 | 1 << 28,                   /* POPCNT, AVX */
-    OSXSAVE = 1 << 27,                             /* leaf 1, C: XGETBV may be executed */
+    OSXSAVE = 1 << 27,                             /* leaf 1, register C: XGETBV may be executed */
     EXTENDED1_C = 1 << 5,                          /* LZCNT */
     LEAF7_B_AVX2 = 1 << 3 | 1 << 5 | 1 << 8,       /* BMI1, AVX2, BMI2 */
     LEAF7_C_VBMI = 1 << 1,                         /* AVX512_VBMI */
-    YMM_SAVED = 0x06,                              /* XCR0: XMM and upper halves of YMM */
-    ZMM_SAVED = 0xe6,                              /* XCR0: also opmasks, upper halves of ZMM0-15, ZMM16-31 */
+    YMM_SAVED = 0x06,                              /* XCR0: XMM and the upper halves of YMM are saved */
+    /* XCR0: opmasks, the upper halves of ZMM0-15, and ZMM16-31 are also saved */
+    ZMM_SAVED = 0xe6,
 };
 #define LEAF7_B_AVX512                                                                                                 \
     (UINT32_C(1) << 16 | UINT32_C(1) << 17 | UINT32_C(1) << 28 | UINT32_C(1) << 30 |                                   \

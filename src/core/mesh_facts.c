@@ -89,7 +89,10 @@ static size_t collect_edges(const ost_mesh *mesh, const uint32_t *weld, edge *ed
     return count;
 }
 
-/* Counts the runs of equal edges that do not consist of exactly two edges with opposite signs. */
+/*
+ * Counts the open edges. Equal edges are adjacent in the array. An edge is not open if it occurs exactly twice, with
+ * opposite signs.
+ */
 static size_t count_open(const edge *edges, size_t count)
 {
     size_t open = 0;

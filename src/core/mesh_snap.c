@@ -115,7 +115,7 @@ ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, os
     out->vertex_count = mesh->vertex_count;
     assert(out->fraction_bits >= 8);
 
-    /* There are at most 3 * 2^26 elements of 12 bytes. One more is allocated, so that the size is never 0. */
+    /* There are at most 3 * 2^26 elements of 12 bytes. One more element is allocated, so that the size is never 0. */
     out->vertices = calloc(mesh->vertex_count + 1, sizeof *out->vertices);
     out->triangles = malloc((mesh->triangle_count + 1) * sizeof *out->triangles);
     if (!out->vertices || !out->triangles)

@@ -91,8 +91,8 @@ void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm)
 /* -------------------------------------------------------------------- paths */
 
 /*
- * Returns the number of ticks into which a row is divided (AR-MOTOR-7), at least 1. Numbers above
- * OST_MOTOR_PARTS_MAX are returned as OST_MOTOR_PARTS_MAX + 1.
+ * Returns the number of ticks into which a row is divided (AR-MOTOR-7), at least 1. For a number
+ * above OST_MOTOR_PARTS_MAX, the result is OST_MOTOR_PARTS_MAX + 1.
  */
 static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm)
 {
@@ -129,7 +129,7 @@ static int64_t root(int64_t n)
 }
 
 /*
- * Returns pose j of `parts` of the hand between two rows, renormalised to unit length. A component is below
+ * Returns pose j of the `parts` poses of the hand between two rows, renormalised to unit length. A component is below
  * 2^30.01 and r >= 2^29.5, so every quotient is at most 2^30 + 2.
  */
 static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int parts)

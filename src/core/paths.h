@@ -21,10 +21,10 @@ enum { OST_PATH_NAME = 96 };
 
 typedef void ost_path_visit(void *user, const char *path, uint64_t entered);
 
-/* Visits every path of the backend in a fixed order. Visits none if the backend does not count paths. */
+/* Visits every path of the backend in a fixed order. Visits no path if the backend does not count paths. */
 void ost_backend_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* The slot `paths` of a backend that does not count paths. */
+/* Implements the slot `paths` for a backend that does not count paths. */
 void ost_no_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <osteon/pose.h>
 
-#include <math.h> /* sqrt, only for a message */
+#include <math.h> /* for sqrt, which is used only for a message */
 #include <stdlib.h>
 
 #include "core/integer.h"

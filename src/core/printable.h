@@ -3,8 +3,8 @@
  * Makes text from files, file names and devices safe for output on a terminal.
  *
  * Such text may contain characters that move the cursor, change colours, make the
- * terminal answer a query or change the direction of the text.  The terminal could then
- * show a different message.  These characters are:
+ * terminal answer a query or change the direction of the text.  The terminal could then show a
+ * different message.  The following characters can have such effects:
  *
  *   C0 and DEL          00..1F, 7F, including newline and tab
  *   C1                  U+0080..U+009F, and single bytes 80..9F, which 8-bit terminals execute
@@ -24,10 +24,16 @@
  */
 int32_t ost_code_point(const char *text, size_t *bytes);
 
-/* Returns true if the code point is not in the list above, that is, if a terminal only displays it. */
+/*
+ * Returns true if a terminal only displays the code point, that is, if the code point is not in the list at the top of
+ * this file.
+ */
 int ost_code_point_is_printable(int32_t code);
 
-/* Replaces every character of the list above by '?', in place. The text does not become longer. */
+/*
+ * Replaces every character that is in the list at the top of this file by '?', in place. The text does not become
+ * longer.
+ */
 void ost_make_printable(char *text);
 
 #endif

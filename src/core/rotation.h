@@ -19,8 +19,8 @@
 #define OST_ROTATION_N_MAX ((INT64_C(1) << 60) + (INT64_C(1) << 52))
 
 /*
- * Returns true if the position is within 8 m and the components of the quaternion are within the bound
- * above. The arithmetic on poses requires both.
+ * Returns true if the position is within 8 m and the components of the quaternion are at most 2^30
+ * + 2^21 in magnitude. The arithmetic on poses requires both conditions.
  */
 static inline bool ost_rotation_fits(const ost_pose *pose)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the shortest decimal of a number: it is printed and read by C functions, which
- * round correctly, with an increasing number of digits until it reads back unchanged.
- * 9 digits suffice for any float, 17 for any double.  Both functions use the program's
- * locale; afterwards the decimal separator of the locale is replaced by a point, and the
- * decimal is read exactly.
+ * Finds the shortest decimal of a number.  C functions that round correctly print the number with
+ * an increasing number of digits and read each text back, until the number that they read equals
+ * the original number.  9 digits suffice for any float, and 17 for any double.  Both functions use
+ * the program's locale.  Afterwards the decimal separator of the locale is replaced by a point, and
+ * the decimal is read exactly.
  */
 #include "core/shortest.h"
 
@@ -17,12 +17,12 @@ void ost_point_put_back(char *text)
     char *point = text + strspn(text, "-0123456789");
     const size_t length = strcspn(point, "0123456789e");
     if (length == 0)
-        return; /* a single digit has no separator */
+        return; /* a number with a single digit has no separator */
     *point = '.';
     memmove(point + 1, point + length, strlen(point + length) + 1);
 }
 
-/* Returns true if 512 v is an integer and |v| < 2^24; v is then a decimal of at most 8 + 9 digits. */
+/* Returns true if 512 v is an integer and |v| < 2^24. Such a number v is a decimal of at most 8 + 9 digits. */
 static bool is_ninth_binary_place(double v)
 {
     return v > -16777216.0 && v < 16777216.0 && (double)(int64_t)(v * 512) == v * 512;
@@ -30,8 +30,8 @@ static bool is_ninth_binary_place(double v)
 
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out)
 {
-    enum { MAX_DIGITS_TRIED = 6 }; /* different decimals of up to 6 digits are different float32 numbers */
-    char text[64];     /* sign, 17 digits, a separator of a few bytes, e-308 */
+    enum { MAX_DIGITS_TRIED = 6 }; /* different decimals of up to 6 digits are read as different float32 numbers */
+    char text[64];     /* space for a sign, 17 digits, a separator of a few bytes, and e-308 */
     const int most = single ? 9 : 17;
     for (int digits = 1; digits <= most; digits++) {
         if (single && digits > MAX_DIGITS_TRIED && is_ninth_binary_place(value)) {

@@ -15,8 +15,8 @@
 #include "core/rotation.h"
 
 /*
- * Returns the dot product of two quaternions. If |q| <= 1.001 * 2^30 for both, it is at most 2^60.01; if only
- * ost_rotation_fits holds for both, it is at most 2^62.01.
+ * Returns the dot product of two quaternions. The product is at most 2^60.01 if |q| <= 1.001 * 2^30 for both
+ * quaternions, and at most 2^62.01 if only ost_rotation_fits holds for both.
  */
 static int64_t dot(const ost_pose *a, const ost_pose *b)
 {

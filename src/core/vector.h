@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Vectors of doubles, for cameras, views and metrics; not used in the arithmetic on voxels.  Pixels are
- * computed with separate float operations in a fixed order (render/points/splat.h).
+ * Vectors of doubles, for cameras, views and metrics.  They are not used in the arithmetic on
+ * voxels.  Pixels are not computed with these vectors but with separate float operations in a fixed
+ * order (render/points/splat.h).
  */
 #ifndef OST_CORE_VECTOR_H
 #define OST_CORE_VECTOR_H
