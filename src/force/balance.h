@@ -6,10 +6,10 @@
  *
  *   spring u  +  sum over pressing points of  b (given + j . u) j  =  pull
  *
- * u is the velocity of the tool, or its velocity and angular velocity.  j of a
- * point is its outward normal n, or n and r x n, so that j . u is its speed of
- * advance.  The set of pressing points is found by iteration: each solution
- * determines the set for the next solution.
+ * u is the velocity of the tool, or its velocity and angular velocity.  For each
+ * point, j is the outward normal n, or n and r x n, so that j . u is the point's
+ * speed of advance.  The set of pressing points is found by iteration: each
+ * solution determines the set for the next solution.
  */
 #ifndef OST_FORCE_BALANCE_H
 #define OST_FORCE_BALANCE_H
@@ -18,16 +18,19 @@
 
 typedef struct balance {
     int axes;              /* 3 or 6 */
-    double spring[6];      /* coefficient of the springs for each axis of u */
+    double spring[6];      /* coefficient of the springs for each component of u */
     double pull[6];
     size_t count;          /* number of points */
     double b[OST_SHELL_MAX];
-    double given[OST_SHELL_MAX]; /* m/s: part of the advance that does not depend on u */
+    double given[OST_SHELL_MAX]; /* part of each point's speed of advance that does not depend on u, m/s */
     double j[6][OST_SHELL_MAX];
-    double advance[OST_SHELL_MAX]; /* m/s: advance of each point for the solution */
+    double advance[OST_SHELL_MAX]; /* speed of advance of each point in the solution, m/s */
 } balance;
 
-/* Solves for u and sets the advance of each point. A point whose advance is not positive does not press. */
+/*
+ * Solves for u and sets the speed of advance of each point. A point whose speed of advance is not positive does not
+ * press.
+ */
 void ost_balance_solve(balance *e, double u[6]);
 
 #endif

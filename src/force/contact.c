@@ -20,7 +20,7 @@
 
 #include "core/backend.h"
 
-#define NEAR_AXIS 1e-3 /* m: least distance from the axis that is used for the cutting speed of a point */
+#define NEAR_AXIS 1e-3 /* least distance from the axis, in m, that is used to compute the cutting speed of a point */
 
 /* Vectors of four elements; the compiler chooses the registers. */
 typedef float four __attribute__((vector_size(16)));
@@ -154,7 +154,7 @@ static void positions(const to_voxels *map, const float (*at)[OST_SHELL_MAX], si
 
 /*
  * Computes the voxel of each position by rounding down. The conversion to integers truncates toward
- * 0, so it gives one too many for negative positions; this is corrected.
+ * 0, so for negative positions the result can be one too high; the comparison corrects this.
  */
 static void voxels_at(const to_voxels *map, size_t count, contact *c)
 {
@@ -209,7 +209,8 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
                              contact *c, ost_error *err)
 {
     const double s = (double)bone->geometry.spacing.x * OST_M_PER_PM;
-    uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX]; /* indices in the shell; indices among touching points */
+    /* indices of the points in the shell; indices of the points among the touching points */
+    uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX];
     to_voxels map;
     c->count = 0;
     if (!map_make(bone, shell, pose, layer, &map))

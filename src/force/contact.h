@@ -17,20 +17,23 @@
 #include <osteon/force.h>
 
 #define OST_M_PER_PM 1e-12
-#define OST_RIGID 1e12 /* N s/m^3: resistance of a point that does not cut */
+#define OST_RIGID 1e12 /* resistance per area of a point that does not cut, N s/m^3 */
 
 /* The points of a tool, stored by component. Elements after the last point are zero. */
 typedef struct contact_shell {
     size_t count;
     float at[3][OST_SHELL_MAX], inward[3][OST_SHELL_MAX];
-    float outside[3][OST_SHELL_MAX]; /* position one voxel outward, at which bone is looked up */
-    float against[2][OST_SHELL_MAX]; /* x and y of the unit vector opposite to the motion by rotation */
-    float spin[OST_SHELL_MAX];       /* m/s: speed of the point by rotation */
+    float outside[3][OST_SHELL_MAX]; /* position one voxel outward of each point, at which bone is looked up */
+    /* x and y of the unit vector opposite to the motion of the point due to the tool's rotation */
+    float against[2][OST_SHELL_MAX];
+    float spin[OST_SHELL_MAX];       /* speed of the point due to the tool's rotation, m/s */
     float area[OST_SHELL_MAX];
-    float give[OST_SHELL_MAX];       /* N s/m: resistance to the advance in bone of the reference density */
-    bool cutting[OST_SHELL_MAX];     /* the point can cut and the tool rotates */
-    bool edge[OST_SHELL_MAX];        /* the point can cut */
-    double reach;                    /* largest distance of a point from the tool's origin, including `outside` */
+    /* resistance to the advance of the point in bone of the reference density, N s/m */
+    float give[OST_SHELL_MAX];
+    bool cutting[OST_SHELL_MAX];     /* true if the point can cut and the tool rotates */
+    bool edge[OST_SHELL_MAX];        /* true if the point can cut */
+    /* largest distance of a point, including its position in `outside`, from the tool's origin */
+    double reach;
 } contact_shell;
 
 /* The pose of the tool's frame. */
@@ -44,7 +47,7 @@ typedef struct contact {
     size_t count;
     uint16_t which[OST_SHELL_MAX];
     int16_t density[OST_SHELL_MAX];
-    double depth[OST_SHELL_MAX];    /* compressed thickness of the layer (law instant) */
+    double depth[OST_SHELL_MAX];    /* thickness by which the layer is compressed (law OST_FORCE_INSTANT) */
     /*
      * Scratch: positions of the points in voxels relative to an integer origin, their voxels, and
      * the densities of these voxels.
@@ -61,16 +64,16 @@ void ost_turn_of(const double q[4], double turn[3][3]);
 void ost_into_bone(const contact_pose *pose, const double v[3], double out[3]);
 void ost_into_tool(const contact_pose *pose, const double v[3], double out[3]);
 
-/* Converts a shell. spacing is the edge length of a bone voxel in metres. */
+/* Converts a shell to a contact_shell. spacing is the edge length of a bone voxel in metres. */
 void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *params, double spacing, contact_shell *out);
 /* Updates the values that depend on params->speed, the speed of the tool. */
 void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *params);
-/* Finds the points that have bone one voxel outward of them. */
+/* Finds the points for which the position one voxel outward of them lies in bone. */
 ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c,
                              ost_error *err);
 /*
- * Finds the points for which the position `layer` outward of them lies in bone. c->depth is the
- * depth of this position in bone, measured along the inward normal, at most 2 layer; c->density
+ * Finds the points for which the position `layer` outward of them lies in bone.  c->depth is the
+ * depth of this position in bone, measured along the inward normal, at most 2 * layer.  c->density
  * is the density of the first bone voxel.
  */
 ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer,

@@ -18,7 +18,8 @@
  *
  *   instant   f = layer stiffness * (density / reference)^2 * area * depth
  *
- *   The sum of the stiffness of all points is limited to that of the coupling.
+ *   The sum of the stiffness of all points is limited to the stiffness of the
+ *   coupling.
  *
  * All computations use the tool's frame (contact.h); the results are rotated back.
  */
@@ -42,29 +43,29 @@ enum { TOOLS_MAX = 16, PARTS = 8 };
 
 /* The coupled tool: all state that one tick passes to the next. */
 typedef struct grip {
-    bool coupled;       /* a tool is coupled; the other fields are valid */
+    bool coupled;       /* true if a tool is coupled; the other fields are then valid */
     int tool;
     contact_pose pose;  /* pose of the tool */
     double facing[4];   /* orientation of the tool as a quaternion */
     ost_pose device;    /* pose of the device in the last tick */
-    double velocity[3]; /* m/s: filtered velocity of the device */
-    double turning[3];  /* rad/s: filtered angular velocity of the device */
-    double drag[3];     /* N: lateral force of cutting, low-pass filtered */
+    double velocity[3]; /* filtered velocity of the device, m/s */
+    double turning[3];  /* filtered angular velocity of the device, rad/s */
+    double drag[3];     /* lateral force of cutting, low-pass filtered, N */
     double drag_nm[3];
-    double spun;        /* rad: angle by which the tool has rotated */
+    double spun;        /* angle by which the tool has rotated, rad */
 } grip;
 
 struct ost_force {
     const ost_bone *bone;
     ost_force_params params;
-    double spacing; /* m: spacing of the bone */
+    double spacing; /* spacing of the bone, m */
     int tools;
     contact_shell *shells[TOOLS_MAX];
     grip grip;
     /* Scratch for one tick. */
     contact contact;
     balance balance;
-    double size[OST_SHELL_MAX]; /* N: force of each touching point */
+    double size[OST_SHELL_MAX]; /* force of each touching point, N */
 };
 
 /* ------------------------------------------------------------------ making */
@@ -198,11 +199,10 @@ static void turn_tool(ost_force *f, const double w[3], double dt)
 /* ------------------------------------------------------------------ results */
 
 /*
- * Sums the forces of the points on the tool: the forces along the normals, and the
- * lateral forces of cutting.  If one side of the tool is pressed, the lateral force
- * pulls it sideways.  Such a coupling has no potential and would make a lightly held
- * device whirl at its natural frequency.  A low-pass filter therefore limits the
- * lateral force to lower frequencies.
+ * Sums the forces of the points on the tool: the forces along the normals, and the lateral forces
+ * of cutting.  If one side of the tool is pressed, the lateral force pulls the tool sideways.  Such
+ * a coupling has no potential and would make a lightly held device whirl at its natural frequency.
+ * A low-pass filter therefore limits the lateral force to lower frequencies.
  */
 static void sum_up(ost_force *f, double period, ost_force_result *out)
 {
@@ -260,7 +260,8 @@ static void shake(ost_force *f, double period, ost_force_result *out)
     if (p->vibration <= 0 && p->runout <= 0)
         return;
     f->grip.spun += p->speed * period;
-    f->grip.spun -= f->grip.spun > 2 * PI * 64 ? 2 * PI * 64 : 0; /* 64 whole turns: the teeth stay in phase */
+    /* 64 complete turns are subtracted, so that the teeth stay in phase */
+    f->grip.spun -= f->grip.spun > 2 * PI * 64 ? 2 * PI * 64 : 0;
     ost_sin_cos(f->grip.spun, &once[0], &once[1]);
     ost_sin_cos(f->grip.spun * p->teeth, &teeth[0], &teeth[1]);
     const double own[3] = {p->runout * once[1], p->runout * once[0], p->vibration * teeth[0]};
@@ -272,8 +273,8 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* ------------------------------------------------------------------ energy */
 
 /*
- * Adds the touching points to the balance. turn is the part of the tool's angular velocity that is
- * given and not solved for, in the tool's frame.
+ * Adds the touching points to the balance.  turn is the given part of the tool's angular velocity,
+ * in the tool's frame; the balance is not solved for this part.
  */
 static void gather(ost_force *f, int axes, const double turn[3])
 {
@@ -356,7 +357,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         ost_into_tool(&f->grip.pose, f->grip.velocity, speed_own);
         pull(&f->balance, 0, k, d, left, far_own, speed_own);
         ost_into_tool(&f->grip.pose, turn, own);
-        own[2] = 0; /* rotation about the tool's axis is ignored: the tool rotates about it anyway */
+        own[2] = 0; /* rotation about the tool's axis is ignored, because the tool rotates about this axis anyway */
         if (turns) {
             ost_turn_between(f->grip.facing, facing, lean);
             ost_into_tool(&f->grip.pose, lean, far_own);
@@ -381,7 +382,7 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
     for (size_t i = 0; i < f->contact.count; i++)
         f->size[i] = f->balance.advance[i] > 0 ? f->balance.b[i] * f->balance.advance[i] : 0;
     sum_up(f, period, out);
-    /* The hand force is the force of the coupling, plus the lateral force. */
+    /* The hand force is the sum of the force of the coupling and the lateral force of cutting. */
     double v[3], w[3];
     ost_into_bone(&f->grip.pose, u, v);
     reach_of(to, f->grip.pose.at, k, away);

@@ -175,7 +175,10 @@ char *ost_force_value_text(double value, char text[OST_FORCE_VALUE])
     return text;
 }
 
-/* Teeth that pass at more than half the tick rate would be rendered at a wrong frequency. */
+/*
+ * Returns true if the teeth pass at half the tick rate of 1 kHz or faster. Their vibration would be rendered at a wrong
+ * frequency.
+ */
 static bool passes_too_fast(const ost_force_params *p)
 {
     return p->vibration > 0 && p->speed * p->teeth >= 500 * 6.283185307179586;

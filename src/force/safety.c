@@ -6,7 +6,7 @@
  *
  * Passivity (observer and controller of Hannaford and Ryu 2002): the energy that the
  * hand has supplied, minus the energy that it has received, is the energy stored in
- * the contact.  A coupling can store at most stored_j, so the count is limited to this
+ * the contact.  A coupling can store at most stored_j, so the stored energy is limited to this
  * value.  A negative value means that energy was generated; a damper then removes it.
  */
 #include <math.h>
@@ -63,7 +63,7 @@ static void passivity(ost_safety *s, const double moved[3], double period_s, dou
     const double square = moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2];
     if (s->energy_j >= 0 || square <= 0 || s->params.max_damping <= 0)
         return;
-    double damping = -s->energy_j * period_s / square; /* N s/m: so that damping |v|^2 period = -energy */
+    double damping = -s->energy_j * period_s / square; /* N s/m; chosen so that damping |v|^2 period = -energy */
     if (damping > s->params.max_damping)
         damping = s->params.max_damping;
     for (int a = 0; a < 3; a++)

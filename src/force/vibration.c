@@ -8,8 +8,8 @@
 void ost_sin_cos(double angle, double *sine, double *cosine)
 {
     /*
-     * Computes the series for x, a sixteenth of the angle modulo whole turns with |x| at most 0.2, and then
-     * doubles the angle four times.
+     * x is a sixteenth of the angle modulo complete turns, so |x| is at most 0.2. The series are computed for x, and
+     * the angle is then doubled four times.
      */
     const double x = (angle - TURN * rint(angle / TURN)) / 16, q = x * x;
     double s = x * (1 - q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72))));
