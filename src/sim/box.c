@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why no voxel is missed.  A voxel is hit only if the coordinates computed for its
- * centre p are inside the tool's grid.  Their error is at most 23 / 2^20 of a tool
- * voxel (AR-MAP), so p itself lies in the grid's box inflated by one tool voxel on
- * every side.  p also lies in the box of all voxel centres of the bone.  Therefore
- * p is in both boxes: no axis separates them, and p lies within the bone-aligned
- * bounds of the inflated box.  Both results are computed with every rounding on the
- * safe side.
+ * This is the proof that no voxel is missed.  A voxel is hit only if the
+ * coordinates computed for its centre p are inside the tool's grid.  Their error is
+ * at most 23 / 2^20 of a tool voxel (AR-MAP), so p itself lies in the grid's box
+ * inflated by one tool voxel on every side.  p also lies in the box of all voxel
+ * centres of the bone.  Therefore p is in both boxes: no axis separates them, and p
+ * lies within the bone-aligned bounds of the inflated box.  Both the test of the
+ * axes and the bounds are computed with every rounding on the safe side.
  *
  * All lengths are doubled, so that centres and half extents are integers:
  *
@@ -163,13 +163,14 @@ static int32_t clamp(int64_t value, int32_t hi)
  * Alg. 2.8 clamps the corners of the tool to the bone's box and computes their
  * bounds.  In the bone's own frame, clamping acts on each axis separately and
  * preserves order, so the result is the clamped bone-aligned bounds of the tool.
- * Here they are computed directly, from the centre and the rotated half extents:
+ * Here the bounds are computed directly, from the centre and the rotated half extents:
  * twice the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
  *
- * Alg. 2.9 then converts the bounds to voxels.  Its frame has the centre of the
- * box at the origin; this function uses the origin of the bone.  If a voxel centre
- * o + k s satisfies  c - h <= 2 (o + k s) <= c + h,  where the error of c is at most
- * 1/2, then ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
+ * Alg. 2.9 then converts the bounds to voxels.  The frame of Alg. 2.9 has the
+ * centre of the box at the origin; this function uses the origin of the bone.  If a
+ * voxel centre o + k s satisfies  c - h <= 2 (o + k s) <= c + h,  where the error of
+ * c is at most 1/2, then
+ * ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
  */
 ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, const ost_pose *pose)
 {

@@ -10,13 +10,13 @@
  * inward axis of the glenoid.  The poses are those of the hand; the motor rotates the
  * tool (motor.h).  A tick lasts 1 ms.
  *
- *   peg-hole      22 mm deep at 10 mm/s: within the vault, which is 25 to 30 mm
+ *   peg-hole      22 mm deep at 10 mm/s: within the vault, 25 to 30 mm deep
  *   glenoid-ream  3 mm deep at 1.5 mm/s: through the cartilage, 2 mm, and into the
  *                 subchondral plate behind it, 1.2 to 2.9 mm, whose remaining part
  *                 carries the implant (facts and sources: docs/spec/arithmetic.md, AR-CLS)
  *
- *   glenoid-slow  the same depth in a minute, starting close to the face, so that the tool is
- *                 always in contact; for tests of the servo loop and of devices
+ *   glenoid-slow  the depth of glenoid-ream in a minute, starting close to the face, so that the
+ *                 tool is always in contact; for tests of the servo loop and of devices
  *   glenoid-press a hand that presses, sweeps and wobbles for a minute or a given number of
  *                 ticks, with the force required for this (press.h)
  *
@@ -174,10 +174,10 @@ static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
     return ost_pose_check(out, err);
 }
 
-/* Values that all paths use. */
+/* Values that all built-in paths use. */
 typedef struct start {
     vec at, axis, tip;
-    quat face; /* maps -z to the axis */
+    quat face; /* rotation that maps -z to the axis */
 } start;
 
 static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, size_t ticks, start *s,

@@ -9,9 +9,9 @@
  *          |     '-'   '-'   '-  deeper by 0.15 mm/s, to 24 mm; up and down by 1.5 mm, period 4 s
  *
  * The tool follows the target as far as the bone allows, and the spring between
- * hand and tool determines the force.  The target is therefore pressed in far behind
- * the face.  In dense bone the tool needs half a minute to reach the target; afterwards
- * sweep and wobble move the tool into new bone.
+ * hand and tool determines the force.  The target therefore lies far behind the face.  In dense
+ * bone the tool needs half a minute to reach the target; afterwards sweep and wobble move the tool
+ * into new bone.
  *
  * Each of the three periodic motions is a point that moves on a circle by a
  * recurrence, (c, s) * (p + i) / |p + i|, so only + - * / and sqrt are used.
@@ -22,16 +22,16 @@
 #include <osteon/length.h>
 
 typedef struct press_wheel {
-    double c, s;    /* point on the unit circle */
+    double c, s;    /* current point on the unit circle */
     double step[2]; /* rotation per tick */
 } press_wheel;
 
 typedef struct press_load {
     press_wheel breath, sweep, wobble;
-    double share; /* weight of the periodic motions, which begin gradually */
+    double share; /* weight of the periodic motions, 0 to 1; the motions begin gradually */
     /*
-     * Current values: mm from the face along the axis; mm across the axis; half the lean of the tool's axis
-     * in radians, about x and y of the tool's frame.
+     * Current values: depth in mm from the face along the axis; offset in mm across the axis; half the lean of the
+     * tool's axis in radians, about x and y of the tool's frame.
      */
     double depth, across[2], lean[2];
 } press_load;

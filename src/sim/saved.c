@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stores the copy of a world, and the ticks executed since the copy, from which a failover starts (failover.c).
- * The copy is replaced only when a new copy is complete.
+ * Stores a copy of a world, and the ticks executed since the copy was made. A failover (failover.c) starts from the
+ * copy and the ticks. A copy is replaced only when a new copy is complete.
  */
 #include "sim/world.h"
 

@@ -78,7 +78,7 @@ static int64_t count_slab(const ost_geometry *g, const int16_t *slab, int32_t z0
     return count;
 }
 
-/* Counts the active voxels in a zone. All voxels of the zone must be within `far` mm of the glenoid. */
+/* Counts the active voxels in a zone. The zone must lie within `far` mm of the glenoid. */
 static ost_status count_zone(const ost_bone *bone, const ost_glenoid *glenoid, double far, zone *in,
                              const double *limits, int64_t *out, ost_error *err)
 {

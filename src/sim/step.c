@@ -78,7 +78,10 @@ static ost_status count_poses(const ost_world *world, const ost_entity *tool, co
                            world->geometry.spacing.x, count, err);
 }
 
-/* Returns the voxels that the tool can hit at this pose, or an empty box if the boxes of tool and bone are apart. */
+/*
+ * Returns the voxels that the tool can hit at this pose. The result is an empty box if the boxes of tool and bone do
+ * not intersect.
+ */
 static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const ost_pose *pose)
 {
     const ost_dims d = world->geometry.dims;

@@ -18,11 +18,11 @@ typedef struct ost_world_clock {
     ost_world_totals totals;
 } ost_world_clock;
 
-/* The data with which a failover starts (failover.c). */
+/* The data from which a failover starts (failover.c). */
 typedef struct ost_world_saved {
     int16_t *voxels; /* owned; the bone's voxels before the first of `ticks` */
     uint8_t *tools[OST_WORLD_TOOLS_MAX]; /* owned; classes of each tool's voxels */
-    ost_tick *ticks; /* owned; capacity options.saved_ticks; the ticks completed since the copy */
+    ost_tick *ticks; /* owned; the ticks completed since the copy; the capacity is options.saved_ticks */
     int32_t count;
     /* The world's state before the first of `ticks`. */
     ost_input_component inputs[OST_WORLD_TOOLS_MAX];
@@ -41,7 +41,7 @@ struct ost_world {
 
     ost_world_saved *saved; /* owned; NULL if saved_ticks is 0 */
 
-    /* Scratch for one event; it grows if a sweep needs more. */
+    /* Scratch for one event. The scratch grows if a sweep needs more. */
     int capacity;
     ost_map *maps;        /* owned */
     ost_voxel_box *boxes; /* owned */
