@@ -23,12 +23,12 @@ struct ost_operation {
     ost_operation_options options;
     int classes;
     int64_t t_ns;      /* time of the loop's first tick */
-    bool moved;        /* a tick was executed; `hand` is valid */
+    bool moved;        /* true if a tick was executed; `hand` is then valid */
     ost_motor motor;
     bool on;           /* the motor is switched on, even if no button is held */
     uint32_t active_actions; /* actions held in the last tick */
     _Atomic uint32_t keys;
-    int32_t tool;      /* used if the device does not select one */
+    int32_t tool;      /* index of the tool that is used if the device does not select a tool */
     ost_pose hand;     /* pose of the last tick, after the clutch and before the motor's rotation */
     haptic_clutch clutch;
     bool clutched;     /* the clutch is applied between device and hand */
@@ -124,8 +124,8 @@ static void note(ost_operation *o, int64_t t_ns, const char *text)
 }
 
 /*
- * Returns true if two poses are more than 5 mm apart. Valid poses lie within 8 m, so a difference is below 2^44 and its
- * square below 2^88.
+ * Returns true if two poses are more than 5 mm apart. Valid poses lie within 8 m, so a difference is below 2^44 and the
+ * square of a difference below 2^88.
  */
 static bool is_far(const ost_pose *a, const ost_pose *b)
 {
@@ -140,7 +140,7 @@ static ost_fault judge(const ost_operation *o, const ost_tick *tick, bool lifted
 {
     if (ost_pose_check(&tick->pose, NULL) != OST_OK)
         return OST_FAULT_TURN;
-    /* After a lift or a change of tools, the tool starts at its new position without a sweep. */
+    /* After a lift or a change of tools, the tool starts at a new position without a sweep. */
     if (o->moved && !lifted && tick->tool == o->last_tool && is_far(&tick->pose, &o->hand))
         return OST_FAULT_JUMP;
     return OST_FAULT_NONE;
@@ -197,8 +197,8 @@ static double speed_of(int32_t rpm)
 }
 
 /*
- * Computes the wrench and the pose of the tool. On entry, tick->pose is the pose of the device, including
- * the motor's rotation; on return, it is the pose of the tool. Sets *fault if the result is not valid.
+ * Computes the wrench and the pose of the tool. On entry, tick->pose is the pose of the device, including the motor's
+ * rotation; on return, tick->pose is the pose of the tool. Sets *fault if the result is not valid.
  */
 static ost_status feel(ost_operation *o, const ost_servo_sample *sample, double turned, int64_t period_ns,
                        ost_tick *tick, ost_wrench *wrench, ost_fault *fault)
@@ -313,15 +313,16 @@ void ost_operation_keys(ost_operation *operation, uint32_t active_actions)
 }
 
 /*
- * Converts *pose from the pose of the device to the pose of the hand.  The two are
- * equal until OST_ACTION_CLUTCH or OST_ACTION_HOME occurs for the first time.  Sets
- * *put if OST_ACTION_HOME moves the tool to the home pose.  Returns false while
- * OST_ACTION_CLUTCH is held, during which the pose of the hand does not change.
+ * Converts *pose from the pose of the device to the pose of the hand.  The two
+ * poses are equal until OST_ACTION_CLUTCH or OST_ACTION_HOME occurs for the first
+ * time. Sets *put if OST_ACTION_HOME moves the tool to the home pose. Returns false
+ * while OST_ACTION_CLUTCH is held, during which the pose of the hand does not
+ * change.
  */
 static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed, ost_pose *pose, bool *put)
 {
     if (ost_pose_check(pose, NULL) != OST_OK)
-        return true; /* an invalid pose; judge() reports the fault */
+        return true; /* judge() reports an invalid pose as a fault */
     const bool home = is(pressed, OST_ACTION_HOME) &&
                       o->options.home.qw | o->options.home.qx | o->options.home.qy | o->options.home.qz;
     const bool stays = is(active_actions, OST_ACTION_CLUTCH) && o->moved;
@@ -375,8 +376,8 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         return true;
     }
     /*
-     * After a drop-out there is no sweep from the previous pose. If the device is far from that pose, this
-     * is a fault, as without a drop-out.
+     * After a drop-out there is no sweep from the previous pose. A device that is far from the previous pose causes a
+     * fault, as without a drop-out.
      */
     const bool lifted = !sample->declared && sample->state.lifted;
     o->lifted |= o->dropout > 0;
@@ -396,7 +397,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_fault fault = judge(o, &tick, put);
     run_motor(o, &sample->state, o->on || is(active_actions, OST_ACTION_MOTOR), &motor, &tick);
     if (put)
-        ost_safety_stop(&o->safety); /* so that the displacement does not count as work of the hand */
+        ost_safety_stop(&o->safety); /* the displacement then does not count as work of the hand */
     if (fault == OST_FAULT_NONE && put && o->options.force)
         ost_force_set_pose(o->options.force, tick.tool, &tick.pose);
     if (fault == OST_FAULT_NONE && o->options.force) {
@@ -443,7 +444,10 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     return true;
 }
 
-/* Assumes that the hand does not move; a tool that is coupled to the hand by a force still moves. */
+/*
+ * Rehearses the next tick under the assumption that the hand does not move. A tool that is coupled to the hand by a
+ * force still moves.
+ */
 void ost_operation_rehearse(void *operation)
 {
     ost_operation *o = operation;
@@ -451,7 +455,7 @@ void ost_operation_rehearse(void *operation)
         return;
     const ost_pose tool = o->options.rpm == OST_RPM_ON ? o->hand : ost_motor_pose(&o->motor, &o->hand);
     ost_force_result felt = {.tool = tool};
-    /* Errors are ignored here; the tick itself reports them. */
+    /* Errors of the rehearsal are ignored, because the tick itself reports them. */
     if (!o->options.force ||
         ost_force_rehearse(o->options.force, o->last_tool, &tool, (double)AFTER_NS * 1e-9, &felt, NULL) == OST_OK)
         (void)ost_world_rehearse(o->world, o->last_tool, &felt.tool, NULL);
