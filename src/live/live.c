@@ -35,16 +35,16 @@ struct ost_live_channel {
     int32_t *slot_of;      /* owned; slot of each chunk; NONE for chunks without active voxels at the start */
     int32_t *chunk_of;     /* owned; chunk of each slot */
     int32_t slots;
-    _Atomic uint32_t *words; /* owned; chunk_words for each slot */
+    _Atomic uint32_t *words; /* owned; chunk_words words for each slot */
     _Atomic uint64_t *dirty; /* owned; one bit for each slot */
 
     ost_live_state state[STATES];
     _Alignas(LINE) _Atomic unsigned middle;
     _Alignas(LINE) unsigned front; /* the viewer's buffer */
-    bool any;              /* used by the viewer: state[front] has been written */
-    uint32_t *seen;        /* owned; used by the viewer: the words of one chunk */
+    bool any;              /* used by the viewer; true if state[front] has been written */
+    uint32_t *seen;        /* owned; used by the viewer; words of one chunk */
 
-    _Alignas(LINE) unsigned back; /* used by the tick, like all following members */
+    _Alignas(LINE) unsigned back; /* used by the tick, like all members below */
     int32_t *waiting;      /* owned; a ring buffer of slot numbers */
     bool *waits;           /* owned; true for slots that are in the ring buffer */
     int32_t first, count;
@@ -198,7 +198,7 @@ void ost_live_changed(ost_live_channel *live, const ost_removal_report *report)
     }
 }
 
-/* Publishes the first waiting slots, at most at_once. */
+/* Publishes the first waiting slots, at most at_once slots. */
 static ost_status publish_some(ost_live_channel *live, ost_error *err)
 {
     int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* 128: number of words in a chunk of 16^3 */
