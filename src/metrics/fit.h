@@ -7,8 +7,8 @@
 #include <stddef.h>
 
 /*
- * Computes the algebraic fit: |p|^2 = 2 c.p + k is linear in c and k. Returns false if the points
- * do not determine a sphere.
+ * Fits a sphere by the algebraic method: |p|^2 = 2 c.p + k is linear in the centre c and in k.
+ * Returns false if the points do not determine a sphere.
  */
 bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], double *radius);
 

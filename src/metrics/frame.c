@@ -4,7 +4,7 @@
  *
  *        GC--------> lateral = GC - TS        TS  trigonum: root of the spine on the medial border
  *        /|                                   GC  centre of the glenoid's face, from the plan
- *       / superior, in the plane of the three IA  inferior angle
+ *       / superior, in the plane TS, GC, IA   IA  inferior angle
  *     TS  |
  *      \  IA          posterior = perpendicular to that plane
  */

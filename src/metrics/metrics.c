@@ -17,8 +17,9 @@ enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOO
 #define INSIDE_MM 45.0
 #define PLATE_MM 4.5
 #define MARGIN_MM 1.0
-#define WINDOW_MM 0.5   /* the axis of a reamer is the mean over the deepest half millimetre */
-#define ENTRY_MM 6.0      /* equal to WALL_MM: at a smaller depth, the space in front of the face would be found */
+#define WINDOW_MM 0.5   /* the axis of a reamer is the mean axis over the deepest half millimetre */
+/* least depth at which the hole is measured; at a depth below WALL_MM, the space in front of the face would be found */
+#define ENTRY_MM 6.0
 #define WALL_MM 6.0
 #define DEG (180 / 3.14159265358979323846)
 
@@ -58,7 +59,7 @@ static ost_status set_up(work *k, const ost_metrics_motion *motion, ost_error *e
         k->frame.w[a] = k->plan->axis[a];
     }
     ost_vector_unit(k->frame.w, 2);
-    /* v is the direction across w that is nearest to superior, or to anterior if w is almost vertical. */
+    /* v is the direction perpendicular to w that is nearest to superior, or to anterior if w is almost vertical. */
     const double up[3] = {0, fabs(k->frame.w[2]) > 0.9 ? -1 : 0, fabs(k->frame.w[2]) > 0.9 ? 0 : 1};
     ost_vector_cross(up, k->frame.w, k->frame.u);
     ost_vector_unit(k->frame.u, 2);
@@ -93,7 +94,10 @@ static int density_at(const work *k, const ost_volume *volume, double u, double 
     return volume->voxels[index_of(k, at)];
 }
 
-/* Returns the position w, to half a step, at which a ray along w first meets bone, or NAN if it meets no bone. */
+/*
+ * Returns the position w, within half a step, at which a ray along w first meets bone. Returns NAN if the ray meets no
+ * bone.
+ */
 static double ray(const work *k, const ost_volume *volume, double u, double v, double from)
 {
     const double step = fmax(k->spacing / 4, 0.05);
@@ -137,8 +141,9 @@ static bool is_floor(const work *k, int i)
 }
 
 /*
- * Stores the points of the cells that are surrounded by floor on RIM cells. At the rim of the
- * floor, only deeper cells count as floor, which would distort the fit.
+ * Stores the points of the cells that are surrounded by floor on RIM cells. The cells at the rim of
+ * the floor are left out, because only deeper cells count as floor there, which would distort the
+ * fit.
  */
 static void leave_rim(work *k)
 {
@@ -156,8 +161,8 @@ static void leave_rim(work *k)
 }
 
 /*
- * Returns true if the cell or a neighbour is drilled. Some rays of such a cell enter the hole, so its
- * mean depth is neither that of the floor nor that of the hole.
+ * Returns true if the cell or a neighbouring cell is drilled. Some rays of such a cell enter the
+ * hole, so the mean depth of the cell is neither that of the floor nor that of the hole.
  */
 static bool at_hole(const work *k, int i)
 {
@@ -348,8 +353,8 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
 }
 
 /*
- * Returns the distance from the voxels of the hole to the nearest voxel that was outside the bone
- * before the operation, at most WALL_MM.
+ * Returns the distance from the hole to the nearest voxel that was outside the bone before the
+ * operation, at most WALL_MM. Only the voxels of the hole at ENTRY_MM or deeper are used.
  */
 static double wall_of(const work *k)
 {
@@ -410,7 +415,7 @@ static void measure_hole(work *k, const ost_metrics_motion *motion, const double
     o->hole_entry_mm = way.entry_mm;
     o->hole_diameter_mm = complete ? 2 * sqrt(sum / complete * cos(way.tilt_deg / DEG) / 3.14159265358979323846) : NAN;
     o->hole_wall_mm = wall_of(k);
-    /* True if a neighbour of the hole was not bone before the operation. */
+    /* The hole is open to the outside if a neighbouring voxel was not bone before the operation. */
     o->hole_breach = o->hole_wall_mm < 1.01 * k->spacing;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The rim of the glenoid's face, before and after, on the maps of surfaces.
+ * Finds the rim of the glenoid's face on the maps of the surfaces before and after
+ * the operation.
  *
  *   from the axis outward, in 72 directions:
  *
@@ -23,7 +24,7 @@ enum { MAP = OST_METRICS_MAP, WAYS = 72 };
 #define PI 3.14159265358979323846
 
 typedef struct rim {
-    double r[WAYS]; /* distance from the axis; NAN: beyond the map */
+    double r[WAYS]; /* distance of the rim from the axis; NAN if the rim is not on the map */
 } rim;
 
 /* Returns the index of the map cell at distance r in a direction, or -1 outside the map. */
@@ -52,8 +53,9 @@ static double trace(const float *surface, int way)
 }
 
 /*
- * Returns the extent from rim to rim along a direction: the sum of the largest components within 30
- * degrees of it and of its opposite. Returns NAN if the rim is not on the map on one side.
+ * Returns the extent from rim to rim along a direction. This is the sum of two components along the
+ * direction: the largest within 30 degrees of the direction, and the largest within 30 degrees of
+ * its opposite. Returns NAN if the rim is not on the map on one side.
  */
 static double across(const rim *edge, int way)
 {
@@ -76,7 +78,7 @@ void ost_metrics_rim(ost_metrics *m)
         after.r[k] = trace(m->after_mm, k);
         if (isnan(before.r[k]))
             continue;
-        /* A direction without a rim after the operation counts as lowered. */
+        /* A direction in which no rim is found after the operation counts as lowered. */
         const double down = isnan(after.r[k])
                                 ? NAN
                                 : (double)m->after_mm[cell(k, after.r[k])] - (double)m->before_mm[cell(k, before.r[k])];

@@ -5,8 +5,8 @@
  *   ticks in contact  .:::.:.::      ::::::.     intervals less than GAP_S apart are merged
  *                     '-------'      '-----'
  *
- * Speeds are averaged over WINDOW_S.  The length of a path is measured between positions
- * PLACE_S apart, because faster tremor is noise of the encoder.
+ * Speeds are averaged over WINDOW_S. The length of a path is measured between positions that are
+ * PLACE_S apart in time, because tremor on shorter time scales is noise of the encoder.
  */
 #include <osteon/metrics.h>
 
@@ -36,8 +36,9 @@ static bool cuts(const ost_motion *m)
 }
 
 /*
- * Finds the intervals of ticks for which `is` returns true. Returns the number of intervals and adds
- * their durations to *seconds. in[i] is set to true if tick i lies in an interval; in may be NULL.
+ * Finds the intervals of ticks for which the function `is` returns true. Returns the number of
+ * intervals and adds their durations to *seconds. in[i] is set to true if tick i lies in an
+ * interval; in may be NULL.
  */
 static int spells(const ost_motion *m, size_t count, bool (*is)(const ost_motion *), double gap_s, double *seconds,
                   bool *in)
@@ -153,7 +154,7 @@ ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_
             tilts++;
         }
         if (motion[i].tool != motion[previous].tool) {
-            previous = i; /* another tool starts at another position */
+            previous = i; /* the next tool starts at another position */
         } else if (motion[i].t_s - motion[previous].t_s >= PLACE_S - 1e-9 || i + 1 == count) {
             const double way = distance(motion[i].mm, motion[previous].mm);
             out->path_mm += way;

@@ -9,7 +9,7 @@ typedef struct ost_plan_frame {
     double at[3], u[3], v[3], w[3];
 } ost_plan_frame;
 
-/* The mean pose, relative to the plan, of a tool while it removed bone. */
+/* The mean pose of a tool while the tool removed bone, relative to the plan. */
 typedef struct ost_tool_way {
     bool cut;            /* the tool removed bone; otherwise no other field is set */
     double reach_mm;     /* deepest position of the tip along w */
