@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Spongy bone and foam: the part of space that remains when cells are cut out.
+ * Generates spongy bone and foam: the part of space that remains when cells are cut out.
  *
  *      .---. .----.       Points are scattered on a lattice.  The cell of a point
- *     ( p1  X  p2  )      is the space that is nearer to it than to all others.
- *      `--./ \ .--'       Where two cells meet there may be a wall, where three
- *          | p3 |         meet there is a strut:
+ *     ( p1  X  p2  )      is the space that is nearer to this point than to all
+ *      `--./ \ .--'       other points.  Where two cells meet, there may be a wall;
+ *          | p3 |         where three cells meet, there is a strut:
  *
  *                           d2 = (F2 - F1) / 2 |p2 - p1|     to the wall, exactly
- *                           d3 = (F3 - F1) / 2 |p3 - p1|     to the next one
+ *                           d3 = (F3 - F1) / 2 |p3 - p1|     to the next wall
  *
  * F1 <= F2 <= F3 are the squared distances to the three nearest points.  d2 is
- * small close to a wall; d2 and d3 are both small close to a strut.  A hash of
- * two cells decides whether there is a wall between them: bone has about half of
- * the walls, as plates between its rods; foam has most, with windows between cells.
+ * small close to a wall; d2 and d3 are both small close to a strut.  A hash of two
+ * cells decides whether there is a wall between the cells.  Bone has about half of
+ * the walls, which are the plates between its rods.  Foam has most of the walls;
+ * where a wall is missing, there is a window between two cells.
  *
- * Voxels are computed in small blocks, and for each block only those points are
- * considered that can be among the three nearest of one of its voxels.
+ * Voxels are computed in small blocks.  For each block, the computation uses only
+ * the points that can be among the three points nearest to a voxel of the block.
  */
 #include <math.h>
 #include <string.h>
@@ -27,22 +28,22 @@
 
 typedef struct recipe {
     double cell;       /* distance between points of the lattice, mm */
-    double stretch;    /* factor by which cells are longer along z, the direction of the load */
+    double stretch;    /* factor by which cells are longer along z than across; z is the direction of the load */
     double jitter;     /* greatest displacement of a point, in cells */
     double strut;      /* radius, mm */
     double wall;       /* half thickness, mm */
-    double walls;      /* share of walls that exist */
-    double radius;     /* radius of a core drilled along z, mm; 0 = a block */
-    int solid, grain;  /* HU, and its variation from place to place */
-    int filling;       /* HU between the struts */
-    int noise;         /* HU, twice the standard deviation */
+    double walls;      /* share of the possible walls that exist */
+    double radius;     /* radius of a core drilled along z, mm; 0: a block */
+    int solid, grain;  /* density of the solid in HU, and its variation between positions */
+    int filling;       /* density between the struts, HU */
+    int noise;         /* twice the standard deviation of the noise, HU */
 } recipe;
 
 /*
- * Thicknesses 0.15-0.25 mm, spaces 0.6-0.9 mm, marrow between (bone); cells of
- * 1-2 mm, air between (foam).  A core of 5.0 mm radius leaves the 3 outermost
- * columns of chunks at each corner of its box empty: 88 of 100 a layer, as in
- * Table 3.2 (1060 of 1200, 1669 of 1900).
+ * Bone has thicknesses of 0.15 to 0.25 mm, spaces of 0.6 to 0.9 mm, and marrow in the spaces.  Foam
+ * has cells of 1 to 2 mm, filled with air.  A core with a radius of 5.0 mm leaves the 3 outermost
+ * columns of chunks empty at each corner of its box.  In each layer, 88 of 100 chunks are therefore
+ * not empty, as in Table 3.2 (1060 of 1200, 1669 of 1900).
  */
 static const recipe BLOCK_OF_BONE = {0.95, 1.25, 0.85, 0.105, 0.075, 0.45, 0, 1350, 300, 10, 70};
 static const recipe CORE_OF_BONE = {1.0, 1.2, 0.85, 0.1, 0.075, 0.4, 5.0, 1350, 300, 10, 70};
@@ -57,8 +58,9 @@ typedef struct seedling {
 } seedling;
 
 /*
- * Lists the points that a block of half diagonal `half` about `middle` (in cells) may need.
- * Returns their number, at most NEAR_MAX.
+ * Lists the points that the voxels of a block may need.  The block is given by its centre `middle`
+ * and by half of its diagonal, `half`, both in cells.  Returns the number of points, at most
+ * NEAR_MAX.
  */
 static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, seedling out[NEAR_MAX])
 {
@@ -93,15 +95,17 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
                     }
             }
     /*
-     * A voxel's third nearest point is at most `half` farther from it than the middle's, and a
-     * point's distance also changes by at most `half`.
+     * For a voxel of the block, the distance to the third nearest point is at most `half` greater
+     * than for the middle of the block.  The distance of any point also changes by at most `half`
+     * between the middle and the voxel.
      */
     double reach = sqrt(nearest[2]) + 2 * half;
     int kept = 0;
     for (int i = 0; i < n; i++) {
         if (out[i].far2 > reach * reach)
             continue;
-        seedling s = out[i]; /* in ascending order of distance, so that distance() rejects most points at once */
+        /* the points are in ascending order of distance, so that distance() rejects most points at once */
+        seedling s = out[i];
         int slot = kept++;
         for (; slot > 0 && out[slot - 1].far2 > s.far2; slot--)
             out[slot] = out[slot - 1];
@@ -110,7 +114,10 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
     return kept;
 }
 
-/* Returns true if there is a wall between two cells. The sum does not depend on their order. */
+/*
+ * Returns true if there is a wall between two cells. The result does not depend on the order of the cells, because the
+ * hash is computed from a sum.
+ */
 static bool has_wall(const recipe *r, const seedling *a, const seedling *b)
 {
     return ost_unit(ost_mix64(a->id + b->id), 1) < r->walls;
@@ -140,7 +147,10 @@ static double distance(const recipe *r, const seedling *near, int count, ost_v3 
     ost_v3 b = {third->x - first->x, third->y - first->y, third->z - first->z};
     double la = ost_v3_length(a), lb = ost_v3_length(b);
     double d2 = r->cell * (f2 - f1) / (2 * la), d3 = r->cell * (f3 - f1) / (2 * lb);
-    /* The strut is the line in which both walls' planes meet: the same line from all three cells. */
+    /*
+     * The strut lies on the line in which the planes of the two walls intersect. This line is the same for all three
+     * cells.
+     */
     double between = ost_v3_dot(a, b) / (la * lb), sharp = ost_max(1 - between * between, 0.04);
     double solid = sqrt(ost_max(d2 * d2 + d3 * d3 - 2 * d2 * d3 * between, 0) / sharp) - r->strut;
     if (has_wall(r, first, second))
@@ -154,10 +164,10 @@ typedef struct corer {
     const ost_scan *scan;
     const recipe *recipe;
     ost_v3 centre; /* centre of the box, mm */
-    double blur;   /* width of the partial volume, in mm of the texture */
+    double blur;   /* width over which the partial volume changes, in mm before scaling */
 } corer;
 
-/* Returns the position of a voxel in mm of the texture, that is, without the scale. */
+/* Returns the position of a voxel's centre in mm before scaling. */
 static ost_v3 position_of(const corer *c, double i, double j, double k)
 {
     const ost_pm3 *s = &c->scan->volume->geometry.spacing;

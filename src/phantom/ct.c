@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A CT of the scapula: the solid of scapula.h in the pose in which a patient
- * lies, as a scanner images it.
+ * Generates a CT of the scapula: an image of the solid of scapula.h, in the pose of
+ * a lying patient.
  *
  *   voxel centre --pose--> the bone's frame --scapula_at--> distances
  *        distances --cover--> shares of soft tissue, cartilage, plate and
@@ -11,9 +11,9 @@
  * volume).  Noise moves no voxel across 120 HU, so the surface alone decides
  * which voxels are bone, and there are no isolated bone voxels.
  *
- * Far from the bone there is only soft tissue.  The grid is computed in blocks,
- * and a block whose centre is farther from the bone than its corners could reach
- * is background.
+ * Far from the bone there is only soft tissue.  The grid is computed in blocks.  A
+ * block is background if its centre is so far from the bone that the corners of the
+ * block cannot reach the bone.
  */
 #include <stdio.h>
 
@@ -22,23 +22,26 @@
 #include "phantom/scapula.h"
 
 #define ACTIVE 120 /* the default threshold, for which the phantom is made */
-#define SHELL 1.4  /* mm of compact bone on the outer walls; plates thinner than twice this have no core */
-#define PLATE 1.9  /* mm of compact bone under the cartilage */
+/* thickness of compact bone on the outer walls, mm; a plate thinner than twice this value has no core */
+#define SHELL 1.4
+#define PLATE 1.9  /* thickness of compact bone under the cartilage, mm */
 
 /*
- * The patient's pose: the blade's lateral end is turned forward, and its top leans forward a
- * little.  The turns are given by tangents of half angles, so that the rotation is rational and
- * needs no libm.
+ * The pose of the scapula in the patient: the lateral end of the blade is turned forward, and the
+ * top of the blade leans forward a little.  The rotations are given by the tangents of half angles,
+ * so that the rotation matrix is rational and needs no libm.
  */
-#define TURN_HALF 0.21 /* 24 degrees: the blade's lateral end turned forward, against the coronal plane */
-#define LEAN_HALF 0.09 /* 10 degrees: its top leans forward */
-#define LIFT_HALF 0.16 /* 18 degrees: its lateral end lifted, as with the arms raised out of the beam */
-static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* in the bone's frame: the position of the box's centre */
+#define TURN_HALF 0.21 /* 24 degrees: the lateral end of the blade is turned forward out of the coronal plane */
+#define LEAN_HALF 0.09 /* 10 degrees: the top of the blade leans forward */
+/* 18 degrees: the lateral end of the blade is lifted, as when the arms are raised out of the beam */
+#define LIFT_HALF 0.16
+static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* position of the centre of the box in the bone's frame */
 
 typedef struct pose {
-    ost_v3 row[3];   /* patient (lateral, anterior, superior) = row . bone */
+    /* rows of the rotation from the bone's frame to the patient's directions lateral, anterior and superior */
+    ost_v3 row[3];
     ost_v3 centre;   /* centre of the box, in mm of the patient's LPS frame */
-    double scale;    /* mm of the patient per mm of the mean shape */
+    double scale;    /* scale: mm of the patient per mm of the mean shape */
 } pose;
 
 static pose make_pose(double scale)
@@ -46,7 +49,10 @@ static pose make_pose(double scale)
     double t = TURN_HALF, c = (1 - t * t) / (1 + t * t), s = 2 * t / (1 + t * t);
     double l = LEAN_HALF, a = (1 - l * l) / (1 + l * l), b = 2 * l / (1 + l * l);
     double h = LIFT_HALF, e = (1 - h * h) / (1 + h * h), f = 2 * h / (1 + h * h);
-    /* The lift is in the blade's plane, the lean about the lateral axis, the turn about the vertical one. */
+    /*
+     * The lift rotates in the plane of the blade, the lean about the lateral axis, and the turn about the vertical
+     * axis.
+     */
     ost_v3 lift[3] = {{e, 0, -f}, {0, 1, 0}, {f, 0, e}};
     const double basis[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
     pose p = {.scale = scale};
@@ -80,8 +86,8 @@ static ost_v3 to_lps(const pose *p, ost_v3 bone)
 /* ----------------------------------------------------------------- tissue */
 
 /*
- * Returns the HU, below 100, of muscle with sheets of fat between its bellies, and of the lung
- * inside the chest.
+ * Returns the HU, below 100, of the soft tissue: muscle with sheets of fat between the muscle
+ * bellies, and the lung inside the chest.
  */
 static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, double bone)
 {
@@ -100,8 +106,9 @@ static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, doub
 }
 
 /*
- * Returns the density of spongy bone: struts of about a millimetre as a CT shows them, denser to
- * the back and under the plate, sparser in the processes.
+ * Returns the HU of spongy bone, which consists of struts of about a millimetre, as a CT shows
+ * them.  Spongy bone is denser toward the back and under the plate, and less dense in the
+ * processes.
  */
 static double spongy(uint64_t seed, ost_v3 q, const ost_scapula_sample *at)
 {
@@ -124,7 +131,7 @@ int16_t ost_hu(double v, int lo, int hi)
 static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost_scapula_sample *at, ost_v3 p, ost_v3 q,
                         double blur, uint64_t hash)
 {
-    double noise = 24 * ost_bell(hash); /* 12 HU standard deviation, as with a smooth reconstruction kernel */
+    double noise = 24 * ost_bell(hash); /* The standard deviation is 12 HU, as with a smooth reconstruction kernel. */
     double soft = soft_tissue(scan->seed, cells, p, at->bone);
     double gristle = ost_scan_cover(at->cartilage, 0.5 * blur), bone = ost_scan_cover(at->bone, blur);
     double hu = soft + (135 - soft) * gristle;
@@ -145,7 +152,7 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
         hu += (hard - hu) * bone;
         noise *= 1.25;
     } else if (gristle == 1) {
-        lo = ACTIVE + 1, hi = ACTIVE + 29; /* the density class in which cartilage is counted */
+        lo = ACTIVE + 1, hi = ACTIVE + 29; /* range of the density class in which cartilage is counted */
     }
     if (hu >= ACTIVE)
         lo = lo > ACTIVE ? lo : ACTIVE;
@@ -160,8 +167,8 @@ typedef struct scanner {
     const ost_scan *scan;
     ost_scapula scapula;
     pose pose;
-    double blur;     /* width of the partial volume, in mm of the anatomy */
-    int64_t first[3]; /* position of this grid's first voxel in the grid from which noise is counted */
+    double blur;     /* width over which the partial volume changes, in mm of the anatomy */
+    int64_t first[3]; /* indices of this grid's first voxel in the grid by which the noise is indexed */
 } scanner;
 
 static ost_v3 centre_of(const ost_scan *scan, int64_t i, int64_t j, int64_t k)
@@ -181,8 +188,9 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     ost_scapula_sample at;
     ost_scapula_at(&c->scapula, to_bone(&c->pose, middle), &at);
     /*
-     * A distance overstates the true one by at most half, so a block this far away contains no
-     * surface and no voxel that depends on one.
+     * A computed distance exceeds the true distance by at most half of the true distance.  A block
+     * whose centre is farther away than `reach` therefore contains no surface, and no voxel that
+     * depends on a surface.
      */
     double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
     ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};
@@ -203,8 +211,8 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
 }
 
 /*
- * Writes whole micrometres of a point or millionths of a direction: %lld of explicitly rounded
- * values is the same on every machine.
+ * Writes a point in whole micrometres, or a direction in whole millionths.  The numbers are rounded
+ * explicitly and printed as integers by %lld, so the text is the same on every machine.
  */
 static ost_status write_three(ost_meta *meta, const char *key, ost_v3 v, int places, ost_error *err)
 {

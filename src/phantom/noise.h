@@ -13,7 +13,10 @@
 
 #include "core/conditions.h"
 
-/* Returns a bijective hash of 64 bits without a visible pattern (two rounds of xor-shift and multiply). */
+/*
+ * Returns a bijective hash of 64 bits without a visible pattern, computed by two rounds of xor-shift and
+ * multiplication.
+ */
 static inline uint64_t ost_mix64(uint64_t v)
 {
     v ^= v >> 32;
@@ -33,8 +36,8 @@ static inline uint64_t ost_hash3(uint64_t seed, int64_t x, int64_t y, int64_t z)
 }
 
 /*
- * Returns a number in [0, 1), a multiple of 2^-24: exact in double and float. part, 0 or 1,
- * selects 24 of the hash's bits.
+ * Returns a number in [0, 1) that is a multiple of 2^-24 and therefore exact in double and float.
+ * The parameter part, 0 or 1, selects 24 of the hash's bits.
  */
 static inline double ost_unit(uint64_t hash, int part)
 {
@@ -49,8 +52,8 @@ static inline int64_t ost_floor64(double v)
 }
 
 /*
- * The lattice cell that was used last, since neighbouring positions are mostly in the same cell.
- * Zero-initialise it, and use one for each seed.
+ * A cache of the lattice cell that was used last, because neighbouring positions are mostly in the
+ * same cell.  Zero-initialise the cache, and use a separate cache for each seed.
  */
 typedef struct ost_noise_cell {
     int64_t i, j, k;
@@ -59,8 +62,8 @@ typedef struct ost_noise_cell {
 } ost_noise_cell;
 
 /*
- * Returns smooth noise in [0, 1): hashes at lattice points, interpolated by 3t^2 - 2t^3.  The
- * cell only saves time.
+ * Returns smooth noise in [0, 1).  The noise is interpolated between the hashes of the lattice
+ * points by 3t^2 - 2t^3.  The cached cell saves time and does not affect the result.
  */
 static inline double ost_value_noise_in(ost_noise_cell *cell, uint64_t seed, double x, double y, double z)
 {
@@ -91,8 +94,8 @@ static inline double ost_value_noise(uint64_t seed, double x, double y, double z
 }
 
 /*
- * Returns a nearly Gaussian number of mean 0, standard deviation 1/2, within +-1.5: the sum of
- * three uniform ones has variance 1/4.
+ * Returns a nearly Gaussian number within +-1.5, with mean 0 and standard deviation 1/2.  The
+ * number is computed from a sum of three uniform numbers, which has the variance 1/4.
  */
 static inline double ost_bell(uint64_t hash)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The generated bones by name: boxes, options, sides, and the function that makes each.
+ * Selects a generated bone by its name, checks the options, and calls the function that makes the
+ * bone.
  *
  *   kind -> box of Table 3.1, scaled --spacing--> dims -> right side
  *        -> mirrored if the left side is requested -> meta
@@ -18,10 +19,10 @@
 #define SCALE_MAX 8.0
 
 /*
- * Boxes in micrometres: the physical size is dims times spacing of Table 3.1.  The corner is the
- * position of the box's first corner in the patient (right side).  The glenoid's corner is a
- * whole number of voxels inside the scapula's box, so that the glenoid is cut out of the
- * scapula.
+ * A box of a generated bone, in micrometres.  The physical size is dims times spacing of Table 3.1.
+ * corner_um is the position of the box's first corner in the patient, for the right side.  The
+ * corner of the glenoid's box is a whole number of voxels inside the scapula's box, so that the
+ * glenoid is cut out of the scapula.
  */
 typedef struct box {
     const char *name;
@@ -49,12 +50,12 @@ const char *ost_phantom_name(ost_phantom_kind kind)
 }
 
 /*
- * Returns v * scale in whole picometres, rounded half up.  One product and one floor give the
- * same result on every machine.
+ * Returns um micrometres times scale in whole picometres, rounded half up.  The computation is one
+ * product and one floor, so the result is the same on every machine.
  */
 static ost_pm scaled(int64_t um, double scale)
 {
-    double pm = (double)(um * UM) * scale + 0.5; /* |um| < 2^18, scale <= 8: below 2^41 */
+    double pm = (double)(um * UM) * scale + 0.5; /* |um| < 2^18 and scale <= 8, so the product is below 2^41 */
     int64_t integer = (int64_t)pm;
     return integer - ((double)integer > pm);
 }
@@ -88,8 +89,8 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
                         dims[0], dims[1], dims[2]);
     g->spacing = (ost_pm3){spacing[0], spacing[1], spacing[2]};
     /*
-     * With a spacing of an odd number of picometres the first centre is off by half a picometre,
-     * in the same way on every machine.
+     * If the spacing is an odd number of picometres, the centre of the first voxel is off by half a
+     * picometre.  This error is the same on every machine.
      */
     g->origin = (ost_pm3){ost_floor_div(corner2[0] + spacing[0], 2), ost_floor_div(corner2[1] + spacing[1], 2),
                           ost_floor_div(corner2[2] + spacing[2], 2)};
@@ -98,7 +99,10 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
     return ost_geometry_check(g, b->name, err);
 }
 
-/* Mirrors the volume: the body's midline is x = 0, so the left scapula lies at the right one's -x. */
+/*
+ * Mirrors the volume at x = 0, which is the midline of the body. The left scapula therefore has the negative x
+ * coordinates of the right scapula.
+ */
 static void mirror(ost_volume *v)
 {
     ost_geometry *g = &v->geometry;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Common parts of the generated bones: the box that is scanned, and the makers.
+ * Declarations for all generated bones: the grid to fill, and the functions that
+ * generate a bone.
  */
 #ifndef OST_PHANTOM_SCAN_H
 #define OST_PHANTOM_SCAN_H
@@ -10,20 +11,20 @@
 #include "phantom/shape.h"
 
 /*
- * The grid to fill.  The right side is always generated; the left side is its mirror image, made
- * row by row at the end.
+ * The grid to fill.  The right side is always generated.  The left side is the mirror image of the
+ * right side and is made at the end, row by row.
  */
 typedef struct ost_scan {
     ost_volume *volume; /* has the geometry of the right side */
-    ost_pm3 corner;     /* corner of the first voxel: origin - spacing / 2, doubled to stay an integer */
-    ost_pm3 extent;     /* the same of the grid from which noise is counted */
-    double scale;       /* of the anatomy */
+    ost_pm3 corner;     /* corner of the first voxel, origin - spacing / 2, doubled so that it is an integer */
+    ost_pm3 extent;     /* doubled corner of the first voxel of the grid by which the noise is indexed */
+    double scale;       /* scale of the anatomy */
     uint64_t seed;
 } ost_scan;
 
 /*
- * Returns the coordinate in mm of voxel v's centre along an axis.  Twice that in pm is the
- * doubled corner + (2 v + 1) spacing.
+ * Returns the coordinate in mm of the centre of voxel v along an axis.  Twice the coordinate, in
+ * pm, is corner2 + (2 v + 1) spacing.
  */
 static inline double ost_scan_mm(ost_pm corner2, ost_pm spacing, int64_t v)
 {
@@ -34,8 +35,8 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err);
 ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error *err);
 
 /*
- * Calls block for boxes lo <= (i, j, k) < hi that are about `mm` millimetres of the anatomy wide.
- * The boxes partition the grid.
+ * Calls block for boxes lo <= (i, j, k) < hi that partition the grid.  A box is about `mm`
+ * millimetres of the anatomy wide.
  */
 void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]),
                      void *user);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scapula's parts and how they are joined (scapula.h).
+ * Defines the parts of the scapula and joins them (scapula.h).
  *
  * Three of the parts are plates: a curved sheet given as a height over a plane,
  * cut out along an outline, with a thickness that depends on the position.
@@ -12,7 +12,7 @@
  * The coracoid and the spine's crest are swept bars.  The glenoid is pear-shaped,
  * narrows inward to the neck, and is hollowed by a sphere.
  *
- * Numbers are millimetres of the mean shape.
+ * All lengths are in millimetres of the mean shape.
  */
 #include <string.h>
 
@@ -22,8 +22,8 @@
 enum { EDGE_THIN = 0, EDGE_LATERAL = 1, EDGE_MEDIAL = 2 };
 
 /*
- * The medial border from the superior angle down, the inferior angle, the lateral border up to
- * the glenoid, the superior border, the notch.
+ * The outline of the body: down the medial border from the superior angle, around the inferior
+ * angle, up the lateral border to the glenoid, and along the superior border with the notch.
  */
 static const ost_outline_point BODY[] = {
     {26, 37, EDGE_MEDIAL},   {14, 30, EDGE_MEDIAL},    {5, 16, EDGE_MEDIAL},     {0, 2, EDGE_MEDIAL},
@@ -37,8 +37,8 @@ static const ost_outline_point BODY[] = {
 };
 
 /*
- * The spine from above: along the root, out along the neck, around the spinoglenoid notch, back
- * along the crest.
+ * The outline of the spine, seen from above: along the root, out along the neck, around the
+ * spinoglenoid notch, and back along the crest.
  */
 static const ost_outline_point SPINE[] = {
     {4, -1.5, 0}, {20, -6.5, 0}, {45, -10, 0}, {66, -8, 0},  {78, -5, 0},  {79, -9, 0},    {77, -16, 0}, {79, -24, 0},
@@ -46,8 +46,8 @@ static const ost_outline_point SPINE[] = {
 };
 
 /*
- * The acromion from above: the spine's end, posterior angle, lateral edge, tip, the facet for
- * the clavicle, medial edge.
+ * The outline of the acromion, seen from above: the end of the spine, the posterior angle, the
+ * lateral edge, the tip, the facet for the clavicle, and the medial edge.
  */
 static const ost_outline_point ACROMION[] = {
     {72, -39, 0},    {82, -44, 0},   {93, -46.5, 0}, {103, -43, 0}, {111, -35, 0},  {117, -24, 0},
@@ -55,14 +55,17 @@ static const ost_outline_point ACROMION[] = {
     {97, -19, 0},    {90.5, -25, 0}, {83, -29.5, 0}, {75, -33, 0},
 };
 
-/* The glenoid's rim en face, as (forward, up). The notch at the front is where the growth centres fused. */
+/*
+ * The outline of the glenoid's rim, seen en face, as (forward, up). The notch at the front is where the growth centres
+ * fused.
+ */
 static const ost_outline_point PEAR[] = {
     {-1, -17.3, 0}, {5.5, -16.2, 0}, {10.2, -12.2, 0}, {12.4, -6.5, 0},   {11.7, -1, 0},    {9.2, 3.8, 0},
     {7.8, 7.9, 0},  {7.5, 11.5, 0},  {5.7, 15.2, 0},   {1.8, 17.3, 0},    {-3.1, 16.6, 0},  {-7.1, 13.3, 0},
     {-9.5, 8.2, 0}, {-11.3, 2.2, 0}, {-12.6, -4.2, 0}, {-11.8, -10.1, 0}, {-7.9, -15.2, 0},
 };
 
-/* The spine's free edge; `side` lies in the crest's flat. */
+/* The crest, which is the free edge of the spine. The vector `side` lies in the flat plane of the crest. */
 static const ost_bar_node CREST[] = {
     {{7, -2.6, 0}, 4, 1.1, {0.2, -0.1, 1}},    {{12, -5.2, 0.2}, 4.4, 1.6, {0.2, -0.4, 1}},
     {{21, -10, 1.2}, 4.2, 2.2, {0, -0.4, 1}},  {{33, -17.5, 2.6}, 5, 2.6, {0, -0.3, 1}},
@@ -70,7 +73,10 @@ static const ost_bar_node CREST[] = {
     {{75, -39, 12.4}, 4.2, 3.4, {0, -0.9, 1}}, {{86, -42.5, 15.6}, 4.4, 3.8, {0, -1, 0.4}},
 };
 
-/* The lateral border downward: the pillar that supports the glenoid and ends at the inferior angle. */
+/*
+ * The pillar along the lateral border, from top to bottom. The pillar supports the glenoid and ends at the inferior
+ * angle.
+ */
 static const ost_bar_node PILLAR[] = {
     {{86, -2.4, -12}, 7.5, 4.6, {0, 0, 1}},   {{75, -3.4, -25}, 5.2, 3.4, {1, 0, -1}},
     {{61, -2.6, -43}, 4.6, 2.9, {1, 0, -1}},  {{46, -0.4, -61}, 4.4, 2.6, {1, 0, -1}},
@@ -79,8 +85,8 @@ static const ost_bar_node PILLAR[] = {
 };
 
 /*
- * The coracoid from the neck above the glenoid: up and forward, then bent outward like a beak;
- * `side` is level.
+ * The coracoid, which begins at the neck above the glenoid, runs up and forward, and is then bent
+ * outward like a beak.  The vector `side` is level.
  */
 static const ost_bar_node CORACOID[] = {
     {{83, 1, 12}, 9, 6.6, {1, 0, -0.1}},           {{82.5, 6, 20}, 8, 5.8, {1, 0, 0}},
@@ -89,17 +95,20 @@ static const ost_bar_node CORACOID[] = {
     {{109.5, 32, 18.5}, 4.6, 3.8, {0.4, -0.9, 0}},
 };
 
-/* The start of the spine at the neck: a rounded buttress. */
+/* The start of the spine at the neck, which has the shape of a rounded buttress. */
 static const ost_bar_node ROOT[] = {
     {{58, -7, 4}, 4, 2.6, {1, 0, 0}}, {{72, -7.5, 5}, 5.5, 3.6, {0, 0, 1}}, {{84, -4, 3}, 9, 6, {0, 0, 1}},
 };
 
-/* CARTILAGE: thickness at the centre, of which a CT's blur removes some on both sides. */
+/*
+ * CARTILAGE is the thickness of the cartilage at the centre. The blur of a CT removes some of this thickness on both
+ * sides.
+ */
 #define GREATEST_SIZE 1.142 /* greatest size that fits the box of Table 3.1: a tall man's scapula */
 #define CARTILAGE 2.4
 #define DISH_RADIUS 31.0
 #define PAD_RADIUS 29.0
-#define FAR 14.0 /* distance in mm beyond which a part does not affect a blend */
+#define FAR 14.0 /* distance in mm beyond which a part does not affect a blended shape */
 #define FARTHER 100.0
 
 static double square(double v)
@@ -107,7 +116,7 @@ static double square(double v)
     return v * v;
 }
 
-/* Returns 1 at the centre, falling smoothly to 0 at `half` on either side. */
+/* Returns 1 if v is at the centre. The result falls smoothly to 0 at the distance `half` on either side. */
 static double bump(double v, double centre, double half)
 {
     double t = 1 - square((v - centre) / half);
@@ -115,8 +124,8 @@ static double bump(double v, double centre, double half)
 }
 
 /*
- * Returns the height of the body's sheet: hollow toward the ribs, deepest below the spine; its
- * upper part leans forward.
+ * Returns the height y of the body's sheet.  The sheet is hollow toward the ribs and deepest below
+ * the spine, and its upper part leans forward.
  */
 static double body_sheet(const ost_scapula *s, double x, double z)
 {
@@ -129,8 +138,8 @@ static double body_sheet(const ost_scapula *s, double x, double z)
 }
 
 /*
- * Returns half of the body's thickness: a translucent thin sheet with a thicker rim, and ridges
- * toward the ribs for the muscle.
+ * Returns half of the body's thickness.  The body is a thin, translucent sheet with a thicker rim,
+ * and with ridges for the muscle toward the ribs.
  */
 static double body_half(const ost_scapula *s, double x, double z)
 {
@@ -156,8 +165,8 @@ static double acromion_sheet(double x, double y)
 }
 
 /*
- * Returns the distance to a plate of half thickness `half`, whose edge is round. off: from its
- * sheet; inside: inside its outline.
+ * Returns the distance to a plate with a round edge and the half thickness `half`.  off is the
+ * distance from the sheet of the plate, and inside is the distance inside the outline of the plate.
  */
 static double plate(double off, double inside, double half)
 {
@@ -168,8 +177,8 @@ static double plate(double off, double inside, double half)
 }
 
 /*
- * Returns the distance to the glenoid's vault.  The pear narrows to the neck, more in width than
- * in height, and its middle moves to the body's sheet.
+ * Returns the distance to the vault of the glenoid.  Toward the neck, the pear-shaped cross section
+ * becomes narrower, more in width than in height, and its middle moves to the sheet of the body.
  */
 static double vault(const ost_scapula *s, double depth, double ahead, double above)
 {
@@ -187,7 +196,10 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
     ost_v3 from = ost_v3_sub(p, s->face);
     double depth = -ost_v3_dot(from, s->out), ahead = ost_v3_dot(from, s->ahead), above = ost_v3_dot(from, s->above);
 
-    /* A plate's height over a sloped sheet overstates the distance, by at most a tenth where it matters. */
+    /*
+     * Over a sloped sheet, the height of a point is greater than its distance from the sheet. Where the difference
+     * matters, it is at most a tenth.
+     */
     double body = 1e30, half = 0;
     double inside = ost_outline_inside(&s->body, p.x, p.z);
     if (inside > -FAR) {
@@ -211,8 +223,8 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
     blade = ost_blend(blade, vault(s, depth, ahead, above), 12);
 
     /*
-     * The dish is cut out before the processes are added, since its sphere, as large as the
-     * humeral head, would cut into them.
+     * The dish is cut out before the processes are added.  The sphere of the dish is as large as
+     * the humeral head and would otherwise cut into the processes.
      */
     double dish = ost_v3_length(ost_v3_sub(p, s->dish)) - DISH_RADIUS;
     double crest = ost_bar_distance(&s->crest, p, FAR), coracoid = ost_bar_distance(&s->coracoid, p, FAR);
@@ -236,7 +248,7 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
     out->ahead = ahead * s->size;
 }
 
-/* Returns a number in [-1, 1]. */
+/* Returns a pseudo-random number in [-1, 1]. */
 static double vary(uint64_t seed, int what)
 {
     return 2 * ost_unit(ost_hash3(seed, what, 0, 0), 0) - 1;
@@ -261,7 +273,10 @@ ost_status ost_scapula_init(ost_scapula *s, uint64_t seed, ost_error *err)
     memset(s, 0, sizeof *s);
     s->seed = seed;
     s->size = GREATEST_SIZE * (0.982 + 0.010 * vary(seed, 1));
-    /* Tangents of the angles: 2 degrees backward and 5 degrees upward, each varied by up to 2 degrees. */
+    /*
+     * Tangents of the angles by which the face is tilted: 2 degrees backward and 5 degrees upward. Each angle is varied
+     * by up to 2 degrees.
+     */
     double back = 0.035 + 0.035 * vary(seed, 2), up = 0.087 + 0.035 * vary(seed, 3);
     s->face = (ost_v3){99, 0, 0};
     s->out = ost_v3_unit((ost_v3){1, -back, up});

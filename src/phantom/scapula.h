@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A right scapula as one implicit solid, in its own frame, millimetres:
+ * A right scapula as one implicit solid, in its own frame, in millimetres:
  *
  *            superior angle      acromion            x  lateral, from the root of the
  *                 .-.          .-------.                spine to the glenoid's centre
@@ -22,23 +22,25 @@
 
 typedef struct ost_scapula {
     uint64_t seed;
-    double size;  /* mm of this bone per mm of the mean shape, whose frame is used throughout */
-    ost_v3 trigonum, inferior; /* landmarks: the root of the spine on the medial border, the inferior angle */
+    double size;  /* mm of this bone per mm of the mean shape; all coordinates are in the frame of the mean shape */
+    ost_v3 trigonum, inferior; /* landmarks: the root of the spine on the medial border, and the inferior angle */
     ost_v3 face;  /* centre of the glenoid's face, on the cartilage */
-    ost_v3 out, ahead, above; /* glenoid's frame: outward, anterior and superior along its face; unit */
+    /* the glenoid's frame, as unit vectors: outward, and anterior and superior along the face */
+    ost_v3 out, ahead, above;
     ost_v3 dish, pad; /* centres of the spheres of the bony dish and of the cartilage's face */
     ost_outline body, spine, acromion, pear;
     ost_bar crest, pillar, coracoid, root;
 } ost_scapula;
 
-/* The position of a point relative to the parts, in mm of this bone; distances are negative inside. */
+/* The position of a point relative to the parts of the scapula, in mm of this bone. Distances are negative inside. */
 typedef struct ost_scapula_sample {
     double bone;      /* distance to the bone's surface, without cartilage */
     double wall;      /* distance to the outer walls, without the glenoid's dish */
-    double dish;      /* depth below the bony dish, positive in the bone (large away from the glenoid) */
+    /* depth below the surface of the bony dish, positive in the bone; a large value away from the glenoid */
+    double dish;
     double cartilage; /* distance to the layer of cartilage on the dish */
-    double depth;     /* along the glenoid's axis, positive into the bone */
-    double ahead;     /* along the glenoid's face, positive forward */
+    double depth;     /* position along the glenoid's axis, positive into the bone */
+    double ahead;     /* position along the glenoid's face, positive forward */
 } ost_scapula_sample;
 
 ost_status ost_scapula_init(ost_scapula *scapula, uint64_t seed, ost_error *err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Outlines and swept bars (shape.h).
+ * Computes outlines and swept bars (shape.h).
  */
 #include <assert.h>
 #include <stdlib.h>
@@ -8,7 +8,10 @@
 
 #include "phantom/shape.h"
 
-/* Returns the Catmull-Rom spline through b and c, with the tangents (c - a) / 2 and (d - b) / 2. */
+/*
+ * Returns the value at t of the Catmull-Rom spline that goes from b at t = 0 to c at t = 1, with the tangents (c - a) /
+ * 2 and (d - b) / 2.
+ */
 static double spline(double a, double b, double c, double d, double t)
 {
     double c1 = 0.5 * (c - a), c2 = a - 2.5 * b + 2 * c - 0.5 * d, c3 = 0.5 * (d - a) + 1.5 * (b - c);
@@ -17,13 +20,13 @@ static double spline(double a, double b, double c, double d, double t)
 
 /* ---------------------------------------------------------------- outline */
 
-enum { PIECES = 6 }; /* straight pieces between two points of an outline */
+enum { PIECES = 6 }; /* number of straight pieces between two points of an outline */
 
 typedef struct piece {
-    double u, v, du, dv, inverse; /* inverse of the squared length */
+    double u, v, du, dv, inverse; /* inverse of the squared length of the piece */
     /*
-     * bit-identical to the next piece's v, so that a ray through their common point crosses
-     * exactly one of them
+     * v at the end of the piece, bit-identical to v of the next piece.  Therefore a ray through the
+     * common point of two pieces crosses exactly one of the pieces.
      */
     double end_v;
     int tag;
@@ -31,7 +34,7 @@ typedef struct piece {
 
 /*
  * Computes the squared distance to the nearest piece of each tag.  Returns true if (u, v) lies
- * inside, by the crossings of a ray along u.
+ * inside, which is decided by the crossings of a ray along u.
  */
 static bool measure(const piece *pieces, int count, double u, double v, double best[OST_OUTLINE_TAGS])
 {
@@ -122,8 +125,8 @@ void ost_outline_free(ost_outline *outline)
 }
 
 /*
- * Returns the value of a table at (u, v) clamped to it; *beyond receives the distance by which
- * the clamp moved the point.
+ * Returns the value of a table at the point (u, v), clamped to the table.  *beyond is set to the
+ * distance by which the clamp moved the point.
  */
 static double lookup(const ost_outline *o, const double *table, double u, double v, double *beyond)
 {
@@ -187,8 +190,9 @@ void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts)
 }
 
 /*
- * Returns the first-order distance to the ellipsoid of radii (wide, thick, thick) about the
- * path's nearest point: k (k - 1) / |grad k|.
+ * Returns the first-order distance (k - 1) / |grad k| to the ellipsoid with the radii (wide, thick,
+ * thick) about the nearest point of the path.  k is the distance from the ellipsoid's centre,
+ * relative to its radii.
  */
 static double piece_distance(const ost_bar_node *a, const ost_bar_node *b, ost_v3 p)
 {
@@ -217,7 +221,7 @@ double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far)
         return sqrt(box2);
     double best = 1e30;
     for (int i = 0; i + 1 < bar->count; i++) {
-        /* The factor 1.5 covers distances that piece_distance overstates next to a flat bar. */
+        /* The factor 1.5 is needed because piece_distance returns too great a distance next to a flat bar. */
         ost_v3 d = ost_v3_sub(p, bar->middle[i]);
         double reach_limit = ost_max(best, 0) * 1.5 + bar->reach[i];
         if (ost_v3_dot(d, d) < reach_limit * reach_limit)

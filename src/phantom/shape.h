@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Shapes by their signed distance: negative inside, positive outside, millimetres.
+ * Shapes, defined by their signed distance in millimetres: negative inside,
+ * positive outside.
  *
  *   outline   a smooth closed curve through given points, with a table of its
  *             signed distance; plates are cut out along it
@@ -53,8 +54,9 @@ static inline ost_v3 ost_v3_unit(ost_v3 a)
 }
 
 /*
- * Returns the union, rounded where the two are within `width` of each other; it is never greater
- * than the smaller distance.
+ * Returns the distance to the union of two shapes with the distances a and b.  The union is rounded
+ * where a and b differ by less than `width`.  The result is never greater than the smaller of a and
+ * b.
  */
 static inline double ost_blend(double a, double b, double width)
 {
@@ -62,7 +64,7 @@ static inline double ost_blend(double a, double b, double width)
     return ost_min(a, b) - h * h / (4 * width);
 }
 
-/* Returns the intersection, with a rounded edge. */
+/* Returns the distance to the intersection of two shapes, with a rounded edge. */
 static inline double ost_blend_both(double a, double b, double width)
 {
     return -ost_blend(-a, -b, width);
@@ -80,21 +82,22 @@ enum { OST_OUTLINE_TAGS = 4 };
 typedef struct ost_outline {
     double u0, v0, step;
     int nu, nv;
-    double *inside;                  /* owned; signed distance, positive inside */
-    /* owned; distance to the nearest part of the curve with this tag; NULL for unused tags */
+    double *inside;                  /* owned; table of the signed distance, positive inside */
+    /* owned; tables of the distance to the nearest part of the curve with each tag; NULL for unused tags */
     double *to_tag[OST_OUTLINE_TAGS];
 } ost_outline;
 
 /*
- * Computes the curve through the points and its table, which extends beyond the curve by
- * `margin` on every side.
+ * Computes the curve through the points, and a table of its distances.  The table extends beyond
+ * the curve by `margin` on every side.
  */
 ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *points, int count, double step,
                             double margin, ost_error *err);
 void ost_outline_free(ost_outline *outline);
 /*
- * Interpolate the table bilinearly.  Beyond it, the value at its border less the distance to it
- * (for a tag: plus the distance).
+ * The two functions below interpolate a table bilinearly.  Outside the table, they use the value at
+ * the border of the table.  ost_outline_inside subtracts the distance to the border from this
+ * value, and ost_outline_to_tag adds the distance.
  */
 double ost_outline_inside(const ost_outline *outline, double u, double v);
 double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double v);
@@ -103,27 +106,27 @@ double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double 
 
 typedef struct ost_bar_node {
     ost_v3 at;
-    double wide, thick; /* radii along `side` and across it */
-    ost_v3 side;        /* need not be a unit vector or perpendicular to the path */
+    double wide, thick; /* radii of the cross section: along `side`, and perpendicular to `side` */
+    ost_v3 side;        /* direction, which need not be a unit vector or perpendicular to the path */
 } ost_bar_node;
 
 enum { OST_BAR_NODES = 48 };
 typedef struct ost_bar {
     int count;
     ost_bar_node node[OST_BAR_NODES];
-    ost_v3 middle[OST_BAR_NODES]; /* middle of the piece from a node to the next */
-    double reach[OST_BAR_NODES];  /* greatest distance of that piece's surface from its middle */
+    ost_v3 middle[OST_BAR_NODES]; /* middle of the straight piece from a node to the next node */
+    double reach[OST_BAR_NODES];  /* greatest distance of the surface of a piece from the middle of the piece */
     ost_v3 lo, hi; /* box that contains the bar */
 } ost_bar;
 
 /*
- * Makes a smooth bar through the nodes, with `parts` straight pieces between two of them. (count
- * - 1) * parts < OST_BAR_NODES.
+ * Makes a smooth bar through the nodes, with `parts` straight pieces between two neighbouring
+ * nodes.  (count - 1) * parts must be less than OST_BAR_NODES.
  */
 void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts);
 /*
- * Returns the distance from p to the bar; if p is farther than `far` from the bar's box, only
- * the distance to the box, which is less.
+ * Returns the distance from p to the bar.  If p is farther than `far` from the box of the bar,
+ * returns only the distance to the box, which is less.
  */
 double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
 

@@ -8,12 +8,12 @@
  *       (     )
  *        `---'  z = 0
  *
- * There are half as many latitudes as segments, equally spaced; those above the
- * shaft's root are omitted.
+ * The number of circles of latitude is half the number of segments. The circles are
+ * equally spaced, and the circles above the root of the shaft are omitted.
  */
 #include "phantom/tool_shape.h"
 
-/* Computes radius and height of latitude k of n from the south pole. */
+/* Computes radius and height of the circle of latitude k, from the south pole, k = 0, to the north pole, k = n. */
 static void latitude(int k, int n, ost_pm sphere, ost_pm *radius, ost_pm *z)
 {
     ost_q60 c, s;

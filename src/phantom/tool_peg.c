@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The peg-hole cylinder: flat ends at z = 0 and z = length, the thesis' second tool. */
+/*
+ * Makes the cylinder for a peg hole, which is the second tool of the thesis. The ends are flat, at z = 0 and z =
+ * length.
+ */
 #include "phantom/tool_shape.h"
 
 ost_status ost_tool_make_peg(const ost_tool_options *options, ost_mesh *out, ost_error *err)

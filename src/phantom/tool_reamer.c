@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A glenoid reamer's head: a domed cutting face toward -z with twelve radial
- * teeth, a rim with three flats that let it pass the retractors, and a hub
- * with a socket for the drive shaft toward +z.
+ * Makes the head of a glenoid reamer.  It has a domed cutting face toward -z with twelve radial
+ * teeth, a rim with three flats so that the head fits past the retractors, and a hub with a socket
+ * for the drive shaft toward +z.
  *
  *               ___   ___        z = length
  *              |   |_|   |       hub and its socket
@@ -13,16 +13,17 @@
  *            '--._____.--'            smooth nose
  *                              z = 0
  *
- * The dome is a sphere whose radius is 3/4 of the diameter (27 mm for 36 mm, about a glenoid's
- * curvature).  The crests of all teeth lie on it and only the grooves lie deeper, so a turning
- * reamer sweeps the smooth dome.
+ * The dome is part of a sphere whose radius is 3/4 of the head's diameter (27 mm for a head of
+ * 36 mm, about the curvature of a glenoid).  The crests of all teeth lie on the sphere and only the
+ * grooves lie deeper, so a turning reamer sweeps the smooth dome.
  *
- * The rim's flats face 0, 120 and 240 degrees at 29/30 of the radius, and there are crests at
- * all multiples of 30 degrees.  So the bounds of the default head are exactly (-18, -18, 0) to
- * (17.4, 18, 20.3) mm, from which the thesis' three grids follow (docs/spec/arithmetic.md, AR-TOOL).
+ * The rim's flats face 0, 120 and 240 degrees at 29/30 of the radius, and there are crests at all
+ * multiples of 30 degrees.  Therefore the bounds of the default head are exactly (-18, -18, 0) to
+ * (17.4, 18, 20.3) mm.  The three grids of the thesis follow from these bounds
+ * (docs/spec/arithmetic.md, AR-TOOL).
  *
- * In polar coordinates the face and the back are heights over the radius, and the back is
- * higher everywhere, so the skin never meets itself.
+ * In polar coordinates, the face and the back are heights as functions of the radius.  The back is
+ * higher than the face everywhere, so the surface never intersects itself.
  */
 #include "phantom/tool_shape.h"
 
@@ -30,11 +31,11 @@
 
 enum {
     TEETH = 12,
-    FACE_RINGS = 28, /* rings on the face, from the nose to the rim */
-    NOSE_RINGS = 6,  /* the first of these, without grooves */
-    RAMP_RINGS = 6,  /* rings over which grooves grow to their full depth */
+    FACE_RINGS = 28, /* number of rings on the face, from the nose to the rim */
+    NOSE_RINGS = 6,  /* number of the innermost rings of the face, which have no grooves */
+    RAMP_RINGS = 6,  /* number of rings over which the grooves grow to their full depth */
     BACK_RINGS = 11,
-    BACK_OF_HEAD = 4 /* number of these before the hub */
+    BACK_OF_HEAD = 4 /* number of rings of the back that precede the hub */
 };
 
 typedef struct reamer {
@@ -45,8 +46,9 @@ typedef struct reamer {
 } reamer;
 
 /*
- * Returns the groove's depth at segment k as a share, 0 on a crest's land to 1: a land, a relief
- * slope, and a steep cutting face.
+ * Returns the depth of the groove at segment k as a share of its greatest depth.  The profile of a
+ * tooth consists of a land at 0, a relief slope from 0 to 1, a floor at 1, and a steep cutting
+ * face.
  */
 static ost_q60 groove_share(const reamer *r, int k)
 {
@@ -59,20 +61,21 @@ static ost_q60 groove_share(const reamer *r, int k)
     return ost_q60_ratio(4 * at - pitch, 2 * pitch);
 }
 
-/* Returns the outline's radius at segment k as a share of the full radius: 1, less on the flats. */
+/* Returns the radius of the outline at segment k as a share of the full radius, which is 1, or less on the flats. */
 static ost_q60 flat_share(const reamer *r, int k)
 {
     const int third = r->segments / 3;
     const int at = k % third;
     ost_q60 c, s;
-    ost_circle(at < third - at ? at : third - at, r->segments, &c, &s); /* within 60 degrees of a flat: c >= 1/2 */
+    /* the angle to the nearest flat is at most 60 degrees, so c >= 1/2 */
+    ost_circle(at < third - at ? at : third - at, r->segments, &c, &s);
     const ost_q60 share = ost_q60_ratio(OST_Q60_ONE - OST_Q60_ONE / 30, c);
     return share < OST_Q60_ONE ? share : OST_Q60_ONE;
 }
 
 /*
- * Returns the height of the dome at a distance from the axis.  The root is rounded down, so the
- * height is never negative.
+ * Returns the height of the dome at a distance from the axis.  The square root is rounded down, so
+ * the height is never negative.
  */
 static ost_pm dome(const reamer *r, ost_pm distance)
 {
@@ -80,8 +83,8 @@ static ost_pm dome(const reamer *r, ost_pm distance)
 }
 
 /*
- * Returns the rim's share of the radius.  Grooves reduce it by up to a 24th, so that the teeth
- * are visible from the side.
+ * Returns the radius of the rim at segment k as a share of the full radius.  Grooves reduce the
+ * radius by up to a 24th, so that the teeth are visible from the side.
  */
 static ost_q60 rim_share(const reamer *r, int k)
 {
@@ -105,8 +108,8 @@ static void face_ring(const reamer *r, ost_skin *skin, int ring)
 }
 
 /*
- * Makes a ring of the back. outline: it has the rim's outline; otherwise it is a circle, as
- * toward the hub.
+ * Makes a ring of the back.  If outline is true, the ring has the outline of the rim.  Otherwise
+ * the ring is a circle, as near the hub.
  */
 static void back_ring(const reamer *r, ost_skin *skin, ost_pm radius, ost_pm z, bool outline)
 {
@@ -137,7 +140,7 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     const ost_pm rim = dome(&r, r.radius);
 
     const bool shaft = options->part == OST_TOOL_SHAFT, head = options->part == OST_TOOL_HEAD;
-    const ost_pm seam = rim + d * 54 / 360; /* the flat back from which the hub rises */
+    const ost_pm seam = rim + d * 54 / 360; /* height of the flat back from which the hub rises */
     if (shaft && top - d / 6 <= seam)
         return ost_fail(err, OST_ERR_USAGE, "a reamer of diameter %s mm and length %s mm has no hub", ost_pm_format(d,
                         a), ost_pm_format(top, b));
@@ -151,10 +154,10 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     for (int ring = 1; ring <= FACE_RINGS && !shaft; ring++)
         face_ring(&r, &skin, ring);
 
-    /* Radii and heights in 360ths of the diameter: tenths of a millimetre for 36 mm. */
+    /* Radii and heights are in 360ths of the diameter, which are tenths of a millimetre for a diameter of 36 mm. */
     const struct {
         int radius;
-        int above_rim; /* height above the rim; or, if negative, */
+        int above_rim; /* height above the rim; if negative, below_top is used */
         int below_top; /* distance below the top */
         bool outline;
     } back[BACK_RINGS] = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Points on a circle in units of 2^-60 by the power series, and the skin of rings (tool_shape.h). */
+/* Computes points on a circle, in units of 2^-60, by the power series, and builds the skin of rings (tool_shape.h). */
 #include "phantom/tool_shape.h"
 
 #include <assert.h>
@@ -21,8 +21,8 @@ int64_t ost_q60_times(int64_t a, ost_q60 b)
 }
 
 /*
- * Computes cos x and sin x for 0 <= x <= pi/4, term by term: t_n = t_(n-1) x / n.  Each term has
- * an error of less than 2 units of 2^-60; the 19th is below 2^-60.
+ * Computes cos x and sin x for 0 <= x <= pi/4, term by term: t_n = t_(n-1) x / n.  Each term has an
+ * error of less than 2 units of 2^-60; the 19th term is below 2^-60.
  */
 static void first_eighth(ost_q60 x, ost_q60 *cosine, ost_q60 *sine)
 {
@@ -41,7 +41,8 @@ void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine)
     int octant = (int)(eighths / n);
     int64_t remainder = eighths % n;
     if (octant & 1)
-        remainder = n - remainder; /* odd octants run backward from their mirror axis */
+        /* in an odd octant, the angle is measured backward from the mirror axis at its end */
+        remainder = n - remainder;
     ost_q60 c, s;
     first_eighth((ost_q60)ost_rhe_div128((ost_i128)QUARTER_PI * remainder, n), &c, &s);
     bool swap = octant == 1 || octant == 2 || octant == 5 || octant == 6;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Building blocks of the parametric tools: points on a circle, square roots,
- * and a skin of rings from a lower pole to an upper one.
+ * Building blocks of the parametric tools: points on a circle, square roots, and a
+ * closed surface (skin) made of rings from a lower pole to an upper pole.
  *
  *        .  upper pole
  *       / \
  *      o---o  ring m-1        every ring has `segments` points, counter-
  *      |   |                  clockwise seen from +z; neighbouring rings are
- *      o---o  ring 0          joined by two triangles a segment, so the skin
+ *      o---o  ring 0          joined by two triangles per segment; the skin
  *       \ /                   is closed and faces outward by construction
  *        .  lower pole
  *
@@ -18,18 +18,22 @@
 
 #include <osteon/phantom.h>
 
-/* A number in [-4, 4] times 2^60. */
+/* A number in [-4, 4], multiplied by 2^60. */
 typedef int64_t ost_q60;
 #define OST_Q60_ONE (INT64_C(1) << 60)
 
-/* Returns numerator / denominator, rounded RHE. 0 <= numerator <= 4 denominator, denominator >= 1. */
+/*
+ * Returns numerator / denominator as an ost_q60, rounded RHE. Requires 0 <= numerator <= 4 * denominator and
+ * denominator >= 1.
+ */
 ost_q60 ost_q60_ratio(int64_t numerator, int64_t denominator);
 /* Returns RHE(a * b / 2^60). */
 int64_t ost_q60_times(int64_t a, ost_q60 b);
 
 /*
- * Computes cos and sin of k/n of a turn, each within 2^-56.  They are exactly symmetric under
- * the eight mirrors and exact at quarter turns. n >= 1.
+ * Computes the cosine and sine of k/n of a turn, each within 2^-56.  The results are exactly
+ * symmetric under the eight mirrors of the circle and exact at quarter turns.  n must be at least
+ * 1.
  */
 void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine);
 
@@ -40,20 +44,20 @@ typedef struct ost_skin {
     int segments;
     int rings;
     int filled;     /* number of rings made so far */
-    ost_mesh *mesh; /* vertices: lower pole, rings, upper pole */
+    ost_mesh *mesh; /* vertices in this order: lower pole, rings, upper pole */
 } ost_skin;
 
-/* Makes the mesh with its triangles, and the poles on the axis. rings >= 1. */
+/* Allocates the mesh, and sets its triangles and the two poles on the axis. rings must be at least 1. */
 ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top,
                          ost_error *err);
-/* Returns the next ring's points, which the caller must write. */
+/* Returns the points of the next ring, which the caller must write. */
 ost_pm3 *ost_skin_ring(ost_skin *skin);
-/* Makes the next ring, a circle. */
+/* Makes the next ring as a circle. */
 void ost_skin_circle(ost_skin *skin, ost_pm radius, ost_pm z);
 
 /*
- * Make a tool of each kind.  All lengths must be set and within 0.1 mm to 1 m, segments within
- * OST_TOOL_SEGMENTS_*.
+ * Each of these functions makes a tool of one kind.  All lengths must be set and within 0.1 mm to 1
+ * m.  segments must be within OST_TOOL_SEGMENTS_MIN to OST_TOOL_SEGMENTS_MAX.
  */
 enum { OST_TOOL_SEGMENTS_MIN = 12, OST_TOOL_SEGMENTS_MAX = 3072 };
 ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, ost_error *err);
