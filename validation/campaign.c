@@ -7,14 +7,14 @@
 
 #include "validation/scratch.h"
 
-/* Returns true if a worker of this backend is running. At most one runs at a time, so that the backend's remaining
-   time is well defined and only one process uses a device. */
+/* Returns true if a worker of this backend is running or if its trace is being judged. At most one runs at a time, so
+   that the backend's remaining time is well defined and only one process uses a device. */
 static bool busy(const runner *r, int subject_index)
 {
     for (int i = 0; i < r->running; i++)
         if (r->slots[i].subject_index == subject_index)
             return true;
-    return false;
+    return r->judged == subject_index;
 }
 
 /* Chooses the next worker to start. Returns false if no worker can be started until another one ends. */
@@ -53,28 +53,42 @@ static uint64_t cut_batches(runner *r)
     return most;
 }
 
+/* Starts workers until no further one can be started. */
+static ost_status start_workers(runner *r, ost_error *err)
+{
+    ost_status status = OST_OK;
+    int number, subject_index;
+    while (status == OST_OK && r->running < r->c->jobs && choose(r, &number, &subject_index)) {
+        if (subject_index == 0)
+            status = batch_begin(r, err);
+        if (status == OST_OK)
+            status = dump_of(r->c, subject_index) ? dump_to_results(r, batch_of(r, number), subject_index, err)
+                                                  : runner_start(r, number, subject_index, err);
+    }
+    return status;
+}
+
 static ost_status run_all(runner *r, ost_error *err)
 {
     ost_status status = OST_OK;
     while (r->done < r->batches && status == OST_OK) {
-        int number, subject_index, which;
-        if (r->running < r->c->jobs && choose(r, &number, &subject_index)) {
-            if (subject_index == 0)
-                status = batch_begin(r, err);
-            if (status == OST_OK)
-                status = dump_of(r->c, subject_index) ? dump_to_results(r, batch_of(r, number), subject_index, err)
-                                             : runner_start(r, number, subject_index, err);
-            if (!dump_of(r->c, subject_index))
-                continue;
-        }
-        if (r->running) {
+        status = start_workers(r, err);
+        if (status == OST_OK && r->running) {
             worker *all[WORKERS_MAX];
             worker_result end;
+            int which;
             for (int i = 0; i < r->running; i++)
                 all[i] = &r->slots[i].w;
             status = worker_wait_any(all, r->running, &which, &end, err);
-            if (status == OST_OK)
-                status = runner_ended(r, which, &end, err);
+            if (status == OST_OK) {
+                const slot ended = runner_take(r, which, &end);
+                /* The next worker runs while the trace of this one is judged. */
+                status = start_workers(r, err);
+                if (status == OST_OK)
+                    status = runner_judge(r, &ended, &end, err);
+                else
+                    close(ended.trace);
+            }
         }
         while (status == OST_OK && r->done < r->begun && batch_is_done(r, batch_of(r, r->done)))
             status = batch_end(r, err);
@@ -94,7 +108,7 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
                         ost_error *err)
 {
     const size_t count = (size_t)subjects->count, cells = (size_t)p->count * count;
-    runner r = {.c = out, .o = o};
+    runner r = {.c = out, .o = o, .judged = NOBODY};
     *out = (campaign){
         .plan = p, .subjects = subjects, .begun = time(NULL), .jobs = o->jobs ? o->jobs : campaign_cores()};
     out->jobs = out->jobs < WORKERS_MAX ? out->jobs : WORKERS_MAX;

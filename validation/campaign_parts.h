@@ -42,7 +42,10 @@ typedef struct slot {
     int batch, subject_index, trace; /* trace: descriptor of the worker's trace */
 } slot;
 
-enum { ALIVE = 2 }; /* maximum number of open batches: the one being compared, and the next, whose reference runs */
+/* Maximum number of open batches: the one being compared, and the next ones, whose references run or have run. A case
+   that takes the reference long then delays no other backend. */
+enum { ALIVE = 4 };
+enum { NOBODY = -1 };
 
 /* The state of one run. */
 typedef struct runner {
@@ -55,6 +58,7 @@ typedef struct runner {
     case_result *last_words;  /* owned; for each such backend, the result that its remaining cases get */
     slot slots[WORKERS_MAX];
     int running, finished;    /* running: number of workers; finished: number of pairs of case and backend */
+    int judged;               /* index of the backend whose trace is being judged; NOBODY if there is none */
 } runner;
 
 /* ---- campaign_batch.c */
@@ -75,8 +79,11 @@ void batch_free(batch *b);
 
 /* Starts a worker for a backend's remaining cases in a batch. */
 ost_status runner_start(runner *r, int number, int subject_index, ost_error *err);
-/* Reads the trace of the worker in slot `which` after the worker ended with the result *end, and frees the slot. */
-ost_status runner_ended(runner *r, int which, const worker_result *end, ost_error *err);
+/* Frees the slot `which` after its worker ended with the result *end, and returns its content. The task counts as
+   running until runner_judge. */
+slot runner_take(runner *r, int which, const worker_result *end);
+/* Reads the trace of the worker that occupied *ended, judges it, and closes it. */
+ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, ost_error *err);
 
 /* ---- campaign_results.c */
 

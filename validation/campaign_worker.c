@@ -113,35 +113,43 @@ static ost_status check_space_left(const worker_result *end, ost_error *err)
     return OST_OK;
 }
 
-ost_status runner_ended(runner *r, int which, const worker_result *end, ost_error *err)
+slot runner_take(runner *r, int which, const worker_result *end)
 {
     count_bytes(r);
     const slot s = r->slots[which];
-    batch *b = batch_of(r, s.batch);
+    r->slots[which] = r->slots[--r->running];
+    r->c->seconds[s.subject_index] += end->seconds;
+    r->judged = s.subject_index;
+    return s;
+}
+
+ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, ost_error *err)
+{
+    const int subject_index = ended->subject_index;
+    batch *b = batch_of(r, ended->batch);
     char name[SCRATCH_NAME];
     trace got = {0};
     ost_error unread = {0};
-    r->slots[which] = r->slots[--r->running];
-    r->c->seconds[s.subject_index] += end->seconds;
-    b->tasks[s.subject_index].running = false;
-    scratch_name(s.trace, name);
+    b->tasks[subject_index].running = false;
+    r->judged = NOBODY;
+    scratch_name(ended->trace, name);
     const ost_status readable = trace_open(name, &got, &unread);
-    if (s.subject_index == 0 && r->o->apart)
-        b->given = s.trace;
+    if (subject_index == 0 && r->o->apart)
+        b->given = ended->trace;
     else
-        close(s.trace); /* the mapping remains valid until it is unmapped */
+        close(ended->trace); /* the mapping remains valid until it is unmapped */
     if (readable != OST_OK)
         got = (trace){0};
     ost_status status = check_space_left(end, err);
     if (status == OST_OK)
-        status = resources_left(r->c->subjects->subjects[s.subject_index].spec, end, err);
+        status = resources_left(r->c->subjects->subjects[subject_index].spec, end, err);
     if (status == OST_OK && (unread.status == OST_ERR_MEMORY || unread.status == OST_ERR_IO))
         status = ost_fail(err, unread.status, "%s", unread.text);
     if (status == OST_OK && got.complete)
-        status = paths_add(&r->c->paths[s.subject_index], &got.records[got.count - 1], err);
+        status = paths_add(&r->c->paths[subject_index], &got.records[got.count - 1], err);
     if (status == OST_OK)
-        status = s.subject_index == 0 ? results_of_reference(r, b, &got, end, err)
-                                      : results_of_subject(r, b, s.subject_index, &got, end, err);
+        status = subject_index == 0 ? results_of_reference(r, b, &got, end, err)
+                                    : results_of_subject(r, b, subject_index, &got, end, err);
     trace_free(&got);
     return status;
 }
