@@ -138,6 +138,46 @@ static void a_turning_handle_rests(void **state)
 }
 
 /*
+ * Compares two runs with and without runout in which the motor turns the pose, as in an operation: by -phi about the
+ * tool's z axis.  The difference must follow the formula in the handle's axes, so it makes one turn per turn of the
+ * tool.  The tool is a point on its axis, whose contact does not depend on the rotation.
+ */
+static void runout_follows_the_handle(void **state)
+{
+    skip_without_samples(*state);
+    ost_error err = {0};
+    const ost_shell_point point = {.at = {0, 0, 0}, .inward = {0, 0, 1}, .area = 1e-4, .cutting = true};
+    ost_bone *bone = half_space_30mm(*state, REFERENCE_HU);
+    ost_force_params quiet = ost_force_defaults(), loud = quiet;
+    loud.runout = 0.1;
+    ost_force *a = force_of(bone, &quiet, &point, 1), *b = force_of(bone, &loud, &point, 1);
+    const double step = quiet.speed * 1e-3; /* rad per tick */
+    double most = 0;
+    for (int i = 0; i < 300; i++) {
+        ost_force_result without, with;
+        const double phi = step * (i + 1);
+        ost_pose hand = turned_mm(15, 15, 19.75 - 0.01 * i, 0);
+        hand.qw = (int32_t)lrint(cos(-step * i / 2) * OST_Q30_ONE);
+        hand.qz = (int32_t)lrint(sin(-step * i / 2) * OST_Q30_ONE);
+        if (i > 0) {
+            ost_force_motor(a, quiet.speed, -step);
+            ost_force_motor(b, quiet.speed, -step);
+        }
+        assert_ok(ost_force_step(a, 0, &hand, 1e-3, &without, &err));
+        assert_ok(ost_force_step(b, 0, &hand, 1e-3, &with, &err));
+        const double amplitude = quiet.scale * without.axial_n * ost_force_density(&quiet, REFERENCE_HU) /
+                                 quiet.reference_density * loud.runout;
+        assert_true(fabs(with.force_n[0] - without.force_n[0] - amplitude * cos(phi)) < 1e-5 * (1 + amplitude));
+        assert_true(fabs(with.force_n[1] - without.force_n[1] - amplitude * sin(phi)) < 1e-5 * (1 + amplitude));
+        most = fmax(most, amplitude);
+    }
+    assert_true(most > 0.001);
+    ost_force_free(a);
+    ost_force_free(b);
+    ost_bone_free(bone);
+}
+
+/*
  * Compares two runs along the same path, with and without vibration. At every tick, their
  * difference must equal the formula.
  */
@@ -297,6 +337,7 @@ int main(void)
         cmocka_unit_test(a_torque_turns_the_tool),       cmocka_unit_test(in_air_the_tool_follows),
         cmocka_unit_test(a_turning_handle_rests),        cmocka_unit_test(vibration_is_its_formula),
         cmocka_unit_test(vibration_is_within_the_rules), cmocka_unit_test(a_file_says_what_is_other),
+        cmocka_unit_test(runout_follows_the_handle),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }
