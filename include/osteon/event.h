@@ -96,8 +96,8 @@ typedef struct ost_voxel_box {
     int32_t lo[3], hi[3];
 } ost_voxel_box;
 
-/* Half-open density classes: class c is [border[c], border[c + 1]); the last class has no upper border. */
 enum { OST_CLASS_MAX = 8, OST_CLASS_NAME = 24 };
+/* Half-open density classes: class c is [border[c], border[c + 1]); the last class has no upper border. */
 typedef struct ost_density_classes {
     int count;                    /* 1..OST_CLASS_MAX */
     /* lower borders, at least 1 and strictly increasing; voxels below border[0] belong to class 0 */

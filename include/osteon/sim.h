@@ -59,6 +59,7 @@ OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const 
  */
 OST_API ost_status ost_world_reserve(ost_world *world, ost_error *err);
 
+/* The result of a tick: whether it was an event, and what the event can have changed. */
 typedef struct ost_step_result {
     bool removal;               /* the tick was an event */
     bool boxes_meet;            /* the oriented boxes of bone and tool intersect in at least one pose of the sweep */
