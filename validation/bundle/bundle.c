@@ -24,8 +24,11 @@ enum { LOG_LINE = 1024 };
 struct bundle {
     char out[BUNDLE_PATH], folder[BUNDLE_PATH];
     ost_digest last; /* digest of the log's last line */
-    time_t last_time; /* time of that line; later lines are not earlier, even if the clock is set back */
-    int lock;        /* the unfinished folder, locked while this process fills it; -1: not supported there */
+    /* time of the log's last line; the next line never gets an earlier time, even if the clock is set back */
+    time_t last_time;
+    /* descriptor of the unfinished folder, which is locked while this process fills it; -1 if the folder
+       could not be opened */
+    int lock;
 };
 
 static void remove_folder(const char *folder);
@@ -87,7 +90,8 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
     made->lock = open(made->folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (made->lock >= 0)
         (void)flock(made->lock, LOCK_EX | LOCK_NB);
-    chmod(made->folder, 0755); /* mkdtemp makes 0700; the final mode, as of mkdir, follows below */
+    /* mkdtemp makes a folder with mode 0700; the second chmod sets the mode that mkdir would give */
+    chmod(made->folder, 0755);
     const mode_t mask = umask(0);
     umask(mask);
     chmod(made->folder, 0777 & ~mask);
@@ -100,7 +104,7 @@ const char *bundle_folder(const bundle *b)
     return b->folder;
 }
 
-/* Writes the path folder/name; creates a folder within the bundle if the name has one. */
+/* Writes the path folder/name. If the name contains a folder, creates that folder within the bundle. */
 static ost_status path_of(const bundle *b, const char *name, char path[BUNDLE_PATH], ost_error *err)
 {
     const int n = snprintf(path, BUNDLE_PATH, "%s/%s", b->folder, name);
@@ -200,7 +204,7 @@ ost_status bundle_end(bundle *b, ost_error *err)
         status = bundle_put(b, MANIFEST_FILE, text, strlen(text), err);
     if (status == OST_OK)
         status = sync_folder(b->folder, err);
-    /* A folder that appeared in the meantime is not replaced, unless it is empty: rename fails. */
+    /* If a folder of this name has appeared in the meantime, rename fails unless that folder is empty. */
     if (status == OST_OK && rename(b->folder, b->out) != 0)
         status = ost_fail(err, OST_ERR_IO, "%s: %s", b->out, strerror(errno));
     free(text);

@@ -6,7 +6,7 @@
  *
  * audit.log is a chain: a line is
  *
- *   SHA-256 of the line before (64 digits, of nothing for the first) TAB UTC TAB action TAB detail
+ *   SHA-256 of the line before (64 digits; of nothing in the first line) TAB UTC TAB action TAB detail
  *
  * so that a line that is changed, removed or moved invalidates all lines after
  * it.  It is written line by line while the campaign runs; log.h lists the lines.
@@ -41,8 +41,8 @@ void bundle_abandon(bundle *b); /* b may be NULL */
 /* An absent file makes a bundle incomplete; a different file means that it is not the bundle that was written. */
 typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
 
-/* Receives one problem. A file that cannot be read is not reported here: it is an error of the check, not of the
-   bundle. */
+/* Called for each problem. A file that cannot be read is not reported here, because it is an error of the check and not
+   of the bundle. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
 /* Reports every problem of the folder's files, of the manifest and of the log's chain, and adds their number to
@@ -51,13 +51,13 @@ ost_status bundle_check(const char *folder, bundle_problem *problem, void *user,
 
 /* Reads a file of a bundle and appends a NUL that is not counted in size; the caller frees *bytes. */
 ost_status bundle_read(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
-/* Does the same; an absent file gives OST_OK with *bytes NULL. */
+/* Reads a file of a bundle as bundle_read does. If the file is absent, returns OST_OK and sets *bytes to NULL. */
 ost_status bundle_find(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
 
 /* Parses a file of a bundle within the limits of limits.h. The caller owns *out, which is NULL if the file is
    absent. */
 ost_status bundle_find_json(const char *folder, const char *name, json_t **out, ost_error *err);
-/* Does the same for a file that must exist. */
+/* Parses a file of a bundle as bundle_find_json does, but the file must exist. */
 ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err);
 
 /* Reads the next entry of a folder other than . and ..; *entry is NULL at the end. */

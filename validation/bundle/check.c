@@ -37,7 +37,7 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
 {
     const derivation *d = user;
     bool absent, same;
-    if (strcmp(name, EVIDENCE_CASES) == 0) /* compared line by line while it was read */
+    if (strcmp(name, EVIDENCE_CASES) == 0) /* cases.jsonl was compared line by line while it was read */
         return OST_OK;
     const ost_status status = folder_compare(d->folder, name, bytes, size, &absent, &same, err);
     if (status != OST_OK)
@@ -92,7 +92,7 @@ static ost_status read_protocol(const derivation *d, json_t **out, ost_error *er
         *out = NULL;
         return OST_OK;
     }
-    /* Another file's JSON in its place has no number of a format. */
+    /* Another JSON file in the place of protocol.json has no format number. */
     if (status == OST_OK && !json_is_integer(json_object_get(*out, "schema"))) {
         report_problem(d, BUNDLE_DIFFERENT, EVIDENCE_PROTOCOL, "has no number of a format ('schema')");
         json_decref(*out);
@@ -156,7 +156,7 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
     if (status != OST_OK)
         return status;
     folder_free(&files);
-    if (*found) /* the folder contains files that no bundle has: nothing is read */
+    if (*found) /* the folder contains files that are not allowed in a bundle, so nothing is read */
         return OST_OK;
     status = read_protocol(&d, &protocol, err);
     if (status == OST_OK)

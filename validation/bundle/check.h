@@ -2,7 +2,7 @@
 /*
  * Checks a bundle without the machine that made it:
  *
- *   the files are those of the manifest, all of them, with the allowed kinds and sizes (folder.h)
+ *   the folder has exactly the files of the manifest, with the allowed kinds and sizes (folder.h)
  *   the log's chain and lines (log.h)
  *   the protocol and its cases against the plan; measured files against each other (planned.h)
  *   every verdict, from the digests that were made of each backend's trace (judge.h)

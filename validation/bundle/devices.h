@@ -14,8 +14,8 @@
 
 #define DEVICES_FILE "devices.json"
 
-/* Makes the content of devices.json; the caller owns *out. OpenCL devices are opened only if one of the subjects is
-   one. */
+/* Makes the content of devices.json; the caller owns *out. OpenCL devices are opened only if a subject is an OpenCL
+   device. */
 ost_status devices_of(const subject_list *subjects, json_t **out, ost_error *err);
 
 #endif

@@ -36,7 +36,8 @@ static const json_t *case_of(const side *s, const char *id)
 
 /* -------------------------------------------------------------- one record */
 
-/* Finds a leaf's number and digest: its index in the list, or the number in a tick's pair. */
+/* Finds the number and the digest of element i of a list of leaves. For a complete grid the number is i. For a tick the
+   element is a pair of number and digest. */
 static bool leaf_at(const json_t *leaves, size_t i, json_int_t *number, const char **digest)
 {
     const json_t *one = json_array_get(leaves, i);
@@ -67,7 +68,7 @@ static json_int_t first_leaf(const json_t *a, const json_t *b)
     }
 }
 
-/* Reads [x, y, z] of a protocol; returns false if the list has another form. */
+/* Reads the dims [x, y, z] of a protocol. Returns false if one of them is missing or out of range. */
 static bool dims_in(const json_t *list, ost_dims *out)
 {
     json_int_t n[3];
@@ -80,8 +81,8 @@ static bool dims_in(const json_t *list, ost_dims *out)
     return true;
 }
 
-/* Finds the dims for a case of the user's own files, whose grids are in the protocol. Those of a part of a case
-   (--case) are not known. */
+/* Finds the dims for a case of the user's own files; the protocol contains the dims of its grids. Returns false if only
+   a part of a case was run (--case), because its dims are not known. */
 static bool own_dims(const json_t *protocol, const char *id, const char *stage, json_int_t item, ost_dims *out)
 {
     const json_t *user = json_object_get(protocol, "user"), *cases = json_object_get(user, "cases");
@@ -161,7 +162,7 @@ static json_t *record_difference(const json_t *protocol, const json_t *one, cons
     return o;
 }
 
-/* Returns the first difference of a case; NULL if it is equal. */
+/* Returns the first difference between the results of a case in two bundles; NULL if they are equal. */
 static json_t *case_difference(const json_t *protocol, const json_t *a, const json_t *b)
 {
     const json_t *la = json_object_get(a, "reference"), *lb = json_object_get(b, "reference");

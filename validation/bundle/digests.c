@@ -14,7 +14,7 @@ static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_
     } leaf;
     const size_t size = b->voxel_bytes, wide = (size_t)b->dims.x, high = (size_t)b->dims.y;
     const int32_t n = b->dims.x - from[0] < OST_LEAF ? b->dims.x - from[0] : OST_LEAF;
-    uint8_t *bytes = (uint8_t *)&leaf; /* the bytes of whichever member is used */
+    uint8_t *bytes = (uint8_t *)&leaf; /* the bytes of the member that is used, wide or narrow */
     memset(&leaf, 0, sizeof leaf);
     for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)
         for (int32_t j = 0; j < OST_LEAF && from[1] + j < b->dims.y; j++)
@@ -47,8 +47,8 @@ static ost_status add_leaves(const trace_block_view *b, bool numbered, ost_dims 
     return OST_OK;
 }
 
-/* Adds a record's words. Those that are bounds are added as 0, since the arithmetic does not prescribe them
-   (trace_word_is_bound). */
+/* Adds the words of a record to the digest. Words that are bounds are added as 0, because the arithmetic does not
+   prescribe their values (trace_word_is_bound). */
 static ost_status add_words(ost_hasher *h, trace_stage stage, const uint8_t *words, uint64_t count, ost_error *err)
 {
     enum { AT_ONCE = 64 };
@@ -83,7 +83,8 @@ static ost_status digest_without_bounds(const trace_record *r, const uint8_t *wo
     return status;
 }
 
-/* Computes the digest of the compared part of a record: its body with bounds as 0; of a refusal only the status. */
+/* Computes the digest of the compared part of a record. Words that are bounds count as 0. For a refusal only the status
+   is included. */
 static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_error *err)
 {
     uint64_t count;

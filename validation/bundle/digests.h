@@ -6,7 +6,7 @@
  *
  * leaves are those of AR-DIG-2, of 32^3 voxels: all in order for a complete
  * grid, and [number, digest] for the leaves that a tick changed.  Two sites that
- * exchange only these find the stage, the tick and the chunk that differ.
+ * exchange only these digests find the stage, the tick and the chunk that differ.
  *
  * The same digests without leaves are the lines of a case, one per record, made
  * from a backend's own trace; the SHA-256 of these lines identifies all results

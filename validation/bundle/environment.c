@@ -23,7 +23,8 @@ extern char **environ;
 #define COMPILER "gcc " __VERSION__
 #endif
 
-/* Copies the text after "name : " of the first such line of a file; "" if there is no such line or no such file. */
+/* Copies the value from the first line of a file that begins with name, such as "name : value". The value is "" if
+   there is no such line or no such file. */
 static ost_status line_of(const char *path, const char *name, char text[], size_t size, ost_error *err)
 {
     char line[4096];

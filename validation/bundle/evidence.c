@@ -43,7 +43,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
     if (!*out)
         return no_memory(err);
     json_object_del(*out, "seed_text");
-    /* as text: JSON readers may lose bits */
+    /* as text, because JSON readers may lose bits of large integers */
     json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed));
     json_object_set_new(*out, "chosen", json_string(chosen));
     json_object_set_new(*out, "no_opencl", json_string(subjects->opencl ? "" : subjects->no_opencl));
@@ -247,8 +247,8 @@ bool evidence_refused(const json_t *one)
     return false;
 }
 
-/* Writes a sentence about sweep, map, boxes, poses and snapping. They are made once for all backends, so only the
-   second implementation of them can show that they are right. */
+/* Writes a sentence about sweep, map, boxes, poses and snapping. These steps are made once for all backends, so only
+   the second implementation of these steps can show that they are right. */
 static const char *second_implementation(const json_t *protocol, const json_t *cases, char *text, size_t size)
 {
     const json_t *backends = json_object_get(protocol, "backends");

@@ -28,16 +28,16 @@ enum { EVIDENCE_FORMAT = 2 }; /* format of a bundle; format 1 had words in place
 /* Makes protocol.json; the caller owns *out. chosen: the requested backends, "" for all available ones. */
 ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only,
                              json_t **out, ost_error *err);
-/* Makes the line of one case except its results; called while the case's batch is open (campaign_options.done). */
+/* Makes the line of one case without its results. Called while the case's batch is open (campaign_options.done). */
 ost_status evidence_case(const campaign *c, int case_index, json_t **out, ost_error *err);
-/* Adds the results to the lines of all cases, which are in the plan's order. */
+/* Adds the results to the lines of all cases. The lines must be in the plan's order. */
 ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err);
 
 /* Makes the digests of a case's records as they are in its line; the caller owns *out, which is NULL on failure. */
 ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err);
 
-/* Returns true if the reference refused this case's input at some stage. A backend that refuses it too is equal, but
-   such a result is no evidence. */
+/* Returns true if the reference refused this case's input at some stage. A backend that also refuses the input is
+   equal, but this result is no evidence. */
 bool evidence_refused(const json_t *one);
 
 /*
@@ -62,15 +62,17 @@ json_t *evidence_result(const case_result *r);
 const char *evidence_text(const json_t *o, const char *key);
 
 /*
- * Returns part `number` of a file that has the key in each run: the file itself as part 0, or each
- * value of merged shards. Returns NULL after the last part.
+ * Returns part `number` of a file; NULL after the last part. If the file itself has the key, it
+ * comes from one run and is part 0. Otherwise it comes from merged shards, and the parts are its
+ * values.
  */
 const json_t *evidence_part(const json_t *file, const char *key, size_t number);
 
 /*
- * Returns the options that a command needs for the user's own cases, " --ct FILE --tool FILE --cubic=0.5"; the names of
- * the files are not recorded.  how: adds the options for reading them, for osteon validate.  Returns "" if there are no
- * such cases, NULL if memory is exhausted.  The caller frees the text with free().
+ * Returns the options that a command needs for the user's own cases, " --ct FILE --tool FILE
+ * --cubic=0.5"; the names of the files are not recorded. If how is true, the text includes the
+ * options by which osteon validate reads the files. Returns "" if there are no such cases, NULL if
+ * memory is exhausted. The caller frees the text with free().
  */
 char *evidence_own_options(const json_t *protocol, bool how);
 
@@ -78,8 +80,8 @@ char *evidence_own_options(const json_t *protocol, bool how);
 enum { EVIDENCE_DESCRIPTION = 400 };
 void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION]);
 
-/* Returns, for test harnesses, the reason why a result is not a comparison: not run, or refused by the reference
-   too. NULL if it is one. */
+/* Returns the reason why a result is not a comparison, for test harnesses: the backend did not run, or the reference
+   and the backend refused the input. Returns NULL if the result is a comparison. */
 const char *evidence_skipped(const json_t *one, const json_t *result, const json_t *backend);
 
 /* A test harness counts a list without failures as a success, so a campaign that compared nothing adds this failing
@@ -102,7 +104,8 @@ ost_status evidence_check_format(const char *folder, const json_t *protocol, ost
  */
 ost_status evidence_read_cases(const char *folder, bool with_leaves, json_t **out, ost_error *err);
 
-/* Reads both files of a bundle of this format, with all leaves; the caller owns them. */
+/* Reads protocol.json, which must have the format EVIDENCE_FORMAT, and cases.jsonl with the digests of all leaves. The
+   caller owns both. */
 ost_status evidence_read(const char *folder, json_t **protocol, json_t **cases, ost_error *err);
 
 #endif

@@ -53,7 +53,7 @@ static ost_status read_line(FILE *file, int number, char **line, size_t *capacit
                              : ost_fail(err, OST_ERR_INPUT, EVIDENCE_CASES ":%d: the last line does not end", number);
 }
 
-/* Checks that a line is written as this program writes the value in it. */
+/* Checks that a line is identical to the text that this program writes for the line's value. */
 static ost_status check_written(const json_t *row, const char *where, const char *line, size_t size, ost_error *err)
 {
     char *text = json_dumps(row, JSON_SORT_KEYS | JSON_COMPACT);

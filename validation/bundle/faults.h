@@ -27,7 +27,8 @@ void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);
  */
 ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err);
 
-/* Returns true if there were changes, each was detected and located, and there was no false alarm. */
+/* Returns true if at least one result was changed, every change was detected and located, and there was no false
+   alarm. */
 bool faults_proved(const sensitivity *s);
 
 #endif

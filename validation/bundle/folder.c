@@ -51,8 +51,8 @@ static const struct {
 
 static const char *const folders[] = {"pictures", "cases"};
 
-/* Returns true for an allowed name in a folder: in pictures/ and cases/ small letters, digits and dashes with one
-   ending, in signatures/ any plain name. */
+/* Returns true for an allowed name in a folder. In pictures/ and cases/ a name consists of small letters, digits and
+   dashes, and ends in `ending`. In signatures/, where ending is NULL, any plain name is allowed. */
 static bool within(const char *name, const char *folder, const char *ending)
 {
     const size_t head = strlen(folder);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The files of a bundle's folder, and how they are opened: a bundle may come
- * from anybody.
+ * The files of a bundle's folder, and how they are opened.  A bundle may come
+ * from an untrusted source.
  *
  *   folder --folder_list--> names and sizes; anything else is reported as a problem
  *
@@ -28,10 +28,10 @@ typedef struct folder_files {
     size_t count;
 } folder_files;
 
-/* The rules for a file of this name. */
+/* The rules for a file of the bundle; they depend on its name. */
 typedef struct folder_about {
-    bool varies;  /* true: depends on times, identities or the machine, and is not part of results_root */
-    bool bound;   /* true: the log contains its digest (log.h) */
+    bool varies;  /* true: the file depends on times, identities or the machine, and is not part of results_root */
+    bool bound;   /* true: the log contains the file's digest (log.h) */
     int64_t most; /* maximum size in bytes */
 } folder_about;
 bool folder_describe(const char *name, folder_about *out);

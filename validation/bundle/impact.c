@@ -42,7 +42,7 @@ static void add_change(json_t *list, const char *what, const char *a, const char
         json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "what", what, "old", a, "new", b));
 }
 
-/* Adds a protocol's value as text; arithmetic is a number. */
+/* Adds the change of a value of the protocol as text. The value of the key "arithmetic" is a number. */
 static void add_protocol(json_t *list, const char *key, const json_t *a, const json_t *b)
 {
     const json_t *x = json_object_get(a, key), *y = json_object_get(b, key);
@@ -68,7 +68,8 @@ static json_t *index_of(const json_t *list, const char *key, const char *value, 
     return o;
 }
 
-/* Makes rows for names that only one side has, or that have different texts. Releases both objects. */
+/* Makes a row for each name that is in only one of the two objects, and for each name whose texts in them differ.
+   Releases both objects. */
 static json_t *compare_indexes(json_t *a, json_t *b)
 {
     json_t *list = json_array(), *text;

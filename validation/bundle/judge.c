@@ -56,8 +56,8 @@ static bool leaves_ok(const json_t *leaves)
     return !leaves || json_is_array(leaves);
 }
 
-/* Writes line `at` of the reference: first the input's, then one per record; "" after the last. Returns false if a
-   row has another form. */
+/* Writes line `at` of the reference: line 0 is that of the input, and each record has one further line. Writes "" after
+   the last line. Returns false if the input's digest or a row is malformed. */
 static bool reference_line(const json_t *one, size_t at, char line[LINE])
 {
     const json_t *rows = json_object_get(one, "reference"), *row;
@@ -98,7 +98,7 @@ bool judge_reference(const json_t *one, ost_digest *out)
 
 /* ------------------------------------------------------------- own lines */
 
-/* Computes the SHA-256 of a backend's own lines. Returns false if there are none or one has another form. */
+/* Computes the SHA-256 of a backend's own lines. Returns false if there are no lines or if a line is malformed. */
 static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
 {
     ost_hasher *h;
@@ -116,7 +116,7 @@ static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
     return ok;
 }
 
-/* Returns true if a line is of a record of this stage; *item receives its item. */
+/* Returns true if the line belongs to a record of this stage; *item receives the item of the record. */
 static bool line_is_of(const char *line, trace_stage stage, int *item)
 {
     const char *name = trace_stage_name(stage);
@@ -161,8 +161,8 @@ static bool is_stand_in(const char *line, const char *reference)
     return head && strncmp(line, reference, head) == 0 && strcmp(line + head, " -") == 0;
 }
 
-/* Returns the index of the first line that differs from the reference's, and that line of the reference; -1 if there
-   is none. */
+/* Returns the index of the first line that differs from the reference's line, and writes that line of the reference to
+   `reference`. Returns -1 if no line differs. */
 static long first_other(const json_t *one, const json_t *lines, const char *backend, char reference[LINE])
 {
     const size_t count = json_array_size(lines), all = 1 + json_array_size(json_object_get(one, "reference"));
@@ -203,7 +203,7 @@ static int verdict_named(const char *name)
     return -1;
 }
 
-/* Judges a result whose backend has its own lines. */
+/* Judges a result that lists the lines of the backend's own records. */
 static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 {
     const json_t *lines = json_object_get(r, "records");

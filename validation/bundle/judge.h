@@ -10,9 +10,9 @@
  *   equal     the SHA-256 of its lines is that of the reference's
  *   differs   its lines are present and have this SHA-256; the first one that is not the
  *             reference's gives stage and item
- *   failed    the same, and its lines end with "failed" where the reference's continue; or it has no lines
+ *   failed    as for differs, and its lines end with "failed" where the reference's continue; or it has no lines
  *
- * A backend that crashed, was late or did not run has no complete result.  A line
+ * A backend that crashed, exceeded its time limit or did not run has no complete result.  A line
  * that ends in "-" is compared with nothing; it is accepted if the backend may
  * lack the record: any of a dump (dump.h), none of cpu and ref (may_lack).
  */

@@ -32,7 +32,7 @@ static bool is_verdict(const json_t *result, case_verdict verdict)
 
 /* ------------------------------------------------------------ the machine */
 
-/* Returns the seconds of a backend; for merged shards their sum. */
+/* Returns the seconds of a backend; in a merged bundle, the sum over all shards. */
 static double seconds_of_backend(const page *p, const char *backend)
 {
     const json_t *one;
@@ -54,7 +54,8 @@ static bool seconds_of_case(const page *p, const char *id, const char *backend, 
     return false;
 }
 
-/* Returns the least of the parts' values of a key, which for a time is the earliest; "" if there is none. */
+/* Returns the least value of a key in the parts of a file, which for a time is the earliest value. Returns "" if there
+   is none. */
 static const char *least(const json_t *file, const char *key)
 {
     const json_t *one;

@@ -12,8 +12,8 @@
 
 #define JUNIT_FILE "junit.xml"
 
-/* Writes junit.xml. times and environment are those of one run, or of merged shards {"1/2": ...}; either may be
-   NULL. */
+/* Writes junit.xml. The parameters times and environment are the objects of one run or, for merged shards, {"1/2":
+   object, ...}; each of them may be NULL. */
 ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t *times, const json_t *environment,
                        evidence_sink *sink, void *user, ost_error *err);
 

@@ -83,7 +83,7 @@ static void needed_by(const struct dl_phdr_info *info, visit *v)
         const ElfW(Dyn) *dynamic = (const ElfW(Dyn) *)(info->dlpi_addr + info->dlpi_phdr[i].p_vaddr);
         const char *strings = NULL;
         for (const ElfW(Dyn) *d = dynamic; d->d_tag != DT_NULL; d++)
-            if (d->d_tag == DT_STRTAB) /* some loaders do not relocate it */
+            if (d->d_tag == DT_STRTAB) /* some loaders do not relocate this pointer */
                 strings = (const char *)(d->d_un.d_ptr < info->dlpi_addr ? info->dlpi_addr + d->d_un.d_ptr
                                                                          : d->d_un.d_ptr);
         for (const ElfW(Dyn) *d = dynamic; strings && d->d_tag != DT_NULL; d++)
@@ -113,8 +113,9 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 /* ----------------------------------------------------------- the packages */
 
 /*
- * Reads the output of a program, cut at PROGRAM_TEXT bytes. The caller frees *text, which is NULL if the program is not
- * installed. It is an error if the program cannot be started or read, or if it fails: its list would be incomplete.
+ * Reads the output of a program, cut at PROGRAM_TEXT bytes. The caller frees *text, which is NULL
+ * if the program is not installed. It is an error if the program cannot be started or read, or if
+ * it fails, because its list would be incomplete.
  */
 static ost_status output_of(char *const argv[], char **text, ost_error *err)
 {
@@ -173,8 +174,8 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
     return OST_OK;
 }
 
-/* Writes the other name of a file. Packages may list it by its path before the folders were merged: with /usr or
-   without. */
+/* Writes the other name of a file, with or without /usr at its beginning. A package may list the file by the path that
+   it had before /bin and /lib were merged into /usr. */
 static void other_name(const char *path, char out[PATH_MAX])
 {
     if (strncmp(path, "/usr/", 5) == 0)
@@ -195,7 +196,7 @@ static void free_words(char **argv, size_t from, size_t n)
     free(argv);
 }
 
-/* Makes {path: package} for all names of all files, with one call. */
+/* Makes {path: package} for all names of all files, with one call of dpkg-query. */
 static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
 {
     const size_t count = json_array_size(libraries);
@@ -222,7 +223,8 @@ static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
         char *path = strstr(line, ": /");
         if (!path || strncmp(line, "diversion", 9) == 0)
             continue;
-        line[strcspn(line, ":,")] = '\0'; /* libc6:amd64, or the first of several packages */
+        /* keeps the name of the first package, without its architecture (libc6:amd64) */
+        line[strcspn(line, ":,")] = '\0';
         if (json_object_set_new(out, path + 2, json_string(line)) != 0)
             status = no_memory(err);
     }

@@ -16,11 +16,12 @@
 #include <osteon/status.h>
 
 enum {
-    LIMIT_DEPTH = 16, /* nesting of arrays and objects */
-    LIMIT_VALUES = 1 << 20, /* values of one JSON text */
+    LIMIT_DEPTH = 16, /* maximum nesting depth of arrays and objects */
+    LIMIT_VALUES = 1 << 20, /* maximum number of values in one JSON text */
     LIMIT_LINE =
-        64 << 20, /* bytes of a line of cases.jsonl: a bone of 2^30 voxels has 32768 leaves of 67 bytes a grid */
-    LIMIT_ALL_VALUES = LIMIT_VALUES * 8, /* values of all lines of cases.jsonl */
+        /* maximum size in bytes of a line of cases.jsonl; a grid of 2^30 voxels has 32768 leaves of 67 bytes */
+        64 << 20,
+    LIMIT_ALL_VALUES = LIMIT_VALUES * 8, /* maximum number of values in all lines of cases.jsonl */
 };
 
 /* Counts the values of a JSON text, each of which takes about 100 bytes when parsed. Returns OST_ERR_INPUT "WHERE:

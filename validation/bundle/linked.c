@@ -113,8 +113,8 @@ static bool isa_of(const char *name, char isa[32])
     return true;
 }
 
-/* Checks that all backends of the processor's instruction sets are listed, if all were requested, and none of
-   another set. */
+/* Checks that the bundle lists no available backend of an instruction set that the processor lacks. If all backends
+   were requested, also checks that all backends of the processor's instruction sets are listed. */
 static ost_status check_processor(const check *c, const json_t *devices, ost_error *err)
 {
     enum { SETS = 64 };

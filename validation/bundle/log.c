@@ -85,7 +85,8 @@ static void report(reader *r, const char *format, ...)
     ++*r->found;
 }
 
-/* Splits the next line at its tabs. Returns false at the end, or if it has another form. */
+/* Splits the next line into its four fields at its tabs. Returns false at the end of the log, or if the line does not
+   have this form. */
 static bool next_line(reader *r)
 {
     char *stop = strchr(r->at, '\n'), *field[3];
@@ -93,7 +94,7 @@ static bool next_line(reader *r)
         return false;
     *stop = '\0';
     r->number++;
-    for (int i = 0; i < 3; i++) { /* after the digest of the previous line */
+    for (int i = 0; i < 3; i++) { /* time, action and detail, which follow the digest of the previous line */
         field[i] = strchr(i ? field[i - 1] : r->at, '\t');
         if (!field[i])
             return false;

@@ -251,7 +251,7 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
             status = ost_fail(err, OST_ERR_MEMORY, "%s", unread.text);
         if (stated)
             compare_rows(stated, is, problem, user, found);
-        if (status == OST_OK && *found == before) { /* the files match their rows: the manifest was changed */
+        if (status == OST_OK && *found == before) { /* all files match their rows, so the manifest itself was changed */
             problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, stated ? "is not what the files give" : unread.text);
             ++*found;
         }

@@ -67,7 +67,7 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
         json_decref(common);
     }
     if (status == OST_OK && strncmp(name, "1/", 2) == 0)
-        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* absent from a bundle of selected cases */
+        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* a bundle of selected cases lacks it */
     if (status == OST_OK && strncmp(name, "1/", 2) == 0 && json_object_get(protocol, "suite")) {
         m->suite_limit = json_incref(json_object_get(protocol, "suite"));
         status = bundle_find_json(folder, SUITE_FILE, &m->suite, err);
@@ -89,7 +89,7 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
     return status;
 }
 
-/* Puts the cases in the order of the complete plan; each must be in one of the shards. */
+/* Sorts the cases into the order of the complete plan. Returns OST_ERR_INPUT if a case of the plan is in no shard. */
 static ost_status put_in_order(const char *folder, merged *m, const json_t *by_id, ost_error *err)
 {
     const char *tier_name = json_string_value(json_object_get(m->protocol, "tier")),

@@ -13,7 +13,7 @@
 #include "validation/bundle/bundle.h"
 
 typedef struct merged {
-    json_t *protocol, *cases;     /* of the complete campaign; owned */
+    json_t *protocol, *cases;     /* protocol and cases of the complete campaign; owned */
     json_t *environment, *times;  /* {"1/3": ...}; owned */
     json_t *faults;               /* the first shard's sensitivity.json, or NULL if it has none; owned */
     json_t *suite, *suite_limit;  /* the first shard's suite.json and its part of the protocol, or NULL; owned */

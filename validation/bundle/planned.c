@@ -100,7 +100,8 @@ static void report(const check *c, const char *file, const char *format, ...)
 
 /* ---------------------------------------------------------------- protocol */
 
-/* Reads the backends of a protocol. Returns false if one has another form. */
+/* Reads the backends of a protocol. Returns false if there are none or too many, if two have the same name, if the
+   first one is not "ref", or if memory is exhausted. */
 static bool subjects_in(const json_t *protocol, subject_list *out)
 {
     const json_t *backends = json_object_get(protocol, "backends");
@@ -142,8 +143,10 @@ static ost_status check_protocol(const check *c, const json_t *protocol, const p
     subjects_free(&subjects);
     if (status != OST_OK)
         return status;
+    /* These keys are checked elsewhere: case by planned_of, user with --rerun by the files themselves, and suite by
+       suite_check. */
     static const char *const given[] =
-        {"case", "user", "suite"}; /* checked by planned_of, by the files themselves with --rerun, and by suite_check */
+        {"case", "user", "suite"};
     for (size_t k = 0; k < sizeof given / sizeof given[0]; k++)
         if (json_object_get(protocol, given[k]))
             json_object_set(again, given[k], json_object_get(protocol, given[k]));

@@ -25,7 +25,8 @@ ost_status planned_of(const json_t *protocol, const plan_user *user, plan *out, 
 ost_status planned_check(const json_t *protocol, const json_t *cases, bundle_problem *problem, void *user, int *found,
                          ost_error *err);
 
-/* Reports contradictions of the measured files among each other or with the protocol, and missing files. */
+/* Reports missing measured files, and contradictions between measured files or between a measured file and the
+   protocol. */
 ost_status linked_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found,
                         ost_error *err);
 

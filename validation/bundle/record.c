@@ -56,7 +56,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     if (status == OST_OK)
         status = put_known_anomalies(sink, user, err);
     if (status == OST_OK)
-        status = devices_of(subjects, &devices, err); /* first: it loads the drivers that tools_of lists */
+        status = devices_of(subjects, &devices, err); /* before tools_of, which lists the loaded drivers */
     if (status == OST_OK)
         status = put_json(DEVICES_FILE, devices, sink, user, err);
     if (status == OST_OK)
@@ -109,7 +109,8 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
     return status;
 }
 
-/* Writes a file once if it is equal in all shards; otherwise by shard if by_shard is true, else fails. */
+/* Writes a file once if it is equal in all shards. If it is not, writes an object with the file of each shard if
+   by_shard is true, and fails otherwise. */
 static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user,
                             ost_error *err)
 {

@@ -2,12 +2,11 @@
 /*
  * The files of a bundle besides the evidence of the comparison:
  *
- *   record_put     requirements.csv, known-anomalies.csv, tools.json, devices.json, common.json:
- *                  compiled in, or collected
- *                  on the machine
- *   record_merge   the same from the bundles of shards
- *   record_derive  trace.csv, sbom.spdx.json, soup.csv, junit.xml: derived from those, environment.json, times.json and
- *                  the cases; verify derives them again
+ *   record_put     requirements.csv, known-anomalies.csv, tools.json, devices.json, common.json;
+ *                  these are compiled in, or collected on the machine
+ *   record_merge   the same files, from the bundles of shards
+ *   record_derive  trace.csv, sbom.spdx.json, soup.csv, junit.xml; these are derived from the files
+ *                  above, environment.json, times.json and the cases; verify derives them again
  *
  * If shards ran on equal machines, their tools.json and devices.json are equal
  * and are written once; otherwise the file has an object {"1/3": ...}.
@@ -24,10 +23,11 @@
 ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink,
                       void *user, ost_error *err);
 
-/* Merges these files of the bundles in folder. Returns OST_ERR_INPUT if they are of different builds. */
+/* Merges the collected files of the bundles in folder. Returns OST_ERR_INPUT if the bundles were made by different
+   builds. */
 ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost_error *err);
 
-/* Derives the other files from those of the bundle in folder. */
+/* Derives the other files from the files of the bundle in folder. */
 ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
                          void *user, ost_error *err);
 

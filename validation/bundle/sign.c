@@ -41,8 +41,8 @@ static bool sort_result(const char *id, const char *backend, const char *verdict
                                  json_string(name)) == 0;
 }
 
-/* Returns PASSED if equal and evidence, WARNED if equal but a reduced run, else FAILED, also if not compared or not
-   complete. */
+/* Returns PASSED if all results are equal and the run is evidence, and WARNED if they are equal but the run is reduced.
+   Otherwise returns FAILED, also if nothing was compared or the run is not complete. */
 static const char *result_of(const json_t *summary)
 {
     if (!json_is_true(json_object_get(summary, "equal")))
@@ -127,7 +127,7 @@ static ost_status statement_of(const contents *c, const claim *claimed, json_t *
 
 /* --------------------------------------------------------------- signing */
 
-/* Returns true for UTF-8 without control characters that is not too long. */
+/* Returns true if the text is UTF-8, has no control characters and is at most SIGN_TEXT_MAX bytes long. */
 static bool is_line(const char *text)
 {
     json_t *utf8 = json_string(text);
@@ -224,7 +224,8 @@ static void report(const check *c, const char *name, const char *text)
     ++*c->found;
 }
 
-/* Reads a file in signatures/. *bytes is NULL and the reason reported if it is not a file of at most max bytes. */
+/* Reads a file in signatures/. If this is not a file of at most max bytes, reports the reason and sets *bytes to
+   NULL. */
 static ost_status read_within(const check *c, const char *name, size_t max, char **bytes, size_t *size, bool *absent,
                               ost_error *err)
 {

@@ -40,7 +40,8 @@ typedef struct sign_envelope {
     struct {
         unsigned char *bytes;
         size_t size;
-        char keyid[OST_DIGEST_HEX]; /* a hint that is not protected; "" if it is not a fingerprint */
+        /* fingerprint of the key as stated in the envelope, a hint that no signature protects; "" if malformed */
+        char keyid[OST_DIGEST_HEX];
     } signatures[SIGN_SIGNATURES_MAX];
 } sign_envelope;
 

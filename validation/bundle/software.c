@@ -96,7 +96,7 @@ static const known *known_of(const char *soname)
     return &unknown;
 }
 
-/* Set if memory is exhausted; a failed allocation of Jansson ends the program (app/main.c). */
+/* True after a failed allocation outside of Jansson. A failed allocation in Jansson ends the program (app/main.c). */
 static bool out_of_memory;
 
 /* ----------------------------------------------------------- the libraries */
@@ -137,7 +137,7 @@ static json_t *libraries_of(const json_t *tools)
     return out;
 }
 
-/* Returns the value of a key, of one machine or of the first shard; NULL if there is none. */
+/* Returns the value of a key; in a merged bundle, that of the first shard. Returns NULL if there is none. */
 static const json_t *part_of(const json_t *tools, const char *key)
 {
     return json_object_get(evidence_part(tools, key, 0), key);

@@ -19,7 +19,7 @@
 
 #define SUITE_FILE "suite.json"
 
-/* Exit status for "skipped", that of automake. The status of a test that a signal ended is the negative signal
+/* Exit status of a skipped test, as in automake. If a signal ended the test, its status is the negative signal
    number. */
 enum { SUITE_SKIPPED = 77, SUITE_REASON = 200 };
 /* Maximum number of bytes of a test's output; a test that prints more is stopped. */
@@ -29,14 +29,15 @@ enum { SUITE_SKIPPED = 77, SUITE_REASON = 200 };
    memory is exhausted. */
 json_t *suite_tests(const char *requirements);
 
-/* Returns "passed", "skipped" or "failed". stopped: "", or the reason why the test was stopped. */
+/* Returns "passed", "skipped" or "failed". The parameter stopped is the reason why the test was stopped; it is "" if
+   the test was not stopped. */
 const char *suite_result(json_int_t status, const char *stopped);
 
-/* Writes the counts "passed", "skipped" and "failed" of o's array "tests" into o. */
+/* Counts the elements of o's array "tests" that are passed, skipped and failed, and writes these counts into o. */
 void suite_count(json_t *o);
 
-/* Reports all parts of a bundle's suite.json that do not follow from its protocol, its requirements.csv or the file
-   itself. */
+/* Reports every part of a bundle's suite.json that does not follow from the protocol, from requirements.csv or from the
+   other parts of suite.json. */
 ost_status suite_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found,
                        ost_error *err);
 

@@ -63,14 +63,14 @@ static bool has_word(const char *words, const char *word)
 /* ---------------------------------------------------------------- results */
 
 typedef struct outcome {
-    json_int_t equal;     /* records of backends that were equal in their case */
+    json_int_t equal;     /* number of records of the cases in which a backend was equal, over all backends */
     json_int_t different; /* cases in which a backend first differed at this stage */
     json_int_t known;     /* records of the reference */
 } outcome;
 
 typedef struct outcomes {
     outcome of[TRACE_STAGES];
-    json_int_t failed; /* results that are neither: failed, crashed, timed out */
+    json_int_t failed; /* number of results with another verdict: failed, crashed, timed out */
 } outcomes;
 
 static int stage_of(const char *name)
@@ -115,7 +115,7 @@ static outcomes count(const json_t *cases)
 
 enum { FIELDS = 5, LINE = 4096 };
 
-/* Splits a line of requirements.csv; commas only separate fields. */
+/* Splits a line of requirements.csv at its commas. No field of this file contains a comma. */
 static bool fields_of(char *line, char *field[FIELDS])
 {
     for (int i = 0; i < FIELDS; i++) {
@@ -158,8 +158,8 @@ static void add_text(char *to, size_t size, const char *format, ...)
 
 /*
  * Writes "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row,
- * which are split at their semicolons. also: another part of this bundle covers the row. Returns
- * false if no test passed or failed: a skipped test is no evidence.
+ * which are split at their semicolons. The parameter also is true if another part of this bundle
+ * covers the row. Returns false if no test passed or failed, because a skipped test is no evidence.
  */
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
                       size_t result_size)
