@@ -9,7 +9,7 @@
 #include "validation/report/pictures.h"
 #include "validation/report/sections.h"
 
-enum { LISTED = 200 }; /* results in the table; anomalies.csv contains all */
+enum { LISTED = 200 }; /* maximum number of results in the table; anomalies.csv contains all results */
 
 static json_int_t integer(const json_t *o, const char *key)
 {
@@ -79,7 +79,7 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
     fputs("</td></tr>\n", p->to);
 }
 
-/* Writes the command that runs the small case with the same difference. */
+/* Writes the command that runs the small case, which shows the same difference. */
 static void reproduction(const page *p, const json_t *backend, const json_t *r)
 {
     const char *file = evidence_text(r, "reproduce");
@@ -122,7 +122,7 @@ static void operand_table(const page *p, const json_t *r)
     fputs("</table></div>\n", p->to);
 }
 
-/* The number of findings, and the numbers of those with pictures and with small cases. */
+/* The number of findings, the number of findings with pictures, and the number of findings with small cases. */
 typedef struct totals {
     int found, drawn, small;
 } totals;
@@ -268,8 +268,8 @@ static bool fault_missed(const json_t *kind)
            integer(kind, "localized") != integer(kind, "changed");
 }
 
-/* Writes the sums by stage, in the order of their first kinds, and separately the kinds that were not all noticed
-   and located. */
+/* Writes the sums of each stage; the order of the stages is that of their first kinds in the list. Then writes the
+   kinds of which not every mistake was detected and located. */
 static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
 {
     const size_t count = json_array_size(kinds) < LISTED ? json_array_size(kinds) : LISTED;
@@ -277,7 +277,8 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fault_head(p, "Mistakes in");
     for (size_t i = 0; i < count; i++) {
         const char *stage = evidence_text(json_array_get(kinds, i), "stage");
-        uint64_t sum[FAULT_COUNTS] = {0}; /* unsigned: the values of a bundle may be arbitrary, and must not overflow */
+        /* unsigned, because sums of arbitrary values from a bundle must not overflow */
+        uint64_t sum[FAULT_COUNTS] = {0};
         bool first = true;
         size_t alike = 0;
         missed += fault_missed(json_array_get(kinds, i));
@@ -317,7 +318,7 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fputs("</table></div>\n", p->to);
 }
 
-/* Writes every kind: behind its label on a screen, in full on paper. */
+/* Writes every kind. On a screen the list is hidden until the reader opens it; on paper it is always shown. */
 static void fault_kinds(const page *p, const json_t *kinds)
 {
     char label[64];

@@ -3,7 +3,7 @@
  * Writes when and where the campaign ran, for the first page.
  *
  *   audit.log          the time of its first line
- *   environment.json   machine, processor, the paths that backends entered; of merged shards one for each, by "1/3"
+ *   environment.json   machine, processor, the paths that backends entered; for merged shards {"1/3": ...}
  *   devices.json       OpenCL devices that were compared
  */
 #include <stdlib.h>
@@ -80,7 +80,7 @@ static int threads_in(const char *path)
     return end > digits && strcmp(end, " threads") == 0 && n > 0 && n < THREADS_MAX ? (int)n : 0;
 }
 
-/* Marks the numbers of threads on which a path was entered. */
+/* Sets used[n] if a path of a backend was entered with n threads. */
 static void note_threads(const json_t *environment, bool used[THREADS_MAX])
 {
     json_t *backend, *count;

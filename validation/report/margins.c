@@ -47,8 +47,9 @@ static void number(const page *p, json_int_t value)
     fputs("</td>", p->to);
 }
 
-/* Writes a bar for each power of two, from the border on the left to one voxel and more on the right. The height is
-   the number of digits, so that one voxel is visible next to a million. */
+/* Writes one bar for each bin of margins. The bins are powers of two: the first bar is for margins of 0, on the border,
+   and the last one for one voxel or more. The height of a bar is proportional to the number of binary digits of
+   the count, so that a single voxel is visible next to a million voxels. */
 static void histogram(const page *p, const sums *s)
 {
     enum { BAR = 9, HEIGHT = 36 };
@@ -87,7 +88,7 @@ static void stage_row(const page *p, trace_stage stage, const sums *s)
         fputs("<td class=\"n\">-</td><td></td></tr>\n", p->to);
 }
 
-/* Writes what the margins imply for the statement "only rounding at borders". */
+/* Writes whether the margins are consistent with the statement "only rounding at borders". */
 static void meaning(const page *p, const sums *all, json_int_t near)
 {
     const json_int_t other = all->unexplained + all->below_threshold;
@@ -144,7 +145,7 @@ static void backend_table(const page *p, const json_t *backend)
         all.unexplained += s.unexplained;
         all.unmeasured += s.unmeasured;
         all.decided += s.decided;
-        for (int b = 0; b <= 10; b++) /* margins below 2^10 of 2^20 */
+        for (int b = 0; b <= 10; b++) /* bins 0 to 10: margins below 1/1024 of a voxel */
             near += s.bins[b];
     }
     if (!all.voxels)

@@ -39,19 +39,19 @@ bool page_read(const page *p, const char *file, char **bytes, size_t *size);
    JSON. */
 json_t *page_json(const page *p, const char *file);
 bool page_has(const page *p, const char *file);
-/* Writes the picture, embedded in the page and linked to its file, with a caption; nothing if the bundle does not
-   have it. */
+/* Embeds a picture with a caption in the page and links the picture to its file. Writes nothing and returns false if
+   the bundle does not have the picture. */
 bool page_picture(const page *p, const char *file, const char *caption);
 
 /*
- * Begin and end a part that opens by its label on a screen and is always open on paper; the element
- * details is not always
- * open on paper in every browser.  The content is one div.  id must be unique on the page.
+ * Begin and end a part of the page that has a label. On a screen the part is opened by its label;
+ * on paper the part is always open. The element details is not used, because some browsers print it
+ * closed. The content of the part is one div. The id must be unique on the page.
  */
 void page_fold_begin(const page *p, const char *id, bool open, const char *label);
 void page_fold_end(const page *p);
 
-/* Begin and end the page; its style is in the beginning. */
+/* Begin and end the page. The beginning of the page contains its style. */
 void page_begin(const page *p, const char *title);
 void page_end(const page *p);
 

@@ -130,7 +130,7 @@ static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume 
                                              PICTURE_SLICES_AFTER};
         const ost_volume *now = k % 2 ? after : before, *old = k % 2 ? before : NULL;
         ost_picture picture = {0};
-        if (k == 2) { /* the same slices before and after: through the removed voxels */
+        if (k == 2) { /* both pictures of slices show the slices through the removed voxels */
             int64_t sum[3] = {0, 0, 0}, n = 0;
             const ost_dims d = before->geometry.dims;
             for (int64_t v = 0; v < ost_dims_count(d); v++)

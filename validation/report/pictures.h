@@ -21,8 +21,9 @@
 #define PICTURE_SLICES_AFTER "pictures/slices-after.png"
 
 enum {
-    PICTURES_A_BACKEND = 4, /* the first differing cases of one backend that get pictures */
-    PICTURES_BACKENDS = 256, /* backends after the first so many get no pictures */
+    /* maximum number of cases of one backend that get pictures: the first ones that differ */
+    PICTURES_A_BACKEND = 4,
+    PICTURES_BACKENDS = 256, /* maximum number of backends that get pictures: the first ones in the list */
     PICTURE_NAME = 128
 };
 
@@ -45,8 +46,8 @@ typedef struct picture_keeper {
 void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got,
                             compare_range in_got);
 
-/* Copies from the shards' bundles in a folder the pictures that a single run would have made; protocol and cases are
-   those of the complete campaign. */
+/* Copies pictures from the bundles of shards in a folder: those pictures that a single run would have made. The
+   parameters protocol and cases are those of the complete campaign. */
 ost_status pictures_of_shards(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
                               void *user, ost_error *err);
 

@@ -137,7 +137,7 @@ static void suite_failed(const page *p)
     fputs("</span></div>\n", p->to);
 }
 
-/* Writes the answers to the next three questions, each with its file. */
+/* Writes short statements on sensitivity, common mistakes and limits, each with a link to its file. */
 static void in_short(const page *p)
 {
     const json_int_t kinds = number_in(p, "sensitivity.json", "kinds_total"),
@@ -393,7 +393,7 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     section_machine(&p);
     not_shown(&p); /* on the first page */
     section_compared(&p);
-    if (findings(&p)) { /* the most important part first */
+    if (findings(&p)) { /* the most important part comes first */
         section_differences(&p);
         section_margins(&p);
     }

@@ -2,7 +2,7 @@
 /*
  * report.html: the evidence for readers, on one page that needs no other file.
  *
- *   protocol, cases, and of the folder: pictures, sensitivity.json --report_write--> report.html
+ *   protocol, cases, files of the folder (pictures, sensitivity.json) --report_write--> report.html
  *
  * It is derived only from the bundle's files, without times or the machine's
  * name, so a check of the bundle derives it again and compares bytes.  It is
