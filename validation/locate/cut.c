@@ -101,7 +101,8 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
             scene_tool_free(&s->tools[i]);
             continue;
         }
-        if (cut->triangles[i][0].some || cut->triangles[i][1].some) /* the cut has indices of snapped triangles */
+        /* The cut has indices of snapped triangles, so the meshes before snapping are removed. */
+        if (cut->triangles[i][0].some || cut->triangles[i][1].some)
             drop_raw(&s->tools[i]);
         cut_mesh(&cut->triangles[i][0], &s->tools[i].cutting);
         cut_mesh(&cut->triangles[i][1], &s->tools[i].noncutting);

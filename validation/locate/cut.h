@@ -16,7 +16,7 @@
 
 enum { CUT_RANGES = 64 };
 
-/* Half-open ranges, ascending and disjoint. If some is false, all items are retained. */
+/* Half-open ranges, ascending and disjoint. If the member `some` is false, all items are retained. */
 typedef struct cut_list {
     bool some;
     int count;

@@ -32,7 +32,7 @@ bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trac
               grids *out);
 void grids_free(grids *g);
 
-/* Returns the view for pattern_find. The view is valid as long as g is. */
+/* Returns the view for pattern_find. The view is valid until g is freed. */
 pattern_view grids_view(const grids *g, const scene *s, bool reported_too);
 
 /* Finds the only block of a complete grid. Returns false if the case has no record of this stage and item. */

@@ -138,7 +138,8 @@ static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t
     return status;
 }
 
-/* Runs the candidates, the smallest first. The first one that still shows the same difference becomes the best one. */
+/* Runs the candidates, the smallest first. The first candidate that still shows the same difference becomes the best
+   case so far. */
 static ost_status try_all(job *j, const candidates *list, bool *found, ost_error *err)
 {
     trace got;
@@ -231,7 +232,7 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
         return OST_OK;
     if (d->kind == COMPARE_VOXEL)
         source_of(s, d->stage, d->voxel, at);
-    else if (d->kind == COMPARE_WORD && f->chunk_size) { /* the middle of the chunk whose report differs */
+    else if (d->kind == COMPARE_WORD && f->chunk_size) { /* use the middle of the chunk whose report differs */
         const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2,
                                    f->chunk[1] * f->chunk_size + f->chunk_size / 2,
                                    f->chunk[2] * f->chunk_size + f->chunk_size / 2};

@@ -19,9 +19,9 @@
 
 typedef struct minimised {
     scene_cut cut;
-    compare_difference difference; /* the difference of the small case */
+    compare_difference difference; /* the difference that the small case shows */
     finding found;
-    uint64_t samples, triangles, ticks; /* counts in the small case */
+    uint64_t samples, triangles, ticks; /* numbers of samples, triangles and ticks in the small case */
     ost_dims rect;
     int tools;
     int runs;   /* number of processes started */

@@ -212,7 +212,7 @@ typedef struct event_poses {
     bool removal;
     ost_pose from, to; /* first and last pose of the sweep; from is valid only if count > 1 */
     int count;
-    int64_t since; /* tick of `from`; -1: none */
+    int64_t since; /* number of the tick that has the pose `from`; -1: none */
 } event_poses;
 
 static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
@@ -257,7 +257,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
 
 /* The position of a bone voxel in the tool at one pose. */
 typedef struct mapped {
-    bool near;       /* true if its block can be in the tool (AR-MAP-5) */
+    bool near;       /* true if the voxel's block can be in the tool (AR-MAP-5) */
     int32_t u[3], at[3];
     int is;          /* class of the tool voxel; -1 outside the tool's grid */
     int32_t gap;     /* Chebyshev distance in 2^-20 voxels to the nearest neighbour with another result; -1: none */

@@ -32,8 +32,8 @@ typedef struct operands {
     operand_line lines[OPERANDS_MAX];
 } operands;
 
-/* Computes the operands of the first voxel of d; there are none if d is not a difference of voxels. before is the
-   previous bone for a tick, else NULL. */
+/* Computes the operands of the first voxel of the difference d. There are none if d is not a difference of voxels. The
+   parameter before is the bone before the tick if the difference is in a tick, else NULL. */
 void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
                  const int16_t *before, operands *out);
 

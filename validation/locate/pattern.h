@@ -2,7 +2,7 @@
 /*
  * Classifies the difference between two grids.
  *
- *   two grids, and their inputs if known --> patterns that hold --> class: the first of them
+ *   two grids, and their inputs if known --> patterns that hold --> class: the first pattern that holds
  *
  * Every rule is a statement that is checked on all voxels to which it applies, so a
  * pattern that holds is a fact.  It is not certain that the pattern names the cause;
@@ -13,8 +13,8 @@
  *
  *   byte-order      every voxel of D is the correct one with its two bytes swapped
  *   axis-swap       B is A with axes exchanged or reversed, or memory was read in another order of the axes
- *   shift           every voxel of D has the value of a neighbour, which is in the same direction for all,
- *                   or was resampled from another voxel
+ *   shift           every voxel of D has the value of its neighbour in one common direction, or the value that
+ *                   results if another voxel of the input is resampled
  *   row-pitch       D has the values that would be read if rows in memory were longer or shorter than they are
  *   offset          all densities of D differ by the same amount
  *   threshold       D consists of all voxels on one side of a density near the threshold
@@ -60,16 +60,16 @@ const char *pattern_name(pattern p);
 /* The kind of the input from which the stage made its grid. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
-    /* in is resampled: voxel (x, y, z) is voxel (source[0][x], source[1][y], source[2][z]) of in, or a mean of this and
-       the next voxels */
+    /* `in` is resampled: voxel (x, y, z) comes from voxel (source[0][x], source[1][y], source[2][z]) of `in`, or is a
+       mean of that voxel and the next ones */
     PATTERN_SOURCE,
-    PATTERN_THRESHOLDED, /* in is the same grid before densities below the threshold became 0 */
-    PATTERN_BEFORE       /* in is the bone before the event */
+    PATTERN_THRESHOLDED, /* `in` is the same grid before densities below the threshold became 0 */
+    PATTERN_BEFORE       /* `in` is the bone before the event */
 } pattern_input;
 
 typedef struct pattern_view {
     const int16_t *a, *b;
-    ost_dims dims, dims_b;    /* if they differ, only axis-swap is checked */
+    ost_dims dims, dims_b;    /* if dims and dims_b differ, only axis-swap is checked */
     int32_t solid_a, solid_b; /* least value of a solid voxel */
     bool tool;
     int chunk;                /* voxels along a chunk's edge */
@@ -77,10 +77,12 @@ typedef struct pattern_view {
     const int16_t *in;
     ost_dims in_dims;
     const int32_t *source[3];
-    const int32_t *weight[3]; /* weight of the next voxel along each axis, in 2^-15; 0: it is not read */
-    /* for each voxel the number of samples in the batch after its last one, -1 without a sample; NULL: not known */
+    /* weight of the next voxel along each axis in units of 2^-15; 0: the next voxel is not read */
+    const int32_t *weight[3];
+    /* for each voxel the number of samples that follow its last sample in the batch; -1 for a voxel without a sample;
+       NULL: not known */
     const int32_t *behind;
-    bool reported_too;        /* true if the report differs, too */
+    bool reported_too;        /* true if the report also differs */
 } pattern_view;
 
 enum { PATTERN_TEXT = 200 };

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rules on chunks, and on a last part of the work that was not done. */
+/* The rules of pattern.h for chunks, and for a last part of the work that was not done. */
 #include "validation/locate/pattern_parts.h"
 
 /* Number of work-items in a work-group. At most this number of samples is lost at the end of a batch. */
 enum { GROUP = 256 };
 
 typedef struct chunk_counts {
-    bool differs, as_before, hit; /* as_before: B equals `in` in all voxels; hit: A differs from `in` in a voxel */
+    /* as_before: all voxels of B equal those of `in`; hit: at least one voxel of A differs from that of `in` */
+    bool differs, as_before, hit;
     bool solid_a, solid_b;
 } chunk_counts;
 
@@ -28,7 +29,8 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 
 typedef struct chunk_sums {
     int64_t differ, undone, one_sided; /* counts of chunks; one_sided: solid in only one grid */
-    int64_t hit, hit_after; /* hit_after: hit chunks without a difference, after the first chunk that differs */
+    /* hit_after: number of hit chunks without a difference that follow the first chunk with a difference */
+    int64_t hit, hit_after;
 } chunk_sums;
 
 static chunk_sums sum_chunks(const pattern_view *v)

@@ -10,10 +10,10 @@
 
 #include "validation/locate/pattern.h"
 
-/* A pattern is not significant if fewer voxels than this have it. */
+/* A pattern is not significant if fewer than this number of voxels have it. */
 enum { PATTERN_TELLING = 8 };
 
-/* The view, and the properties of D that every rule uses. */
+/* The view, and the properties of D that all rules use. */
 typedef struct pattern_scan {
     const pattern_view *v;
     int64_t count;         /* number of voxels in D */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rules on positions: a value is at a wrong position, and its position in the reference is found. */
+/* The rules of pattern.h for values at a wrong position. A rule finds the position that these values have in the
+   reference. */
 #include "validation/locate/pattern_parts.h"
 
 #include "validation/resample.h"
@@ -14,8 +15,8 @@ typedef struct reading {
     int64_t row; /* length of a row; 0: the correct length */
 } reading;
 
-/* Resamples voxel p by this reading. Returns false if a source voxel is outside the input's dims. An index beyond the
-   input's memory, which another order or row length can give, reads 0. */
+/* Resamples voxel p with the input read as in *how. Returns false if a source voxel is outside the input's dims.
+   Another order of axes or another row length can give an index beyond the input's memory; such a voxel reads as 0. */
 static bool resample_as(const pattern_view *v, const int32_t p[3], const reading *how, int16_t *out)
 {
     const ost_dims d = v->in_dims;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rules on rows, on the surface, and on neighbours. */
+/* The rules of pattern.h for rows, for the surface, and for neighbouring voxels. */
 #include <osteon/mesh.h>
 
 #include "validation/locate/pattern_parts.h"
@@ -122,7 +122,8 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
             return false;
         known += can;
     }
-    /* If most voxels are on the surface, all differences are on it, and the pattern is not significant. */
+    /* If most solid voxels are on the surface, the differences are on the surface in any case, and the pattern is not
+       significant. */
     int64_t solid = 0, surface = 0;
     int32_t p[3];
     for (p[2] = s->lo[2]; p[2] < s->hi[2]; p[2]++)
