@@ -261,8 +261,9 @@ static void sweep(lab *l)
 }
 
 /*
- * The ends of the range of lengths, 8 m (AR-LEN-1).  A mesh from -8 m + 1.5 mm on at a voxel of 1 mm has the corner
- * RHE((2 min - 1) / 2) - 1 = -8 m + 1 - 1 = -8 m, which is in range.  A pose a picometre beyond 8 m is no pose.
+ * Checks the ends of the range of lengths, 8 m (AR-LEN-1). A mesh that begins at -8 m + 1.5 mm,
+ * with voxels of 1 mm, has the corner RHE((2 min - 1) / 2) - 1 = -8 m + 1 - 1 = -8 m, which is in
+ * range. A pose that lies a picometre beyond 8 m is refused.
  */
 static void borders(lab *l)
 {

@@ -38,15 +38,17 @@ ost_pose lab_random_pose(lab *l, draw *d, ost_pm size);
 /* Fills voxels with densities from 120 to 1000, one in four below the threshold. */
 void lab_fill(draw *d, int16_t *voxels, int64_t count);
 
-/* Removes from a bone made of `voxels`, which receive the result. report may be NULL. */
+/* Makes a bone of `voxels`, runs one event with these poses, and writes the resulting bone to `voxels`. report may be
+   NULL. */
 void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses,
                 int count, ost_removal_report *report);
 uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count,
                      int16_t density);
 
-/* Makes a box of twelve triangles, counter-clockwise seen from outside, or from inside. */
+/* Makes a box of twelve triangles, whose corners are counter-clockwise seen from outside or, if inside_out is true,
+   seen from inside. */
 void lab_box(lab *l, ost_pm3 min, ost_pm3 max, bool inside_out, ost_mesh *out);
-/* Voxelizes a mesh on the given grid, or on that of its bounds if grid is NULL. *out is initialised. */
+/* Voxelizes a mesh on the given grid or, if grid is NULL, on the grid of the mesh's bounds. Initialises *out. */
 void lab_voxelize(lab *l, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_pm voxel, ost_tool_volume *out);
 
 void lab_golden(lab *l);

@@ -87,7 +87,8 @@ static void one_by_one(lab *l, draw *d, scene *s)
         lab_remove(l, &s->g, 32, s->b, s->tool, &s->poses[k], 1, NULL);
 }
 
-/* Moves bone and tool by the same integer number of picometres: the same voxels by index are removed. */
+/* Moves the bone and the tool by the same vector in picometres. The removed voxels must have the same indices as
+   without the motion. */
 static void moved(lab *l, draw *d, scene *s)
 {
     const ost_pm3 by = draw_point(d, -LAB_MM * 99, LAB_MM * 99);
@@ -131,7 +132,7 @@ static const law laws[] = {
      shifted},
 };
 
-/* Counts voxels that are neither unchanged nor 0: an event only removes. */
+/* Counts the voxels that an event changed to a value other than 0. An event may only remove voxels. */
 static void only_removed(lab *l, const int16_t *before, const int16_t *after, int64_t *wrong)
 {
     for (int i = 0; i < COUNT && l->status == OST_OK; i++)
@@ -174,7 +175,8 @@ static int64_t differ_tools(const ost_tool_volume *a, const ost_tool_volume *b)
     return wrong;
 }
 
-/* Boxes with borders anywhere: with faces turned inside out, as two halves, and moved by complete voxels. */
+/* Checks boxes with borders at any position: with all faces turned inside out, cut into two halves, and moved by a
+   whole number of voxels. */
 static void mesh_laws(lab *l)
 {
     draw d = draw_named(l->seed, "meshes");
@@ -188,7 +190,7 @@ static void mesh_laws(lab *l)
         const ost_pm3 hi = draw_point(&d, LAB_MM, 9 * LAB_MM);
         const ost_pm3 n = draw_point(&d, -20, 20), by = {n.x * voxel, n.y * voxel, n.z * voxel};
         const ost_pm cut = draw_between(&d, lo.x + 1, hi.x - 1);
-        ost_tool_geometry grid = {.dims = {0, 0, 0}}; /* read below even if its bounds are refused */
+        ost_tool_geometry grid = {.dims = {0, 0, 0}}; /* initialised: it is read below even if the bounds are refused */
         l->status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, l->err);
         ost_tool_geometry there = grid;
         there.corner = (ost_pm3){grid.corner.x + by.x, grid.corner.y + by.y, grid.corner.z + by.z};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bodies whose volume is known: exactly if borders lie between voxels' centres, else within the volume of the
-   border's voxels. */
+/* Bodies whose volume is known. If the borders of a body lie between voxel centres, the volume of its voxels must be
+   exact; otherwise it may deviate by at most the volume of the border's voxels. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,10 +55,10 @@ static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh 
 }
 
 /*
- * Every voxel whose centre is deeper in the ball than half its diagonal is
- * completely inside, and no voxel whose centre is further out than that has any
- * part inside.  The voxels' volume is therefore between those of two balls whose
- * radii are smaller and larger by half a diagonal, including the mesh's sagitta.
+ * A voxel lies completely inside the ball if its centre is more than half a voxel diagonal below
+ * the surface, and completely outside if its centre is more than half a diagonal above the surface.
+ * The volume of the voxels is therefore between the volumes of two balls, whose radii are smaller
+ * and larger by half a diagonal. The smaller radius also takes the mesh's sagitta into account.
  */
 static void ball(lab *l)
 {
@@ -99,8 +99,8 @@ static void slot(lab *l)
                "%llu voxels", gone);
 }
 
-/* Turned by 45 degrees about z, a square of half side 4 contains the integers with |x| + |y| <= 4 sqrt 2 = 5.66: 61
-   of them; 8 layers. */
+/* A square of half side 4 that is turned by 45 degrees about z contains the integer points with |x| + |y| <= 4 sqrt 2 =
+   5.66. There are 61 such points in each of 8 layers. */
 static void turned(lab *l)
 {
     ost_pose pose;
