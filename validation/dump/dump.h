@@ -33,8 +33,8 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err);
 /*
  * Writes the dump's results of the plan's cases [first, end) as a trace file.
  * ref and ranges are the reference's trace and the cases' ranges in it.  A case
- * without any file in the dump gets no record.  compared[i], of p->count
- * elements, receives the number of records of case i that the dump provides.
+ * without any file in the dump gets no record.  compared has p->count elements;
+ * compared[i] receives the number of records of case i that the dump provides.
  */
 ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref,
                       const compare_range *ranges, const char *path, uint64_t *compared, ost_error *err);

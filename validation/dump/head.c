@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The files of a dump: dump.json, and the names of the other ones. */
+/* Reads dump.json, the head of a dump, and makes the names of the other files of a dump. */
 #include "validation/dump/parts.h"
 
 #include <jansson.h>

@@ -23,7 +23,7 @@ void dump_copy_block(const trace_block_view *b, ost_dims d, int16_t *bone);
  * false, and nothing is written, if the dump lacks the file or the reference's record has no words.
  */
 ost_status dump_read_steps(const char *folder, const trace_record *ref, trace_writer *w, bool *there, ost_error *err);
-/* Writes the file of a snap or steps record; none if the record has no words. */
+/* Writes the file of a snap or steps record. Writes no file if the record has no words. */
 ost_status dump_write_steps(const char *folder, const trace_record *record, ost_error *err);
 
 #endif

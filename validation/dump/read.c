@@ -98,7 +98,8 @@ typedef struct maker {
     const char *folder;
     trace_writer *w;
     ost_dims dims;
-    int16_t *ref, *state, *next; /* the reference's bone, the trace's, and that of the next record */
+    /* voxels of the bone: of the reference, of the trace that is made, and of the next record of that trace */
+    int16_t *ref, *state, *next;
     uint64_t compared;
 } maker;
 

@@ -5,8 +5,9 @@
  *
  *   file --dump_read_steps--> words --dump_write_steps--> file
  *
- * The box of a pose is in no file, since docs/spec/arithmetic.md prescribes none
- * (AR-REM-5): its words are copied from the reference's record.
+ * The files do not contain the box of a pose, because docs/spec/arithmetic.md
+ * prescribes no box (AR-REM-5).  The words of the box are copied from the
+ * reference's record.
  */
 #include "validation/dump/parts.h"
 
@@ -21,18 +22,19 @@
 #include "validation/steps_record.h"
 
 enum {
-    MESH_WORDS = 15, /* of a mesh in a snap record: 11 numbers, 4 words of digest */
+    MESH_WORDS = 15, /* number of words of a mesh in a snap record: 11 numbers and 4 words of digest */
     MESH_DIGEST = 11,
     TICK_WORDS = 11,
     POSE_WORDS = 61,
-    BOX_WORDS = 7, /* the last ones of a pose */
+    BOX_WORDS = 7, /* the last words of a pose: `reaches` and the box */
     BITS_OF_COORDINATE = 21,
     BYTES_MAX = 1 << 26
 };
 
 /* ---------------------------------------------------------- values of members */
 
-/* The file that is read. The first mistake is described in err; the readers of members return false after it. */
+/* The file that is read. After the first mistake, which is described in err, all functions that read members return
+   false. */
 typedef struct reader {
     const char *path;
     trace_writer *w;
@@ -173,7 +175,8 @@ static bool read_snap(reader *r, const json_t *o, const uint8_t *ref)
         !expect(r, json_is_array(vertices), "vertices", "an array of vertices") ||
         !read_mesh(r, json_array_get(meshes, 0)) || (count == 2 && !read_mesh(r, json_array_get(meshes, 1))))
         return false;
-    /* Without a second mesh the words are those of none: the reference's, if it has none either. */
+    /* If the file has no second mesh, the words of the second mesh are 0. If the reference has no second mesh either,
+       they are the reference's words. */
     const bool none = trace_word_at(ref, MESH_WORDS + 9) == 0;
     for (size_t i = MESH_WORDS; i < 2 * MESH_WORDS && count == 1; i++)
         trace_word(r->w, none ? trace_word_at(ref, i) : 0);
