@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bones: one density and one occupancy per voxel. Chunks exist only as numbers (AR-CHK, AR-DIG-2). */
+/* Bones with one density and one occupancy flag per voxel. Chunks are not stored; they exist only as numbers (AR-CHK,
+   AR-DIG-2). */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
@@ -67,7 +68,8 @@ ost_status dense_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error
     const int64_t count = ost_dims_count(d);
     info->active_chunks = 0;
     info->active_voxels = 0;
-    int64_t emptied = 0; /* active voxels with density 0; the count of active voxels is the first result to show them */
+    /* number of active voxels with density 0; the first result that shows them is the count of active voxels */
+    int64_t emptied = 0;
     for (int64_t v = 0; v < count; v++) {
         info->active_voxels += bone->active[v];
         emptied += bone->active[v] && bone->density[v] == 0;

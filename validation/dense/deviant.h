@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The state of a deviation in use.  These functions determine where the mistake is
- * made and record its effects.  A stage takes a deviant, or NULL to compute without
- * a mistake, so every caller of these functions must be correct for NULL.
+ * The state of a deviation in use. These functions determine where the mistake is made and record
+ * its effects. A stage takes a deviant, or NULL to compute without a mistake. Code that calls these
+ * functions must therefore give correct results if the deviant is NULL.
  */
 #ifndef OST_VALIDATION_DENSE_DEVIANT_H
 #define OST_VALIDATION_DENSE_DEVIANT_H
@@ -30,16 +30,17 @@ void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims d
 /* Returns true if the mistake is of this kind and is made in this unit of the current call. Returns false if m is
    NULL. */
 bool deviates(const deviant *m, deviation_kind kind, uint64_t item);
-/* Returns true if a mistake can be made in this stage. Returns false if m is NULL. Only such a stage is also run
-   without the mistake, to determine what the mistake changed. */
+/* Returns true if a mistake can be made in this stage. Returns false if m is NULL. If the result is true, the stage is
+   also run without the mistake, to determine what the mistake changed. */
 bool deviant_in(const deviant *m, deviation_stage stage);
-/* Returns a pseudo-random number for this unit of the current call, for further random choices. m must not be NULL. */
+/* Returns a pseudo-random number that depends on this unit of the current call and serves for further random choices. m
+   must not be NULL. */
 uint64_t deviant_draw(const deviant *m, uint64_t item);
 /* Returns true if the float arithmetic of the thesis is used. *fused receives true if its multiply-adds are fused.
    m may be NULL. */
 bool deviant_thesis(const deviant *m, bool *fused);
 
-/* Records that the mistake changed a value in this unit. voxel may be NULL. */
+/* Records that the mistake changed a value inside the algorithm in this unit. voxel may be NULL. */
 void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3]);
 /* Records that a voxel of the call's result is not correct. */
 void deviant_changed_voxel(deviant *m, const int32_t voxel[3]);

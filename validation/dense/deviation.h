@@ -29,7 +29,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The stages in the order of the pipeline. EVERY is for kinds that replace the program in every stage. */
+/* The stages, in the order of the pipeline. DEVIATION_EVERY is for kinds of mistakes that replace the code of every
+   stage. */
 typedef enum deviation_stage {
     DEVIATION_RECT,   /* ct_to_rect; one call is one grid with all its batches */
     DEVIATION_CUBIC,  /* rect_to_cubic */
@@ -276,7 +277,7 @@ typedef struct deviation_position {
 } deviation_position;
 
 typedef struct deviation_record {
-    uint64_t acted, changed; /* counts; if a count is 0, its position is not valid */
+    uint64_t acted, changed; /* numbers of effects; if a number is 0, the position of the effect is not valid */
     deviation_position first_acted, first_changed;
     bool report; /* true if the first change is in the call's report */
     bool voxels; /* true if the first change is in the call's grid */

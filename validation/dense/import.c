@@ -308,8 +308,8 @@ void dense_grid_finish(dense_grid *grid)
 
 /* ----------------------------------------------------------------- cubic */
 
-/* The mean of voxel `index` with weight ONE - weight, and of the next voxel with weight `weight`. If weight is 0, the
-   next voxel is not read. */
+/* The source of a cubic voxel along one axis: the mean of rect voxel `index` with weight ONE - weight, and of the next
+   rect voxel with weight `weight`. If weight is 0, the next voxel is not read. */
 typedef struct source {
     int64_t index;
     int32_t weight;

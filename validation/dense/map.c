@@ -10,14 +10,14 @@
 
 enum { BLOCK = 16, ONE = 1 << 20 };
 
-/* A pose as it is used, including deliberate mistakes. */
+/* The map of a pose in the form that this stage uses, which may contain deliberate mistakes. */
 typedef struct pose {
     deviant *m;
     const ost_map *map;
     uint64_t number;
     int128 column[3][3];
     int64_t step[3][3]; /* steps by the correct arithmetic */
-    int64_t used[3][3]; /* steps as multiplied, possibly with a mistake */
+    int64_t used[3][3]; /* steps from which coordinates are computed, possibly with a mistake */
     bool drifting, negative_cut, border_in, all_cuts;
     const ost_voxel_box *tight; /* box of which a mistake omits the last layer; NULL: boxes have no effect */
 } pose;

@@ -100,7 +100,8 @@ static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks mark
 
 /* ---------------------------------------------------------------- report */
 
-/* Returns the density class by AR-CLS-1. If above is true, compares by > by mistake. */
+/* Returns the density class by AR-CLS-1. If above is true, makes the mistake of testing density > border instead of
+   density >= border. */
 static int class_of(const ost_density_classes *classes, int16_t density, bool above)
 {
     int found = 0;
@@ -228,8 +229,8 @@ static void flip_bit(deviant *m, dense_bone *bone)
     deviant_acted(m, 0, (const int32_t[3]){(int32_t)(at % x), (int32_t)(at / x % y), (int32_t)(at / x / y)});
 }
 
-/* Returns true if all boxes of the event are empty, which means that it reaches no voxel. Other boxes are ignored,
-   because boxes may only exclude voxels outside the tool (event.h). */
+/* Returns true if all boxes of the event are empty; the event then reaches no voxel. A box that is not empty has no
+   effect here, because boxes may only exclude voxels outside the tool (event.h). */
 static bool reaches_nothing(const ost_removal_event *event)
 {
     for (int k = 0; k < event->pose_count; k++) {

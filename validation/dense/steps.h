@@ -41,7 +41,7 @@ bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *
 /* Snaps a mesh by AR-MESH-3 and AR-MESH-4. The caller frees out with ost_snapped_mesh_free. */
 ost_status steps_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out, ost_error *err);
 
-/* Returns the number of poses by AR-SWEEP-2 and AR-SWEEP-3, or 0 if the motion is an error by either rule. */
+/* Returns the number of poses by AR-SWEEP-2 and AR-SWEEP-3, or 0 if one of these rules makes the motion an error. */
 int steps_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel);
 /* Returns pose k of n by AR-SWEEP-4. */
 ost_pose steps_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n);

@@ -20,7 +20,8 @@ static ost_pose turned(const ost_pose *handle, wide phase)
     const long double angle = acosl(-1.0L) * (long double)k / 4096;
     const wide c = wide_of(llrintl(1073741824.0L * cosl(angle))), s = wide_of(llrintl(1073741824.0L * sinl(angle)));
     const int32_t q[4] = {handle->qw, handle->qx, handle->qy, handle->qz};
-    static const int other[4] = {3, 2, 1, 0}, sign[4] = {1, -1, 1, -1}; /* pairs (w, +z), (x, -y), (y, +x), (z, -w) */
+    /* component i of the product is c q[i] + s sign[i] q[other[i]], for example c w + s z for i = 0 */
+    static const int other[4] = {3, 2, 1, 0}, sign[4] = {1, -1, 1, -1};
     int32_t out[4];
     for (int i = 0; i < 4; i++) {
         const wide sum = wide_plus(wide_times(wide_of(q[i]), c),

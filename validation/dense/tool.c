@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts a mesh to a tool grid (AR-VOX), row by row as in docs/spec/arithmetic.md.
- * For every triangle this determines whether it owns the row, and for every voxel
- * whether its centre is not left of the crossing.
+ * Converts a mesh to a tool grid (AR-VOX), row by row as in docs/spec/arithmetic.md. The code
+ * determines for every triangle whether the triangle owns the row, and for every voxel of the row
+ * whether the voxel's centre is not left of the crossing.
  */
 #include "validation/dense/parts.h"
 
@@ -50,7 +50,7 @@ typedef struct manner {
     bool corners; /* true if voxels are sampled at their corners */
     size_t triangles_lost;
     float thesis_minimum[3];
-    uint64_t first_item; /* number of this mesh's first unit; the units of earlier triangles precede it */
+    uint64_t first_item; /* number of the first unit of this mesh; the units of an earlier mesh have smaller numbers */
 } manner;
 
 /* The counts of the triangles in a row. */
@@ -115,7 +115,7 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
     const int64_t y = sample_at(how, mesh, j), z = sample_at(how, mesh, k);
     if (!how->own && (y < least(v0[1], v1[1], v2[1]) || y > most(v0[1], v1[1], v2[1]) ||
                       z < least(v0[2], v1[2], v2[2]) || z > most(v0[2], v1[2], v2[2])))
-        return; /* a triangle does not own a row beyond all three of its corners, except by mistake */
+        return; /* only a mistake lets a triangle own a row beyond all three of its corners */
     const int64_t right_area =
         (int64_t)(v1[1] - v0[1]) * (v2[2] - v0[2]) - (int64_t)(v2[1] - v0[1]) * (v1[2] - v0[2]);
     int64_t area = right_area;
