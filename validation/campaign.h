@@ -47,10 +47,10 @@ typedef struct case_result {
     compare_difference difference; /* valid for CASE_DIFFERS */
     margins *margins;              /* owned; for CASE_DIFFERS; NULL if not measured */
     uint32_t own_steps;            /* number of records of the stages snap and steps that the backend made itself */
-    finding *found;                /* owned; for CASE_DIFFERS; NULL if there is no further information */
+    finding *found;                /* owned; details of the difference for CASE_DIFFERS; NULL if there are none */
     char text[200];
     ost_digest made; /* SHA-256 of the digest lines of this backend's results (digests_of_case); valid if has_made */
-    bool has_made;   /* true if its trace contains the case: the verdict is equal, differs or failed */
+    bool has_made;   /* true if the backend's trace contains the case: the verdict is equal, differs or failed */
     double seconds;  /* running time of the backend in this case, including the making of its input; 0: not measured */
     char *lines;     /* owned; the digest lines; NULL if they equal the reference's or has_made is false */
 } case_result;
@@ -77,7 +77,8 @@ typedef struct campaign_options {
 typedef struct campaign {
     const plan *plan;
     const subject_list *subjects;
-    case_result *results; /* owned; [case * subjects + subject]; the reference's results record whether it ran */
+    /* owned; index case * subjects + subject; the reference's results record whether the reference ran */
+    case_result *results;
     trace reference;       /* trace of the batch that is judged; empty outside of the callbacks differs and done */
     char **lines;          /* owned; digest lines (digests_of_case) of each case in that trace; NULL for other cases */
     compare_range *ranges; /* owned; for each case its range in that trace; count 0 if the case is not in this batch */

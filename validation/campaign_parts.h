@@ -32,7 +32,8 @@ typedef struct batch {
     int first, end; /* range of cases; end is exclusive */
     bool open, ready; /* open: the batch has begun; ready: its reference is done */
     trace reference;
-    int given;         /* with options->apart, the descriptor of that trace for the other backends' workers; else -1 */
+    /* with options->apart, the descriptor of the reference's trace for the workers of the other backends; else -1 */
+    int given;
     task *tasks;      /* owned; one per subject */
     stored_trace *stored_traces;
 } batch;
@@ -42,8 +43,8 @@ typedef struct slot {
     int batch, subject_index, trace; /* trace: descriptor of the worker's trace */
 } slot;
 
-/* Maximum number of open batches: the one being compared, and the next ones, whose references run or have run. A case
-   that takes the reference long then delays no other backend. */
+/* Maximum number of open batches: the one being compared, and the next ones, whose references run or have run. With
+   several open batches, a case that takes the reference long does not delay the other backends. */
 enum { ALIVE = 4 };
 enum { NOBODY = -1 };
 
@@ -55,7 +56,8 @@ typedef struct runner {
     batch alive[ALIVE];       /* batch n has index n % ALIVE */
     int *ends;                /* owned; end (exclusive case index) of each batch */
     bool *gone;               /* owned; for each backend, true if it failed permanently and gets no further worker */
-    case_result *last_words;  /* owned; for each such backend, the result that its remaining cases get */
+    /* owned; for each backend that failed permanently, the result that its remaining cases get */
+    case_result *last_words;
     slot slots[WORKERS_MAX];
     int running, finished;    /* running: number of workers; finished: number of pairs of case and backend */
     int judged;               /* index of the backend whose trace is being judged; NOBODY if there is none */
@@ -89,8 +91,8 @@ ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, 
 
 /* Enters the results of the reference. Fails if the reference did not finish, because nothing can be compared then. */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
-/* Enters the verdicts of the cases in a backend's trace. If its worker ended prematurely, also enters the verdict of
-   the case in which it ended. */
+/* Enters the verdicts of the cases in a backend's trace. If the backend's worker ended prematurely, also enters the
+   verdict of the case that the worker was running. */
 ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end,
                               ost_error *err);
 /* Judges cases [from, until) of a backend's trace. *judged receives the number of these cases that are complete in the

@@ -23,7 +23,8 @@ static ost_status store_digests(runner *r, int i, int subject_index, const trace
     return OST_OK;
 }
 
-/* Stores the times of the cases from `from` on. They are in the second to last record of a complete trace. */
+/* Stores the running times of the cases from `from` on. A complete trace has these times in its second to last
+   record. */
 static void store_seconds(const runner *r, int subject_index, const trace *got, int from)
 {
     uint64_t count;
@@ -46,7 +47,7 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
     return status;
 }
 
-/* Sets the results of all remaining cases of a backend in a batch to that of its permanent failure. */
+/* Gives all remaining cases of a backend in a batch the result of the backend's permanent failure. */
 static void give_up(runner *r, batch *b, int subject_index)
 {
     for (; b->tasks[subject_index].from < b->end; b->tasks[subject_index].from++, r->finished++)
@@ -111,7 +112,8 @@ ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got
     verdict_of_end(end, one);
     t->from++;
     r->finished++;
-    if (end->end != WORKER_CRASHED) { /* no time remains, or the backend would fail again */
+    /* after a timeout no time remains, and after a failure the backend would fail again */
+    if (end->end != WORKER_CRASHED) {
         r->gone[subject_index] = true;
         r->last_words[subject_index] = *one;
         for (int n = r->done; n < r->begun; n++)

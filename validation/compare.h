@@ -32,9 +32,10 @@ typedef struct compare_difference {
     uint64_t word_ref, word_got;
     int32_t voxel[3];      /* for COMPARE_VOXEL: first differing voxel in x-fastest order over the entire grid */
     int32_t voxel_ref, voxel_got;
-    uint64_t voxels;       /* differing voxels in this record; at a tick, in the leaves that changed on either side */
+    /* number of differing voxels in this record; for a tick, in the leaves that changed on at least one side */
+    uint64_t voxels;
     uint64_t records;      /* number of records of this case that were compared, including this one */
-    bool words_too;        /* for COMPARE_VOXEL: true if the report differs, too */
+    bool words_too;        /* for COMPARE_VOXEL: true if the report also differs */
     int64_t chunk;         /* chunk of the bone whose line in the report differs first; -1 if no chunk's line differs */
 } compare_difference;
 
@@ -44,7 +45,8 @@ typedef struct compare_range {
 } compare_range;
 
 compare_range compare_find(const trace *t, uint32_t case_index);
-/* Compares only record `at` of both ranges. The result is COMPARE_EQUAL if at least one of them has no such record. */
+/* Compares only the records with index `at` of both ranges. The result is COMPARE_EQUAL if one of the ranges has no
+   record with this index. */
 void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
                        compare_difference *out);
 /* Finds the records of a case, searching from *at, and sets *at to the end of these records if there are any. *at is 0

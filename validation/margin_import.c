@@ -14,8 +14,9 @@
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    int64_t leave; /* greatest distance by which a sample in the voxel must move to leave it; -1: no such sample */
-    int64_t enter; /* smallest distance by which a sample must move to enter the voxel; -1: no such sample */
+    /* greatest distance by which a sample in the voxel must move to leave the voxel; -1: no such sample */
+    int64_t leave;
+    int64_t enter; /* smallest distance by which a sample outside the voxel must move to enter it; -1: no such sample */
 } moved;
 
 static int compare_moved(const void *a, const void *b)
@@ -91,7 +92,8 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
     for (size_t i = 0; i < count; i++) {
         int32_t at[3];
         margin_position(a->dims, list[i].voxel, at);
-        /* Either a sample with the other backend's value entered the voxel, or all its samples left and it is empty. */
+        /* Either a sample with the other backend's value entered the voxel, or all samples left the voxel and it is
+           empty. */
         if (list[i].enter >= 0)
             margin_decided(m, (uint64_t)list[i].enter, 0, at);
         else if (list[i].got == 0 && list[i].leave >= 0)
@@ -170,7 +172,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
             margin_decided(m, (uint64_t)rounding_gap(theirs, got), 0, at);
             continue;
         }
-        /* Find the nearest neighbour that has the other backend's value. */
+        /* Finds the nearest neighbour that has the other backend's value. */
         for (int step = 0; step < 27; step++) {
             const int d[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
             int64_t gap = 0, v[3];

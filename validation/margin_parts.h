@@ -14,8 +14,8 @@
 
 #include "validation/margin.h"
 
-/* The state of both sides along the walk: views of the latest complete grids, and the bones after the last tick.
-   Index 0 is the reference, 1 the other backend. */
+/* The state of both sides during the walk along a case: views of the latest complete grids, and the bones after the
+   last tick. Index 0 is the reference, index 1 the other backend. */
 typedef struct margin_walk {
     const scene *s;
     bool apart;
@@ -23,18 +23,20 @@ typedef struct margin_walk {
     trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
     ost_dims dims;
     int16_t *bone[2];
-    int64_t event_tick; /* tick at which the next sweep begins: the last one with an event or motor off; -1: none */
+    /* tick at which the next sweep begins: the last tick with an event or with the motor off; -1: none */
+    int64_t event_tick;
 } margin_walk;
 
-/* Each function takes the records of one stage and item of both sides; a is the reference's, b the other backend's. */
+/* Each function takes the records of one stage and item from both traces: a from the reference, b from the other
+   backend. */
 ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err);
 void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const trace_block_view *b);
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err);
 
-/* Count one differing voxel: margin_decided a voxel with a margin, margin_other a voxel without one. *why is the member
-   of m in which margin_other counts the voxel. */
+/* Count one differing voxel. margin_decided counts a voxel that has a margin. margin_other counts a voxel without a
+   margin in *why, which must be a member of m. */
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3]);
 void margin_other(margin_stage *m, uint64_t *why);
 

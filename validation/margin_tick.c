@@ -28,11 +28,11 @@ static int64_t gap_to(int64_t u, int64_t cell, int64_t step)
 }
 
 /*
- * Returns the Chebyshev distance from u to the nearest tool voxel that is cutting,
- * or, if `cutting` is false, to the nearest one that is not; -1 if there is none.
- * The search visits rings of voxels around the voxel of u.  A voxel in ring r is at
- * most r away and a voxel in ring r + 1 at least r, so the first ring that contains
- * such a voxel contains the nearest one.
+ * Returns the Chebyshev distance from u to the nearest tool voxel that is cutting or, if `cutting`
+ * is false, to the nearest tool voxel that is not cutting; -1 if there is none. The search visits
+ * rings of voxels around the voxel that contains u. A voxel in ring r is at most r away from u, and
+ * a voxel in ring r + 1 at least r. The first ring that contains a voxel of the required kind
+ * therefore contains the nearest one.
  */
 static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cutting)
 {
@@ -211,8 +211,9 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
     for (size_t i = 0; i < count; i++) {
         const size_t at = changes[i].at;
         const int16_t *was = changes[i].value;
-        /* A voxel that both sides changed has two entries. The first entry has the old values of both sides. The
-           second has the new value of side 0 and is skipped unless this equals the old value of side 1. */
+        /* A voxel that both sides changed has two entries. The first entry has the old values of both sides. In the
+           second entry, value[0] is already the new value of side 0. The second entry is therefore skipped unless
+           value[0] equals the old value of side 1. */
         if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
             continue;
         int32_t position_at[3];

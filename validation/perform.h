@@ -24,7 +24,7 @@
 /* Greatest number of voxels of a bone that is downloaded completely after every tick (perform_tick.c). */
 enum { PERFORM_ALL_VOXELS = 1 << 18 };
 
-/* Called after each record is written. A watch passed to perform may be NULL. */
+/* Called after each record is written. perform accepts NULL for a watch. */
 typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 
 /* Runs a case. Fails only if the trace cannot be written or memory is exhausted. *why receives the error line of a

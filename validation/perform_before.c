@@ -60,7 +60,8 @@ ost_status perform_other_chunks(performer *p, ost_error *err)
     ost_status status = ost_grid_create(p->backend, &geometry, &grid, err);
     if (status == OST_OK)
         status = ost_grid_upload(grid, 0, GRID_SIDE, voxels, err);
-    /* Half the size, so that memory reserved by mistake for these chunks is too small for those of the case. */
+    /* The chunks have half the size, so that memory that a backend reserves by mistake for these chunks is too small
+       for the chunks of the case. */
     if (status == OST_OK)
         status = ost_cubic_to_chunks(grid, s->chunk_size == 16 ? 64 : s->chunk_size / 2, s->threshold, &bone, err);
     ost_bone_free(bone);

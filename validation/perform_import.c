@@ -135,8 +135,8 @@ static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid
     return ost_rect_to_cubic(cubic, resample_again(p->s->cubic), p->s->resample, out, err);
 }
 
-/* Makes and records the cubic grid. *again is made from it before its download, because a backend may store both as
-   lists of slices until then. */
+/* Makes and records the cubic grid. *again is made from the cubic grid before the cubic grid is downloaded, because a
+   backend may store both grids as lists of slices until the download. */
 static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_grid **again, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);

@@ -28,22 +28,23 @@ typedef struct performer {
     uint32_t case_index;
     ost_bone *bone;
     ost_tool *tools[SCENE_TOOLS_MAX];
-    ost_tool_geometry grids[SCENE_TOOLS_MAX]; /* the grids of these tools */
+    ost_tool_geometry grids[SCENE_TOOLS_MAX]; /* the grid of each tool */
     ost_world *world;
     ost_geometry geometry; /* the bone's geometry, from which the maps are computed */
     ost_dims dims;         /* the bone's dims, as returned by the backend */
     int16_t *was, *is;    /* was: the bone as last recorded; is: the bone as downloaded */
     ost_removal_report collided, removed;
     bool second;          /* true: the second implementation makes the steps, and there is no world */
-    bool light;           /* only if second; true if only the steps of the ticks are made */
+    bool light;           /* used only if second is true; true if only the steps of the ticks are made */
     ost_path path;        /* the ticks; freed by the performer if own_path is true */
     bool own_path;
-    steps_history history; /* only if second */
+    steps_history history; /* used only if second is true */
     ost_pose *made_poses;  /* owned; for a backend that makes poses itself; capacity OST_SWEEP_MAX */
     ost_map *made_maps;
-    ost_map *maps;         /* owned; only if second: the maps of one event; capacity OST_SWEEP_MAX */
+    ost_map *maps;         /* owned; used only if second is true; the maps of one event; capacity OST_SWEEP_MAX */
     ost_voxel_box *boxes;
-    ost_step_result range; /* only if second; boxes_meet, and the range of chunks that the event must cover */
+    /* used only if second is true; boxes_meet, and the range of chunks that the event must cover */
+    ost_step_result range;
     perform_watch *watch;
     void *user;
     const trace *given; /* the reference's trace for perform_apart, else NULL */

@@ -138,7 +138,8 @@ ost_status perform_upload(performer *p, ost_error *err)
         perform_record_counts(p, &info);
         perform_record_digest(p, &root);
     }
-    if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_ALL_VOXELS) { /* else only the digest is recorded */
+    /* if the bone is larger, only the digest is recorded */
+    if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_ALL_VOXELS) {
         const int32_t lo[3] = {0, 0, 0};
         int16_t *voxels = trace_block(p->w, lo, p->dims, 2);
         if (voxels)

@@ -44,7 +44,7 @@ ost_status perform_begin_ticks(performer *p, ost_error *err)
     }
     const ost_pose identity = {.qw = OST_Q30_ONE};
     steps_pose ignored;
-    for (int i = 0; i < s->tool_count && status == OST_OK; i++) /* AR-MAP-2 refuses tools before any tick */
+    for (int i = 0; i < s->tool_count && status == OST_OK; i++) /* AR-MAP-2 refuses a tool before the first tick */
         status = steps_pose_of(true, &identity, &p->geometry, &p->grids[i], &ignored, err);
     if (status == OST_OK)
         status = steps_history_begin(&p->path, s->world.sweep_off, s->world.removal_period_ns, &p->history, err);
@@ -103,8 +103,8 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
             }
 }
 
-/* Makes the poses and maps of an event on the backend, between the same two poses, for the record. The event itself
-   runs with the poses and maps of the host, which must be equal to them. */
+/* For the record, makes the poses and maps of an event on the backend; the sweep leads from *from to the pose of the
+   tick. The event itself runs with the poses and maps of the host, which must equal those of the backend. */
 static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
                                    bool *made, ost_error *err)
 {
@@ -181,7 +181,8 @@ static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool
     const ost_pose from = restarts ? tick->pose : world->tools[tick->tool].input.event;
     ost_error why = {0};
     const ost_status stepped = ost_world_step(p->world, tick, r, &why);
-    *refused = stepped == OST_ERR_RANGE; /* a motion that is too long is a result; any other error is a failure */
+    /* a motion that is too long is recorded as a result; any other error is a failure */
+    *refused = stepped == OST_ERR_RANGE;
     if (stepped != OST_OK && !*refused) {
         *err = why;
         return stepped;

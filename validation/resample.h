@@ -56,8 +56,8 @@ static inline ost_pm resample_again(ost_pm cubic)
     return cubic * 7 / 5;
 }
 
-/* Finds one of the eight rect voxels around a cubic voxel's centre. If bit a of corner is set, this is the next voxel
-   along axis a. Returns the weight of the voxel in units of 2^-45. */
+/* Finds one of the eight rect voxels around a cubic voxel's centre. Along axis a this is the voxel tap[a].index, or the
+   next voxel if bit a of corner is set. Returns the weight of the voxel in units of 2^-45. */
 static inline int64_t resample_corner(const resample_tap tap[3], int corner, int64_t at[3])
 {
     int64_t weight = 1;

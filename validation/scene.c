@@ -117,7 +117,7 @@ static ost_status make_poses(const plan_case *c, scene *s, draw *d, ost_error *e
     static const int counts[] = {0, 8, 2, 4, 1};
     if (c->number == 4)
         return scene_corners(s, d, err);
-    if (counts[c->number % 5]) /* 0: the three classes of AR-CLS-2 */
+    if (counts[c->number % 5]) /* if the count is 0, the case uses the three classes of AR-CLS-2 */
         s->world.classes = scene_classes(counts[c->number % 5], 149);
     ost_status status = make_bone(s, d, c->tier == PLAN_SMOKE ? 48 : 80, err);
     if (status == OST_OK)
@@ -172,7 +172,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     dims.y = (int32_t)draw_between(d, 18, 40);
     dims.z = (int32_t)draw_between(d, 12, 30);
     s->rect.dims = dims;
-    while (cubic_voxels(s) > PERFORM_ALL_VOXELS) /* so that the bone is downloaded completely after every tick */
+    while (cubic_voxels(s) > PERFORM_ALL_VOXELS) /* a bone of this size is downloaded completely after every tick */
         s->cubic *= 2;
     status = scene_ct(s, d, dims, err);
     s->batch = (size_t)draw_between(d, 500, 20000);
@@ -195,7 +195,8 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
        poses. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
-    if (status == OST_OK && c->number % 4 == 0) { /* more hits than a chunk has voxels, and some voxels remain */
+    /* the event has more hits than a chunk has voxels, and some voxels remain */
+    if (status == OST_OK && c->number % 4 == 0) {
         s->chunk_size = 16;
         status = scene_add_crossing(s, err);
     }
@@ -353,7 +354,8 @@ static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
                             g->origin.z,   s->duplicates, s->cubic,          s->resample,
                             s->chunk_size, s->threshold,  (int64_t)s->batch, (int64_t)s->sample_count};
     ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
-    enum { AT_ONCE = 24 }; /* samples per call, because there are millions of samples */
+    /* number of samples per call of add_ints; a CT has millions of samples, so they are added in groups */
+    enum { AT_ONCE = 24 };
     for (size_t i = 0; i < s->sample_count && status == OST_OK;) {
         int64_t rows[5 * AT_ONCE];
         size_t n = 0;

@@ -21,16 +21,17 @@ enum { SCENE_TOOLS_MAX = 4, SCENE_NAME = 32 };
 
 typedef struct scene_tool {
     char name[SCENE_NAME];
-    ost_snapped_mesh cutting, noncutting; /* noncutting has no triangles if the tool has no such part */
+    ost_snapped_mesh cutting, noncutting; /* noncutting has no triangles if the tool has no non-cutting part */
     ost_fill_rule rule;
-    ost_mesh raw[2]; /* both meshes before snapping; without triangles if not known, as in a case that was cut */
+    /* both meshes before snapping; they have no triangles if they are not known, as in a reduced case */
+    ost_mesh raw[2];
     bool grid_given; /* true: the grid is given and not computed from the meshes (AR-TOOL-2) */
 } scene_tool;
 
 typedef struct scene {
     /* The CT. If there are no samples, the stages up to chunks do not run. */
     ost_geometry rect;
-    ost_sample *samples; /* owned unless lent; in the order in which they are scattered */
+    ost_sample *samples; /* owned unless `lent` is true; in the order in which the samples are scattered */
     bool lent;           /* true: the samples are borrowed from user_store.h and must not be changed */
     size_t sample_count, batch; /* batch: samples per call */
     ost_duplicates duplicates;
@@ -51,7 +52,8 @@ typedef struct scene {
     /* poses of the handle, from which path was computed with a motor speed of handle_rpm; empty without a motor */
     ost_path handle_path;
     int32_t handle_rpm;
-    int collide_every; /* the backend also collides before each tick whose number is a multiple of this; 0: never */
+    /* the backend also collides before each tick whose number is a multiple of this value; 0: never */
+    int collide_every;
 
     ost_digest digest; /* digest of the members above if scene_digest was called; recorded in the trace */
 } scene;

@@ -31,8 +31,8 @@ ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
 /* Makes poses at which a corner of a cube of 8^3 voxels lies just inside a tool of one voxel (scene_corner.c). */
 ost_status scene_corners(scene *s, draw *d, ost_error *err);
 
-/* Make two kinds of cases of PLAN_REACH (scene_lone.c): scene_lone chunks in which only one column has active voxels,
-   scene_emptied a bone without active voxels. */
+/* Make two kinds of cases of PLAN_REACH (scene_lone.c). scene_lone makes chunks in which only one column has active
+   voxels. scene_emptied makes a bone without active voxels. */
 ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err);
 ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_error *err);
 
@@ -62,7 +62,7 @@ typedef enum scene_shape {
     SHAPE_BURR,
     SHAPE_BOX,      /* a parallelepiped in any orientation */
     SHAPE_TWICE,    /* the same solid twice: winding number 2, void by parity */
-    SHAPE_HOLLOW,   /* a solid that contains another one turned inside out */
+    SHAPE_HOLLOW,   /* a solid that contains another solid whose faces are turned inside out */
     SHAPE_OPEN,     /* a solid that lacks some of its triangles, so that rows leak */
     SHAPE_SOUP,     /* triangles that enclose nothing */
     SHAPE_SLIVERS,  /* thin and tiny triangles, many without area after snapping */
@@ -88,7 +88,7 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 /* Returns `count` density classes, 1 to 8, whose lowest densities are 1, 1 + step, 1 + 2 step, ... */
 ost_density_classes scene_classes(int count, int step);
 
-/* Makes `count` unrelated poses at which a tool is in the bone, with sweep off. */
+/* Sets sweep_off and makes `count` unrelated poses at which a tool is in the bone. */
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);
 /* Adds `count` ticks with the last tool near the middle of the bone. */
 ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err);

@@ -92,7 +92,8 @@ static void large_samples(scene *s, draw *d)
         ost_sample one = sample_at(s, d, x, y, z);
         if (draw_one_in(d, 5)) {
             const int32_t density = one.density;
-            /* Repeats the previous sample, one within the length of a vector, or any earlier one. */
+            /* Repeats the position of an earlier sample: the previous one, one of the last 64, which is the length of a
+               vector, or any earlier one. */
             const int64_t reach = draw_one_in(d, 3) ? 1 : draw_one_in(d, 2) ? 64 : (int64_t)s->sample_count;
             one = s->samples[(int64_t)s->sample_count - draw_between(d, 1, reach)];
             one.density = density;
@@ -199,7 +200,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
     s->resample = (ost_resample)(kind % 3);
     s->chunk_size = kind % 2 ? 32 : 64;
     s->threshold = 120;
-    s->slices = 29; /* more than 2^17 voxels per call, and fewer in the last call */
+    s->slices = 29; /* more than 2^17 voxels per call; the last call has fewer slices */
     s->batch = 1 << 16;
     s->samples = malloc((size_t)ost_dims_count(s->rect.dims) * sizeof *s->samples);
     if (!s->samples)
@@ -270,7 +271,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 
 enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33, HOLLOW_BAR = 1024 };
 
-/* Adds a tick with a tool at bone voxel (x, y, z), moved back along x by `before` voxels of the tool. */
+/* Adds a tick. The tool's position is that of bone voxel (x, y, z), minus `before` tool voxels along x. */
 static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z, int32_t before)
 {
     const ost_pm3 o = s->rect.origin;

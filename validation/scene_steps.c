@@ -117,7 +117,8 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         t_ns += draw_between(d, 1, handle_path ? 90000000 : 3000000);
         *tick = (ost_tick){
             .t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = handle_path ? OST_RPM_OF_DEVICE : OST_RPM_ON};
-        const bool wide = tick->tool == 1; /* rotated by small angles, because its corners are far from the axis */
+        /* this tool is rotated by small angles, because its corners are far from the axis */
+        const bool wide = tick->tool == 1;
         const bool straight = i % 4 == 1 || i % 4 == 2;
         if (straight) { /* no rotation since the last tick, so the distance alone determines the number of poses */
             const int64_t n = draw_between(d, 1, 12);
@@ -138,7 +139,7 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         for (int a = 0; a < 3; a++)
             at[a] = at[a] < -FARTHEST ? -FARTHEST : at[a] > FARTHEST ? FARTHEST : at[a];
         tick->pose.t = (ost_pm3){at[0], at[1], at[2]};
-        if (i % 5 == 4) { /* the same rotation as the negated quaternion */
+        if (i % 5 == 4) { /* the negated quaternion represents the same rotation */
             ost_pose *p = &tick->pose;
             *p = (ost_pose){p->t, -p->qw, -p->qx, -p->qy, -p->qz};
         }
@@ -154,7 +155,7 @@ ost_status scene_steps(scene *s, draw *d, int number, ost_error *err)
     ost_status status = make_tool(s, d, fine, 20, err);
     if (status == OST_OK)
         status = make_tool(s, d, draw_between(d, 200, 900) * 2048000, 900, err);
-    if (status == OST_OK) /* too wide for a removal; it is snapped with 9 or 8 bits */
+    if (status == OST_OK) /* too wide for a removal; the mesh is snapped with 9 or 8 fraction bits */
         status = make_tool(s, d, draw_between(d, 200, 400) * 2048000, number % 4 < 2 ? 1500 : 4000, err);
     return status == OST_OK ? make_ticks(s, d, number, unit, err) : status;
 }

@@ -233,7 +233,8 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     for (int b = 0; b < FULL_SOLIDS; b++) {
         int64_t at[4][3];
         solid_on_a_centre(d, at);
-        for (int v = 0; v < 4; v++) /* rounded to picometres; snapping gives exactly the same unit again */
+        /* Coordinates are rounded to picometres. Snapping restores the exact lattice units. */
+        for (int v = 0; v < 4; v++)
             mesh.vertices[8 + 4 * b + v] = (ost_pm3){(at[v][0] * voxel + 512) / 1024 - half,
                                                      (at[v][1] * voxel + 512) / 1024 - half,
                                                      (at[v][2] * voxel + 512) / 1024 - half};
@@ -323,7 +324,7 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     cutting->triangle_count = leaking->triangle_count = 0;
     put_box(&grid, at[0][0], at[0][1], 0, cutting, &corners);
     put_box(&grid, at[1][0], at[1][1], 0, cutting, &corners);
-    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* without the face at the end of x */
+    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* the face at the upper end along x is missing */
     for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
         for (int c = 0; c < 3; c++, corners++) { /* one line along x and three oblique lines */
             const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;
@@ -355,9 +356,11 @@ static void put_needle(const ost_tool_geometry *grid, const int32_t row[2], bool
                        size_t *corners)
 {
     static const int across[RING + 1][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {0, 0}};
-    const uint32_t first = (uint32_t)*corners, far = RING + 1; /* far: index of a corner at x + 1 minus that at x */
+    /* far: offset from the index of a corner at x to that of the same corner at x + 1 */
+    const uint32_t first = (uint32_t)*corners, far = RING + 1;
     for (uint32_t end = 0; end < 2; end++)
-        for (int c = 0; c <= RING; c++, ++*corners) /* rounded to picometres; snapping gives exactly the same unit */
+        /* Coordinates are rounded to picometres. Snapping restores the exact lattice units. */
+        for (int c = 0; c <= RING; c++, ++*corners)
             mesh->vertices[*corners] =
                 (ost_pm3){grid->corner.x + (1 + end) * grid->voxel,
                           grid->corner.y + ((row[0] * 1024 + 512 + across[c][0]) * grid->voxel + 512) / 1024,

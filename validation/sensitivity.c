@@ -33,8 +33,9 @@ typedef struct witness {
 static void watch(void *user, trace_stage stage, uint32_t item)
 {
     witness *w = user;
+    /* A backend makes neither snapped meshes nor steps. The steps of an event are recorded after the event. */
     if (w->seen || stage == TRACE_SNAP ||
-        stage == TRACE_STEPS) /* a backend makes neither; the steps of an event are recorded after the event */
+        stage == TRACE_STEPS)
         return;
     w->record = dense_record(w->backend);
     if (w->record.changed) {
@@ -201,9 +202,10 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
 
 /* The mistakes that are made in one scene. */
 typedef struct share {
-    uint64_t first, count;       /* range of numbered mistakes of the pass; every kind is equally frequent among them */
+    /* range of the pass's numbered mistakes; every kind has the same share of the numbers */
+    uint64_t first, count;
     const deviation *only;       /* if not NULL, only this mistake is made */
-    const deviation_kind *kinds; /* if not NULL, each of these kinds is made once, instead of numbered mistakes */
+    const deviation_kind *kinds; /* if not NULL, each of these kinds is made once, and no numbered mistakes are made */
     bool everywhere;             /* true: the mistakes are made in every unit instead of at a random rate */
 } share;
 
@@ -391,8 +393,8 @@ ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                .end = (int)((injections + PER_SCENE - 1) / PER_SCENE)};
     *out = (sensitivity){.seed = seed};
     run_pass(&p, jobs);
-    /* Kinds that changed nothing are made everywhere in a few more scenes, unless the run has fewer injections than
-       kinds. */
+    /* Each kind that changed nothing is made in every unit of a few more scenes. This is omitted if the run has fewer
+       injections than kinds. */
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS && injections >= DEVIATION_KINDS - 1; k++)
         if (!out->of[k].changed)
             p.kinds[p.kind_count++] = (deviation_kind)k;

@@ -110,7 +110,7 @@ void signal_cleanup_end(void)
     for (int i = 0; i < WORKERS; i++) {
         const pid_t pid = atomic_load(&workers[i]);
         if (pid > 0)
-            (void)kill(-pid, SIGKILL); /* for a test of the suite, which has its own process group; a worker has none */
+            (void)kill(-pid, SIGKILL); /* a test of the suite has its own process group, a worker has none */
         if (pid > 0 && kill(pid, SIGKILL) == 0)
             waitpid(pid, NULL, 0);
     }

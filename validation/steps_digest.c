@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5), written from
- * docs/spec/arithmetic.md alone. The bytes are in the order of its tables; the library hashes them.
+ * docs/spec/arithmetic.md alone. The bytes have the order of the tables in that document. The hash
+ * function is that of the library.
  */
 #include "validation/steps_record.h"
 

@@ -22,10 +22,9 @@ int steps_count_of(bool second, const ost_pose *a, const ost_pose *b, const ost_
 ost_pose steps_between(bool second, const ost_pose *a, const ost_pose *b, int k, int count);
 
 /*
- * Returns the two meshes of a tool on its grid.  If *own is true, they were made
- * here and must be freed by steps_meshes_free; else the scene owns them.  The
- * second implementation makes them from the meshes before snapping if the scene
- * has these.
+ * Returns the two meshes of a tool on its grid. If *own is true, the meshes were made here and must
+ * be freed by steps_meshes_free; otherwise the scene owns them. If the scene has the meshes before
+ * snapping, the second implementation makes its meshes from them.
  */
 ost_status steps_meshes_of(bool second, const scene_tool *t, ost_snapped_mesh out[2], bool *own, ost_error *err);
 void steps_meshes_free(ost_snapped_mesh meshes[2], bool own);

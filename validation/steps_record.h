@@ -25,7 +25,7 @@ typedef struct steps_pose {
     bool near[3];        /* for each block of steps_blocks, true if it is near (AR-MAP-5) */
     int32_t base[3][3];  /* bases of the near blocks; 0 for the others */
     bool reaches;        /* true if a voxel can be inside the tool's grid */
-    ost_voxel_box box;   /* box of these voxels; empty if there are none */
+    ost_voxel_box box;   /* box of the voxels that can be inside the grid; empty if there are none */
 } steps_pose;
 
 /* Returns the first voxels of the three blocks whose bases are recorded: the grid's first, middle and last block. */
@@ -46,7 +46,7 @@ void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, cons
 void steps_put_pose(trace_writer *w, const steps_pose *p);
 
 void steps_word_name(trace_stage stage, size_t word, char text[TRACE_WORD]);
-/* Returns true if the word is `reaches` or belongs to the box. */
+/* Returns true if the word is the member `reaches` of a pose or belongs to its box. */
 bool steps_word_is_bound(size_t word);
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least);
 

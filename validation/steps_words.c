@@ -54,8 +54,9 @@ bool steps_word_is_bound(size_t word)
     return word >= TICK_WORDS && (word - TICK_WORDS) % POSE_WORDS >= REACHES;
 }
 
-/* An empty box covers the bounds of a pose that reaches no voxel. Any other box must contain the bounds, even if the
-   pose reaches no voxel. */
+/* Returns true if a word of `is` covers the bound in the same word of `least`. The word `reaches` must be set if it is
+   set in `least`. The box of `is` must contain the box of `least`; the boxes are compared only if `reaches` is set in
+   both. */
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least)
 {
     const size_t at = (word - TICK_WORDS) % POSE_WORDS, flag = word - at + REACHES;

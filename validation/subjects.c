@@ -48,7 +48,7 @@ ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, o
         left--;
         for (int t = 0; t < 4; t++) {
             /* In the smoke tier the instruction sets run with 2, 3 and 7 threads in turn. The last set also runs with
-               the thread counts that no other set has. */
+               each of these counts that no other set has. */
             if (tier == PLAN_SMOKE && t != 0 && t != turn && (left > 0 || taken[t]))
                 continue;
             taken[t] = true;
@@ -155,8 +155,8 @@ static void add_device(const ost_device_info *device, void *user)
     }
 }
 
-/* Stores the name of the opened device, because a report must name it and a user's spec such as "cl:platform=portable"
-   may mean any device. */
+/* Stores the name of the opened device. A report must contain this name, and a user's spec such as
+   "cl:platform=portable" can match any device. */
 static ost_status name_device(int platform, int device, subject *s, ost_error *err)
 {
     device_visit v = {.status = OST_OK, .named = s};

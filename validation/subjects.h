@@ -4,13 +4,13 @@
  * machine can run the other backends, as strings that ost_backend_open takes.
  *
  *   cpu   each available instruction set, with 1 thread and with 2, 3 and 7
- *         threads that divide even the smallest work (grain=1; smoke: one of the
- *         three counts for each set, and all three counts among the sets); the
- *         best set with 3 threads and the default thresholds; the voxelizer by
- *         Embree if it was compiled in
- *   cl    each device that is not refused, with both kernel sets, and with large
- *         data in parts (smoke: in parts only with the set for GPUs, not in parts
- *         with the other set)
+ *         threads that divide even the smallest work (grain=1); the best set with
+ *         3 threads and the default thresholds; the voxelizer by Embree if it was
+ *         compiled in.  In the smoke tier each set runs with 1 thread and one of
+ *         the counts 2, 3 and 7, and the last set also with the missing counts
+ *   cl    each device that is not refused, with both kernel sets, each with the
+ *         data undivided and with large data in parts.  In the smoke tier the set
+ *         for GPUs gets the data only in parts, the other set only undivided
  *   plugin:FILE.so   a plugin, if the user names it; it is first opened in a
  *                    separate process, because its code may do anything
  *   dump:DIR         the dump of another program, if the user names it
@@ -31,7 +31,8 @@ enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];
     char what[SUBJECT_REASON]; /* description: device and driver, instruction set */
-    char device[64];           /* OpenCL device as listed by ost_backend_devices, however it was chosen; "" if none */
+    /* OpenCL device in the form in which ost_backend_devices lists it, whatever spec selected it; "" if none */
+    char device[64];
     bool available;
     char reason[SUBJECT_REASON]; /* the reason if the subject is not available */
 } subject;
@@ -39,8 +40,8 @@ typedef struct subject {
 typedef struct subject_list {
     int count;
     subject *subjects; /* owned; the reference first */
-    bool opencl;       /* true if at least one of them is an OpenCL device */
-    char no_opencl[SUBJECT_REASON]; /* the reason if there is none */
+    bool opencl;       /* true if at least one available subject is an OpenCL device */
+    char no_opencl[SUBJECT_REASON]; /* the reason why no available subject is an OpenCL device */
 } subject_list;
 
 /* Finds the subjects. wanted is NULL for all subjects of the tier, or a list of specs separated by semicolons, as in
@@ -53,8 +54,8 @@ const char *subjects_isa(int isa);
 /* Adds the subjects of the backend cpu for a processor with the instruction sets `here`, in the order of
    subjects_find. */
 ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, ost_error *err);
-/* Returns the options of the n-th subject of each usable OpenCL device in a tier; NULL after the last. In a spec the
-   options follow the device's name and a comma. */
+/* Returns the options of the n-th subject of each usable OpenCL device in a tier; NULL after the last. A spec consists
+   of the device's name, a comma and these options. */
 const char *subjects_cl_options(plan_tier tier, int n);
 
 #endif

@@ -231,7 +231,8 @@ static ost_status reap(runner *r, ost_error *err)
         int state;
         if (waitid(P_PID, (id_t)r->slots[i].pid, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || !info.si_pid)
             continue;
-        kill(-r->slots[i].pid, SIGKILL); /* before the process is reaped, because the id may be reused after that */
+        /* sent before the process is reaped, because its id may be reused afterwards */
+        kill(-r->slots[i].pid, SIGKILL);
         while (waitpid(r->slots[i].pid, &state, 0) < 0)
             if (errno != EINTR)
                 return ost_fail(err, OST_ERR_IO, "waiting for a test: %s", strerror(errno));

@@ -92,8 +92,9 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
     if (stage != TRACE_TICK)
         return steps_word_holds(word, is, least);
     const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
+    /* The first chunk of a range may be smaller. The end of a range and boxes_meet may be greater. */
     return word >= 4 && word % 2 == 0 ? has <= needs
-                                      : has >= needs; /* the first chunk of a range; else its end, or boxes_meet */
+                                      : has >= needs;
 }
 
 /* ------------------------------------------------------------------ writing */

@@ -45,7 +45,7 @@ struct user_store {
     bool own_fd;
     uint8_t *map; /* NULL while the file is written */
     size_t size;
-    store_head *head; /* owned while the file is written; afterwards the beginning of the map */
+    store_head *head; /* owned while the file is written; afterwards the beginning of `map` */
 };
 
 /* ------------------------------------------------------------------ writing */

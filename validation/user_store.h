@@ -21,7 +21,8 @@ typedef struct user_store user_store;
 /* ------------------------------------------------------------------ writing */
 
 ost_status user_store_begin(user_store **out, ost_error *err);
-/* Adds samples of the next case, in the order in which they are scattered. This function sets their lines. */
+/* Adds samples of the next case, in the order in which they are scattered. This function sets the line number of each
+   sample. */
 ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t count, size_t batch, ost_error *err);
 /* Adds all data of the case except its samples. Ignores samples, sample_count and batch of head. */
 ost_status user_case_end(user_store *u, const scene *head, ost_error *err);

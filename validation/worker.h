@@ -18,9 +18,10 @@
 
 #include "validation/plan.h"
 
-/* Called in the worker. Runs cases [from, to) of the plan on the backend of this spec, and writes a line to stderr for
-   each stage that fails. If given is not NULL, it is the path of the reference's trace of these cases, whose grids are
-   the input of every stage (perform_apart). Otherwise the input of a stage is the result of the previous stage. */
+/* Called in the worker. Runs the cases [from, to) of the plan on the backend `spec`, and writes a line to stderr for
+   each stage that fails. If given is not NULL, it is the path of the reference's trace of these cases; every stage then
+   gets its input from the grids in that trace (perform_apart). Otherwise the input of a stage is the result of the
+   previous stage. */
 ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given,
                       ost_error *err);
 
