@@ -37,8 +37,8 @@ static ost_status compare_reference(const again *a, const campaign *c, int i, co
     return OST_OK;
 }
 
-/* Compares the digest of the backend with that of the bundle's result on it or, if the bundle has none, with the
-   reference's. */
+/* Compares the backend's digest with that of the bundle's result for this backend or, if the bundle has no such result,
+   with that of the reference. */
 static void compare_backend(const again *a, const campaign *c, int i, const json_t *one)
 {
     const case_result *r = &c->results[(size_t)i * (size_t)c->subjects->count + 1];

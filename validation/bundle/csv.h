@@ -5,7 +5,8 @@
 
 #include <stdio.h>
 
-/* Writes a field with control characters replaced by spaces, then `after`: ',' or, after the last field, a newline. */
+/* Writes a field with control characters replaced by spaces, and then the character `after`: a comma or, after the last
+   field, a newline. */
 static inline void put_csv(FILE *to, const char *text, char after)
 {
     fputc('"', to);

@@ -30,7 +30,7 @@
 /* Makes the digests of one record. bone: dims of the case's bone, for numbering a tick's leaves. */
 ost_status digests_of_record(const trace_record *r, ost_dims bone, json_t **out, ost_error *err);
 
-/* Makes the lines of a case's records, which the caller frees. *of_lines receives their SHA-256. */
+/* Makes the lines of a case's records. The caller frees the lines. *of_lines receives the SHA-256 of the lines. */
 ost_status digests_of_case(const trace *t, compare_range range, char **lines, ost_digest *of_lines, ost_error *err);
 
 #endif

@@ -33,7 +33,8 @@ ost_status evidence_case(const campaign *c, int case_index, json_t **out, ost_er
 /* Adds the results to the lines of all cases. The lines must be in the plan's order. */
 ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err);
 
-/* Makes the digests of a case's records as they are in its line; the caller owns *out, which is NULL on failure. */
+/* Makes the digests of a case's records in the form that they have in the case's line. The caller owns *out, which is
+   NULL on failure. */
 ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err);
 
 /* Returns true if the reference refused this case's input at some stage. A backend that also refuses the input is

@@ -175,8 +175,8 @@ static long first_other(const json_t *one, const json_t *lines, const char *back
     return -1;
 }
 
-/* Writes the stage and the item of a difference at line `at`: the reference's or, after the reference's end, the
-   backend's. */
+/* Writes the stage and the item of a difference at line `at`. The line is that of the reference or, after the
+   reference's last line, that of the backend. */
 static void location_of(const char *reference, const json_t *lines, long at, char location[LINE])
 {
     const char *line = *reference ? reference : json_string_value(json_array_get(lines, (size_t)at));

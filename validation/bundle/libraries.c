@@ -58,7 +58,7 @@ static void build_id(const struct dl_phdr_info *info, char hex[129])
             continue;
         const unsigned char *at = (const unsigned char *)(info->dlpi_addr + p->p_vaddr);
         for (size_t left = p->p_memsz; left > 12;) {
-            uint32_t head[3]; /* sizes of name and descriptor, type */
+            uint32_t head[3]; /* sizes of the name and of the descriptor, and the type */
             memcpy(head, at, sizeof head);
             const size_t name = (head[0] + 3u) & ~3u, text = (head[1] + 3u) & ~3u, all = 12 + name + text;
             if (head[0] > left || head[1] > left || all > left)

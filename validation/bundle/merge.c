@@ -29,7 +29,7 @@ static json_t *common_part(const json_t *protocol)
     json_t *o = json_deep_copy(protocol);
     json_object_del(o, "shard");
     json_object_del(o, "cases");
-    json_object_del(o, "suite"); /* only in the first shard */
+    json_object_del(o, "suite"); /* only the first shard has this key */
     return o;
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Checks a bundle's protocol and cases against the plan of its tier, seed, shard
- * and options, which this program makes again.
+ * and options.  This program makes that plan again for the check.
  *
  *   protocol.json --tier, seed, shard, only, case--> plan --> the protocol again: every key must be equal
  *                                                      '--> the cases of cases.jsonl, in this order, with the inputs
  *                                                           of the plan (except those of the user's own files)
- *   devices.json, tools.json, environment.json, times.json, sensitivity.json: of the same run, as far as they state it
+ *   devices.json, tools.json, environment.json, times.json, sensitivity.json: must be of this run, if they name one
  *
  * This detects a smoke campaign labelled as standard, a missing case or backend,
  * and a file of another run or another build.
@@ -21,7 +21,8 @@
    plan_free. Returns OST_ERR_INPUT with a message of one line. */
 ost_status planned_of(const json_t *protocol, const plan_user *user, plan *out, ost_error *err);
 
-/* Reports differences from the plan. The protocol must be an object of this format, cases an array. */
+/* Reports differences from the plan. The protocol must be an object of the format EVIDENCE_FORMAT; cases must be an
+   array. */
 ost_status planned_check(const json_t *protocol, const json_t *cases, bundle_problem *problem, void *user, int *found,
                          ost_error *err);
 

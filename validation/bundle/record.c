@@ -56,7 +56,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     if (status == OST_OK)
         status = put_known_anomalies(sink, user, err);
     if (status == OST_OK)
-        status = devices_of(subjects, &devices, err); /* before tools_of, which lists the loaded drivers */
+        status = devices_of(subjects, &devices, err); /* must precede tools_of, which lists loaded drivers */
     if (status == OST_OK)
         status = put_json(DEVICES_FILE, devices, sink, user, err);
     if (status == OST_OK)

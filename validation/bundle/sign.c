@@ -257,8 +257,8 @@ static bool take_claim(const json_t *annotations, const char *key, char *to, siz
     return true;
 }
 
-/* Reads the signer's claims from a statement, and compares the remainder with the bundle. *why receives the reason
-   if it is invalid, else NULL. */
+/* Reads the signer's claims from a statement, and compares the rest of the statement with the bundle. *why receives the
+   reason if the statement is invalid, else NULL. */
 static ost_status compare_statement(const check *c, const sign_envelope *e, claim *claimed, const char **why,
                                     ost_error *err)
 {
