@@ -33,7 +33,8 @@ void page_many(const page *p, size_t count, const char *one);
 void page_shell_word(const page *p, const char *text);
 /* Writes a link to a file of the bundle. */
 void page_link(const page *p, const char *file);
-/* Reads a file of the bundle, which the caller frees. Returns false if it is absent or cannot be read (p->unread). */
+/* Reads a file of the bundle into *bytes, which the caller frees. Returns false if the file is absent or cannot be
+   read (p->unread). */
 bool page_read(const page *p, const char *file, char **bytes, size_t *size);
 /* Returns a JSON file of the bundle, owned by the caller; NULL if it is absent, cannot be read (p->unread) or is not
    JSON. */

@@ -89,7 +89,8 @@ static bool lay_record(const trace_record *r, ost_volume *to)
     return true;
 }
 
-/* Makes a volume of cubes of the first block of a record. Returns false if it has none. */
+/* Makes a volume with cubic voxels from the first block of a record. Returns false if the record has no block at the
+   origin. */
 static bool volume_of(const trace_record *r, ost_volume *out)
 {
     size_t at = 0;
