@@ -92,8 +92,8 @@ static ost_status trace_reference(const job *j, const scene *s, trace *out, ost_
     return status;
 }
 
-/* Compares case i of the worker's trace with the reference. *same receives true if it still shows the same difference;
-   the case then becomes the best one. */
+/* Compares case i of the worker's trace with the reference. *same receives true if the case still shows the same
+   difference; the case then becomes the best one. */
 static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t i, bool *same, ost_error *err)
 {
     plan_case c = *j->c;
@@ -165,7 +165,7 @@ static cut_list one_range(uint32_t from, uint32_t to)
     return (cut_list){.some = true, .count = 1, .range = {{from, to}}};
 }
 
-/* Tries to omit later stages, tools that do not affect the difference, and ticks before and after it. */
+/* Tries to omit later stages, tools that do not affect the difference, and ticks before and after the difference. */
 static ost_status cut_stages(job *j, const scene *s, const compare_difference *d, bool *found, ost_error *err)
 {
     candidates list = {.count = 0};
@@ -391,7 +391,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
     *out = (minimised){.runs = 0};
     *done = false;
     if (c->cut || d->kind == COMPARE_EQUAL)
-        return OST_OK; /* the case was read from a file and is not cut further */
+        return OST_OK; /* the case was read from a file and is not reduced further */
     snprintf(j.cases, sizeof j.cases, "%s/cases.json", folder);
     snprintf(j.trace, sizeof j.trace, "%s/trace-small", folder);
     snprintf(j.ref, sizeof j.ref, "%s/trace-small-ref", folder);
