@@ -98,7 +98,7 @@ typedef struct maker {
     const char *folder;
     trace_writer *w;
     ost_dims dims;
-    /* voxels of the bone: of the reference, of the trace that is made, and of the next record of that trace */
+    /* voxels of the bone: ref in the reference, state in the trace so far, next after the next record of the trace */
     int16_t *ref, *state, *next;
     uint64_t compared;
 } maker;
