@@ -36,7 +36,8 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
             most[a] = which == 0 || wide_order(at[a], most[a]) > 0 ? at[a] : most[a];
         }
     }
-    for (int a = 0; a < 3; a++) { /* bisection for the first voxel not before the bounds and the first after them */
+    /* bisection for the first voxel that is not before the bounds, and for the first voxel after the bounds */
+    for (int a = 0; a < 3; a++) {
         int32_t below = 0, above = n[a], first = 0, last = n[a];
         while (below < above) {
             const int32_t middle = (below + above) / 2;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rotation of a motor. This file computes the cosines, while src/core has a table of them. The cosines are at least
-   10^-6 from a half, so errors in their last digits have no effect. */
+/* The rotation of a motor. This file computes the cosines, while src/core has a table of them. Multiplied by 2^30, the
+   cosines are at least 10^-6 from the middle between two integers, so errors in their last digits have no effect. */
 #include "validation/dense/steps.h"
 
 #include <math.h>
