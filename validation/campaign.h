@@ -80,8 +80,10 @@ typedef struct campaign {
     /* owned; index case * subjects + subject; the reference's results record whether the reference ran */
     case_result *results;
     trace reference;       /* trace of the batch that is judged; empty outside of the callbacks differs and done */
-    char **lines;          /* owned; digest lines (digests_of_case) of each case in that trace; NULL for other cases */
-    compare_range *ranges; /* owned; for each case its range in that trace; count 0 if the case is not in this batch */
+    /* owned; digest lines (digests_of_case) of each case in the trace `reference`; NULL for other cases */
+    char **lines;
+    /* owned; for each case its range in the trace `reference`; count 0 if the case is not in this batch */
+    compare_range *ranges;
     path_list *paths;      /* owned; for each subject, the paths recorded by its workers that ended regularly */
     time_t begun;
     double *seconds;       /* owned; for each subject, the sum of the running times of its workers */

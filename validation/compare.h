@@ -19,7 +19,7 @@ typedef enum compare_kind {
     COMPARE_EQUAL,
     COMPARE_VOXEL,   /* voxels differ */
     COMPARE_WORD,    /* only reported words differ */
-    COMPARE_SHAPE,   /* a record of another kind, additional records, or blocks without a counterpart */
+    COMPARE_SHAPE,   /* the record is of another kind, is additional, or has blocks without a counterpart */
     COMPARE_MISSING  /* the other trace has no such record */
 } compare_kind;
 

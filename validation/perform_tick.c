@@ -14,8 +14,8 @@
  */
 enum { ALL_VOXELS_EVERY = 32 };
 
-/* The second implementation runs events only if the number of voxels times the number of ticks is at most this. A
-   thousand voxels take about a microsecond. */
+/* The second implementation runs events only if the number of voxels times the number of ticks is at most SECOND_WORK.
+   A thousand voxels take about a microsecond. */
 #define SECOND_WORK ((int64_t)1 << 25)
 
 /* Returns the scene's density classes, or those of AR-CLS-2 if it has none. */

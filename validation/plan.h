@@ -62,7 +62,8 @@ typedef struct plan_case {
     plan_tier tier;   /* tier of the campaign; larger tiers have larger cases */
     uint64_t seed;    /* seed of the campaign */
     char id[PLAN_ID]; /* "session/3" */
-    struct scene_cut *cut; /* part of the case that is run; NULL: all of it; owned by the plan if read from a file */
+    /* part of the case that is run; NULL: the complete case; owned by the plan if read from a file */
+    struct scene_cut *cut;
     const struct user_store *store; /* for PLAN_USER; borrowed */
 } plan_case;
 

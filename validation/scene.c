@@ -204,7 +204,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
         status = scene_add_poses_inside(s, d, 3, err);
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_far_pose(s, err);
-    s->collide_every = 3; /* includes the far pose, which is number 12 */
+    s->collide_every = 3; /* also collides before the far pose, which is tick number 12 */
     return status;
 }
 

@@ -76,8 +76,8 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
 
 /*
  * Adds a tool of 58^3 voxels that is solid up to its grid's border, unlike a mesh
- * with a margin.  It is a box with solids in it, whose sloped edges pass exactly
- * through the centres of rows, with products beyond 2^24.
+ * with a margin.  The tool is a box with solids in it.  The sloped edges of the
+ * solids pass exactly through the centres of rows, with products beyond 2^24.
  */
 ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 

@@ -277,8 +277,8 @@ static void add_counts(sensitivity_counts *to, const sensitivity_counts *n)
 typedef struct proof {
     sensitivity *out;
     uint64_t injections;
-    deviation_kind kinds[DEVIATION_KINDS]; /* kinds of the second pass */
-    uint64_t kind_count;                   /* 0 in the first pass */
+    deviation_kind kinds[DEVIATION_KINDS]; /* kinds of mistakes that the second pass makes */
+    uint64_t kind_count;                   /* number of kinds; 0 in the first pass */
     int end;                               /* exclusive end of the pass's scenes */
     void (*show)(void *user, const char *what, double share);
     void *user;

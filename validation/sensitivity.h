@@ -33,7 +33,8 @@
 
 typedef struct sensitivity_counts {
     uint64_t injected, triggered, changed, detected, located, survived;
-    uint64_t not_detected, not_located; /* counts of changed results; each of them is a defect of the comparison */
+    /* numbers of changed results that were not detected or not located; each of them is a defect of the comparison */
+    uint64_t not_detected, not_located;
 } sensitivity_counts;
 
 /* The number of classes of differences: the patterns, one class for differences only in the report, and one for
