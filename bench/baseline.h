@@ -30,31 +30,33 @@ extern const uint32_t bench_native_needs; /* bits in the order of BENCH_NATIVE_L
 
 /* ------------------------------------------------------------------ removal */
 
-/* An event of the thesis (section 2.5): one kernel per chunk, over all voxels of the chunk. */
+/* A removal event as the thesis computes it (section 2.5): for each chunk, one kernel processes all
+   voxels of the chunk. */
 typedef struct bench_thesis_event {
     int chunk_count, chunk_size;
-    int16_t *const *chunks;       /* chunk_size^3 densities each, x fastest */
-    const int32_t (*corners)[3];  /* bone voxel of each chunk's first voxel */
-    float map[3][4];              /* affine matrix from bone voxels to tool voxels, by rows */
+    int16_t *const *chunks;       /* each chunk has chunk_size^3 densities, x fastest */
+    const int32_t (*corners)[3];  /* position of each chunk's first voxel in the bone, in voxels */
+    float map[3][4];              /* affine matrix from bone voxels to tool voxels, row by row */
     int32_t dims[3];              /* dimensions of the tool's grid */
     const int16_t *tool;          /* 0 or 1, x fastest */
 } bench_thesis_event;
 
 void bench_thesis_remove(const bench_thesis_event *event, int threads);
 
-/* A row of 32 densities, 64-byte aligned. Those with a bit in hit become 0. */
+/* A 64-byte aligned row of 32 densities. The densities whose bit is set in `hit` are set to 0. */
 typedef struct bench_row_store {
     int16_t *row;
     uint32_t hit;
 } bench_row_store;
 
-/* Executes only the stores of a fresh event, whose time is a lower bound of the event's time.
-   Uses masked stores if the machine has them; otherwise reads, clears and writes each row. */
+/* Executes only the stores of a removal event on an unmodified bone. The time of these stores is a
+   lower bound of the event's time. Uses masked stores if the machine has them. Otherwise reads each
+   row, clears the densities that are hit, and writes the row. */
 void bench_store_rows(const bench_row_store *rows, size_t count);
 
 /* --------------------------------------------------------------------- bytes */
 
-/* The method of a copy: the C library's memcpy, or stores that bypass the caches. */
+/* The method by which bytes are copied: memcpy of the C library, or stores that bypass the caches. */
 typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
 
 /* Copies `in` to `out`, starting again at the beginning of `in` each time its end is reached,

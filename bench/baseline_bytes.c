@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Copies or reads the same bytes as a measured operation and does nothing else. The time is a lower bound. */
+/* Copies or reads as many bytes as a measured operation and does nothing else. The time is a lower
+   bound of the operation's time. */
 #include "bench/baseline.h"
 
 #include <string.h>
@@ -7,7 +8,8 @@
 #include <immintrin.h>
 #endif
 
-/* bytes must be a multiple of 64, and both buffers 64-byte aligned. */
+/* Copies by stores that bypass the caches. `bytes` must be a multiple of 64, and both buffers must be
+   64-byte aligned. */
 static void copy_stream(uint8_t *out, const uint8_t *in, size_t bytes)
 {
 #if defined __AVX512F__
@@ -44,7 +46,8 @@ static uint64_t sum_words(const uint8_t *in, size_t bytes)
     return sum[0];
 }
 
-/* Computes the part of [0, bytes) for one of several threads; it begins at a multiple of 4096. */
+/* Computes the part of [0, bytes) that one of several threads processes. Each part begins at a
+   multiple of 4096. */
 static void share_of(size_t bytes, int part, int parts, size_t *begin, size_t *end)
 {
     const size_t page = 4096, pages = (bytes + page - 1) / page;

@@ -28,7 +28,8 @@ int64_t ost_baseline_embree(const ost_snapped_mesh *mesh, int threads, bool low_
 
 enum { SIDE = 4, PACKET = SIDE * SIDE };
 
-/* The first member is Embree's own context, so that a filter can find the rows through it. */
+/* The first member is Embree's own context. A filter receives a pointer to that member and converts
+   it to a pointer to this struct. */
 typedef struct packet_context {
 #if defined HAVE_EMBREE4
     struct RTCRayQueryContext base;
@@ -47,11 +48,13 @@ static double now_ms(void)
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
-/* A packet of N rays consists of arrays of N in the order of RTCRay16; Embree's accessors are for
-   C++ only. */
+/* Indices of two fields of a ray packet. A packet of N rays consists of one array of N elements per
+   field, in the order of RTCRay16. The indices are defined here because Embree's accessors exist only
+   for C++. */
 enum { RAY_TFAR = 8, RAY_ID = 10 };
 
-/* Toggles the bit of the first voxel centre behind the hit, and rejects the hit so that the ray continues. */
+/* For each hit, toggles the bit of the first voxel centre behind the hit. Rejects the hit so that the ray
+   continues. */
 static void note_hit(const struct RTCFilterFunctionNArguments *args)
 {
     const packet_context *c = (const packet_context *)args->context;
@@ -108,13 +111,14 @@ static RTCScene make_scene(RTCDevice device, const ost_snapped_mesh *mesh, bool 
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* a geometry's own filter needs no flag */
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* a filter that is set for a geometry needs no scene flag */
     rtcSetSceneBuildQuality(scene, low_quality ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitScene(scene);
     return scene;
 }
 
-/* Traces 4 x 4 rows. This was measured to be faster than sixteen rows of one slice, whose rays diverge sooner. */
+/* Traces a packet of 4 x 4 rays, one per row. A measurement showed that a packet for sixteen rows of
+   one slice is slower, because its rays diverge sooner. */
 static void trace_packet(RTCScene scene, const ost_snapped_mesh *mesh, int32_t j0, int32_t k0, int words,
                          uint64_t *bits)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The instruction sets that the compiler was allowed to use in this library. They are stored as
-   data, so reading them executes no instruction of these sets. */
+/* The list of the instruction sets that the compiler was allowed to use for the baselines. This file
+   contains only data, so a processor without these instruction sets can read the list. */
 #include "bench/baseline.h"
 
 #if defined __SSE3__

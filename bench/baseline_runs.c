@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks that this processor has the instruction sets that the baselines were built for. Unlike
-   them, this file is compiled for any processor. */
+/* Checks that this processor has the instruction sets that the baselines were built for. Unlike the
+   baselines, this file is compiled for any processor. */
 #include "bench/baseline.h"
 
 #include <stdio.h>

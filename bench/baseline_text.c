@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads a CT in text form as C programs usually do, by fscanf. */
+/* Reads a CT in text form by fscanf, the usual method of C programs. */
 #include "bench/baseline.h"
 
 #include <stdio.h>

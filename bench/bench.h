@@ -6,8 +6,8 @@
  *
  *   a row    ours      median times of osteon and of the baseline, whose repetitions
  *            baseline  alternate in the same process: A B A B ...
- *            equal     our grid is identical to the reference's, compared byte
- *                      by byte before any figure is shown
+ *            equal     true if osteon's grid is identical to the reference's; they are
+ *                      compared byte by byte before any figure is shown
  *
  * A suite omits no row. A row that cannot run here contains the reason, and the other rows are
  * still measured. A row with a wrong result contains no figures and makes the command fail.
@@ -21,17 +21,17 @@
 typedef struct bench_options {
     const char *backend; /* "cpu", "cpu:isa=avx2", "ref" */
     int threads;         /* number of threads of rows whose name does not end in /1 */
-    int repeat;          /* 0: the default of each row */
-    bool quick;          /* few repetitions and small inputs; the row names do not change */
-    double scale;        /* fraction of the 12,040,704 lines of parse/text */
-    const char *filter;  /* selects rows whose name contains this; NULL: all */
+    int repeat;          /* number of repetitions; 0: the default of each row */
+    bool quick;          /* true: few repetitions and small inputs, with the usual row names */
+    double scale;        /* fraction of the 12,040,704 text lines that the row parse/text reads */
+    const char *filter;  /* text that the names of the selected rows contain; NULL: all rows */
     void (*show)(void *user, const char *row); /* called before a row is measured; may be NULL */
     void *user;
 } bench_options;
 
 /* ------------------------------------------------------------------ figures */
 
-/* Times of repetitions. Must be zero-initialized, and freed at the end. */
+/* The times of all repetitions. A series must be zero-initialized before use and freed at the end. */
 typedef struct bench_series {
     size_t count, capacity;
     double *ns; /* owned */
@@ -40,7 +40,8 @@ typedef struct bench_series {
 int64_t bench_now(void); /* CLOCK_MONOTONIC, ns */
 void bench_series_add(bench_series *series, double ns);
 void bench_series_free(bench_series *series);
-/* Returns the quantile share of the series, by nearest rank; 0 if the series is empty. Sorts the series. */
+/* Sorts the series and returns its quantile `share` (0 to 1) by nearest rank, or 0 if the series is
+   empty. */
 double bench_series_at(bench_series *series, double share);
 double bench_series_mean(const bench_series *series);
 
@@ -54,8 +55,8 @@ typedef struct bench_row {
     char name[BENCH_NAME];
     const char *unit;      /* "us" or "ms" */
     int threads;
-    bool equal;            /* the result is the reference's; false is an error */
-    char reason[BENCH_TEXT];          /* reason why osteon was not measured; "" if it was */
+    bool equal;            /* true if the result equals the reference's; false is an error */
+    char reason[BENCH_TEXT];          /* reason why osteon was not measured; "" if osteon was measured */
     char baseline_reason[BENCH_TEXT]; /* reason why there is no baseline */
     char baseline_is[BENCH_TEXT];     /* description of the baseline */
     bench_figures ours, baseline;
@@ -73,7 +74,7 @@ typedef struct bench_table {
 
 void bench_table_free(bench_table *table);
 
-/* Returns true if the filter selects the row, after calling options->show for it. */
+/* Returns true if options->filter selects the row with this name. If so, calls options->show first. */
 bool bench_wanted(const bench_options *options, const char *name);
 /* Appends a row of this name, with `equal` set and without figures. The pointer is valid until
    the next call. Returns NULL if there is no memory. */
@@ -86,32 +87,37 @@ bench_row *bench_row_add(bench_table *table, const char *name, const char *unit,
  */
 ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
                              const char *unit, int threads, ost_status status, ost_error *err);
-/* Stores the figures of a series in the row, in the row's unit. what: the baseline's description. */
+/* bench_row_ours and bench_row_baseline compute the median, minimum and maximum of a series and store
+   them in the row, in the row's unit. The parameter what is a description of the baseline. */
 void bench_row_ours(bench_row *row, bench_series *series);
 void bench_row_baseline(bench_row *row, bench_series *series, const char *what);
 void bench_row_extra(bench_row *row, const char *key, double value);
-/* Returns the baseline's median divided by ours; 0 if one of them is missing. */
+/* Returns the baseline's median time divided by osteon's; 0 if one of the two medians is missing. */
 double bench_row_ratio(const bench_row *row);
-/* Returns the ratio of the minima, which is less affected by other load on the machine. */
+/* Returns the baseline's minimum time divided by osteon's. Other load on the machine affects this
+   ratio less than the ratio of the medians. */
 double bench_row_ratio_of_minima(const bench_row *row);
-/* Returns true if a median is more than 1.5 times its minimum, because the machine was busy or
-   the row is short and cold. */
+/* Returns true if one of the row's two medians is more than 1.5 times the corresponding minimum.
+   Possible reasons are other load on the machine, or a short operation with cold caches. */
 bool bench_row_disturbed(const bench_row *row);
 
-/* Returns the number of repetitions: options->repeat if given, otherwise normal, limited to 3 if quick is set. */
+/* Returns the number of repetitions of a row: options->repeat if it is not 0, otherwise `normal`, which
+   options->quick limits to 3. */
 int bench_repeat(const bench_options *options, int normal);
 
 /* ------------------------------------------------------------------ machine */
 
-int bench_cpus(void); /* processors that this process may use */
+int bench_cpus(void); /* number of processors that this process may use */
 const char *bench_cpu_model(char text[BENCH_TEXT]);
-/* Returns the instruction set that the backend uses, or "scalar" for a backend without a choice. */
+/* Returns the name of the instruction set that the backend uses, or "scalar" if the backend has no
+   choice of instruction sets. */
 const char *bench_isa(const bench_options *options);
-/* Returns the number of bytes of memory that are available without displacing other data; a
-   large number if it is unknown. */
+/* Returns the number of bytes of memory that can be allocated without swapping; a large number if
+   this is unknown. */
 int64_t bench_memory(void);
 
-/* Opens the options' backend with this number of threads, if it has such an option. */
+/* Opens the backend that the options name. `threads` is ignored if the backend has no option for the
+   number of threads. */
 ost_status bench_backend(const bench_options *options, int threads, ost_backend **out, ost_error *err);
 
 /* ------------------------------------------------------------------- suites */
@@ -121,7 +127,7 @@ typedef struct bench_suite {
     ost_status (*run)(const bench_options *options, bench_table *table, ost_error *err);
 } bench_suite;
 
-/* Ends with a NULL name. */
+/* The list of suites. The last element has the name NULL. */
 extern const bench_suite bench_suites[];
 
 ost_status bench_removal(const bench_options *options, bench_table *table, ost_error *err);

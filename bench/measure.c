@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Times, their order statistics, rows, and properties of the machine. */
+/* Series of times and their order statistics, the rows of a table, and properties of the machine. */
 #include "bench/bench.h"
 
 #include <sched.h>
@@ -21,7 +21,8 @@ int64_t bench_now(void)
 
 /* ------------------------------------------------------------------ figures */
 
-/* Adds a value. Drops it if there is no memory, which the count of repetitions then shows. */
+/* Adds a value to the series. If there is no memory, the value is dropped and the series then has
+   fewer values than there were repetitions. */
 void bench_series_add(bench_series *series, double ns)
 {
     if (series->count == series->capacity) {
@@ -197,7 +198,8 @@ int bench_cpus(void)
     return n > 0 ? (int)n : 1;
 }
 
-/* Finds the first line of a file in /proc that begins with key. text: the part after the colon. */
+/* Finds the first line that begins with `key` in a file of /proc, and copies the part of the line
+   after the colon to `text`. */
 static bool proc_line(const char *path, const char *key, char *text, size_t size)
 {
     char line[512];
@@ -258,7 +260,7 @@ ost_status bench_backend(const bench_options *options, int threads, ost_backend 
     const char *given = strchr(options->backend, ':');
     if (!is_cpu(options->backend))
         return ost_backend_open(options->backend, out, err);
-    /* All options except threads=, which the row determines. */
+    /* Copies all options except threads=. The row determines the number of threads. */
     for (const char *at = given ? given + 1 : ""; *at;) {
         size_t length = strcspn(at, ","), used = strlen(remainder);
         if (strncmp(at, "threads=", 8) != 0)

@@ -20,7 +20,7 @@ static vec unit(vec a)
     return (vec){a.x / length, a.y / length, a.z / length};
 }
 
-/* Rotates about y and then about x, so that no edge is parallel to an axis. */
+/* Rotates a point about y and then about x, so that no edge of the mesh is parallel to an axis. */
 static vec tilted(vec p)
 {
     const double a = 0.3, b = 0.2;
@@ -43,7 +43,7 @@ static void put_triangle(ost_mesh *mesh, size_t *at, size_t a, size_t b, size_t 
 
 ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err)
 {
-    enum { M = 300, RINGS = 134 }; /* rings of vertices between the poles */
+    enum { M = 300, RINGS = 134 }; /* RINGS: number of rings of vertices between the two poles */
     const size_t north = (size_t)M * RINGS, south = north + 1;
     ost_status status = ost_mesh_init(out, south + 1, 2 * (size_t)M * RINGS, err);
     if (status != OST_OK)
@@ -79,13 +79,13 @@ static vec knot_point(double t)
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err)
 {
     enum { U = 2048, V = 128 };
-    const double radius = 0.42, reach = 3 + radius; /* radius: of the tube; reach: of the knot in its plane */
+    const double radius = 0.42, reach = 3 + radius; /* radius of the tube; outer radius of the knot */
     ost_status status = ost_mesh_init(out, (size_t)U * V, 2 * (size_t)U * V, err);
     if (status != OST_OK)
         return status;
     for (int u = 0; u < U; u++) {
-        /* A frame that does not depend on the previous point: the tangent and the direction to the
-           torus' own circle. */
+        /* The axes of the tube's cross-section. They are derived from the tangent and from the normal
+           of the torus, so they do not depend on the previous point of the knot. */
         const double t = TURN * u / U, h = 1e-5;
         const vec p = knot_point(t), ahead = knot_point(t + h), behind = knot_point(t - h);
         const vec tangent = unit((vec){ahead.x - behind.x, ahead.y - behind.y, ahead.z - behind.z});

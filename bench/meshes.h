@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The meshes of docs/log/0.1.md, in the middle 98 % of a cube.
+ * The meshes of docs/log/0.1.md. Each mesh is scaled to the middle 98 % of a cube.
  *
- *   sphere80k   a tilted sphere of 300 meridians and 135 rings: 80,400 triangles
+ *   sphere80k   a tilted sphere of 300 meridians and 135 bands: 80,400 triangles
  *   knot524k    a tube of 2048 x 128 quads around a (2, 3) torus knot: 524,288 triangles
  */
 #ifndef OST_BENCH_MESHES_H
@@ -10,7 +10,7 @@
 
 #include <osteon/mesh.h>
 
-/* Makes a mesh whose vertices span 98 % of `side` picometres on the longest axis. */
+/* These functions make a mesh. On the longest axis, its vertices span 98 % of `side` (picometres). */
 ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err);
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err);
 

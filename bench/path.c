@@ -25,10 +25,10 @@ ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, 
     const double side = scene->bone.dims.x * ost_pm_to_mm(SCENE_SPACING), feed = 0.02, depth = feed * PATH_TICKS;
     const quat tilt = normalised((quat){0.97, 0.17, -0.13, 0.11});
     const quat step = normalised((quat){256, 0, 0, 1});
-    /* Inward direction: -z of the tool's frame, rotated. */
+    /* The direction into the bone: the tool's -z axis, rotated by `tilt`. */
     const quat down = product(product(tilt, (quat){0, 0, 0, -1}), (quat){tilt.w, -tilt.x, -tilt.y, -tilt.z});
-    /* Halfway along the path the tool's face is in the middle of the bone's upper part; at the
-       first tick it is just inside the bone. */
+    /* Halfway along the path, the tool's face is in the middle of the upper part of the bone. At the
+       first tick, the tool's face is just inside the bone. */
     const double middle[3] = {side / 2, side / 2, side - depth / 2 * -down.z};
     quat turn = {1, 0, 0, 0};
     ost_tick *ticks = malloc((size_t)count * sizeof *ticks);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The rows render/frame/VIEW/1: the frames of a window while a reamer cuts and the camera does not
- * move. Ours draws only the parts of the frame that changed; the baseline draws the complete
- * frame.
+ * The rows render/frame/VIEW/1. They measure the frames of a window while a reamer cuts and the camera
+ * does not move. osteon draws only the parts of the frame that changed. The baseline draws the
+ * complete frame.
  */
 #ifndef OST_BENCH_RENDER_KEPT_H
 #define OST_BENCH_RENDER_KEPT_H
@@ -13,7 +13,7 @@
 
 #include "core/isa.h"
 
-/* Returns true if the filter may select one of these rows. */
+/* Returns true if the filter may select a row render/frame/VIEW/1. */
 bool bench_kept_wanted(const char *filter);
 ost_status bench_kept(const bench_options *options, bench_table *table, const ost_volume *bone,
                       const ost_glenoid *glenoid, int32_t threshold, ost_isa isa, ost_error *err);

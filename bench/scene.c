@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The static events: tools, bones and poses, and the same events in the form of the thesis. */
+/* The static removal events: their tools, bones and poses, and the data of the same events for the
+   thesis' kernel. */
 #include "bench/scene.h"
 
 #include <stdlib.h>
@@ -8,7 +9,7 @@
 #include "core/int128.h"
 #include "sim/box.h"
 
-/* Found by random search; see scene.h. */
+/* The poses of the static events, found by random search (see scene.h). */
 static const struct {
     ost_pose pose;
     bool by_range;
@@ -20,7 +21,7 @@ static const struct {
                       .by_range = true},
 };
 
-/* Makes the parametric tool on a grid of this voxel size, with the reference. */
+/* Makes the parametric tool by the reference, on a grid whose voxels have the size `voxel`. */
 static ost_status make_tool(ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err)
 {
     ost_backend *ref = NULL;
@@ -82,7 +83,8 @@ void bench_scene_free(bench_scene *scene)
     ost_tool_volume_free(&scene->tool);
 }
 
-/* Returns a density such that all classes occur and none is below the threshold. */
+/* Returns the density of a voxel of the bone. The densities of the bone occur in all density classes,
+   and no density is below the threshold. */
 static int16_t density_at(int32_t i, int32_t j, int32_t k)
 {
     return (int16_t)(SCENE_THRESHOLD + ((i * 7 + j * 13 + k * 29) & 1023));
@@ -119,8 +121,8 @@ ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int 
 
 /* ------------------------------------------------------------ the thesis' form */
 
-/* Returns true if the voxel's centre is inside the tool's grid. Exact, as in AR-MAP, except for the
-   last rounding of the base. */
+/* Returns true if the voxel's centre is inside the tool's grid. The computation is exact, as in AR-MAP,
+   except for the last rounding of the base. */
 static bool enters(const bench_scene *scene, const int32_t base[3], int32_t i, int32_t j, int32_t k)
 {
     const ost_dims d = scene->tool.geometry.dims;
@@ -163,7 +165,7 @@ static bool collides(const bench_scene *scene, const int32_t corner[3], int32_t 
     return false;
 }
 
-/* Lists the chunks that collide and returns their number; corners may be NULL. */
+/* Lists the chunks that collide with the tool and returns their number. `corners` may be NULL. */
 static int pick_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3])
 {
     int count = 0;
@@ -178,8 +180,8 @@ static int pick_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3
     return count;
 }
 
-/* Rounds the exact map's affine matrix to float. Its result is in tool voxels, with the grid's
-   corner at 0. */
+/* Rounds the affine matrix of the exact map to floats. The matrix maps to tool voxels; the corner of
+   the tool's grid is at 0. */
 static void float_map(const ost_map *map, float out[3][4])
 {
     const double scale = (double)ost_i128_of(map->divisor) * (1 << OST_MAP_FRACTION);
@@ -261,7 +263,8 @@ int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scen
     return differs;
 }
 
-/* Counts the voxels of the 4^3 brick at (x, y, z) that the event removed; none of them was 0 before. */
+/* Counts the voxels that the event removed from the 4^3 brick at (x, y, z). These are the voxels with
+   density 0, because no voxel had the density 0 before the event. */
 static int removed_of_brick(const int16_t *chunk, int32_t n, int32_t x, int32_t y, int32_t z)
 {
     int removed = 0;

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' static events (Figs. 3.6 and 3.7), placed so that they collide with as many chunks of
- * 16^3, 32^3 and 64^3 voxels as in Tables 3.3 and 3.4.
+ * The thesis' static events (Figs. 3.6 and 3.7). The tools are placed so that they collide with as many
+ * chunks of 16^3, 32^3 and 64^3 voxels as in Tables 3.3 and 3.4.
  *
- *   bone      128^3 voxels of 0.47 mm, every one active
+ *   bone      128^3 voxels of 0.47 mm, all of them active
  *   reamer    the parametric head, through a corner of the bone: the box of
  *             its grid contains voxels of 84, 18 and 5 chunks
  *   peg       the parametric cylinder, tilted inside the bone: the chunks of
  *             its intersection box (Alg. 2.9) are 80 = 5*4*4, 18 = 3*3*2, 8 = 2*2*2
  *
- * The thesis gives no poses. The poses here were found by random search. 84 and 5 are not products
- * of three ranges that fit the reamer, so for the reamer only the chunks that its oriented box
- * enters are counted. The counts are computed again in every run and reported with the row.
+ * The thesis gives no poses. The poses in scene.c were found by random search. The numbers 84 and 5 are
+ * not products of three ranges that fit the reamer. For the reamer, therefore, only the chunks that its
+ * oriented box enters are counted. The counts are computed again in every run and reported with the
+ * row.
  */
 #ifndef OST_BENCH_SCENE_H
 #define OST_BENCH_SCENE_H
@@ -31,51 +32,54 @@ typedef struct bench_scene {
     ost_geometry bone;
     ost_density_classes classes;
     ost_pose pose;
-    /* true if the chunks of the intersection box collide, false if those that the tool's box
-       enters do */
+    /* true: the event processes all chunks of the intersection box; false: it processes only the
+       chunks that the tool's oriented box enters */
     bool by_range;
     ost_map map;
     ost_voxel_box box;
-    ost_removal_event event; /* refers to map and box, so the scene must not move in memory */
+    ost_removal_event event; /* contains pointers to map and box, so the scene must not move in memory */
 } bench_scene;
 
-/* Makes a scene. side: voxels of the bone along each axis; the event's position relative to the
-   bone's far corner does not depend on it. */
+/* Makes a scene. The bone has `side` voxels along each axis. The position of the event relative to the
+   bone's far corner is the same for every `side`. */
 ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err);
 /* Moves the tool to a pose. */
 ost_status bench_scene_set_pose(bench_scene *scene, const ost_pose *pose, ost_error *err);
 void bench_scene_free(bench_scene *scene);
 
-/* Returns the slices [z0, z0 + count) of the full bone, to be freed by free; NULL without memory. */
+/* Returns the slices [z0, z0 + count) of the full bone, which the caller frees by free. Returns NULL if
+   there is no memory. */
 int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count);
 
 /* Makes the full bone on a backend. */
 ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out,
                             ost_error *err);
 
-/* The thesis' event, on separate chunks. */
+/* A removal event for the thesis' kernel, on separate copies of the chunks. */
 typedef struct bench_thesis {
     bench_thesis_event event;
-    int16_t *tool;        /* owned, as are the remaining pointers */
-    int16_t *full, *live; /* chunks, one after the other: unchanged, and modified */
+    int16_t *tool;        /* owned; the pointers below are owned too */
+    int16_t *full, *live; /* the chunks, one after the other: before the event, and modified by the event */
     int16_t **chunks;
     int32_t (*corners)[3];
     size_t bytes;
 } bench_thesis;
 
-/* Selects the chunks, copies them out of the full bone, and converts the map to floats. */
+/* Selects the chunks of the event, copies them from the full bone, and converts the map to floats. */
 ost_status bench_thesis_init(bench_thesis *thesis, const bench_scene *scene, int chunk_size, ost_error *err);
 void bench_thesis_restore(bench_thesis *thesis);
 void bench_thesis_free(bench_thesis *thesis);
-/* Counts the voxels of the event's chunks whose density differs from that in voxels, the complete bone. */
+/* Compares the event's chunks with `voxels`, the voxels of a complete bone. Returns the number of
+   voxels whose densities differ. */
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
 
-/* The least work that an event requires, counted on the thesis' chunks after the event. */
+/* The least number of rows and bricks that any method must write in an event. They are counted in the
+   chunks that the thesis' kernel has modified. */
 typedef struct bench_work {
-    /* rows of 32 densities, one cache line each; for chunks of 32^3 only, else 0 */
+    /* number of changed rows of 32 densities (one cache line); 0 unless chunks have 32^3 voxels */
     int64_t changed_rows;
-    int64_t complete_bricks, mixed_bricks; /* bricks of 4^3 voxels: all removed, some removed */
+    int64_t complete_bricks, mixed_bricks; /* bricks of which all voxels, or some of the 4^3 voxels, were removed */
     bench_row_store *rows;               /* owned */
 } bench_work;
 

@@ -3,7 +3,8 @@
  * Compares the backend cl with a baseline, on one device:
  *
  *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel, one launch per chunk (suite_removal.c)
- *   opencl/launch                                   an empty kernel and a wait for it: the least cost of an event
+ *   opencl/launch                                   launching an empty kernel and waiting for its end, which is the
+ *                                                   least cost of an event
  *   opencl/transfer/scapula, opencl/voxelize/...    backend cpu on the same data
  */
 #include "bench/meshes.h"
@@ -23,7 +24,7 @@ typedef struct opencl {
     bench_table *table;
     ost_error *err;
     ost_backend *backend[SIDES];
-    bench_series series[SIDES]; /* times of CL and CPU */
+    bench_series series[SIDES]; /* times of the backends CL and CPU */
     bool equal;
 } opencl;
 
@@ -46,7 +47,7 @@ static ost_status add_or_not_run(opencl *o, const char *name, ost_status status)
 {
     if (status == OST_OK)
         return add_row(o, name);
-    for (int i = 0; i < SIDES; i++) /* so that the times do not enter another row */
+    for (int i = 0; i < SIDES; i++) /* discards the times, so that no other row contains them */
         bench_series_free(&o->series[i]);
     return bench_row_not_run(o->options, o->table, &name, 1, "ms", o->options->threads, status, o->err);
 }
@@ -195,7 +196,7 @@ static ost_status launches(opencl *o, bench_cl *cl)
     bench_series series = {0};
     if (!bench_wanted(o->options, name))
         return OST_OK;
-    bool done = bench_cl_launch(cl); /* the first launch builds the kernel */
+    bool done = bench_cl_launch(cl); /* an untimed launch, because a driver may build the kernel at the first launch */
     for (int i = 0; i < bench_repeat(o->options, REPEAT_LAUNCH) && done; i++) {
         const int64_t begin = bench_now();
         done = bench_cl_launch(cl);
@@ -215,7 +216,7 @@ static ost_status launches(opencl *o, bench_cl *cl)
     return OST_OK;
 }
 
-/* Adds one row with the reason why there is no device. */
+/* Adds one row that contains only the reason why no device is available. */
 static ost_status nothing_here(const bench_options *options, bench_table *table, const char *reason, ost_error *err)
 {
     static const char name[] = "opencl/reamer/32/fresh";

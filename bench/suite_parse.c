@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads a CT given as text into a rect grid (thesis, Algs. 2.2 to 2.4, Table 2.2): the scapula's
- * 256 x 234 x 201 lines of "x y z density" with six decimals, 424 MB, or the fraction of its layers
- * given by --scale.
+ * Measures how a CT in text form is read into a rect grid (thesis, Algs. 2.2 to 2.4, Table 2.2). The
+ * text is the scapula: 256 x 234 x 201 lines of "x y z density" with six decimals, 424 MB. The option
+ * --scale selects a fraction of its layers.
  *
- *   parse/text        against fscanf on one thread
- *   parse/text/floor  against reading every byte of the mapped file on as many
- *                     threads as ours
+ *   parse/text        the baseline is fscanf on one thread
+ *   parse/text/floor  the baseline reads every byte of the mapped file, with as many
+ *                     threads as osteon uses
  *
- * Ours is the complete import without its last two stages: it opens the file, finds the spacing,
- * converts every number exactly, checks every line, and scatters the samples. The file is in the
- * page cache. It has no name while it is used, so no file remains, however the program ends.
+ * osteon's time is that of the complete import without its last two stages. The import opens the file,
+ * finds the spacing, converts every number exactly, checks every line, and scatters the samples. The
+ * file is in the page cache. The file has no name while it is used, so it disappears however the
+ * program ends.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"
@@ -31,7 +32,7 @@ typedef struct parse {
     const bench_options *options;
     ost_error *err;
     int fd;
-    char path[64]; /* name of the file in /proc/self/fd */
+    char path[64]; /* the file's path in /proc/self/fd, because the file has no other name */
     size_t bytes, lines;
     bench_series ours, fscanf, floor;
     bool equal;
@@ -39,8 +40,8 @@ typedef struct parse {
 
 /* --------------------------------------------------------------- the file */
 
-/* Writes a length in mm and a blank, such as "-57.340000 ". A nanometre is the last of the six
-   decimals, so the text is exact. */
+/* Writes a length given in nanometres as a number of mm, followed by a blank, such as "-57.340000 ". Six
+   decimals of a mm represent a nanometre exactly. */
 static char *put_mm(char *at, int64_t nm)
 {
     if (nm < 0) {
@@ -131,7 +132,7 @@ static ost_status import(parse *p, ost_backend *backend, bool digests, bench_ser
     return status;
 }
 
-/* Compares the digests of the rect grids of the reference and of the measured backend. */
+/* Compares the digest of the measured backend's rect grid with the digest of the reference's. */
 static ost_status verify(parse *p, ost_backend *backend)
 {
     ost_backend *ref = NULL;

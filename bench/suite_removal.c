@@ -2,15 +2,15 @@
 /*
  * Removal events (thesis, Tables 3.3 to 3.5).
  *
- *   fresh   every voxel is restored and, as far as the caches are large enough, cached:
- *           our bone has been examined once (ost_bone_collide, which changes nothing),
- *           and the baseline's chunks have been read once
- *   cold    directly after the voxels are copied back; ours copies complete slices, which
- *           leaves less of the event's data in the caches than the baseline does
- *   steady  the same event again: nothing remains to be removed
+ *   fresh   all voxels were restored, and are in the caches if the caches are large enough:
+ *           osteon's bone was processed once by ost_bone_collide, which changes no voxel, and
+ *           the baseline's chunks were read once
+ *   cold    the event directly follows the restoring of the voxels; osteon restores complete
+ *           slices, so less of the event's data is in the caches than for the baseline
+ *   steady  the event is repeated without restoring, so no voxel remains to be removed
  *
- * A repetition consists of restore, cold, restore, collide, fresh, steady, steady, first for ours
- * and then for the baseline. The first steady run is a warm-up.
+ * A repetition consists of the steps restore, cold, restore, collide, fresh, steady, steady, first for
+ * osteon and then for the baseline. The first steady run is a warm-up.
  */
 #include "bench/path.h"
 #include "bench/thesis_cl.h"
@@ -30,17 +30,17 @@ typedef struct removal {
     ost_error *err;
     bench_scene *scene;
     int chunk_size, threads;
-    bench_cl *cl; /* the baseline is the thesis' kernel on this device; NULL: in C */
+    bench_cl *cl; /* device of the baseline, the thesis' kernel; NULL: the baseline is in C */
 
     ost_backend *backend;
     ost_tool *tool;
     ost_bone *bone;
     ost_removal_report report;
-    int16_t *slices; /* slices of the event's box */
+    int16_t *slices; /* densities of the slices that the event's box contains */
     int32_t z0, z_count;
     bench_thesis thesis;
     bench_work work;
-    bool baseline; /* the baseline can run here */
+    bool baseline; /* true if the baseline can run on this machine */
     char baseline_reason[BENCH_TEXT];
     double removed, in_chunks, differs;
     bool equal;
@@ -107,7 +107,7 @@ static bool same_report(const ost_removal_report *a, const ost_removal_report *b
            memcmp(a->density, b->density, sizeof a->density) == 0;
 }
 
-/* Compares slab by slab, so that the host needs no second copy of a large bone. */
+/* Compares two bones slab by slab, so that no complete copy of a large bone is needed on the host. */
 static ost_status compare_bones(removal *r, const ost_bone *expected)
 {
     enum { SLAB = 32 };
@@ -128,7 +128,8 @@ static ost_status compare_bones(removal *r, const ost_bone *expected)
     return status;
 }
 
-/* Runs the event once on the reference and once on ours: grids and reports must be equal. */
+/* Runs the event once on the reference and once on the measured backend. The bones and the reports must
+   then be equal. */
 static ost_status verify(removal *r)
 {
     ost_backend *ref = NULL;
@@ -157,8 +158,8 @@ static ost_status verify(removal *r)
     return status;
 }
 
-/* Counts the voxels for which the float kernel's result differs because of rounding. Requires
-   memory for two copies of the bone. */
+/* Counts the voxels for which the result of the thesis' kernel differs, because that kernel rounds to
+   floats. Requires memory for two copies of the bone. */
 static ost_status compare_thesis(removal *r)
 {
     const ost_dims d = r->scene->bone.dims;
@@ -200,7 +201,7 @@ static void time_thesis(removal *r, bench_series *series)
         bench_series_add(series, (double)(end - begin));
 }
 
-/* Restores the voxels of the baseline, and in C loads them into the caches. */
+/* Restores the voxels of the baseline. If the baseline is in C, also loads the voxels into the caches. */
 static void refresh_thesis(removal *r)
 {
     if (r->cl) {
@@ -255,8 +256,8 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
     return status;
 }
 
-/* Adds a row. stores: times of the event's stores alone (bench_store_rows), added to the row as a
-   lower bound; may be NULL. */
+/* Adds a row. `stores` contains the times of the event's stores alone (bench_store_rows), which the row
+   shows as a lower bound. `stores` may be NULL. */
 static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline,
                           bench_series *stores)
 {
@@ -340,8 +341,8 @@ static ost_status static_events(const bench_options *options, bench_table *table
     return status;
 }
 
-/* Adds the rows of Table 3.5: the same event with coarser and finer tools. The event with a tool
-   of 0.5 mm is that of removal/reamer/32. */
+/* Adds the rows of Table 3.5, which measure the same event with coarser and finer tool voxels. With tool
+   voxels of 0.5 mm, the event is that of removal/reamer/32. */
 static ost_status tool_voxels(const bench_options *options, bench_table *table, ost_error *err)
 {
     static const struct {
@@ -366,7 +367,7 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
     return status;
 }
 
-/* Adds a row that cannot be measured, with the reason. */
+/* Adds a row that contains the reason why it cannot be measured. */
 static ost_status add_not_run(bench_table *table, const bench_options *options, const char *name, const char *reason,
                               ost_error *err)
 {
@@ -379,14 +380,14 @@ static ost_status add_not_run(bench_table *table, const bench_options *options, 
     return OST_OK;
 }
 
-/* Adds the rows of the same event at the far corner of increasingly large bones. */
+/* Adds rows for bones of increasing size, with the same event at the far corner of each bone. */
 static ost_status bone_sizes(const bench_options *options, bench_table *table, ost_error *err)
 {
     static const int32_t sides[] = {128, 256, 512, 1024};
     ost_status status = OST_OK;
     for (size_t i = 0; i < sizeof sides / sizeof sides[0] && status == OST_OK; i++) {
         char fresh[BENCH_NAME], steady[BENCH_NAME];
-        /* Memory for the densities and occupancy of two bones, and for slabs. */
+        /* The bytes of the densities and the occupancy of two bones, and of slabs. */
         double bytes = 2 * (2 + 0.25) * (double)sides[i] * (double)sides[i] * (double)sides[i] + 4e8;
         bench_scene scene;
         snprintf(fresh, sizeof fresh, "removal/bone/%d/fresh/1", sides[i]);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames of the scapula, 1280 x 720, drawn by the processor: from a list of surface voxels to
- * colours. As in the thesis, the baseline draws every active voxel of every active chunk as a point
- * (Fig. 3.3), with the same inner loops. Before anything is timed, both must produce the same
- * picture as the scalar loops.
+ * Measures frames of the scapula, 1280 x 720, that the processor draws from a list of surface voxels.
+ * As in the thesis (Fig. 3.3), the baseline draws every active voxel of every active chunk as a point.
+ * It uses the same inner loops. Before anything is timed, both sides must produce the same picture as
+ * the scalar loops.
  */
 #include "bench/bench.h"
 #include "bench/render_gl.h"
@@ -25,7 +25,7 @@ enum { REPEAT = 101, WIDTH = 1280, HEIGHT = 720, THRESHOLD = 120, DIRTY = 20 };
 
 typedef struct view {
     const char *name;
-    double distance_mm; /* distance from the glenoid's face, or from the middle of the bone */
+    double distance_mm; /* camera's distance from the glenoid's face or, if glenoid is false, from the bone's middle */
     bool glenoid;
     double side;        /* sideways component of the view direction, relative to that along the glenoid's axis */
 } view;
@@ -38,7 +38,7 @@ typedef struct show {
     ost_error *err;
     ost_volume bone;
     ost_glenoid glenoid;
-    ost_surface surface, all; /* all: every active voxel is a point of it */
+    ost_surface surface, all; /* surface has the surface voxels as points; all has every active voxel */
     ost_isa isa;
 } show;
 
@@ -70,7 +70,7 @@ static ost_status make_bone(show *s)
     return status;
 }
 
-/* Makes every active voxel a point with six visible faces, as in the thesis. */
+/* Makes a surface of which every active voxel is a point with six visible faces, as in the thesis. */
 static ost_status take_all(ost_surface *s, ost_error *err)
 {
     s->points = 0;
@@ -121,7 +121,7 @@ static ost_status camera_of(const show *s, const view *v, ost_camera *camera)
     double from[3];
     for (int a = 0; a < 3; a++)
         from[a] = (v->glenoid ? face : middle)[a] - scale * v->distance_mm * axis[a] / length;
-    /* vertical field of view: 45 degrees */
+    /* This focal length results in a vertical field of view of 45 degrees. */
     *camera = (ost_camera){.focal_milli = 869117, .width = WIDTH, .height = HEIGHT};
     return ost_camera_look_at(from, v->glenoid ? face : middle, up, camera, s->err);
 }
@@ -146,7 +146,7 @@ static size_t covered(const ost_frame *f)
 }
 
 typedef struct frames {
-    ost_frame ours, thesis, set[OST_ISA_COUNT]; /* set: one for each available instruction set */
+    ost_frame ours, thesis, set[OST_ISA_COUNT]; /* set[isa]: the frame drawn with that instruction set */
     bench_series drawn, baseline, by_set[OST_ISA_COUNT];
 } frames;
 
@@ -208,7 +208,7 @@ static ost_status measure(show *s, frames *f, const ost_eye *eye, bool *equal)
     return status;
 }
 
-/* Adds the minimum time of each instruction set. */
+/* Adds the minimum time of a frame for each instruction set to the row. */
 static void add_sets(bench_row *row, frames *f)
 {
     char name[32];
@@ -260,7 +260,7 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
 
 /* ------------------------------------------------------- lists and shades */
 
-/* The parts of a block that are recomputed. */
+/* The parts of a surface block that a row recomputes. */
 typedef enum renewal { RENEW_LIST, RENEW_SHADES, RENEW_ALL, RENEWALS } renewal;
 
 static int32_t spoil(ost_surface *s, renewal what)
@@ -277,7 +277,8 @@ static int32_t spoil(ost_surface *s, renewal what)
     return count;
 }
 
-/* Measures the recomputation of blocks spread over the bone: only their lists, only their shades, or both. */
+/* Measures how long it takes to recompute surface blocks at various positions of the bone: only their lists
+   of points, only their shades, or both. */
 static ost_status add_renewal(show *s, bench_table *table, renewal what)
 {
     static const char *const name[RENEWALS] = {"render/scapula/list", "render/scapula/looks", "render/scapula/extract"};
@@ -305,7 +306,8 @@ static ost_status add_renewal(show *s, bench_table *table, renewal what)
     return bench_row_not_run(s->options, table, &name[what], 1, "us", 1, status, s->err);
 }
 
-/* Removes the voxels of a block within a ball; at and radius are in voxels. */
+/* Removes the voxels of a surface block that lie inside a ball. `at` (the ball's centre) and `radius` are in
+   voxels. */
 static bool ream_block(const ost_surface_block *b, const double at[3], double radius, uint32_t words[OST_BLOCK_ROWS])
 {
     bool any = false;
@@ -322,12 +324,12 @@ static bool ream_block(const ost_surface_block *b, const double at[3], double ra
     return any;
 }
 
-/* Measures the update during reaming: a ball of 20 mm enters the glenoid at 1.5 mm/s, with 60
-   frames per second. The row contains the number of changed blocks per frame and the cost of the
-   update. */
+/* Measures how long the update of the surface takes while bone is reamed: a ball with a radius of 20 mm enters
+   the glenoid at 1.5 mm/s, with 60 frames per second. The row contains the time of the update and the number
+   of changed blocks per frame. */
 static ost_status add_reaming(show *s, bench_table *table)
 {
-    enum { PICTURES = 120, BEGIN = 40 }; /* measured from a depth of 1 mm on */
+    enum { PICTURES = 120, BEGIN = 40 }; /* BEGIN frames correspond to a depth of 1 mm */
     static const double RADIUS_MM = 20, STEP_MM = 1.5 / 60;
     static const char *const name = "render/scapula/ream";
     ost_surface surface = {0};

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames drawn by OpenGL, from the thesis' frame to ours with one change per row. Each frame ends
- * with glFinish. Before a row is timed, its picture is compared with the processor's. Ours may
- * differ in at most 30 of 921,600 pixels. In the other rows, points vanish at the frame's edge or
- * near the camera, so these rows contain the number of different pixels.
+ * Measures frames drawn by OpenGL. The rows lead from the thesis' frame to osteon's frame, with one
+ * change per row. Each frame ends with glFinish. Before a row is timed, its picture is compared with
+ * the picture that the processor draws. osteon's picture may differ in at most 30 of 921,600 pixels. In
+ * the other rows, points vanish at the frame's edge or near the camera, so these rows contain the
+ * number of different pixels.
  */
 #include "bench/render_gl.h"
 
@@ -22,7 +23,7 @@ typedef struct step {
     enum {
         STILL,
         MOVING, /* the camera moves back and forth sideways by 1.5 voxels per frame */
-        READ    /* the picture is read back, as in the programs for users */
+        READ    /* the picture is read from the GPU, as osteon's programs do */
     } how;
 } step;
 
@@ -76,7 +77,7 @@ static const step steps[] = {
 enum { STEPS = sizeof steps / sizeof *steps };
 
 struct bench_gl {
-    ost_gl *gl; /* NULL: `missing` contains the reason */
+    ost_gl *gl; /* NULL if OpenGL is not available; `missing` contains the reason */
     char missing[BENCH_TEXT];
 };
 
@@ -99,8 +100,8 @@ ost_status bench_gl_open(bench_gl **out, ost_error *err)
     if (!*out)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the rows of OpenGL");
 #ifdef __GLIBC__
-    /* Software drivers free a frame's memory and allocate it again, so that the system clears
-       the pages each time. */
+    /* Software drivers free the memory of every frame and allocate it again. These two settings keep
+       freed memory in the process; otherwise the system would clear the pages for each frame. */
     mallopt(M_TRIM_THRESHOLD, 1 << 30);
     mallopt(M_TOP_PAD, 1 << 26);
     mallopt(M_MMAP_THRESHOLD, 1 << 30);
@@ -129,7 +130,7 @@ static int differing(const ost_frame *a, const ost_frame *b)
     return count;
 }
 
-/* Draws frame `number`. In frame 0 the camera is at the view's position. */
+/* Draws frame `number`. In frame 0, the camera is at the position that the view defines. */
 static ost_status draw(ost_gl *gl, const step *s, const ost_frame_thing *still, int number, ost_frame *frame,
                        bench_series *series, ost_error *err)
 {
@@ -156,8 +157,9 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     int differ = 0;
     ost_status status = OST_OK;
     if (b->gl) {
-        /* A frame omits cells that were hidden in the previous frame, which a moving camera saw
-           from another position. */
+        /* Frame 0 is drawn last, because its picture is compared. Two other frames precede it, because
+           a frame omits cells that were hidden in the previous frame, and a moving camera saw the
+           previous frame from another position. */
         for (int i = 2; i >= 0 && status == OST_OK; i--)
             status = draw(b->gl, s, thing, i, frame, NULL, err);
         if (status == OST_OK)

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- *   world --16 ticks of the reamer, some 60 a second--> ost_live_channel --> viewer --> the incremental frame
- *                                                                         '--> the complete frame
+ *   world --16 ticks of the reamer per frame, about 60 frames a second--> ost_live_channel
+ *   ost_live_channel --> viewer --> the incremental frame
+ *                          '------> the complete frame
  *
- * Both frames are drawn alternately from the same state and must be bit-identical every time. The stages of a
- * frame are measured in separate frames, by a clock around every inner loop.
+ * The incremental and the complete frame are drawn alternately from the same state, and must be bit-identical
+ * every time. The stages of a frame are measured in separate frames, because every call of an inner loop is
+ * then timed.
  */
 #include "bench/render_kept.h"
 
@@ -26,7 +28,7 @@ typedef struct view {
     double distance_mm; /* 0: the view's own */
 } view;
 
-/* close: the reamer fills the frame. */
+/* The views of the rows. In the view `close`, the reamer fills the frame. */
 static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0},
                              {"en-face", OST_VIEW_EN_FACE, 0},
                              {"operator", OST_VIEW_OPERATOR, 0},
@@ -36,7 +38,7 @@ static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0},
 
 typedef enum stage { POINTS, TINTS, SPLAT, HIDDEN, RESOLVE, MERGE, STAGES } stage;
 
-/* Times of the stages, for one thread. */
+/* The times of the stages of a frame on one thread, and the inner loops that are timed. */
 static struct {
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;
@@ -101,7 +103,7 @@ typedef struct cut {
     ost_tool *tool;
     ost_world *world;
     ost_live_channel *live;
-    ost_viewer viewer; /* its frame is drawn incrementally */
+    ost_viewer viewer; /* the viewer whose frame is drawn incrementally */
     ost_frame redrawn;
     ost_path path;
     size_t at;         /* index in the path */
@@ -155,7 +157,7 @@ static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *gl
     return status;
 }
 
-/* Runs the ticks until the next frame. Sets *removed if voxels have been removed so far. */
+/* Runs the ticks until the next frame is due. Sets *removed to true if any tick so far has removed voxels. */
 static ost_status go_on(cut *c, bool *removed)
 {
     ost_status status = OST_OK;
@@ -183,7 +185,8 @@ static void exchange(cut *c)
     c->redrawn = other;
 }
 
-/* Draws the viewer's frame. If `stages` is true, measures its stages by a clock around every inner loop. */
+/* Draws the viewer's frame. If `stages` is true, also measures the stages of the frame by timing every call
+   of an inner loop. */
 static ost_status draw(cut *c, const ost_camera *camera, bool stages, bench_series *series)
 {
     ost_frame *f = &c->viewer.frame;
@@ -216,7 +219,7 @@ static bool same(const ost_frame *a, const ost_frame *b)
 
 typedef struct figures {
     bench_series kept, redrawn, other;
-    double stages[2][STAGES]; /* times of the incremental and the complete frame, ms */
+    double stages[2][STAGES]; /* times of the stages of the incremental and of the complete frame, ms */
     int staged, frames;
     uint64_t cells, stale, chunks;
     bool equal;
@@ -230,7 +233,7 @@ static uint64_t cells_in(const ost_cells *cells)
     return count;
 }
 
-/* Draws both frames of the current state. */
+/* Draws the incremental and the complete frame of the current state. */
 static ost_status draw_both(cut *c, const ost_camera *camera, figures *f, bool stages)
 {
     memset(clocked.ns, 0, sizeof clocked.ns);
@@ -253,7 +256,7 @@ static ost_status draw_both(cut *c, const ost_camera *camera, figures *f, bool s
     return status;
 }
 
-/* Measures frames from the first tick that removes voxels. */
+/* Measures the frames that follow the first tick that removes voxels. */
 static ost_status measure(cut *c, const view *from, figures *f)
 {
     ost_orbit orbit = ost_view_orbit(from->from, &c->subject, NULL);
@@ -264,7 +267,8 @@ static ost_status measure(cut *c, const view *from, figures *f)
     ost_status status = ost_orbit_camera(&orbit, WIDTH, HEIGHT, &camera, c->err);
     while (status == OST_OK && !removed && c->at < c->path.count)
         status = go_on(c, &removed);
-    for (int i = 0; i < 2 && status == OST_OK; i++) { /* the second pass fills the stored frame */
+    /* Each frame is drawn twice before the measurement, because the second drawing fills the stored frame. */
+    for (int i = 0; i < 2 && status == OST_OK; i++) {
         status = ost_viewer_draw(&c->viewer, &camera, c->err);
         exchange(c);
         if (status == OST_OK)

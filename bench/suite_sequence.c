@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures 2,000 ticks of a cutting tool: only the removal events (removal/sequence/1), complete
- * ticks of the world (tick/sequence/1), and complete ticks after a computation of the force, which
- * determines the tool's pose for a device on the same path (tick/force/1). All use one thread and
- * chunks of 32^3, and every tick is timed separately. Maps and boxes are computed beforehand for
- * the first row and inside the timed step for the second.
+ * Measures 2,000 ticks of a cutting tool.
  *
- * The thesis' kernel runs only at every twentieth tick, on fresh chunks: its time depends on the
- * number of chunks that the tool's box enters, not on the remaining voxels, and all of its ticks
- * would take a minute.
+ *   removal/sequence/1   only the removal events; their maps and boxes are computed beforehand
+ *   tick/sequence/1      complete ticks of the world, including maps and boxes
+ *   tick/force/1         complete ticks, each after a computation of the force. The device follows the
+ *                        same path, and the computation of the force determines the tool's pose.
+ *
+ * All rows use one thread and chunks of 32^3 voxels. Every tick is timed separately.
+ *
+ * The thesis' kernel runs only at every twentieth tick, on unmodified chunks, because all ticks would
+ * take a minute. This does not change the result: the kernel's time depends on the number of chunks
+ * that the tool's box enters, and not on the remaining voxels.
  */
 #include "bench/path.h"
 
@@ -71,7 +74,7 @@ static void unprepare(sequence_run *s)
     free(s->expected);
 }
 
-/* A backend with a bone and a tool, on which all ticks run. */
+/* The backend, the bone and the tool with which all ticks run. */
 typedef struct machine {
     ost_backend *backend;
     ost_tool *tool;
@@ -169,7 +172,7 @@ static ost_status verify(sequence_run *s, machine *ours, sequence_kind kind, boo
     return status;
 }
 
-/* Measures the thesis' kernel: the mean over every twentieth tick. */
+/* Measures the thesis' kernel at every twentieth tick and adds the mean time to `means`. */
 static ost_status run_thesis(sequence_run *s, bench_series *means, double *chunks)
 {
     double ns = 0, count = 0;

@@ -4,11 +4,11 @@
  * the machine.
  *
  *   servo/empty   a tick does nothing
- *   servo/spin    a tick reads the clock for SPIN_US, about as long as a tick of an operation takes;
- *                 a hypervisor takes more time from a core that is used more
+ *   servo/spin    a tick reads the clock for SPIN_US, about as long as a tick of an operation takes,
+ *                 because a hypervisor interrupts a busy core more than an idle one
  *
- * The figure is the delay with which a tick begins. Rows have no baseline, because no other loop is
- * compared. The deadlines missed by `osteon sim` are compared with these rows.
+ * The rows contain the delay with which a tick begins. They have no baseline, because these rows are
+ * themselves the comparison for the deadlines that `osteon sim` misses.
  */
 #include "bench/bench.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Measures a complete tick of ost_world_step on one thread: oriented boxes, sweep, map, voxel box,
- * removal, report, totals. The event is the static one of the reamer: time advances, but the tool
- * does not move.
+ * removal, report, totals. The event is the static event of the reamer: the time of the ticks advances,
+ * but the tool does not move.
  */
 #include "bench/path.h"
 

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures the conversion of the scapula from a rect grid to a cubic grid to chunks (AR-CUB;
- * thesis, Algs. 2.5 and 2.6, Table 2.2). It begins with a rect grid on the backend, ends with a
- * bone and its counts, and is measured for every rule. All rows alternate, so that their ratios
- * show the cost of a rule independently of other load on the machine.
+ * Measures the conversion of the scapula from a rect grid to a cubic grid and from there to chunks
+ * (AR-CUB; thesis, Algs. 2.5 and 2.6, Table 2.2). The conversion begins with a rect grid on the backend
+ * and ends with a bone and its counts. Every resampling rule has a row. The repetitions of all rows
+ * alternate, so that the ratios of the rows show the cost of a rule independently of other load on the
+ * machine.
  *
- * The baseline only moves the same number of bytes: it writes as many bytes as the bone's active
- * chunks contain, and reads the rect grid once, or repeatedly if it has fewer bytes than are
- * written. Its buffers were touched before; ours allocates its results within the measured time.
+ * The baseline only moves bytes: it writes as many bytes as the bone's active chunks contain, and reads
+ * the rect grid once, or repeatedly if the rect grid has fewer bytes than are written. The baseline's
+ * buffers were written before the measurement, whereas osteon allocates its results within the measured
+ * time.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"
@@ -23,7 +25,7 @@ enum { REPEAT = 31, CHUNK = 32, THRESHOLD = 120 };
 typedef struct variant {
     const char *name;
     ost_resample rule;
-    ost_pm cubic; /* 0: the rect grid's x spacing; then only z is resampled */
+    ost_pm cubic; /* spacing; 0: the rect grid's x spacing, so that only z is resampled */
     bool wanted, equal;
     bench_series both, to_cubic, to_chunks, floor[BENCH_COPY_COUNT];
     ost_bone_info info;
@@ -54,7 +56,8 @@ static ost_status make_rect(transfer *t, ost_backend *backend, ost_grid **out)
     return status == OST_OK ? ost_grid_upload(*out, 0, t->ct.geometry.dims.z, t->ct.voxels, t->err) : status;
 }
 
-/* Makes the two calls that any program makes. Frees their results after the time is measured. */
+/* Converts the grid by the two public calls that any program makes. Their results are freed after the time is
+   measured. */
 static ost_status convert(transfer *t, variant *v, const ost_grid *rect, bool timed, ost_bone **bone)
 {
     ost_grid *cubic = NULL;

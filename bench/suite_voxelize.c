@@ -5,14 +5,14 @@
  *
  *   voxelize/sphere80k/N, voxelize/knot524k/N   cubes of N = 256, 512, 1024
  *   voxelize/reamer/0.5, voxelize/peg/0.5       the parametric tools
- *   the same names with /bytes                  ours with one byte per voxel as output
+ *   NAME/bytes, for each of these names         osteon writes one byte per voxel
  *
- * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit,
- * and parity bits as output. Its time includes building the hierarchy; both of Embree's build
- * qualities are measured and the faster one counts. Both sides write bits into memory that was
- * touched before, so that they are comparable; ours is the voxelizer alone, without creating a
- * tool. A /bytes row compares the public call, which allocates the tool and assigns each voxel
- * its class, with the same baseline.
+ * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit, and
+ * parity bits as output. Its time includes building the hierarchy. Both of Embree's build qualities are
+ * measured, and the faster one counts. To be comparable, osteon and the baseline write bits into memory
+ * that was written before the measurement, and osteon's time is that of the voxelizer alone, without
+ * creating a tool. A /bytes row compares the same baseline with the public call, which allocates the
+ * tool and assigns each voxel its class.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
@@ -40,7 +40,7 @@ typedef struct voxelize {
     ost_voxelize_report report;
     bench_series ours_bits, ours, embree[2]; /* [low quality] */
     uint64_t *bits;     /* bits of the baseline */
-    uint64_t *own_bits; /* ours; NULL on a backend that writes only bytes */
+    uint64_t *own_bits; /* bits that osteon writes; NULL if the backend writes only bytes */
     int64_t embree_solid;
     bool has_embree, equal;
 } voxelize;
@@ -58,7 +58,7 @@ static ost_status voxels_of(voxelize *v, ost_backend *backend, ost_tool_volume *
     return status;
 }
 
-/* Computes the bits with our voxelizer; the backend must be cpu. */
+/* Computes the bits with the voxelizer of the CPU backend. v->backend must be that backend. */
 static ost_status make_bits(voxelize *v, ost_voxelize_report *report)
 {
     return ost_cpu_voxelize((const cpu_backend *)v->backend, &v->mesh, NULL, OST_FILL_WINDING, report,
@@ -182,7 +182,7 @@ static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
     return OST_OK;
 }
 
-/* Allocates the memory for our bits. */
+/* Allocates and fills the memory for the bits that osteon computes. */
 static ost_status reserve_output(voxelize *v)
 {
     const ost_dims d = v->mesh.grid.dims;
@@ -196,7 +196,7 @@ static ost_status reserve_output(voxelize *v)
     return OST_OK;
 }
 
-/* Measures a mesh. The caller still owns mesh and grid. */
+/* Measures the voxelization of a mesh. The caller keeps the ownership of mesh and grid. */
 static ost_status measure(const bench_options *options, bench_table *table, const char *name, const ost_mesh *mesh,
                           const ost_tool_geometry *grid, int count, ost_error *err)
 {
@@ -233,7 +233,7 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     char full[BENCH_NAME], both[BENCH_NAME];
     ost_mesh mesh = {0};
     const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
-    /* Memory for two host volumes of bytes and a grid on a backend at the same time. */
+    /* The bytes of two volumes on the host and of one grid on a backend, which exist at the same time. */
     const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
     snprintf(full, sizeof full, "voxelize/%s/%d", name, side);
     snprintf(both, sizeof both, "voxelize/%s/%d/bytes", name, side);

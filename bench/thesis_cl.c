@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sets the arguments again for every chunk, as in Alg. 2.10, and waits only for the end of the
- * event. Each chunk has its own buffer, and the tool is int16, as in the thesis.
+ * The thesis' removal in OpenCL. As in Alg. 2.10, the kernel's arguments are set again for every chunk,
+ * and the host waits only at the end of the event. As in the thesis, each chunk has its own buffer, and
+ * the tool's voxels are int16.
  */
 #include "bench/thesis_cl.h"
 
@@ -42,13 +43,13 @@ struct bench_cl {
     cl_command_queue queue;
     cl_program program;
     cl_kernel remove, nothing;
-    cl_mem small; /* buffer for the empty kernel */
+    cl_mem small; /* the argument of the empty kernel */
     cl_mem tool, *chunks;
     int count;
 };
 
-/* Reads the number after key= in a backend's options; 0 if there is none. Returns false if the
-   value is not a number. */
+/* Sets *out to the number after `key` ("device=") in a backend's options, or to 0 if the option is not
+   given. Returns false if the value is not a number from 0 to 63. */
 static bool number_of(const char *backend, const char *key, int *out)
 {
     const char *at = strncmp(backend, "cl:", 3) == 0 ? strstr(backend, key) : NULL;
