@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The backend `plugin`: opening, closing, and the function table. */
+/* Opens and closes the backend `plugin`, and defines its function table. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>

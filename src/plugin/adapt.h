@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Internals of the adapter: host objects that refer to objects of a plugin, and the
- * checks of a plugin's results.
+ * Declarations shared by the files of the adapter. The adapter makes host objects that
+ * refer to objects of a plugin, and checks the results of the plugin.
  *
  *   adapt.c        opening, closing, the table     adapt_grid.c   grids, import
  *   adapt_bone.c   bones, digests                  adapt_tool.c   tools
@@ -16,7 +16,7 @@
 #include "core/int128.h"
 #include "plugin/plugin.h"
 
-/* Converts a number in a map of a plugin. */
+/* Converts a 128-bit integer from the plugin's type to the host's type. */
 static inline ost_int128 ost_int128_of_plugin(ost_plugin_int128 value)
 {
     return (ost_int128){.low = value.low, .high = value.high};
@@ -29,7 +29,8 @@ typedef struct plugin_backend {
     char name[PLUGIN_NAME];
 } plugin_backend;
 
-/* If lost is true, a call has failed part-way; the object may then only be freed. */
+/* The host objects. If `lost` is true, a call on the object has failed part-way; the object may then
+   only be freed. */
 typedef struct plugin_grid {
     ost_grid base;
     ost_plugin_grid *own;
@@ -59,7 +60,7 @@ static inline const ost_plugin *adapt_table(const ost_backend *backend)
 
 /* ---------------------------------------------------------------- answers */
 
-/* A buffer for the error text of a plugin. The host terminates the text, in case the plugin has not. */
+/* A buffer for the error text of a plugin. The host terminates the text, because a plugin might not do so. */
 typedef struct plugin_error_sink {
     ost_plugin_error error;
     char text[400];
@@ -72,8 +73,8 @@ static inline plugin_error_sink *adapt_listening(plugin_error_sink *t)
 }
 
 /*
- * Converts the status returned by a slot to an ost_status, and copies the plugin's text to
- * err. Sets *lost to true for OST_PLUGIN_LOST; lost may be NULL.
+ * Converts the status that a plugin's function returned to an ost_status, and copies the plugin's error
+ * text to err. If the status is OST_PLUGIN_LOST, also sets *lost to true. lost may be NULL.
  */
 ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost,
                            ost_error *err);
@@ -108,7 +109,7 @@ ost_status ost_adapt_voxelize(ost_backend *backend, const ost_snapped_mesh *cutt
 ost_status ost_adapt_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_adapt_tool_download(const ost_tool *base, ost_tool_volume *volume, ost_error *err);
 void ost_adapt_tool_free(ost_tool *base);
-/* These two slots return OST_ERR_UNAVAILABLE if the plugin does not have them. */
+/* ost_adapt_snap and ost_adapt_steps return OST_ERR_UNAVAILABLE if the plugin does not implement them. */
 ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid,
                           ost_snapped_mesh *out, ost_error *err);
 ost_status ost_adapt_steps(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Bones.  The digests of leaves are computed here from downloaded slices, so a plugin
- * does not need SHA-256 and cannot report a false digest.
+ * The bones of a plugin.  The host computes the digests of leaves from downloaded slices, so
+ * a plugin does not need SHA-256 and cannot report a false digest.
  */
 #include "plugin/adapt.h"
 
@@ -128,7 +128,8 @@ static int32_t least(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* Copies the leaf at (x, y) from a slab that begins at the leaf's z. Voxels outside the grid are zero. */
+/* Copies the leaf that begins at (x, y) from a slab whose first slice is the leaf's first slice. Sets the
+   leaf's voxels outside the grid to 0. */
 static void cut_leaf(const int16_t *slab, ost_dims d, int32_t depth, int32_t x, int32_t y,
                      int16_t leaf[OST_LEAF * OST_LEAF * OST_LEAF])
 {

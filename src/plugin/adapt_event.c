@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Events: converts the poses for the plugin, and checks the report of the plugin chunk by chunk. */
+/* Removal and collision events of a plugin: converts the poses for the plugin, and checks the plugin's
+   report chunk by chunk. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>
@@ -27,7 +28,7 @@ static ost_plugin_map map_of(const ost_map *m, const ost_voxel_box *box)
     return to;
 }
 
-/* Receives the report of a plugin. status is the status of the first wrong entry. */
+/* The receiver of a plugin's report. `status` is the error of the first wrong entry. */
 typedef struct sink {
     const plugin_backend *b;
     ost_removal_report *report;
@@ -100,7 +101,7 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_remo
                                : b->table.collide(bone->own, ((const plugin_tool *)tool)->own, &e, &r, &t.error);
     if (maps != &one)
         free(maps);
-    if (s.status != OST_OK) { /* voxels that no report contains may have been removed */
+    if (s.status != OST_OK) { /* the plugin may have removed voxels that the report lacks */
         bone->lost = apply;
         return s.status;
     }

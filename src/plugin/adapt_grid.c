@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Grids, and the first two stages of the import. */
+/* The grids of a plugin, and the first two stages of the import. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>
@@ -24,7 +24,8 @@ static ost_status new_grid(ost_backend *backend, const ost_geometry *geometry, p
     return OST_OK;
 }
 
-/* Sets *out to the grid created by a slot, or frees the grid and returns the error. */
+/* Called after the plugin's function `slot` that creates a grid. On success, sets *out to the grid. On an
+   error, frees the grid and returns the error. */
 static ost_status made_grid(plugin_grid *grid, const char *slot, ost_status status, ost_grid **out, ost_error *err)
 {
     if (status == OST_OK && !grid->own)

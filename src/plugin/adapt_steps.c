@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The steps that precede the work on voxels, for plugins that execute these steps themselves. */
+/* The steps that precede the processing of voxels. A plugin may execute these steps itself; this file
+   then calls the plugin. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>
@@ -52,7 +53,7 @@ ost_status ost_adapt_snap(ost_backend *backend, const ost_mesh *mesh, const ost_
     return status;
 }
 
-/* Receives the poses and maps of a plugin. */
+/* The receiver of the poses and maps that a plugin computes. */
 typedef struct pose_sink {
     int count;
     ost_pose *poses;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tools: voxelized by the plugin or uploaded to it. */
+/* The tools of a plugin. A tool is voxelized by the plugin or uploaded to the plugin. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Loads the table of a plugin: checks that the name refers to a regular file, that the
- * file can be loaded and contains the entry, and that the entry returns a complete table
- * of this interface.  Each failure has its own message.
+ * file can be loaded and contains the entry function, and that this function returns a
+ * complete table of this version of the interface.  Each failure has its own message.
  */
 #include "plugin/plugin.h"
 
@@ -21,11 +21,11 @@
 static ost_status check_table(const char *file, const ost_plugin *found, ost_plugin *table, char name[PLUGIN_NAME],
                               ost_error *err)
 {
-    /* The first two members exist in every version. */
+    /* The members abi and size exist in every version of the table. */
     if (found->abi != OST_PLUGIN_ABI)
         return ost_fail(err, OST_ERR_USAGE, "%s: built for version %u of the plugin interface; expected version %u",
                         file, (unsigned)found->abi, (unsigned)OST_PLUGIN_ABI);
-    const size_t least = offsetof(ost_plugin, snap); /* later members were added without a new ABI number */
+    const size_t least = offsetof(ost_plugin, snap); /* snap and later members were added without a new ABI number */
     if (found->size < least)
         return ost_fail(err, OST_ERR_USAGE, "%s: its table has %u bytes; version %u of the plugin interface has %zu",
                         file, (unsigned)found->size, (unsigned)OST_PLUGIN_ABI, least);
@@ -51,7 +51,8 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
 {
     char path[4096];
     struct stat info;
-    /* A name without a slash refers to the current folder; dlopen would search the folders of system libraries. */
+    /* A name without a slash refers to a file in the current folder. For such a name, dlopen would search the
+       folders of system libraries instead. */
     const int n = snprintf(path, sizeof path, "%s%s", strchr(file, '/') ? "" : "./", file);
     if (n < 0 || (size_t)n >= sizeof path)
         return ost_fail(err, OST_ERR_USAGE, "plugin '%.60s...': the name is too long", file);
@@ -71,7 +72,7 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
         status = ost_fail(err, OST_ERR_INPUT, "plugin %s: has no symbol %s; see osteon/plugin.h", file,
                           OST_PLUGIN_ENTRY);
     } else {
-        memcpy(&entry, &symbol, sizeof entry); /* POSIX: the address of a function fits into an object pointer */
+        memcpy(&entry, &symbol, sizeof entry); /* in POSIX, an object pointer can hold the address of a function */
         const ost_plugin *found = entry(OST_PLUGIN_ABI);
         if (!found)
             status = ost_fail(err, OST_ERR_USAGE, "plugin %s: does not support version %u of the plugin interface",
@@ -79,6 +80,6 @@ ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN
         else
             status = check_table(file, found, table, name, err);
     }
-    dlclose(handle); /* because of RTLD_NODELETE, the code remains loaded */
+    dlclose(handle); /* the code remains loaded because of RTLD_NODELETE */
     return status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The backend for external implementations: the host's side of
- * include/osteon/plugin.h.
+ * The backend `plugin`, which calls external implementations: the host's side of the
+ * interface include/osteon/plugin.h.
  *
  *   plugin:FILE.so,options --load.c--> table --adapt.c--> ost_backend_ops
  *
@@ -17,7 +17,8 @@
 
 enum { PLUGIN_NAME = 64 };
 
-/* Loads a file and copies its table. On success, no mandatory slot of the copy is NULL. The file remains loaded. */
+/* Loads a plugin's file and copies its function table to *table. On success, no mandatory function of the copy is
+   NULL. The file remains loaded. */
 ost_status ost_plugin_load(const char *file, ost_plugin *table, char name[PLUGIN_NAME], ost_error *err);
 
 #endif
