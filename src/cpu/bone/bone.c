@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Uploads and downloads slices of a bone of bricks. A layer of bricks is four
- * slices high. If a slab contains only a part of a layer, all rows of the layer are
- * assembled first (zeros outside the grid, the bone's voxels outside the slab), and
- * one kernel converts sixteen rows into a row of bricks:
+ * Uploads and downloads slices of a bone whose voxels are stored as bricks. A layer of
+ * bricks is four slices high. The uploaded slices (a slab) may contain only a part of a
+ * layer. Therefore all rows of the layer are assembled first; rows outside the grid are
+ * zero, and rows outside the slab come from the bone. One kernel then converts sixteen
+ * rows into a row of bricks:
  *
  *     rows (y, z), y and z in 0..3          bricks of the row
  *     ----- ----- ----- -----               [ 0 ][ 1 ][ 2 ] ...
  *
- * Upload, download and the digest's leaves copy rows of four voxels.
+ * Upload, download and the computation of leaves for the digest copy four voxels at a time.
  */
 #include "cpu/bone/bone.h"
 
@@ -79,7 +80,7 @@ void ost_cpu_bone_free(ost_bone *base)
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk)
 {
     const size_t bytes = ost_chunk_bytes(bone->base.chunk_size);
-    const size_t densities = bytes / 17 * 16; /* 2 bytes per voxel, followed by 1/8 byte of occupancy */
+    const size_t densities = bytes / 17 * 16; /* 2 bytes of density per voxel, then 1/8 byte of occupancy per voxel */
     unsigned char *block = pool ? ost_chunk_pool_take(pool) : NULL;
     if (!block) {
         pool = NULL;
@@ -126,7 +127,7 @@ ost_status ost_cpu_bone_stats(const ost_bone *base, ost_bone_info *info, ost_err
 
 /* ---------------------------------------------------------------- upload */
 
-/* The slices z0 <= z < z1 of the grid; voxels begins with slice z0. */
+/* The slices z0 <= z < z1 of a grid. `voxels` points to the first voxel of slice z0. */
 typedef struct slab {
     ost_dims dims;
     int32_t z0, z1;
@@ -140,7 +141,7 @@ static const int16_t *slab_row(const slab *s, int32_t y, int32_t z)
 
 typedef struct chunk_position {
     int32_t first[3]; /* the chunk's first voxel */
-    int32_t end[3];   /* end of its voxels within the grid, exclusive */
+    int32_t end[3];   /* end (exclusive) of the chunk's voxels, clipped to the grid */
 } chunk_position;
 
 static chunk_position chunk_position_of(const cpu_bone *bone, int64_t index)
@@ -166,10 +167,10 @@ static bool any_active(const cpu_bone *bone, const chunk_position *at, const sla
     return false;
 }
 
-/* Copies row (y, z) of the chunk, in the chunk's own coordinates, from its bricks. */
+/* Copies a row of n voxels from the bricks of a chunk. y and z are relative to the chunk's first voxel. */
 static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, int16_t *row)
 {
-    /* ost_brick_spread(x) for x = 0 to 15, the bricks of a row of 64 voxels */
+    /* The values of ost_brick_spread(x) for x = 0 to 15, the 16 bricks of a row of 64 voxels. */
     static const uint16_t spread[CHUNK_MAX / 4] = {0, 1, 8, 9, 64, 65, 72, 73, 512, 513, 520, 521, 576, 577, 584, 585};
     const int16_t *bricks = chunk->density + (size_t)ost_brick_number(0, y / 4, z / 4) * OST_BRICK_VOXELS +
                             (y % 4) * 4 + (z % 4) * 16;
@@ -178,8 +179,8 @@ static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, in
 }
 
 /*
- * Finds the sixteen rows of the row of bricks at (y, z): in the slab if a row is complete there,
- * otherwise assembled in spare.
+ * Finds the sixteen rows of voxels that form the row of bricks at (y, z). A row that is complete in the
+ * slab is used directly; any other row is assembled in `spare`.
  */
 static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_position *at, const slab *s,
                          int32_t y, int32_t z, int16_t spare[16][CHUNK_MAX], const int16_t *rows[16])
@@ -241,7 +242,7 @@ ost_status ost_cpu_bone_upload(ost_bone *base, int32_t z0, int32_t count, const 
     const int64_t from = z0 / base->chunk_size * layer, to = ((z0 + count - 1) / base->chunk_size + 1) * layer;
     const cpu_backend *backend = (const cpu_backend *)base->backend;
 
-    /* All memory is allocated before a voxel changes, so that a failure can be undone. */
+    /* All memory is allocated before the first voxel changes, so that a failed allocation can be undone. */
     bool enough = true;
     ost_team filling = ost_team_of(backend->sharing, backend->threads, OST_PATH_BONE_UPLOAD, count, to - from, 4),
              storing = filling;
@@ -304,9 +305,10 @@ ost_status ost_cpu_bone_download(const ost_bone *base, int32_t z0, int32_t count
 }
 
 /*
- * Reads the 32^3 voxels of a leaf, zero outside the grid. Returns false, without
- * writing, if no chunk in it has memory. A leaf is (32/n)^3 complete chunks or an
- * eighth of one: in both cases parts of min(n, 32) voxels per side.
+ * Reads the 32^3 voxels of a leaf. Voxels outside the grid are zero. Returns false,
+ * without writing, if no chunk in the leaf has memory. For chunks of n <= 32 voxels per
+ * side, a leaf consists of (32/n)^3 complete chunks; for n = 64, a leaf is an eighth of
+ * a chunk. In both cases the leaf is read in parts of min(n, 32) voxels per side.
  */
 static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 {
@@ -337,9 +339,10 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 }
 
 /*
- * Converts the words of eight adjacent bricks to sixteen rows of 32 voxels: row
- * (y, z) of brick b is its bits 4 (y + 4 z) to 4 (y + 4 z) + 3, and becomes bits 4b
- * to 4b + 3.  Neighbours are merged, nibbles to bytes, to halves, to words:
+ * Converts the occupancy words of eight adjacent bricks to sixteen rows of 32 voxels.
+ * Row (y, z) of brick b has the bits 4 (y + 4 z) to 4 (y + 4 z) + 3 of the brick's word.
+ * These become the bits 4b to 4b + 3 of row (y, z).  Neighbouring nibbles are merged to
+ * bytes, bytes to halves, and halves to words:
  *
  *   pair[p][odd]     byte k: rows 2k + odd of bricks 2p, 2p + 1
  *   four[p][odd][l]  half k: rows 4k + 2l + odd of bricks 4p ...
@@ -372,7 +375,7 @@ static void rows_of_bricks(const uint64_t brick[8], uint32_t row[16])
         }
 }
 
-/* Converts a chunk's occupancy to words of 32 voxels along x; for a chunk of 16^3, a word contains two rows. */
+/* Converts a chunk's occupancy to words of 32 voxels along x. For a chunk of 16^3 voxels, a word contains two rows. */
 static void occupancy_rows(const uint64_t *occupancy, int32_t n, uint32_t *words)
 {
     const int32_t bricks = min32(n / 4, 8);

@@ -2,7 +2,7 @@
 /*
  * The bone of the CPU backend.  The same chunks have memory and the same voxels are
  * active as in the reference, but inside a chunk the voxels are stored as bricks of
- * 4^3, and the bricks in Morton order.
+ * 4^3 voxels.  The bricks of a chunk are stored in Morton order.
  *
  *     a brick: 64 densities, 128 bytes      2^3 bricks = 8^3 voxels
  *     and one occupancy word of 64 bits       6 ---- 7
@@ -11,15 +11,16 @@
  *     number x + 4 y + 16 z                 | 2 ---|-3     x lowest
  *                                           0 ---- 1
  *
- * Reason: removal processes the 64 voxels of a brick at once, as one word, and
- * writes two cache lines instead of sixteen. The words of 8^3 voxels fill one cache
- * line. The bricks of a cube of 8, 16 or 32 voxels are contiguous for every chunk
- * size.
+ * The reason for bricks: removal processes the 64 voxels of a brick at once, as one
+ * word, and writes two cache lines instead of sixteen. The occupancy words of 8^3
+ * voxels fill one cache line. The bricks of a cube of 8, 16 or 32 voxels per side are
+ * contiguous for every chunk size.
  *
- * The invariants are those of core/chunk_grid.h: a voxel is active iff its density
- * is at least the threshold, all others are 0; a voxel's bit is set iff it is
- * active; a chunk has memory iff active > 0; the padding is 0.  In addition, no
- * density of a chunk is above its field highest, which never decreases.
+ * The invariants are those of core/chunk_grid.h.  A voxel is active iff its density is
+ * at least the threshold; all other voxels are 0.  A voxel's occupancy bit is set iff
+ * the voxel is active.  A chunk has memory iff its field `active` is above 0.  The
+ * padding is 0.  In addition, no density of a chunk is above the chunk's field
+ * `highest`, which never decreases.
  */
 #ifndef OST_CPU_BONE_H
 #define OST_CPU_BONE_H
@@ -28,8 +29,8 @@
 #include "cpu/bone/chunk_pool.h"
 
 typedef struct cpu_chunk {
-    int16_t *density;    /* owned; 64-byte aligned block, densities and then occupancy; NULL if active is 0 */
-    uint64_t *occupancy; /* points into the same block */
+    int16_t *density;    /* owned; 64-byte aligned block of densities, then occupancy; NULL if active is 0 */
+    uint64_t *occupancy; /* points into the block of `density` */
     ost_chunk_pool *pool; /* the pool that owns the block; NULL if it was allocated by malloc */
     int32_t active;
     int32_t highest;
@@ -44,21 +45,21 @@ typedef struct cpu_bone {
 
 enum { OST_BRICK = 4, OST_BRICK_VOXELS = 64 };
 
-/* Moves bits 0..3 of v to bits 0, 3, 6, 9. */
+/* Returns v with its bits 0, 1, 2, 3 moved to the bits 0, 3, 6, 9. */
 static inline int32_t ost_brick_spread(int32_t v)
 {
     return (v & 1) | (v & 2) << 2 | (v & 4) << 4 | (v & 8) << 6;
 }
 
-/* Returns the number of brick (x, y, z) within its chunk; each coordinate is below 16. */
+/* Returns the number of brick (x, y, z) within its chunk. Each coordinate must be below 16. */
 static inline int32_t ost_brick_number(int32_t x, int32_t y, int32_t z)
 {
     return ost_brick_spread(x) | ost_brick_spread(y) << 1 | ost_brick_spread(z) << 2;
 }
 
 /*
- * Moves bits 0, 3, 6, 9 of number to bits 0..3, which gives x; for y and z the caller shifts number
- * right by 1 and 2.
+ * Returns the x coordinate of the brick with this number: moves the bits 0, 3, 6, 9 to the bits 0..3. To
+ * compute y or z, the caller shifts the number right by 1 or 2 first.
  */
 static inline int32_t ost_brick_gather(int32_t number)
 {
@@ -66,11 +67,12 @@ static inline int32_t ost_brick_gather(int32_t number)
 }
 
 /*
- * Allocates a block of undefined content for a chunk without memory, from the pool if it is not NULL
- * and has a free block, otherwise by malloc. Returns false if there is no memory.
+ * Allocates memory of undefined content for a chunk that has none. The memory is a block of the pool if
+ * pool is not NULL and has a free block; otherwise it is allocated by malloc. Returns false if there is
+ * no memory.
  */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);
-/* Frees the memory of a chunk whose active is 0. */
+/* Frees the memory of a chunk that has no active voxel. */
 void ost_cpu_chunk_release(cpu_chunk *chunk);
 
 ost_status ost_cpu_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The stack's height is one atomic number. A take decrements it, a give increments
- * it, and only the calling thread accesses the slot at that height. Because takes
- * and gives do not overlap, threads need no other synchronisation.
+ * A pool of memory blocks (chunk_pool.h). The number of blocks on the stack is an atomic
+ * number. ost_chunk_pool_take decrements this number, and ost_chunk_pool_give increments
+ * it. Only the thread that has changed the number accesses the element of the stack at
+ * that index. Because calls of take and give do not overlap, threads need no other
+ * synchronisation.
  */
 #include "cpu/bone/chunk_pool.h"
 
@@ -15,11 +17,11 @@
 
 enum { EXTENTS_MAX = 64 };
 #define HUGE_PAGE ((size_t)1 << 21)
-/* The greatest number of bytes of touched blocks that a trim leaves mapped if no block is in use. */
+/* The number of bytes of used blocks that ost_chunk_pool_trim leaves mapped, at most, if no block is in use. */
 #define RETAINED_BYTES ((size_t)1 << 28)
 
 typedef struct extent {
-    unsigned char *base; /* aligned to a huge page */
+    unsigned char *base; /* aligned to the size of a huge page */
     size_t bytes;
 } extent;
 
@@ -28,8 +30,8 @@ struct ost_chunk_pool {
     extent extents[EXTENTS_MAX];
     int extent_count;
     int64_t total;
-    atomic_llong fresh; /* the blocks of stack[0, fresh) have never been taken */
-    int64_t trimmed;    /* the value of `fresh` at the last trim */
+    atomic_llong fresh; /* number of blocks that were never taken; these are stack[0, fresh) */
+    int64_t trimmed;    /* the value of `fresh` at the last call of ost_chunk_pool_trim */
     void **stack;       /* owned; total elements */
     atomic_llong available;
 };
@@ -65,8 +67,8 @@ void ost_chunk_pool_close(ost_chunk_pool *pool)
 }
 
 /*
- * Reserves addresses, without memory, aligned to a huge page: maps one huge page more than needed
- * and unmaps the excess at both ends.
+ * Reserves addresses, without memory, that are aligned to the size of a huge page. Maps one huge page
+ * more than needed and unmaps the excess at both ends.
  */
 static unsigned char *map_aligned(size_t bytes)
 {
@@ -92,7 +94,7 @@ bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count)
         return true;
     if (pool->extent_count == EXTENTS_MAX)
         return false;
-    /* The pool at least doubles, so that it needs few extents. count <= 2^24, block_bytes < 2^20. */
+    /* The pool's size at least doubles, so that few extents are needed. count <= 2^24, block_bytes < 2^20. */
     int64_t more = count - available > pool->total ? count - available : pool->total;
     size_t bytes = ((size_t)more * pool->block_bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
     void **stack = realloc(pool->stack, (size_t)(pool->total + more) * sizeof *stack);
@@ -152,8 +154,8 @@ void ost_chunk_pool_trim(ost_chunk_pool *pool)
     if (fresh == 0)
         return;
     /*
-     * The next fresh block begins where the last touched block ends. The rest of the huge page
-     * that contains this position may be mapped; it is released.
+     * The first block that was never taken begins where the last used block ends. The rest of the huge
+     * page that contains this position may have memory, which is released.
      */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Densities of single voxels, for use within a tick. */
+/* Reads the densities of single voxels. These functions are called within a tick. */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
 #include "cpu/cpu.h"
@@ -17,8 +17,8 @@ void ost_sample_scalar(const cpu_bone *bone, size_t count, const int32_t *const 
         const cpu_chunk *chunk = &bone->chunks[(x >> shift) + bone->chunk_dims.x * row];
         if (!chunk->occupancy)
             continue;
-        /* The occupancy bit is tested before the density is read, because a cache line contains 16 times as many
-           bits as densities. */
+        /* The occupancy bit is tested before the density is read, because a cache line contains the occupancy bits of
+           16 times as many voxels as densities. */
         x &= n - 1;
         y &= n - 1;
         z &= n - 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Converts rows of voxels into bricks, four voxels at a time. */
+/* The scalar kernels of the bone: rows of voxels are converted into bricks, four voxels at a time. */
 #include <string.h>
 
 #include "core/conditions.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Bones: a chunk grid with a geometry (thesis, Alg. 2.6; AR-CHK).
- * core/chunk_grid.h documents the content of a chunk, and why results depend neither
- * on the chunk size nor on absent chunks.
+ * The bone of the reference: a chunk grid with a geometry (thesis, Alg. 2.6; AR-CHK).
+ * core/chunk_grid.h documents the content of a chunk, and why results depend neither on
+ * the chunk size nor on which chunks have memory.
  */
 #include "cpu/ref/ref.h"
 

@@ -69,15 +69,17 @@ ost_status ost_ref_grid_download(const ost_grid *base, int32_t z0, int32_t count
 /* ------------------------------------------------- samples to rect grid */
 
 /*
- * One axis of a sample. |p|, |origin| <= 8 m = 8 * 10^12 pm < 2^43, so
- * p - origin is within 2^44, and index * spacing, at most half a spacing
- * from it, within 2^45. |off| <= spacing / 2 <= 5 * 10^10 pm < 2^36, so
- * 8 * off and 3 * spacing are within 2^39, and off * 10^6 within 2^56.
+ * The position of a sample p on one axis, relative to the lattice of voxels.
+ *
+ * Ranges. |p|, |origin| <= 8 m = 8 * 10^12 pm < 2^43, so p - origin is within 2^44.
+ * index * spacing differs from p - origin by at most half a spacing, so it is within 2^45.
+ * |off| <= spacing / 2 <= 5 * 10^10 pm < 2^36, so 8 * off and 3 * spacing are within 2^39,
+ * and off * 10^6 is within 2^56.
  */
 typedef struct lattice {
     int64_t index;
     int64_t off;     /* |p - lattice point| */
-    int64_t spacing; /* off / spacing is the offset in voxels */
+    int64_t spacing; /* distance of neighbouring voxels; off / spacing is the offset in voxels */
 } lattice;
 
 static lattice on_lattice(ost_pm p, ost_pm origin, ost_pm spacing)
@@ -120,7 +122,8 @@ static bool before(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* Handles a further sample of a voxel (AR-CT-6). Equal densities are not a conflict under any policy. */
+/* Handles a sample whose voxel already has a sample (AR-CT-6). Two samples with equal densities are not a
+   conflict, whatever `duplicates` is. */
 static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates,
                        ost_scatter_report *report)
 {
@@ -206,8 +209,8 @@ ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
 enum { WEIGHT_BITS = 15 };
 
 /*
- * One axis of a cubic voxel: voxel `index` has the weight 2^15 - weight. Voxel index + 1 has the weight
- * `weight` and is read only if `weight` is above 0.
+ * The rect voxels on one axis from which a cubic voxel is made, and their weights. Voxel `index` has the
+ * weight 2^15 - weight. Voxel index + 1 has the weight `weight` and is read only if `weight` is above 0.
  */
 typedef struct tap {
     int64_t index;
@@ -215,6 +218,7 @@ typedef struct tap {
 } tap;
 
 /*
+ * Returns the tap of cubic voxel i by the rule linear.
  * AR-CUB-2: t = n / d, n = (2i + 1) c - s, d = 2s, clamped to 0 <= t <= last.
  * (2i + 1) c < 2^15 * 2^37, d < 2^38, and the remainder n - index d < d, so
  * 2^15 * remainder < 2^53. If the weight is not 0, then t < last, so index + 1 <= last.
@@ -231,8 +235,8 @@ static tap linear_tap(int64_t i, ost_pm cubic, ost_pm rect, int64_t last)
 }
 
 /*
- * Finds the tap of voxel i by the rule. i c < 2^14 * 2^37.
- * AR-CUB-4: floor(i c / s) < dims, as i < ceil(dims s / c).
+ * Returns the tap of cubic voxel i by the given resampling rule. i c < 2^14 * 2^37.
+ * AR-CUB-4: floor(i c / s) < dims, because i < ceil(dims s / c).
  */
 static tap tap_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t dim, ost_resample rule)
 {
@@ -246,9 +250,9 @@ static tap tap_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t dim, ost_resampl
 }
 
 /*
- * Returns RHE of the weighted mean of eight voxels. The products of weights sum to
- * 2^45, so |sum| <= 2^45 * 2^15 = 2^60, and the mean lies between the least
- * and the greatest of the voxels, which are integers; so does its RHE.
+ * Returns the weighted mean of eight voxels, rounded by RHE. The products of weights sum
+ * to 2^45, so |sum| <= 2^45 * 2^15 = 2^60. The mean lies between the least and the greatest
+ * of the eight voxels. These are integers, so the rounded mean lies between them too.
  */
 static int16_t weighted(const ref_grid *grid, tap x, tap y, tap z)
 {

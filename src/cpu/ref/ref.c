@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of the scalar reference, which has no options and is available everywhere. */
+/* The function table of the backend `ref`. This backend has no options and is available on every machine. */
 #include "cpu/ref/ref.h"
 
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static ost_backend_settings settings(const ost_backend *backend)
     return (ost_backend_settings){.isa = "", .threads = 1, .platform = -1, .device = -1};
 }
 
-/* Does nothing: every call of this backend is complete when it returns. */
+/* Does nothing, because every function of this backend has completed its work when it returns. */
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
     (void)backend;

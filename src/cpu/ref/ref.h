@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scalar reference: the plain, serial, executable form of docs/spec/arithmetic.md.
- * Each file names the rules that it implements, to be read together with that
- * document.  The code is deliberately simple and not optimised.
+ * The reference: a scalar and serial implementation of docs/spec/arithmetic.md.  Each
+ * file names the rules of that document that it implements.  The code is deliberately
+ * simple and not optimised.
  *
  *   import.c    samples -> rect grid -> cubic grid      AR-CT-4..6, AR-CUB
  *   bone.c      cubic grid -> chunks, slices, leaves    AR-CHK, AR-DIG-2
@@ -19,13 +19,13 @@
 
 typedef struct ref_backend {
     ost_backend base;
-    ost_digest empty_leaf; /* digest of a leaf of 32^3 zeros, computed once at open */
+    ost_digest empty_leaf; /* digest of a leaf of 32^3 zeros, computed once when the backend is opened */
 } ref_backend;
 
 typedef struct ref_grid {
     ost_grid base;
     int16_t *voxels; /* owned */
-    uint8_t *seen;   /* owned; a bit per voxel, set if it has a sample; NULL before the first scatter */
+    uint8_t *seen;   /* owned; one bit per voxel, 1 if the voxel has a sample; NULL before the first batch */
 } ref_grid;
 
 typedef struct ref_bone {
@@ -61,7 +61,7 @@ ost_status ost_ref_bone_occupancy(const ost_bone *bone, size_t count, const int3
                                   ost_error *err);
 ost_status ost_ref_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
-/* Creates a void tool of this geometry, which upload and voxelize then fill. */
+/* Creates a tool with this geometry, all of whose voxels are void. The caller then fills the tool. */
 ost_status ost_ref_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, ref_tool **out, ost_error *err);
 ost_status ost_ref_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_ref_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);

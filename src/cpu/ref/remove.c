@@ -4,15 +4,15 @@
  *
  *   for each chunk with memory, ascending
  *     for each aligned block of 16^3 voxels in it
- *       for each pose whose box overlaps the block     a pose marks the voxels that it covers
+ *       for each pose whose box overlaps the block     marks the voxels that the tool covers
  *         base of the block
  *         for each active voxel: u = base + i step[0] + j step[1] + k step[2]
  *                                inside iff 0 <= u >> 20 < dims on every axis
  *       for each marked voxel: count it, and for a removal, remove it
  *
- * A voxel is removed once however many poses cover it, and only if one of them
- * covers it with a cutting tool voxel.  The only difference between removal and
- * collision is that a removal applies the marks.
+ * A voxel is removed if at least one pose covers it with a cutting tool voxel. It is
+ * removed and counted once, even if several poses cover it.  The only difference between
+ * removal and collision is that a collision does not change the bone.
  */
 #include "cpu/ref/ref.h"
 
@@ -24,8 +24,8 @@
 enum { BLOCK = OST_MAP_BLOCK };
 
 /*
- * For each bone voxel of a block, the class (OST_TOOL_*) of the tool voxel that covers it. If
- * several poses cover it, cutting has priority.
+ * For each bone voxel of a block, the class (OST_TOOL_*) of the tool voxel that covers it. If several
+ * poses cover the bone voxel, the class `cutting` has priority.
  */
 typedef struct block_marks {
     uint8_t mark[BLOCK][BLOCK][BLOCK]; /* [z][y][x] */
@@ -52,9 +52,10 @@ static int32_t max32(int32_t a, int32_t b)
 }
 
 /*
- * Returns true if all corners of a block lie on the same side of the tool's grid on one axis.
- * Because u is linear, all voxels of the block then lie on that side. The least and the greatest u
- * are those of corners, so they fit int32 (AR-MAP-5).
+ * Returns true if all corners of a block lie on the same side of the tool's grid on one axis. All
+ * voxels of the block then lie on that side, because their tool coordinate u is a linear function of
+ * the voxel's indices. The least and the greatest u of a block are those of corners, so they fit int32
+ * (AR-MAP-5).
  */
 static bool block_misses(const ost_dims dims, const int32_t base[3], const int32_t step[3][3])
 {
@@ -72,8 +73,8 @@ static bool block_misses(const ost_dims dims, const int32_t base[3], const int32
 }
 
 /*
- * Returns true if both ends of a row lie on the same side of the tool's grid. The entire row then lies there, because
- * u is linear.
+ * Returns true if both ends of a row lie on the same side of the tool's grid. The entire row then lies on that side,
+ * because the tool coordinate u is a linear function of the voxel's index.
  */
 static bool row_misses(const ost_dims dims, const int32_t u[3], const int32_t step[3])
 {
@@ -86,7 +87,8 @@ static bool row_misses(const ost_dims dims, const int32_t u[3], const int32_t st
     return misses;
 }
 
-/* Clips the box to the grid, so that no block whose first voxel lies outside is evaluated. */
+/* Returns the part of the box that lies in the grid, so that no block whose first voxel lies outside the grid is
+   evaluated. */
 static ost_voxel_box clipped(const ost_voxel_box *box, ost_dims dims)
 {
     return (ost_voxel_box){
@@ -96,8 +98,8 @@ static ost_voxel_box clipped(const ost_voxel_box *box, ost_dims dims)
 }
 
 /*
- * Marks the voxels of one block that one pose covers. first is the block's first voxel. All sums fit
- * int32 (AR-MAP-5).
+ * Marks the voxels of one block that the tool covers at one pose. `first` is the block's first voxel. All
+ * sums fit int32 (AR-MAP-5).
  */
 static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const int32_t first[3], const ref_tool *tool,
                       const ost_map *map, const ost_voxel_box *all, block_marks *marks)
@@ -118,8 +120,8 @@ static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const 
     for (int32_t k = lo[2]; k < hi[2]; k++)
         for (int32_t j = lo[1]; j < hi[1]; j++) {
             /*
-             * A row of a block lies in one word of the occupancy, because it begins at a multiple of 16 bits and a word
-             * has 32.
+             * A row of a block has 16 bits and begins at a multiple of 16 bits, so it lies in one 32-bit word of the
+             * occupancy.
              */
             const uint32_t v = (uint32_t)(x + n * ((y + j) + n * (z + k)));
             const uint32_t active = chunk->occupancy[v / 32] >> (v % 32) & 0xffff;
@@ -143,8 +145,8 @@ static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const 
 }
 
 /*
- * Returns the last class whose border is not above the density, or class 0 if the density is below all
- * borders (AR-CLS).
+ * Returns the density class of a density (AR-CLS): the last class whose border is not above the density,
+ * or class 0 if the density is below all borders.
  */
 static int class_of(const ost_density_classes *classes, int16_t density)
 {
@@ -180,7 +182,8 @@ static void take_marks(const ost_chunk_grid *grid, ost_chunk *chunk, const int32
             }
 }
 
-/* Applies the event to one chunk; report has the chunk's index and is otherwise zero. */
+/* Applies the event to one chunk and adds the results to *report. On entry, *report contains the chunk's index and
+   is otherwise zero. */
 static void run_chunk(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_t corner[3], const ref_tool *tool,
                       const ost_removal_event *event, bool apply, ost_chunk_report *report, uint64_t *touched)
 {
@@ -197,7 +200,7 @@ static void run_chunk(const ost_chunk_grid *grid, ost_chunk *chunk, const int32_
             }
 }
 
-/* Computes the half-open range of chunks that contains all poses' boxes; lo > hi if all boxes are empty. */
+/* Computes the half-open range of chunks that contains the boxes of all poses. lo > hi if all boxes are empty. */
 static void chunk_range(const ost_chunk_grid *grid, const ost_removal_event *event, int32_t lo[3], int32_t hi[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -216,8 +219,8 @@ static void chunk_range(const ost_chunk_grid *grid, const ost_removal_event *eve
 }
 
 /*
- * Reserves memory in the report for every chunk of the range, so that nothing can fail after the first
- * voxel is removed.
+ * Reserves memory in the report for every chunk of the range, so that no allocation can fail after the
+ * first voxel has been removed.
  */
 static ost_status reserve(ost_removal_report *report, const ost_chunk_grid *grid, const int32_t lo[3],
                           const int32_t hi[3], ost_error *err)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tool grids: one uint8 per voxel, x fastest (include/osteon/tool.h). */
+/* The tools of the reference: grids with one uint8 per voxel, x fastest (include/osteon/tool.h). */
 #include "cpu/ref/ref.h"
 
 #include <stdlib.h>

@@ -2,26 +2,27 @@
 /*
  * Finds the voxel centres inside a closed mesh, in the steps that AR-VOX defines.
  *
- * A line along x passes through the centres of every row (j, k).  Where it enters
- * the mesh the winding number increases by one, where it leaves it decreases:
+ * For every row (j, k), a line along x passes through the centres of the row's voxels.
+ * Where the line enters the mesh, the winding number increases by one; where the line
+ * leaves the mesh, the winding number decreases by one:
  *
  *        enter                 leave
  *   . . . |+1 o   o   o   o   o |-1 .   .        o  winding != 0: solid
  *
- * A triangle is crossed by the lines that its projection on (y, z) owns. Its step,
- * +1 or -1, is added at the first centre not left of the crossing, in a difference
- * array of one slice. A running sum along x gives every winding number, and the
- * last sum must be zero, because a line that enters a closed mesh also leaves it.
- * Otherwise the mesh leaks, and the row is counted and remains void.
+ * A line crosses the triangles whose projections on (y, z) own the line. For each
+ * crossing, the triangle's step, +1 or -1, is added to a difference array of one slice,
+ * at the first centre that is not left of the crossing. A running sum along x gives
+ * every winding number. The last sum must be zero, because a line that enters a closed
+ * mesh also leaves it. Otherwise the mesh leaks: the row is counted and remains void.
  *
  * Ownership.  The triangle is oriented so that its projection runs
  * counter-clockwise.  For each edge a -> b,
- * E = (by - ay)(Z - az) - (bz - az)(Y - ay) is positive left of it.  If E = 0, on
- * the edge itself, the point counts as (Y + e, Z + e^2) for a vanishing e > 0,
- * whose E is (by - ay) e^2 - (bz - az) e: owned iff dz < 0, or dz = 0 and dy > 0.
- * This is the same point for all triangles, and it lies on no edge, so any number
- * of triangles that share an edge or a vertex own the line once, and a closed mesh
- * never leaks.
+ * E = (by - ay)(Z - az) - (bz - az)(Y - ay) is positive for points (Y, Z) left of the
+ * edge.  If E = 0, the point lies on the edge.  It then counts as the point
+ * (Y + e, Z + e^2) for a vanishing e > 0, whose E is (by - ay) e^2 - (bz - az) e: owned
+ * iff dz < 0, or dz = 0 and dy > 0.  The moved point is the same for all triangles, and
+ * it lies on no edge.  Therefore a line through a shared edge or vertex is owned once,
+ * however many triangles share it, and a closed mesh never leaks.
  *
  * Ranges.  L = 2^20; every coordinate is in [0, L], so differences d <= L.
  *   E    two products of differences: |E| <= 2 L^2 = 2^41
@@ -47,10 +48,10 @@ typedef struct slice {
     ost_dims dims;
     int f;
     int32_t k;
-    int32_t *steps; /* (dims.x + 1) * dims.y elements; a step at dims.x lies after the last centre */
+    int32_t *steps; /* (dims.x + 1) * dims.y elements; steps after a row's last centre are at x = dims.x */
 } slice;
 
-/* Returns the lattice coordinate of centre i. */
+/* Returns the lattice coordinate of the centre of voxel i on one axis. */
 static int64_t centre(int32_t i, int f)
 {
     return ((int64_t)i << f) + (1 << (f - 1));
@@ -75,7 +76,7 @@ static int32_t greatest3(int32_t a, int32_t b, int32_t c)
     return m > c ? m : c;
 }
 
-/* Adds the steps of one triangle in the rows of this slice. */
+/* Adds the steps of one triangle to the rows of one slice. */
 static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, const int32_t *c)
 {
     const int64_t z = centre(s->k, s->f);
@@ -93,7 +94,7 @@ static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, con
     if (nx == 0)
         return;
     int32_t step = -1;
-    if (nx < 0) { /* the outward normal points to low x: the line enters here */
+    if (nx < 0) { /* if the outward normal points to low x, the line enters the mesh */
         const int32_t *swap = b;
         b = c;
         c = swap;
@@ -111,14 +112,14 @@ static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, con
         const int64_t y = centre(j, s->f);
         if (!owns(a, b, y, z) || !owns(b, c, y, z) || !owns(c, a, y, z))
             continue;
-        const int64_t crossing = nx * a[X] - ny * (y - a[Y]) - nz * (z - a[Z]); /* the crossing's x times nx */
+        const int64_t crossing = nx * a[X] - ny * (y - a[Y]) - nz * (z - a[Z]); /* x of the crossing, times nx */
         const int64_t i = ost_ceil_div(crossing - nx * half, nx * width);
         assert(i >= 0 && i <= s->dims.x);
         s->steps[(int64_t)j * (s->dims.x + 1) + i] += step;
     }
 }
 
-/* Sums one row's steps and sets its solid voxels to this class; returns false if the row leaks. */
+/* Sums the steps of one row and sets the row's solid voxels to tool_class. Returns false if the row leaks. */
 static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_t tool_class, uint8_t *row)
 {
     const int32_t mask = rule == OST_FILL_PARITY ? 1 : -1;
@@ -128,7 +129,7 @@ static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_
     if (winding & mask)
         return false;
     for (int32_t i = 0; i < n; i++) {
-        winding += steps[i]; /* it began with the row's total, which is 0, or even by rule parity */
+        winding += steps[i]; /* the sum began with the row's total, which is 0 (rule parity: even) */
         if (winding & mask)
             row[i] = tool_class;
     }
@@ -169,7 +170,7 @@ ost_status ost_ref_voxelize(const ost_snapped_mesh *cutting, const ost_snapped_m
         memset(plane, OST_TOOL_VOID, plane_size);
         if (noncutting)
             add_mesh(&s, noncutting, rule, OST_TOOL_NONCUTTING, plane, &sums);
-        add_mesh(&s, cutting, rule, OST_TOOL_CUTTING, plane, &sums); /* last, so that voxels of both meshes cut */
+        add_mesh(&s, cutting, rule, OST_TOOL_CUTTING, plane, &sums); /* added last, so that voxels in both meshes cut */
         for (size_t i = 0; i < plane_size; i++) {
             sums.solid_voxels += plane[i] != OST_TOOL_VOID;
             sums.cutting_voxels += plane[i] == OST_TOOL_CUTTING;
