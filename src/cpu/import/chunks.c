@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts a cubic grid to chunks (AR-CHK), from the rect grid's own rows: the
- * resampled grid is never stored.
+ * Converts a cubic grid to chunks (AR-CHK). The chunks are made directly from rows of
+ * the rect grid; the resampled grid is never stored.
  *
  *   a task: the row of chunks at one (y, z) of the chunk grid
  *
@@ -9,14 +9,14 @@
  *       for every chunk            does one of its rows have an active voxel?
  *         for every four rows      sixteen rows are written as a row of bricks
  *
- * Memory for a chunk is allocated at the first layer with an active voxel; the
- * earlier layers have no active voxel and are then written as zeros. A source row
- * is therefore read from memory once and from the nearest cache afterwards, and an
- * empty chunk is never written. Tasks write to disjoint chunks.
+ * Memory for a chunk is allocated at the first layer with an active voxel. The chunk's
+ * earlier layers have no active voxel, so zeros are then written to them. Therefore a
+ * source row is read from memory only once and from the nearest cache afterwards, and
+ * a chunk without an active voxel is never written. Tasks write to disjoint chunks.
  *
  * Interpolated rows are computed sixteen at a time, just before they are written. A
- * weighted mean never exceeds the greatest of its voxels. If the source rows of a
- * layer have no active voxel, the layer therefore has none either, and is not
+ * weighted mean is never greater than the greatest of its voxels. Therefore a layer
+ * whose source rows have no active voxel has no active voxel either, and is not
  * interpolated.
  */
 #include "core/conditions.h"
@@ -37,7 +37,7 @@ typedef struct filling {
     ost_chunk_pool *pool; /* may be NULL */
     cpu_view view;
     bool linear; /* the view has weights */
-    bool *run; /* per column of chunks: its x indices are consecutive, and the grid covers its full width */
+    bool *run; /* per column of chunks: true if it is full and its source voxels are adjacent in x */
     bool stream;
 } filling;
 
@@ -48,26 +48,30 @@ static int32_t min32(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* The source rows of a task and of its current layer, as offsets: rows within a slice, slices within the store. */
+/* The source rows and source slices of a task and of its current layer of bricks. Rows are offsets within a slice,
+   slices are offsets within the store. */
 typedef struct task {
     int32_t height;
     cpu_tap y[N_MAX], z[4];
     int slices; /* slices of the layer that lie in the grid */
     size_t row[2 * N_MAX]; /* source rows of all y, in ascending order, without duplicates */
-    int rows, first[N_MAX / 4]; /* number of rows in row[]; per four y: index of the first row that no earlier y uses */
-    /* Source slices of the layer, and those of the next layer that are new, both in ascending order, without
-       duplicates. */
+    /* The number of elements of row[]. For each group of four y: the index in row[] of the first source row that no
+       smaller y uses. */
+    int rows, first[N_MAX / 4];
+    /* The source slices of the layer, and the source slices of the next layer that this layer does not use. Both
+       lists are in ascending order, without duplicates. */
     size_t source[SLICES], ahead[SLICES];
     int sources, aheads;
-    /* With weights, per four y: all source rows of the layer, as offsets in the store. */
+    /* Set only if the view has weights. For each group of four y: the source rows in all source slices of the layer,
+       as offsets in the store. */
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
-    /* per column: source slices below this offset have no active voxel in the chunk */
+    /* For each column of chunks: no source slice below this offset has an active voxel in the chunk. */
     size_t empty_columns[COLUMNS_MAX];
 } task;
 
-/* Fills the taps of the layer from z on and lists its source slices from offset `above` on.
-   Returns the number of taps. */
+/* Computes the taps of the layer of bricks that begins at slice z, and returns their number. Lists the source slices of
+   the layer whose offsets are at least `above`. */
 static int list_slices(const filling *f, int32_t z, cpu_tap taps[4], size_t above, size_t list[SLICES], int *count)
 {
     const int slices = (int)min32(4, f->bone->base.geometry.dims.z - z);
@@ -104,7 +108,7 @@ static void enter_layer(const filling *f, task *t, int32_t z, bool last)
     if (!last && t->sources > 0)
         list_slices(f, z + 4, next, t->source[t->sources - 1] + 1, t->ahead, &t->aheads);
     for (int32_t y = 0; y < t->height && f->linear; y += 4) {
-        /* Taps ascend, so these four y share at most two rows with the preceding ones. */
+        /* The taps ascend, so these four y and all smaller y have at most two source rows in common. */
         const int begin = t->first[y / 4] > 2 ? t->first[y / 4] - 2 : 0;
         const int end = y + 4 < t->height ? t->first[y / 4 + 1] : t->rows;
         int count = 0;
@@ -118,7 +122,8 @@ static void enter_layer(const filling *f, task *t, int32_t z, bool last)
 
 /* -------------------------------------------------------- active voxels */
 
-/* Sets *first to the first source voxel along x of voxels [x0, x0 + width) and returns the number of source voxels. */
+/* Finds the range of source voxels along x from which the voxels [x0, x0 + width) are made. Sets *first to the first
+   source voxel and returns their number. */
 static int32_t span_of(const filling *f, int32_t x0, int32_t width, int32_t *first)
 {
     const int32_t *map = f->view.map[0];
@@ -126,7 +131,7 @@ static int32_t span_of(const filling *f, int32_t x0, int32_t width, int32_t *fir
     return map ? min32(map[x0 + width - 1] + (f->view.minus[0] ? 2 : 1), (int32_t)f->view.row) - *first : width;
 }
 
-/* Returns true if one of the rows has an active voxel among `span` from `first` on. */
+/* Returns true if one of the rows has an active voxel with an x from `first` to first + span - 1. */
 static bool any_in_box(const filling *f, size_t slice, const size_t *row, int rows, int32_t first, int32_t span)
 {
     const int16_t threshold = (int16_t)f->bone->base.threshold;
@@ -136,7 +141,7 @@ static bool any_in_box(const filling *f, size_t slice, const size_t *row, int ro
     return false;
 }
 
-/* Returns true if one of the voxels that the x indices select in the task's rows is active. */
+/* Returns true if a source row of the task has an active voxel among the voxels that the x indices select. */
 static bool any_gathered(const filling *f, const task *t, size_t slice, int32_t x0, int32_t width)
 {
     int16_t gathered[N_MAX];
@@ -149,7 +154,7 @@ static bool any_gathered(const filling *f, const task *t, size_t slice, int32_t 
     return false;
 }
 
-/* Returns true if the source rows of the chunk's layer have an active voxel. */
+/* Returns true if the source rows of the current layer have an active voxel in column cx of chunks. */
 static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0, int32_t width)
 {
     int32_t first;
@@ -157,7 +162,7 @@ static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0
     for (int i = 0; i < t->sources; i++) {
         if (t->source[i] < t->empty_columns[cx])
             continue;
-        /* Without a list of indices, the voxels of a narrower chunk are consecutive too. */
+        /* Without x indices, the source voxels are adjacent even if the grid does not fill the chunk. */
         const bool selected = !f->linear && !f->run[cx] && f->view.map[0];
         if (selected ? any_gathered(f, t, t->source[i], x0, width)
                      : any_in_box(f, t->source[i], t->row, t->rows, first, span))
@@ -168,9 +173,9 @@ static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0
 }
 
 /*
- * Interpolates the rows from y on, up to four in each of the layer's slices.
- * Returns false without writing them if no source voxel is active, because then no
- * interpolated voxel is active.
+ * Interpolates up to four rows, beginning with row y, in each slice of the layer. If
+ * no source voxel is active, no interpolated voxel is active; the function then
+ * returns false and writes no rows.
  */
 static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t width, int32_t y,
                         int16_t (*to)[OST_ROW_STRIDE])
@@ -186,7 +191,7 @@ static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t wid
     return true;
 }
 
-/* Returns true if the chunk's layer has an active voxel after interpolation. */
+/* Returns true if the current layer of the chunk at x0 has an active voxel after interpolation. */
 static bool means_are_active(const filling *f, const task *t, int32_t x0, int32_t width)
 {
     static const size_t rows[4] = {0, OST_ROW_STRIDE, 2 * OST_ROW_STRIDE, 3 * OST_ROW_STRIDE};
@@ -202,7 +207,7 @@ static bool means_are_active(const filling *f, const task *t, int32_t x0, int32_
     return false;
 }
 
-/* Returns true if the layer has an active voxel in a chunk that has no memory yet. */
+/* Returns true if the current layer has an active voxel in a chunk for which no memory has been allocated yet. */
 static bool layer_is_active(const filling *f, task *t, int32_t cx, int32_t x0, int32_t width)
 {
     return sources_are_active(f, t, cx, x0, width) && (!f->linear || means_are_active(f, t, x0, width));
@@ -216,7 +221,7 @@ static void add(cpu_chunk *chunk, ost_brick_sums sums)
     chunk->highest = sums.highest > chunk->highest ? sums.highest : chunk->highest;
 }
 
-/* Writes sixteen rows of n voxels, the first of which is row (y, z) of the chunk, as a row of bricks. */
+/* Writes sixteen rows of n voxels to the chunk as a row of bricks. The first of the rows is row (y, z) of the chunk. */
 static ost_brick_sums write_rows(const filling *f, const cpu_chunk *chunk, const int16_t *const rows[16], int32_t y,
                                  int32_t z)
 {
@@ -234,7 +239,7 @@ static void write_void_layer(const filling *f, cpu_chunk *chunk, int32_t z)
         add(chunk, write_rows(f, chunk, rows, y, z));
 }
 
-/* Prefetches what the next layer will read while this one is written. */
+/* Prefetches the source voxels of the next layer while the current layer is written. */
 static void prefetch(const filling *f, const task *t, size_t from, int32_t y)
 {
     for (int i = 0; i < t->aheads; i++)
@@ -243,8 +248,8 @@ static void prefetch(const filling *f, const task *t, size_t from, int32_t y)
 }
 
 /*
- * Finds sixteen rows of n voxels for a row of bricks: in the store if they are stored there, otherwise
- * computed in spare.
+ * Finds the sixteen rows of n voxels from which a row of bricks is made. A row that is stored unchanged
+ * in the store is used directly; any other row is computed in `spare`.
  */
 static void find_rows(const filling *f, const task *t, int32_t x0, int32_t width, bool run, int32_t y,
                       int16_t (*spare)[OST_ROW_STRIDE], const int16_t *rows[16])
@@ -283,7 +288,7 @@ static void write_layer(const filling *f, cpu_chunk *chunk, const task *t, int32
     }
 }
 
-/* Fills the chunks of one task; returns false if there is no memory. */
+/* Fills the chunks of one task: the row of chunks at (cy, cz). Returns false if there is no memory. */
 static bool fill_task(const filling *f, int32_t cy, int32_t cz)
 {
     const cpu_bone *bone = f->bone;
@@ -310,7 +315,7 @@ static bool fill_task(const filling *f, int32_t cy, int32_t cz)
     return true;
 }
 
-/* Fills the layers [c0, c1) of the chunk grid; returns false if there is no memory. */
+/* Fills the layers of chunks c0 <= z < c1 of the chunk grid. Returns false if there is no memory. */
 static bool fill_layers(const cpu_backend *backend, const filling *f, int32_t c0, int32_t c1)
 {
     const ost_dims dims = f->bone->chunk_dims;
@@ -351,8 +356,8 @@ static ost_chunk_pool *pool_for(cpu_backend *backend, int n)
 }
 
 /*
- * Fills the bone in parts of several layers of the chunk grid. Addresses for all chunks of a part are
- * reserved first; if that fails, chunks are allocated by malloc.
+ * Fills the bone in parts. A part consists of several layers of chunks. Addresses for all chunks of a
+ * part are reserved first. If the reservation fails, the memory of chunks is allocated by malloc.
  */
 static bool fill_bone(cpu_backend *backend, filling *f)
 {

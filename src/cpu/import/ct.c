@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts samples to a rect grid (AR-CT-4 to AR-CT-6), a batch at a time, in two steps:
+ * Converts samples to a rect grid (AR-CT-4 to AR-CT-6). The samples are processed in batches,
+ * and each batch in two steps:
  *
  *   place    sample -> voxel or -1, and its part of the report      any thread for any sample
  *   put      voxel <- density, duplicates in the file's order       a range of voxels per thread
  *
- * Each thread of the second step reads the complete batch and processes the samples
- * of its range, so that all samples of a voxel are processed by one thread, in order.
+ * In the second step, each thread reads the complete batch and processes the samples in
+ * its range of voxels. Therefore one thread processes all samples of a voxel, in order.
  *
- * Quotients.  q = RHE((p - o) / s) starts as a floating-point estimate, on which the
- * result does not depend: floor and remainder are then corrected by steps of s until
- * 0 <= remainder < s, and those integers are rounded.
+ * Quotients.  q = RHE((p - o) / s) is computed from a floating-point estimate of the
+ * floor.  The result does not depend on the estimate, because the floor and the remainder
+ * are corrected by steps of s until 0 <= remainder < s.  These integers are then rounded.
  */
 #include "core/conditions.h"
 
@@ -21,7 +22,7 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* The upper and the lower limit of the number of samples in a full batch. */
+/* A full batch has BLOCK_MIN to BLOCK samples. */
 enum { BLOCK = 1 << 16, BLOCK_MIN = 1 << 10 };
 
 typedef struct axis {
@@ -36,8 +37,8 @@ typedef struct axis_position {
 } axis_position;
 
 /*
- * Finds the lattice point nearest to p. |p| and |origin| are at most 8 m < 2^43 pm, so the difference
- * and all products are below 2^45.
+ * Finds the lattice point that is nearest to p on one axis. |p| and |origin| are at most 8 m < 2^43 pm, so
+ * the difference and all products are below 2^45.
  */
 static inline axis_position axis_position_of(const axis *a, ost_pm p)
 {
@@ -71,8 +72,8 @@ static void reject(int64_t line, ost_scatter_report *report)
 }
 
 /*
- * Updates the report's worst offset. off * 10^6 <= 5 * 10^10 * 10^6 < 2^56 and
- * worst * spacing <= 5 * 10^5 * 10^11 < 2^56.
+ * Updates the worst offset of the report by the offset of one sample. off * 10^6 <= 5 * 10^10 * 10^6 < 2^56
+ * and worst * spacing <= 5 * 10^5 * 10^11 < 2^56.
  */
 static void note_worst(const axis axes[3], const axis_position at[3], int64_t line, ost_scatter_report *report)
 {
@@ -94,7 +95,7 @@ static bool beyond(const axis axes[3], const axis_position at[3], int eighths)
            8 * at[2].off > eighths * axes[2].spacing;
 }
 
-/* Returns the number of the sample's voxel, or -1 if the sample is rejected. */
+/* Returns the number of the voxel nearest to the sample, or -1 if the sample is rejected. */
 static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_t line, ost_scatter_report *report)
 {
     if (!readable(sample)) {
@@ -119,7 +120,8 @@ static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_
     return at[0].index + axes[0].dim * (at[1].index + axes[1].dim * at[2].index);
 }
 
-/* Handles a further sample of a voxel (AR-CT-6). Equal densities are not a conflict under any policy. */
+/* Handles a sample whose voxel already has a sample (AR-CT-6). Two samples with equal densities are not a
+   conflict, whatever `duplicates` is. */
 static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates,
                        ost_scatter_report *report)
 {
@@ -147,8 +149,8 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
 }
 
 /*
- * One thread's report, and the index of the sample of its conflict. Of two conflicts on one
- * line, the earlier one is reported.
+ * The report of one thread, and the index in the batch of the sample that the report names as a conflict.
+ * If two conflicts have the same line, the conflict with the lower index is reported.
  */
 typedef struct part_report {
     ost_scatter_report sums;
@@ -156,8 +158,9 @@ typedef struct part_report {
 } part_report;
 
 /*
- * Adds the counts of a thread's report and merges its lines by the lowest. *conflict is the index of
- * the sample of the conflict in `to`, or -1 if that conflict is from an earlier batch.
+ * Merges the report of one thread into *to: adds the counts and keeps the lowest line of each kind.
+ * *conflict is the index of the sample that *to names as a conflict, or -1 if that sample is in an earlier
+ * batch.
  */
 static void merge(ost_scatter_report *to, int *conflict, const part_report *from)
 {
@@ -186,7 +189,7 @@ typedef struct batch {
     axis axes[3];
     int64_t voxels, first_line;
     ost_duplicates duplicates;
-    int64_t *at; /* BLOCK elements: the voxel of each sample, or -1 */
+    int64_t *at; /* BLOCK elements: number of each sample's voxel, or -1 */
 } batch;
 
 static void scatter(const batch *b, ost_team *team, const ost_sample *samples, int count, ost_scatter_report *report)
@@ -201,7 +204,7 @@ static void scatter(const batch *b, ost_team *team, const ost_sample *samples, i
 #pragma omp for schedule(static)
         for (int i = 0; i < count; i++)
             b->at[i] = place_sample(b->axes, &samples[i], b->first_line + samples[i].line, &mine.sums);
-        /* Ranges end at multiples of 8, so each byte of `seen` is written by one thread only. */
+        /* Each range of voxels ends at a multiple of 8, so only one thread writes to a byte of `seen`. */
 #pragma omp for schedule(static, 1) nowait
         for (int part = 0; part < threads; part++) {
             int64_t each = (b->voxels / threads / 8 + 1) * 8, lo = each * part, hi = lo + each;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Resamples a rect grid to a cubic grid (AR-CUB) by lists along the three axes; no voxel is copied.
+ * Resamples a rect grid to a cubic grid (AR-CUB). No voxel is copied: the cubic grid refers to the
+ * voxels of the rect grid by a list for each axis.
  *
- *   nearest, thesis   indices; if the rect grid is itself a selection, its
- *                     indices are looked up
- *   linear            indices and weights (cpu_view); if the rect grid is
- *                     itself made of lists, it is first copied to its own store
+ *   nearest, thesis   lists of indices; if the rect grid has lists itself, its indices
+ *                     are looked up, so that the lists refer to the store
+ *   linear            lists of indices and weights (cpu_view); if the rect grid has
+ *                     lists itself, its voxels are first copied to a store of its own
  */
 #include "core/conditions.h"
 
@@ -15,15 +16,17 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* Voxel `index` has the weight 2^15 - weight, the next voxel `weight`. If weight > 0, the next voxel is in the grid. */
+/* The source of a cubic voxel on one axis. The rect voxel `index` has the weight 2^15 - weight, and the next rect voxel
+   has the weight `weight`. If weight > 0, the next rect voxel is in the grid. */
 typedef struct source_position {
     int32_t index, weight;
 } source_position;
 
 /*
- * Computes the position of cubic voxel i among n rect voxels. (2 i + 1) * spacing <
- * 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38. The floor of rule thesis is below n,
- * since i < ceil(n rect / cubic).
+ * Computes the position of cubic voxel i among n rect voxels.
+ *
+ * Ranges. (2 i + 1) * spacing < 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38. The floor of
+ * the rule thesis is below n, because i < ceil(n rect / cubic).
  */
 static source_position source_position_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
@@ -41,12 +44,12 @@ static source_position source_position_of(int64_t i, ost_pm cubic, ost_pm rect, 
                              (int32_t)ost_rhe_div((at - index * 2 * rect) << OST_WEIGHT_BITS, 2 * rect)};
 }
 
-/* The lists of the three axes, owned. */
+/* The lists of a cubic grid for the three axes. All lists are owned. */
 typedef struct lists {
     int32_t *map[3];
     int16_t *minus[3];
-    bool same[3]; /* voxel i of the axis is voxel i of the rect grid */
-    bool weighted[3]; /* at least one weight is above 0 */
+    bool same[3]; /* true if each voxel i of the axis is voxel i of the rect grid */
+    bool weighted[3]; /* true if at least one weight of an upper neighbour is above 0 */
 } lists;
 
 static void drop_weights(lists *l, int axis)
@@ -64,8 +67,8 @@ static void free_lists(lists *l)
 }
 
 /*
- * Makes the lists of an axis, with a capacity rounded up to a multiple of 16 (kernels.h). Returns false if there is no
- * memory.
+ * Makes the lists of axis a. Their capacity is the number of voxels rounded up to a multiple of 16, as kernels.h
+ * requires. Returns false if there is no memory.
  */
 static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, ost_pm rect, ost_resample rule)
 {
@@ -90,10 +93,11 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 }
 
 /*
- * Drops the weights that cpu_view does not need: all, or all but those of z, or
- * those of y and z without a weight above 0. If x has weights, its last voxel is
- * represented as the upper neighbour of the previous one, so that both neighbours
- * exist.
+ * Drops the lists of weights that cpu_view does not need. These are the lists of all
+ * axes if no weight is above 0, the lists of x and y if only z is resampled, and
+ * otherwise the lists of y or z without a weight above 0. If x has weights, a source at
+ * the last voxel is represented as the upper neighbour of the voxel before, so that
+ * both neighbours exist.
  */
 static void finish_weights(lists *l, int32_t width, int32_t last)
 {
@@ -112,7 +116,7 @@ static void finish_weights(lists *l, int32_t width, int32_t last)
 ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                  ost_error *err)
 {
-    cpu_grid *rect = (cpu_grid *)(uintptr_t)base; /* may be copied to its own store, which changes no voxel */
+    cpu_grid *rect = (cpu_grid *)(uintptr_t)base; /* not const: may get a store of its own, with the same voxels */
     const ost_geometry *r = &base->geometry;
     const int32_t from[3] = {r->dims.x, r->dims.y, r->dims.z},
                   to[3] = {geometry->dims.x, geometry->dims.y, geometry->dims.z};
@@ -132,7 +136,7 @@ ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geome
             return status;
         }
     }
-    if (rect->map[0]) /* a selection from a selection */
+    if (rect->map[0]) /* the rect grid has lists itself */
         for (int a = 0; a < 3; a++)
             for (int32_t i = 0; i < to[a]; i++)
                 l.map[a][i] = rect->map[a][l.map[a][i]];

@@ -7,12 +7,12 @@
  *   cubic grid   ----'    256 x 234 x 201
  *    map z: 0 0 1 1 2 3 3 4 ... (428)
  *
- * A resampled grid shares the store of the grid that it was made from. It has a
- * list of ascending indices for each axis, and a list of weights for an axis that
- * is interpolated. Chunks are made from the store and the lists. The grid is given
- * its own store only if it is written to, or if an interpolation needs neighbours
- * that are not adjacent in the store. A store with several holders is never written
- * to.
+ * A resampled grid shares the store of the grid from which it was made. It has a
+ * list of ascending indices for each axis, and a list of weights for each axis that
+ * is interpolated. Chunks are made from the store and the lists. A store with several
+ * holders is never written to. A resampled grid gets its own store only if voxels are
+ * written to the grid, or if an interpolation needs neighbours that are not adjacent
+ * in the shared store.
  */
 #ifndef OST_CPU_GRID_H
 #define OST_CPU_GRID_H
@@ -21,7 +21,7 @@
 
 typedef struct cpu_store {
     int holders;
-    bool mapped;     /* allocated by mmap, otherwise by calloc */
+    bool mapped;     /* true: allocated by mmap; false: by calloc */
     ost_dims dims;
     size_t bytes;
     int16_t *voxels; /* owned */
@@ -29,32 +29,33 @@ typedef struct cpu_store {
 
 typedef struct cpu_grid {
     ost_grid base;
-    cpu_store *store; /* shared; the grid is one of its holders */
-    int32_t *map[3];  /* owned; voxel i of an axis is voxel map[i] of the store; all three NULL: it is voxel i */
+    cpu_store *store; /* shared; this grid is one of its holders */
+    int32_t *map[3];  /* owned; on axis a, voxel i is voxel map[a][i] of the store; all NULL: no lists */
     int16_t *minus[3]; /* owned; see cpu_view */
-    uint8_t *seen;    /* owned; a bit per voxel, set if it has a sample; NULL before the first scatter */
+    uint8_t *seen;    /* owned; one bit per voxel, 1 if the voxel has a sample; NULL before the first batch */
 } cpu_grid;
 
 /*
- * A grid's voxels as a selection of a store's voxels, axis by axis, or as weighted
- * means.  Voxel i of an axis is voxel map[i] of the store.  With weights it is the
- * mean of voxels map[i] and map[i] + 1 with the weights -minus[2i] / 2^15 and
- * -minus[2i + 1] / 2^15.  A neighbour with weight 0 may lie outside the store,
- * except along x if the store has two voxels or more along x.
- * minus[] is NULL for all axes (a selection), or set only for z (then x and y are
- * the store's own), or set for x and any others.  The capacity of lists along x is
- * a multiple of 16.
+ * The voxels of a grid, defined on each axis by the voxels of a store.  On an axis
+ * without weights, voxel i is voxel map[i] of the store.  On an axis with weights,
+ * voxel i is the mean of the voxels map[i] and map[i] + 1 with the weights
+ * -minus[2i] / 2^15 and -minus[2i + 1] / 2^15.  A neighbour with weight 0 may lie
+ * outside the store, except along x if the store has two voxels or more along x.
+ * There are three cases: minus[] is NULL for all axes; it is set only for z, and x and
+ * y are then those of the store; or it is set for x and possibly for other axes.  The
+ * capacity of lists along x is a multiple of 16.
  */
 typedef struct cpu_view {
     const int16_t *voxels;
-    size_t row, slice;     /* number of elements from one row, or slice, to the next */
-    const int32_t *map[3]; /* all NULL: voxel i is voxel i of the store */
+    size_t row, slice;     /* number of elements from one row to the next, and from one slice to the next */
+    const int32_t *map[3]; /* indices; all NULL: voxel i is voxel i of the store */
     const int16_t *minus[3];
 } cpu_view;
 
 /*
- * The one or two source rows (axis 1) or slices (axis 2) of a row or slice, as
- * offsets, with negated weights in [-2^15, -1] that sum to -2^15.
+ * The sources from which a row (axis 1) or a slice (axis 2) of a grid is made: the
+ * offsets of one or two rows or slices of the store, and their negated weights. The
+ * negated weights are in [-2^15, -1] and sum to -2^15.
  */
 typedef struct cpu_tap {
     size_t from[2];
@@ -80,23 +81,23 @@ static inline bool ost_cpu_view_linear(const cpu_view *view)
 }
 
 /*
- * Computes voxels [x0, x0 + width) of ny rows in each of nz slices of a view
- * with weights: to[4 k + j] becomes row j of slice k.  width <= 64, ny <= 4,
- * nz <= 4; x0 is a multiple of 16; taps ascend.  Elements of `to` beyond width
- * may be overwritten.
+ * Computes voxels of a view that has weights: the voxels [x0, x0 + width) of ny rows in
+ * each of nz slices.  Row j of slice k is written to to[4 k + j].  width <= 64,
+ * ny <= 4, nz <= 4.  x0 is a multiple of 16, and the taps ascend.  Elements of a row of
+ * `to` beyond width may be overwritten.
  */
 void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t x0, int32_t width,
                          const cpu_tap *y, int ny, const cpu_tap *z, int nz, int16_t (*to)[OST_ROW_STRIDE]);
 
 cpu_view ost_cpu_grid_view(const cpu_grid *grid);
-/* Writes the first `width` voxels of row (y, z) to `to`. */
+/* Copies the first `width` voxels of row (y, z) of the view to `to`. */
 void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t width, int32_t y, int32_t z,
                       int16_t *to);
 
-/* Creates a grid that shares the store of `from`. It takes ownership of map and minus, also on failure. */
+/* Creates a grid that shares the store of `from`. The function takes ownership of map and minus, also on failure. */
 ost_status ost_cpu_grid_select(const cpu_grid *from, const ost_geometry *geometry, int32_t *map[3], int16_t *minus[3],
                                ost_grid **out, ost_error *err);
-/* Ensures that the grid is the only holder of its store and that the store has exactly the grid's voxels. */
+/* Ensures that the grid is the only holder of its store, and that the store contains exactly the voxels of the grid. */
 ost_status ost_cpu_grid_own(cpu_grid *grid, ost_error *err);
 
 ost_status ost_cpu_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stages of import of the CPU backend. */
+/* The stages of the import, as functions of the CPU backend. */
 #ifndef OST_CPU_IMPORT_H
 #define OST_CPU_IMPORT_H
 

@@ -2,9 +2,9 @@
 /*
  * Computes rows of an interpolated grid (AR-CUB-2), up to 4 x 4 at a time.
  *
- *   z only        each row from the same row of two slices     blend_rows
- *   other axes    up to 8 x 8 source rows along x, once each   stretch_row
- *                 each row from one, two or four of these      weigh_rows
+ *   z only        a row is made from one row in each of two slices   blend_rows
+ *   other axes    up to 8 x 8 source rows are interpolated along x   stretch_row
+ *                 a row is made from one, two or four of these       weigh_rows
  *
  * All sums are exact integers, so their order does not matter, and a result is
  * rounded once, at the end.
@@ -16,14 +16,16 @@
 
 enum { SOURCES = 8 };
 
-/* The offsets of several taps, ascending without repetition; of[t][i] is the index in from[] of offset i of tap t. */
+/* The offsets of several taps. from[] contains each offset once, in ascending order. of[t][i] is the index in from[] of
+   offset i of tap t. */
 typedef struct sources {
     size_t from[SOURCES];
     int count;
     int of[4][2];
 } sources;
 
-/* Lists the offsets of the taps. Because taps ascend, each offset is new, the last one, or the one before the last. */
+/* Lists the offsets of the taps. Because the taps ascend, an offset is either new or one of the last two offsets in the
+   list. */
 static sources sources_of(const cpu_tap *taps, int count)
 {
     sources s = {.count = 0};
@@ -56,7 +58,7 @@ static void stretch(const cpu_view *view, const ost_cpu_kernels *kernels, const 
 {
     if (view->row > 1)
         kernels->stretch_row(row, view->map[0] + x0, view->minus[0] + 2 * (size_t)x0, width, to);
-    for (int32_t i = 0; i < width && view->row == 1; i++) /* the only voxel has no neighbour */
+    for (int32_t i = 0; i < width && view->row == 1; i++) /* a row of one voxel has no neighbours */
         to[i] = row[0] * -OST_WEIGHT_ONE;
 }
 
@@ -80,7 +82,7 @@ void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, i
             for (int b = 0; b < z[k].count; b++)
                 for (int a = 0; a < y[j].count; a++) {
                     of[count] = sums[slices.of[k][b]][rows.of[j][a]];
-                    weight[count++] = -(y[j].minus[a] * z[k].minus[b]); /* >= -2^30; sums are negated too */
+                    weight[count++] = -(y[j].minus[a] * z[k].minus[b]); /* >= -2^30; the sums are negated too */
                 }
             kernels->weigh_rows(of, weight, count, width, to[4 * k + j]);
         }
