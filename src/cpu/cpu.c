@@ -26,7 +26,7 @@ static bool available(char *reason, size_t size)
 static int default_threads(void)
 {
 #if defined _OPENMP
-    const int most = omp_get_max_threads(); /* OMP_NUM_THREADS if set, otherwise the cores available to the process */
+    const int most = omp_get_max_threads(); /* OMP_NUM_THREADS, or the number of available cores */
     return most < THREADS_MAX ? most : THREADS_MAX;
 #else
     return 1;
@@ -35,7 +35,7 @@ static int default_threads(void)
 
 static ost_status set_threads(const char *value, int *threads, ost_error *err)
 {
-    /* Only digits are accepted; strtol alone would also accept spaces and a sign. */
+    /* The value may contain only digits; strtol alone would also accept spaces and a sign. */
     const size_t digits = strspn(value, "0123456789");
     const long n = digits > 0 && digits < 6 && !value[digits] ? strtol(value, NULL, 10) : 0;
     if (n < 1 || n > THREADS_MAX)
@@ -73,7 +73,7 @@ typedef struct cpu_options {
     int64_t grain; /* 0: measured thresholds */
     int64_t order; /* 0: none */
     ost_voxelizer voxelizer;
-    unsigned given; /* bit k: key k was given */
+    unsigned given; /* bit k is set if the option keys[k] was given */
 } cpu_options;
 
 /* Parses one "key=value". */
@@ -107,7 +107,8 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
                     "order=N and voxelizer=NAME", option);
 }
 
-/* Parses a list of options. Overwrites the commas of text with zeros; afterwards options points into text. */
+/* Parses a comma-separated list of options. Replaces the commas in `text` by zero bytes. Strings in *options
+   point into `text`. */
 static ost_status read_options(char *text, cpu_options *options, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -141,8 +142,8 @@ static ost_status open_cpu(const char *options, ost_backend **out, ost_error *er
     if (status == OST_OK && !(sharing = malloc(sizeof *sharing)))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend cpu");
     /*
-     * The backend contains tables that are aligned to cache lines, so the backend must be aligned too.
-     * Its size is a multiple of the alignment.
+     * The backend contains tables that are aligned to cache lines, so its memory must have this alignment.
+     * The size of the backend is a multiple of the alignment, as aligned_alloc requires.
      */
     if (status == OST_OK && !(backend = aligned_alloc(_Alignof(cpu_backend), sizeof *backend)))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for backend cpu");
@@ -188,7 +189,7 @@ static void visit_paths(const ost_backend *base, ost_path_visit *visit, void *us
     ost_cpu_sharing_visit(backend->sharing, backend->threads, visit, user);
 }
 
-/* Does nothing: every call of this backend is complete when it returns. */
+/* Does nothing, because every function of this backend has completed its work when it returns. */
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
     (void)backend;

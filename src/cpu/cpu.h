@@ -3,18 +3,18 @@
  * The CPU backend: results bit-identical to the reference's, computed with the
  * machine's instruction sets and threads.
  *
- *   cpu.c       the table, options "isa=", "threads=", "grain=", "order=" and "voxelizer="
+ *   cpu.c       the function table; options "isa=", "threads=", "grain=", "order=" and "voxelizer="
  *   share.c     division of work among threads: thresholds and counters
- *   kernels.c   the inner loops, chosen once at open
+ *   kernels.c   the inner loops, chosen once when the backend is opened
  *   tool.c      tools, with the tables that removal uses
- *   import/     samples -> rect -> cubic -> chunks; grid.c: grids, resampled ones as lists of indices
+ *   import/     samples -> rect -> cubic -> chunks; grid.c: grids; a resampled grid is a list of indices
  *   bone/       chunks of bricks: upload and download of slices, leaves
  *   remove/     removal and collision; shape.c: a tool's distances and windows
  *   voxelize/   snapped mesh -> tool grid (voxelize.h; embree.h)
  *
- * The objects embed those of the reference, so an operation without a fast implementation uses the
- * reference's function. Each thread processes complete chunks, slices or tiles, and no two threads
- * write the same data; results are put in order afterwards.
+ * The structs of this backend begin with those of the reference, so an operation without a fast
+ * implementation uses the reference's function. Each thread processes complete chunks, slices or tiles,
+ * and no two threads write the same data. Results are put in order afterwards.
  */
 #ifndef OST_CPU_CPU_H
 #define OST_CPU_CPU_H
@@ -26,18 +26,19 @@
 #include "cpu/remove/event.h"
 #include "cpu/share.h"
 
-/* The method that finds a mesh's crossings; the resulting grid is the same. */
+/* The method that finds the crossings of a mesh with the rows of a grid. The resulting grid does not depend on the
+   method. */
 typedef enum ost_voxelizer { OST_VOXELIZER_AUTO, OST_VOXELIZER_TRIANGLES, OST_VOXELIZER_EMBREE } ost_voxelizer;
 
 typedef struct cpu_backend {
-    ref_backend ref; /* first member, because the reference's functions are called with this object */
+    ref_backend ref; /* first member, because the reference's functions receive a pointer to this struct */
     ost_isa isa;
     int threads; /* >= 1 */
     ost_voxelizer voxelizer;
     ost_cpu_sharing *sharing; /* owned */
     ost_cpu_kernels kernels;
     ost_event_scratch event;
-    ost_chunk_pool *pools[3]; /* owned; for chunks of 16, 32 and 64 voxels per side; NULL before the first such bone */
+    ost_chunk_pool *pools[3]; /* owned; for chunks of 16, 32, 64 voxels per side; NULL until used */
 } cpu_backend;
 
 #endif

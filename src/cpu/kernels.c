@@ -70,8 +70,8 @@ static void fill_avx512(ost_cpu_kernels *k)
 
 #if HAVE_NEON_BUILD
 /*
- * gather_row, stretch_row and vox_fill have no NEON variant, because a load per lane and the borrow
- * of a word take as long with NEON as without it.
+ * gather_row, stretch_row and vox_fill have no NEON variant. They need a load for each lane, or the
+ * borrow of the previous word; both take as long with NEON as without NEON.
  */
 static void fill_neon(ost_cpu_kernels *k)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The inner loops of the CPU backend. Every slot is filled with its scalar function
- * first and then overwritten as far as the instruction set allows, so no slot is
- * ever NULL, and tests/simd compares every variant with the scalar function. A
- * kernel checks no argument: the comment of its function type is its contract,
+ * first. Variants for the available instruction sets then replace scalar functions,
+ * so no slot is ever NULL. tests/simd compares every variant with the scalar function.
+ * A kernel checks no argument: the comment of its function type is its contract,
  * which the caller must fulfil.
  *
  * Unless a contract states otherwise: a kernel reads and writes only the
@@ -28,15 +28,15 @@
 
 /*
  * Gathers elements: to[i] = from[map[i]] for 0 <= i < count, 0 <= count <= 64.
- * map is ascending (equal neighbours allowed) and not negative.  Every element
- * from from[map[0]] to from[map[count - 1]] may be read.
+ * The elements of map are >= 0 and ascending; neighbours may be equal.  Every element
+ * of `from` with an index from map[0] to map[count - 1] may be read.
  */
 typedef void ost_gather_row_fn(const int16_t *from, const int32_t *map, int count, int16_t *to);
 
 /*
  * Linear interpolation (AR-CUB-2).  The upper of two neighbours has a weight w
- * of 0 to 2^15, the lower one 2^15 - w.  Rows of results are OST_ROW_STRIDE
- * elements apart.
+ * with 0 <= w <= 2^15, and the lower neighbour has the weight 2^15 - w.  The rows of
+ * the results are OST_ROW_STRIDE elements apart.
  */
 enum { OST_WEIGHT_BITS = 15, OST_WEIGHT_ONE = 1 << OST_WEIGHT_BITS, OST_ROW_STRIDE = 64 };
 
@@ -51,22 +51,23 @@ typedef void ost_blend_rows_fn(const int16_t *a, const int16_t *b, const size_t 
 /*
  * Computes the sums of a row along x:
  * to[i] = from[at[i]] minus[2 i] + from[at[i] + 1] minus[2 i + 1] for
- * 0 <= i < width (1 to 64).  minus holds the negated weights, -2^15 to 0, so
- * that both ends of their range fit 16 bits; the two of a pair sum to -2^15.
- * at is ascending (equal neighbours allowed) and not negative.  Every element
- * from from[at[0]] to from[at[width - 1] + 1] may be read.  at, minus (in pairs)
- * and to have a capacity of width rounded up to a multiple of 16; the elements
- * beyond width may be read, and those of `to` may be overwritten.
+ * 0 <= i < width (1 to 64).  minus contains the negated weights, -2^15 to 0, because
+ * both ends of this range fit 16 bits.  The two weights of a pair sum to -2^15.
+ * The elements of `at` are >= 0 and ascending; neighbours may be equal.  Every element
+ * of `from` with an index from at[0] to at[width - 1] + 1 may be read.  Let n be width
+ * rounded up to a multiple of 16.  `at` and `to` have a capacity of n elements, and
+ * minus has a capacity of n pairs.  The elements beyond width may be read, and those
+ * of `to` may be overwritten.
  */
 typedef void ost_stretch_row_fn(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to);
 
 /*
  * Computes weighted sums of rows: to[i] = RHE(sum of rows[r][i] weight[r] / 2^45)
  * over 0 <= r < count (1, 2 or 4) for 0 <= i < width (1 to 64).
- * |rows[r][i]| <= 2^30; the weights have one sign and sum to 2^30 or -2^30; the
- * results fit 16 bits.  rows[r] and to have a capacity of width rounded up to a
- * multiple of 16; the elements beyond width may be read, and those of `to` may
- * be overwritten.
+ * |rows[r][i]| <= 2^30.  All weights have the same sign and sum to 2^30 or -2^30.  The
+ * results fit 16 bits.  rows[r] and `to` have a capacity of width rounded up to a
+ * multiple of 16.  The elements beyond width may be read, and those of `to` may be
+ * overwritten.
  */
 typedef void ost_weigh_rows_fn(const int32_t *const rows[4], const int32_t weight[4], int count, int width,
                                int16_t *to);
@@ -74,15 +75,15 @@ typedef void ost_weigh_rows_fn(const int32_t *const rows[4], const int32_t weigh
 /* ------------------------------------------------------ bones (cpu/bone/bone.h) */
 
 /*
- * Converts sixteen rows of 4 * bricks voxels, row y + 4 z at rows[y + 4 z], into
- * a row of bricks; voxels below threshold (>= 1) become 0.  Several of the rows
- * may be the same.  bricks is 4, 8 or 16.  Brick x is written to
- * density + 64 * spread(x) and occupancy[spread(x)], where spread(x) has the bits
- * of x at 0, 3, 6, 9 (ost_brick_spread).  density is 64-byte aligned.  The memory
- * between those bricks is not written.  Returns the number of active voxels and
- * the highest density (0 if no voxel is active).
- * If stream is true, stores bypass the caches; the thread must then call drain
- * before another thread reads.
+ * Converts sixteen rows of 4 * bricks voxels into a row of bricks.  rows[y + 4 z] is
+ * the row (y, z); several rows may be the same.  bricks is 4, 8 or 16.  Voxels below
+ * threshold (>= 1) become 0.  Brick x is written to density + 64 * spread(x) and
+ * occupancy[spread(x)], where spread(x) moves the bits 0 to 3 of x to the bits 0, 3, 6
+ * and 9 (ost_brick_spread).  density is 64-byte aligned.  The memory between those
+ * bricks is not written.  Returns the number of active voxels and the highest density
+ * (0 if no voxel is active).
+ * If stream is true, stores bypass the caches.  The thread must then call the kernel
+ * drain before another thread reads the bricks.
  */
 struct cpu_bone;
 typedef struct ost_brick_sums {
@@ -92,72 +93,75 @@ typedef ost_brick_sums ost_brick_row_fn(const int16_t *const rows[16], size_t br
                                         int16_t *density, uint64_t *occupancy);
 
 /*
- * Returns true if one of the first `width` elements (1 to 64) of the `count` (>= 1) rows base + row[i] is at least
- * threshold (>= 1).
+ * Returns true if any of `count` (>= 1) rows has a voxel whose density is at least threshold (>= 1). Row i begins at
+ * base + row[i] and has `width` elements (1 to 64).
  */
 typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count, int width, int16_t threshold);
 
 /*
- * Writes the density of voxel (at[0][i], at[1][i], at[2][i]) to densities[i]; the coordinates may be
- * any numbers.  The density is 0 outside the grid and for voxels that are not active.  The kernel reads
- * the chunk table's entries for voxels in the grid, the occupancy words for voxels in chunks with
- * memory, and for active voxels the density and the two bytes after it, which belong to the chunk's
- * allocation.  Of bone it reads only pointers, dims and chunk_size.
+ * Writes the density of voxel (at[0][i], at[1][i], at[2][i]) to densities[i] for each i < count.  The
+ * coordinates may be any numbers.  The density is 0 outside the grid and for voxels that are not
+ * active.  The kernel reads the chunk table's entries only for voxels in the grid, and occupancy words
+ * only for voxels in chunks with memory.  For active voxels it reads the density and the two bytes
+ * after the density, which belong to the chunk's allocation.  The only members of *bone that the kernel
+ * reads are pointers, dims and chunk_size.
  */
 typedef void ost_sample_fn(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities);
 
-/* Orders the calling thread's earlier streaming stores before its later stores. */
+/* Orders the earlier stores of the calling thread that bypass the caches before its later stores. */
 typedef void ost_drain_fn(void);
 
 /* --------------------------------------------------- removal (cpu/remove/remove.h) */
 
 /*
- * Among the blocks with from <= block < to, selects those whose base
- * (ost_block_base) is in reach. The range must not be empty and must lie in the
- * range that bases was made for and within first <= block < first + 2. Writes the
- * selected blocks to `blocks`, beginning with its first element, with ascending
- * numbers: u is the base, number is x + 2y + 4z relative to first. Sets
- * blocks->count; up to eight elements may be written.
+ * Selects the blocks with from <= block < to whose base (ost_block_base) is in
+ * reach. The range of blocks must not be empty. It must lie within the range for
+ * which `bases` was made, and within first <= block < first + 2. Overwrites *blocks
+ * with the selected blocks in the order of ascending numbers, and sets blocks->count:
+ * u is the base, and number is x + 2y + 4z for the block first + (x, y, z). Up to
+ * eight elements may be written.
  */
 typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                            const int32_t from[3], const int32_t to[3], ost_cubes *blocks);
 
 /*
- * Splits each cube into eight parts and sorts the parts by the cell of their centre,
- * v = cells->value[clamp((u + centre) >> shift) + margin ...]:
- *     v <= -least   outside: dropped
- *     v >=  least   inside: number appended to `inside`
- *     else          mixed: u and number appended to `mixed`
- * in any order: the order differs among instruction sets, the parts do not.
- * occupancy, if not NULL, has one word per part; parts whose word is 0 are dropped first.
- * The cubes' numbers are distinct, and only the words of their parts are read
- * from occupancy.  mixed and inside must not overlap cubes; parts are appended and
- * the counts increased, and both have capacity for 8 parts per cube and
- * OST_CUBES_SLACK more, which may be overwritten.  u + centre and u + first of
- * every part fit int32.  Up to OST_CUBES_SLACK elements beyond cubes->count may
- * be read; whatever their values are, the table entries read for them exist.
- * Values of cells are in [-64, 64].
+ * Splits each cube into eight parts and classifies each part by the cell that contains
+ * the part's centre, v = cells->value[clamp((u + centre) >> shift) + margin ...]:
+ *     v <= -least   outside: the part is dropped
+ *     v >=  least   inside: the part's number is appended to `inside`
+ *     else          mixed: the part's u and number are appended to `mixed`
+ * The order of the appended parts differs among instruction sets, the parts do not.
+ * If occupancy is not NULL, it has one word per part, and parts whose word is 0 are
+ * dropped.  The cubes' numbers are distinct, and only the words of their parts are
+ * read from occupancy.  mixed and inside must not overlap cubes.  Their counts are
+ * increased by the appended parts; both have capacity for 8 parts per cube and
+ * OST_CUBES_SLACK more elements, which may be overwritten.  u + centre and u + first
+ * of every part fit int32.  Up to OST_CUBES_SLACK elements beyond cubes->count may be
+ * read; whatever values these elements have, the table entries that are read for them
+ * exist.  The values of cells are in [-64, 64].
  */
 typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
                           const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside);
 
 /*
  * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel
- * (x, y, z) of brick i lies in a tool voxel that is solid in match->shape (voxels
- * outside the tool's grid are void).  If match->windows is set, the bricks must be
- * mixed ones of a split by the same shape (remove.h: "Match").
- * u + offset of every voxel fits int32.  hits has capacity for OST_CUBES_SLACK
- * more elements, which may be overwritten; the same number of elements beyond
- * bricks->count may be read and can have any value.
+ * (x, y, z) of brick i lies in a tool voxel that is solid in match->shape.  All
+ * space outside the tool's grid is void.  If match->windows is set, every brick must
+ * be one that the kernel split, with the same shape, has classified as mixed
+ * (remove.h: "Match").
+ * u + offset of every voxel fits int32.  hits has capacity for OST_CUBES_SLACK more
+ * elements than there are bricks, and these may be overwritten.  Up to
+ * OST_CUBES_SLACK elements beyond bricks->count may be read and can have any value.
  */
 typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
 
 /*
- * Adds the voxels hits[i] (not 0) of the brick at density + 64 * number[i] to the
- * tally for each i < count, and writes 0 to them if take->apply is set.
- * density is 64-byte aligned; densities at hits are 1..take->highest, others can
- * have any value; the numbers are distinct.  Only voxels that are hit change, and
- * only elements [0] to [take->borders] of the tally.
+ * For each i < count, adds the voxels of the brick at density + 64 * number[i] whose
+ * bits are set in hits[i] to the tally, and sets them to 0 if take->apply is true.
+ * hits[i] is not 0.  density is 64-byte aligned.  The densities of voxels that are hit
+ * are 1..take->highest; other densities can have any value.  The numbers are distinct.
+ * Only voxels that are hit change, and only the elements 0 to take->borders of the
+ * tally change.
  */
 typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
                          size_t count, ost_tally *tally);
@@ -169,45 +173,48 @@ typedef struct ost_vox_plan ost_vox_plan;
 
 /*
  * Marks the crossings of count triangles with the rows of a tile in the tile's
- * planes and spill. list holds the triangles' numbers; if it is NULL, they are 0 to
- * count - 1. A triangle that is listed several times is counted that many times.
- * Planes and spill may contain earlier crossings. If several crossings have the
- * same centre, the bit in the planes may be that of any of them, because they are
- * equal.
+ * planes and spill. list contains the triangles' numbers; if list is NULL, the
+ * numbers are 0 to count - 1. A triangle that is listed several times is counted that
+ * many times. Planes and spill may contain earlier crossings. If several crossings of
+ * the same sign have the same centre, any one of them may set the bit in the plane,
+ * because these crossings are equal.
  */
 typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t count);
 
 /*
- * Computes from their bounds the keys of triangles first to first + count - 1,
- * keys[0] for triangle first: the number of the only tile that the triangle can
- * cross, OST_VOX_KEY_NONE or OST_VOX_KEY_MANY.
+ * Computes the keys of the triangles first to first + count - 1 from their bounds;
+ * keys[i] is the key of triangle first + i. If the bounds of a triangle overlap
+ * exactly one tile, its key is the number of this tile; otherwise the key is
+ * OST_VOX_KEY_NONE or OST_VOX_KEY_MANY.
  */
 typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
                              uint32_t *keys);
 
 /*
- * Fills rows of a tile: writes the bits of the rows whose crossings enter and
- * leave alternately, beginning with either and ending with the other (fill.c),
- * and returns the number of bits that it set in these proven rows.
+ * Fills the proven rows of a tile and returns the number of bits that it has set in
+ * them.  In a proven row, crossings that enter and crossings that leave alternate, and
+ * the last crossing is of the other kind than the first (fill.c).
  *
  * A block is OST_VOX_BLOCK words of planes.  The rows begin at the start of a
  * block and end at the end of a block or of the tile.  bits is 64-byte aligned and
  * is written in complete blocks.  Planes have no bits after a row's last voxel.
  *
- * Sets OST_VOX_UNPROVEN and any_unproven for the other rows; their bits are undefined.
- * All rows of a block may be marked unproven if one of them is, or if some of them
- * enter first and others leave first.  Other flags of odd do not change.  Clears
- * the planes of the proven rows, unless any_unproven was set before the call (a row can
- * be odd because of its spill); the planes do not change then.
+ * For the other rows, sets the flags OST_VOX_UNPROVEN and any_unproven; the bits of these
+ * rows are undefined.  All rows of a block may be marked unproven if one of them is
+ * unproven, or if some of them enter first and others leave first.  The other flags in
+ * `odd` do not change.  If any_unproven was set before the call, which can be because of
+ * spilled crossings, the planes do not change.  Otherwise the planes of the proven rows
+ * are cleared.
  */
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
 
 /*
- * Expands rows of `words` (ost_vox_words(nx)) words into rows * nx classes. No
- * voxel is set in both inputs; bits after a row's last voxel can have any value.
- * noncutting may be NULL. Reads rows * words words of each input and writes rows *
- * nx bytes, at any alignment. If `stream` is true, stores bypass the caches where
- * the shape allows it, and are ordered before the function returns.
+ * Expands the bits of `rows` rows to rows * nx classes, one byte each. A row of the
+ * inputs has `words` = ost_vox_words(nx) words. No voxel is set in both inputs; bits
+ * after a row's last voxel can have any value. noncutting may be NULL. Reads rows *
+ * words words of each input and writes rows * nx bytes, at any alignment. If `stream`
+ * is true, stores bypass the caches where the dimensions allow it, and are ordered
+ * before the function returns.
  */
 typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
                                bool stream, uint8_t *voxels);
@@ -234,7 +241,7 @@ typedef struct ost_cpu_kernels {
 
 void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa);
 
-/* The variants of each slot: NAME_scalar, NAME_avx2, ... */
+/* The variants of each kernel for the instruction sets: NAME_scalar, NAME_avx2, ... */
 ost_gather_row_fn ost_gather_row_scalar, ost_gather_row_avx512;
 ost_blend_rows_fn ost_blend_rows_scalar, ost_blend_rows_avx2, ost_blend_rows_avx512, ost_blend_rows_neon;
 ost_stretch_row_fn ost_stretch_row_scalar, ost_stretch_row_avx2, ost_stretch_row_avx512;

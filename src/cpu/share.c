@@ -9,9 +9,9 @@
 #endif
 
 /*
- * Measured thresholds (docs/log/0.1.md); the comment of a row states its unit. A
- * second thread takes microseconds to start, and milliseconds if it waits for a core
- * that another process uses.
+ * The measured thresholds of all paths (docs/log/0.1.md). The comment of each row states
+ * the unit of its threshold. Starting a second thread takes microseconds, or milliseconds
+ * if the thread waits for a core that another process uses.
  */
 static const struct {
     const char *name;
@@ -25,13 +25,13 @@ static const struct {
     [OST_PATH_LEAVES] = {"digest", 64},                   /* leaves */
     [OST_PATH_SORT] = {"sort of triangles", 4096},            /* triangles per part */
     [OST_PATH_TILES] = {"voxelization", 1000000},         /* estimated nanoseconds */
-    [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},            /* voxels of an event's chunks */
+    [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},            /* voxels in all chunks of the event */
     [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples per call */
-    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* bytes from which huge pages are faster */
+    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* bytes; huge pages speed up larger grids */
     [OST_PATH_LAYERS] = {"conversion in several parts", (1 << 14) + 1},  /* chunks */
-    [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1}, /* bytes, more than the caches hold */
-    [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},         /* voxels, more than a cache holds */
-    [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},    /* bytes of both planes, beyond an L2 */
+    [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1}, /* bytes; more than the caches hold */
+    [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},         /* voxels; more than the caches hold */
+    [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},    /* bytes of both planes; larger than L2 */
 };
 
 void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order)
@@ -72,7 +72,8 @@ static int64_t common_divisor(int64_t a, int64_t b)
     return a;
 }
 
-/* Draws a team's order of blocks. A stride that is coprime with the number of blocks visits each block once. */
+/* Draws a random order in which a team processes its blocks: a first block and a stride. The stride is coprime with
+   the number of blocks, so each block is visited once. */
 static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 {
     const int64_t blocks = (team->count + team->block - 1) / team->block;
@@ -87,13 +88,14 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * Depending on the seed, a member first waits until all members have begun as many
- * blocks as it has, so that they run at the same time; or it yields its core; or it
- * continues immediately.
+ * First does one of three things, which the seed determines. The calling member waits
+ * until all members have begun as many blocks as this member, so that they run at the
+ * same time; or it yields its core; or it continues immediately. Then returns the block
+ * of this turn.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {
-    enum { TRIES = 20000 }; /* polls, which take tens of microseconds */
+    enum { TRIES = 20000 }; /* number of polls, which take tens of microseconds in total */
     const int64_t blocks = (team->count + team->block - 1) / team->block, round = turn / me->stride;
     const uint64_t drawn = mixed(team->order + (uint64_t)turn);
     const int64_t all = (round + 1) * me->stride;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Thresholds for the size of work. From a threshold on, the CPU backend divides the work among
- * threads, writes past the caches or splits the work into parts. Each threshold has a counter.
+ * Thresholds for the size of work. If the size of work is at least a threshold, the CPU backend divides
+ * the work among threads, uses stores that bypass the caches, or splits the work into parts. Each of
+ * these cases is a path with a counter.
  *
- *   path, size of the work --ost_cpu_enters--> true from the path's threshold on, and it is counted
+ *   path, size of the work --ost_cpu_enters--> true and counted if size >= the path's threshold
  *
  *   ost_team team = ost_team_of(sharing, threads, OST_PATH_LEAVES, count, count, 8);
  *   #pragma omp parallel num_threads(team.threads)
@@ -16,12 +17,12 @@
  *
  * A threshold affects the speed of a computation, never its result.  The option
  * grain= replaces all thresholds by one number, so that small grids enter every
- * path; items are then assigned to the threads in turn, one at a time, so that
- * each thread of a team gets its items even if it starts late.
+ * path. Items are then assigned to the threads in turn, one at a time, so that each
+ * thread of a team processes items even if it starts late.
  *
- * The option order=N assigns the blocks in another order and lets members pause between them, both
- * determined by the seed N, because a race that one schedule hides can appear in another. The
- * option does not change any result.
+ * With the option order=N, the seed N determines in which order blocks are assigned and where members
+ * pause between blocks. The option serves to find races, because a race that one schedule hides can
+ * appear in another. The option does not change any result.
  *
  * ost_backend_paths (core/paths.h) reports the counters.
  */
@@ -58,19 +59,20 @@ typedef enum ost_cpu_path {
 } ost_cpu_path;
 
 typedef struct ost_cpu_sharing {
-    int64_t least[OST_CPU_PATHS]; /* size of the work from which a path is entered */
-    bool dealt;                   /* blocks are assigned in turn: grain= or order= was given */
-    uint64_t order;               /* seed of order=; 0: none */
-    uint64_t teams;               /* number of teams so far, counted only with order=; each has its own order */
-    uint64_t entered[OST_CPU_PATHS]; /* shared paths are counted only if every thread processed a part */
+    int64_t least[OST_CPU_PATHS]; /* the smallest size of work that enters each path */
+    bool dealt;                   /* true if grain= or order= was given: members get blocks in turn */
+    uint64_t order;               /* seed given by the option order=; 0: none */
+    uint64_t teams;               /* number of teams so far, counted only with order=; determines a team's order */
+    uint64_t entered[OST_CPU_PATHS]; /* count per path; a path with threads counts if every thread worked */
 } ost_cpu_sharing;
 
-/* Initialises *sharing. grain is 0 for the measured thresholds; order is 0 for none. */
+/* Initialises *sharing. If grain is 0, the measured thresholds are used; if order is 0, blocks have the usual order. */
 void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order);
-/* Visits the paths that a backend with this number of threads can enter. */
+/* Calls visit for each path that a backend with this number of threads can enter. */
 void ost_cpu_sharing_visit(const ost_cpu_sharing *sharing, int threads, ost_path_visit *visit, void *user);
 
-/* Returns true if work of this size enters the path, which is counted.  Called by one thread at a time. */
+/* Returns true if work of this size enters the path, and then increments the path's counter.  Called by one thread
+   at a time. */
 static inline bool ost_cpu_enters(ost_cpu_sharing *sharing, ost_cpu_path path, int64_t size)
 {
     if (size < sharing->least[path])
@@ -79,38 +81,39 @@ static inline bool ost_cpu_enters(ost_cpu_sharing *sharing, ost_cpu_path path, i
     return true;
 }
 
-/* Items [0, count), divided into blocks that the members of a team process. */
+/* A team of threads (its members) and its work: the items [0, count), divided into blocks. */
 typedef struct ost_team {
     int threads; /* requested from OpenMP */
     ost_cpu_path path;
-    bool dealt;  /* block b belongs to member b mod members; otherwise the next free member processes it */
-    int64_t count, block; /* items in all and per block */
-    _Atomic int64_t next; /* the next block, if not dealt; with an order: number of blocks begun */
-    uint64_t order;       /* seed of this team; 0: none */
-    int64_t first, stride; /* with an order: in turn t, block (first + t stride) mod blocks is processed */
-    int members;          /* number of threads that OpenMP provided; valid after the region */
+    bool dealt;  /* true: member b mod members processes block b; false: the next free member does */
+    int64_t count, block; /* number of all items, and of items per block */
+    _Atomic int64_t next; /* if dealt is false: the next block; with an order: number of blocks begun */
+    uint64_t order;       /* seed of this team's order; 0: none */
+    int64_t first, stride; /* with an order, block (first + t stride) mod blocks has turn t */
+    int members;          /* number of threads that OpenMP provided; valid after the parallel region */
 } ost_team;
 
 typedef struct ost_member {
     int64_t at, end;      /* remaining items of the current block */
-    int64_t next, stride; /* if dealt: this member's next block, and the distance to the one after it */
+    int64_t next, stride; /* if dealt is true: the member's next block, and the distance between its blocks */
 } ost_member;
 
 /*
- * Returns a team for count items in blocks of `block` items; if block is 0, each member processes
- * one block. size is the size of the work in the path's unit.
+ * Returns a team for `count` items in blocks of `block` items. If block is 0, there is one block per
+ * member. `size` is the size of the work in the path's unit.
  */
 ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count,
                      int64_t block);
-/* Returns the calling thread's member; every thread of the parallel region must call it. */
+/* Makes the calling thread a member of the team and returns the member. Every thread of the parallel region must call
+   this function. */
 ost_member ost_team_join(ost_team *team);
-/* Counts the path as entered if every thread processed a part. Called after the parallel region. */
+/* Increments the counter of the team's path if every thread processed a part. Called after the parallel region. */
 void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);
 
-/* Pauses according to the order, then returns the block of this turn of a member. */
+/* Pauses as the team's order determines, then returns the block that the member processes in this turn. */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn);
 
-/* Returns the member's next item, -1 after the last. */
+/* Returns the member's next item, or -1 after the last item. */
 static inline int64_t ost_team_next(ost_team *team, ost_member *me)
 {
     if (me->at < me->end)

@@ -43,7 +43,8 @@ ost_status ost_cpu_tool_prepare(const cpu_tool *tool, ost_pm bone_voxel, ost_err
 {
     cpu_shapes *shapes = tool->shapes;
     const ost_tool_geometry *g = &tool->ref.base.geometry;
-    /* bone_voxel is at most 16 tool voxels (AR-MAP-2) of up to 10^11 pm, so the product is below 2^61. */
+    /* bone_voxel is at most 16 times the tool's voxel (AR-MAP-2), which is at most 10^11 pm, so the product is
+       below 2^61. */
     const int32_t ratio = (int32_t)(((bone_voxel << OST_MAP_FRACTION) + g->voxel - 1) / g->voxel);
     if (ost_shape_covers_ratio(&shapes->cutting, ratio))
         return OST_OK;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tool of the CPU backend: the reference's tool, and the tables that its first
- * event with a bone derives from its voxels (cpu/remove/shape.h).
+ * A tool of the CPU backend: the reference's tool, and tables that are derived from its
+ * voxels at the first event with a bone (cpu/remove/shape.h).
  */
 #ifndef OST_CPU_TOOL_H
 #define OST_CPU_TOOL_H
@@ -10,24 +10,24 @@
 #include "cpu/remove/shape.h"
 
 typedef struct cpu_shapes {
-    ost_shape cutting, touching; /* tables of the voxels of classes 1 and 2; touching is made only if touches is true */
+    ost_shape cutting, touching; /* tables of classes 1 and 2; touching is made only if touches is true */
     bool touches;                /* true if the tool has voxels of class 2 */
 } cpu_shapes;
 
 typedef struct cpu_tool {
     ref_tool ref;
-    cpu_shapes *shapes; /* owned; tables for the bone voxel of the last ost_cpu_tool_prepare */
+    cpu_shapes *shapes; /* owned; made for the bone voxel of the last call of ost_cpu_tool_prepare */
 } cpu_tool;
 
 /*
- * Converts a tool that the reference's functions made into a cpu_tool by reallocation, which may change *tool.
- * On failure the tool is freed and *tool is NULL.
+ * Converts a tool of the reference into a cpu_tool. The tool is reallocated, so *tool may change. On failure the
+ * tool is freed and *tool is NULL.
  */
 ost_status ost_cpu_tool_adopt(ost_tool **tool, ost_error *err);
 ost_status ost_cpu_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 void ost_cpu_tool_free(ost_tool *tool);
 
-/* Makes the tables for bones with this voxel size, unless the tool has them. */
+/* Makes the tool's tables for bones with this voxel size, unless the tool has these tables already. */
 ost_status ost_cpu_tool_prepare(const cpu_tool *tool, ost_pm bone_voxel, ost_error *err);
 
 #endif
