@@ -21,9 +21,9 @@ static int64_t scaled(const ost_divider *by, int64_t q, ost_i128 r)
 }
 
 /*
- * Fills the table of bone axis b and tool axis a, beginning with the exact value of start. Each block
- * adds 16 columns, as a quotient and a remainder: 16 column = (16 step) divisor + 16 e with
- * e = column - step divisor, |e| <= divisor / 2.
+ * Fills the table of bone axis b and tool axis a. `start` is the exact coordinate of the first block. From one
+ * block to the next, the coordinate increases by 16 columns, which are added as a quotient and a
+ * remainder: 16 column = (16 step) divisor + 16 e with e = column - step divisor, |e| <= divisor / 2.
  */
 static void fill(ost_block_bases *bases, const ost_divider *by, int b, int a, ost_i128 start)
 {
@@ -80,6 +80,8 @@ void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int3
 }
 
 /*
+ * Returns the range of bases at which a block can have a voxel in the tool's grid.
+ *
  * A voxel of a block has u = base + sum of d step, 0 <= d <= 15, so on each
  * axis base - below <= u <= base + above. If that range does not overlap
  * [0, dims 2^20), no voxel of the block is inside the tool's grid. below + above is

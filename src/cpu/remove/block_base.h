@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the bases of many blocks at one pose (AR-MAP-4) without a division for each.
+ * Computes the bases of many blocks at one pose (AR-MAP-4) without a division for each block.
  *
  *   exact coordinate of block (x, y, z)  =  X[x] + Y[y] + Z[z],  each a multiple of 1 / divisor
  *
@@ -8,7 +8,7 @@
  * sum V has V <= exact * 2^16 < V + 6. With W = V + 2^15 the base is floor(W / 2^16) whenever
  * the low 16 bits of W are 1..2^16 - 7, since then exact + 1/2 lies strictly between that
  * integer and the next. Otherwise (once in nearly ten thousand bases) ost_map_block_base
- * divides.
+ * computes the base by a division.
  *
  * Ranges: |exact| < 2^45.2, and |Y|, |Z| < 2^44.1 (16 m of bone in tool voxels of
  * at least 1 um), so the sums stay below 2^63.
@@ -20,25 +20,27 @@
 
 typedef struct ost_block_bases {
     const ost_map *map;
-    int32_t lo[3], count[3]; /* the blocks of the last make */
-    int64_t *part[3];        /* owned scratch: [bone axis][3 * (block - lo) + tool axis] */
+    int32_t lo[3], count[3]; /* the blocks of the last call of ost_block_bases_make */
+    int64_t *part[3];        /* owned; element [bone axis][3 * (block - lo) + tool axis] */
     size_t capacity[3];
 } ost_block_bases;
 
 /*
  * Reserves memory for up to count[axis] blocks along each axis. *bases must be zero-initialised before
- * the first call; it can be reused for further poses, and is freed by ost_block_bases_free.
+ * the first call. *bases can be used for several poses, one after the other, and is freed by
+ * ost_block_bases_free.
  */
 ost_status ost_block_bases_reserve(ost_block_bases *bases, const int32_t count[3], ost_error *err);
-/* Computes the tables for the blocks lo <= block < hi, for which memory must have been reserved. */
+/* Computes the tables for the blocks lo <= block < hi. Memory for these blocks must have been reserved. */
 void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int32_t lo[3], const int32_t hi[3]);
 void ost_block_bases_free(ost_block_bases *bases);
 
-/* Computes the same as ost_map_block_base. block must be in the range of the last ost_block_bases_make. */
+/* Computes the base of a block, with the same result as ost_map_block_base. The block must be in the range of the last
+   call of ost_block_bases_make. */
 static inline bool ost_block_base(const ost_block_bases *bases, const int32_t block[3], int32_t base[3])
 {
     const int64_t low = -(INT64_C(1) << 29);
-    const uint64_t span = UINT64_C(1) << 31; /* bases from low to below 2^30 + 2^29 */
+    const uint64_t span = UINT64_C(1) << 31; /* valid bases are low <= base < low + span = 2^30 + 2^29 */
     const int64_t *x = bases->part[0] + 3 * (size_t)(block[0] - bases->lo[0]),
                   *y = bases->part[1] + 3 * (size_t)(block[1] - bases->lo[1]),
                   *z = bases->part[2] + 3 * (size_t)(block[2] - bases->lo[2]);
@@ -47,7 +49,7 @@ static inline bool ost_block_base(const ost_block_bases *bases, const int32_t bl
     base[0] = (int32_t)(u >> 16);
     base[1] = (int32_t)(v >> 16);
     base[2] = (int32_t)(w >> 16);
-    const uint16_t unsure = 0xffff - 6; /* W needs the division if its low 16 bits, less 1, are not below this */
+    const uint16_t unsure = 0xffff - 6; /* W needs the division if its low 16 bits, minus 1, are >= unsure */
     if ((uint16_t)(u - 1) >= unsure || (uint16_t)(v - 1) >= unsure || (uint16_t)(w - 1) >= unsure)
         return ost_map_block_base(bases->map, (ost_dims){block[0], block[1], block[2]}, base);
     return (uint64_t)((u >> 16) - low) < span && (uint64_t)((v >> 16) - low) < span &&
@@ -60,7 +62,7 @@ typedef struct ost_block_reach {
     uint32_t width[3];
 } ost_block_reach;
 
-/* Computes the reach for a tool of dims voxels and the steps of a map. */
+/* Returns the range of bases for a tool of `dims` voxels and the steps of a map. */
 ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[3]);
 
 static inline bool ost_block_in_reach(const ost_block_reach *r, const int32_t base[3])

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Removal and collision of the CPU backend, and the memory that events reuse. */
+/* Declares removal and collision of the CPU backend, and the scratch memory that all events use. */
 #ifndef OST_CPU_REMOVE_EVENT_H
 #define OST_CPU_REMOVE_EVENT_H
 
@@ -7,19 +7,19 @@
 #include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
-/* The tables that are computed for a pose before its first chunk is processed. */
+/* The tables of one pose. They are computed before the pose is applied to the first chunk. */
 typedef struct ost_pose_plan {
-    ost_split split[2]; /* 16 -> 8, 8 -> 4 */
+    ost_split split[2]; /* [0]: blocks to cubes of 8^3; [1]: cubes to bricks of 4^3 */
     ost_match match;
     ost_block_bases bases;
-    ost_voxel_box box; /* the pose's box, clipped to the grid */
+    ost_voxel_box box; /* the box of the pose, clipped to the bone's grid */
     ost_block_reach reach;
 } ost_pose_plan;
 
 typedef struct ost_event_chunk {
     int32_t index, first[3];
     cpu_chunk *chunk;
-    uint64_t *occupancy; /* the chunk's, or a copy */
+    uint64_t *occupancy; /* the chunk's own occupancy, or a copy */
     ost_tally tally, touched;
 } ost_event_chunk;
 

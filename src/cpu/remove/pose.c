@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the kernels' constants of a pose from its steps (remove.h has the proof). */
+/* Computes the constants that the kernels need for a pose from the steps of its map. remove.h has the proof. */
 #include <string.h>
 
 #include "core/conditions.h"
 #include "cpu/remove/remove.h"
 
 /*
- * Returns (2 R)^2 of a cube of this edge. With |step| <= 2^24 + 1 (AR-MAP-3) and edge <= 8 it is below
- * 3 * (7 * 3 * 2^24 + 63)^2 < 2^59.
+ * Returns (2 R)^2 of a cube with `edge` voxels per side (R: remove.h, "Split"). With |step| <= 2^24 + 1
+ * (AR-MAP-3) and edge <= 8, the result is below 3 * (7 * 3 * 2^24 + 63)^2 < 2^59.
  */
 static int64_t diameter_squared(const int32_t step[3][3], int32_t edge)
 {
@@ -25,8 +25,8 @@ static int64_t diameter_squared(const int32_t step[3][3], int32_t edge)
 }
 
 /*
- * Returns the first v in 1..127 with v * unit > R + 2, that is 2 v unit - 4 > 2 R, or 128 if there is
- * none. unit <= 2^21, so the squares are below 2^60.
+ * Returns the smallest v in 1..127 with v * unit > R + 2, that is 2 v unit - 4 > 2 R. Returns 128 if no v in
+ * this range satisfies the condition. unit <= 2^21, so the squares are below 2^60.
  */
 static int32_t least_for(int64_t squared, int32_t unit)
 {
@@ -46,7 +46,7 @@ void ost_split_make(const int32_t step[3][3], int32_t edge, const ost_cells *cel
 {
     const int32_t half = edge / 2;
     for (int a = 0; a < 3; a++) {
-        /* |sum| < 2^25 and half - 1 < 8, so the product fits; the shift rounds down. */
+        /* |sum of the steps| < 2^25 and half - 1 < 8, so the product fits int32. The shift rounds down. */
         const int32_t centre = ((half - 1) * (step[0][a] + step[1][a] + step[2][a])) >> 1;
         for (int part = 0; part < 8; part++) {
             out->first[a][part] = half * ((part & 1 ? step[0][a] : 0) + (part & 2 ? step[1][a] : 0) +
@@ -67,7 +67,8 @@ static int32_t magnitude(int32_t x)
     return x < 0 ? -x : x;
 }
 
-/* Returns true if the steps satisfy "Match" in remove.h, as those of every ost_map do if there are windows. */
+/* Returns true if the steps satisfy the conditions of "Match" in remove.h. If the tool has windows, the steps of every
+   ost_map satisfy these conditions. */
 static bool windows_hold(const int32_t step[3][3], const ost_windows *windows)
 {
     const int64_t radius_twice = INT64_C(72) * (1 << OST_MAP_FRACTION) / 10;

@@ -1,31 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-REM) by cubes: the reference's results, with cubes
- * classified by the tool's distances before single voxels are tested (remove.h).
+ * Removal and collision (AR-REM) with the results of the reference.  Cubes are classified
+ * by distances to the tool's surface before single voxels are tested (remove.h).
  *
  *   for each pose
  *     for each chunk with memory in its box          divided among threads
  *       for each unit of up to 32^3 voxels
- *         blocks of 16^3 in the box and in reach     block_base.h: their bases
- *         split: 8^3 cubes inside, mixed             outside ones are dropped
- *         split: bricks inside, mixed                those without active voxels are dropped
+ *         blocks of 16^3 in the box and in reach     bases of blocks: block_base.h
+ *         split: 8^3 cubes inside, mixed             cubes outside are dropped
+ *         split: bricks inside, mixed                bricks without active voxels are dropped
  *         match: the hits of mixed bricks
  *         hits &= active voxels, which become inactive
  *         take: densities are added to the tally and set to 0
  *   reports in the order of chunks
  *
- * Poses are processed in order: a voxel that a pose hits is inactive for the
- * later poses, so that a voxel is counted once however many poses hit it.  A
- * collision does the same to copies of the occupancy and does not change the
- * densities.
+ * Poses are processed in order.  A voxel that a pose hits becomes inactive for the
+ * later poses, so that it is counted once, even if several poses hit it.  A collision
+ * makes voxels inactive only in copies of the occupancy, and does not change densities.
  *
- * Touched voxels (AR-REM-1) are the active ones that remain after all poses
- * and that some pose covers with a voxel of class 2.  A second pass with the
- * tool's other shape counts them on copies of the remaining occupancy.
+ * Touched voxels (AR-REM-1) are the voxels that are still active after all poses and
+ * that at least one pose covers with a tool voxel of class 2.  A second pass, with the
+ * shape of class 2, counts the touched voxels on copies of the remaining occupancy.
  *
- * Kernels process complete cubes of a unit, so they can also test voxels outside a pose's
- * box, which the reference does not test. If a cube that is not outside the tool crosses the
- * box, its hits are clipped to the box, so that the results are the same even for a box that
+ * Kernels process complete cubes of a unit, so they also test voxels outside a pose's
+ * box, which the reference does not test. If a cube lies partly outside the box, its hits
+ * are clipped to the box. Therefore the results are those of the reference even if a box
  * is too small.
  */
 #include "cpu/remove/event.h"
@@ -51,7 +50,7 @@ static int32_t max32(int32_t a, int32_t b)
 
 /* ------------------------------------------------------------- boxes */
 
-/* Clips the box to the grid; returns false if the result is empty. */
+/* Clips a box to the grid. Returns false if the clipped box is empty. */
 static bool clip_box(const ost_voxel_box *box, ost_dims dims, ost_voxel_box *out)
 {
     const int32_t d[3] = {dims.x, dims.y, dims.z};
@@ -69,13 +68,14 @@ static int32_t within(int32_t v, int32_t lo, int32_t hi)
     return min32(max32(v, lo), hi);
 }
 
-/* Returns the set of the unit's 8^3 cubes, by their numbers 0..63, that lie entirely in the box. */
+/* Returns the set of the cubes of 8^3 voxels of a unit that lie entirely in the box. Bit i of the set is cube number
+   i (0..63). */
 static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
 {
     enum { CUBES = OST_UNIT / 8 };
     /*
-     * below[a][i]: the cubes whose index along axis a is below i. The low bit of that index is bit a of
-     * the cube's number, the high bit is bit a + 3.
+     * below[a][i] is the set of the cubes whose index along axis a is below i. The low bit of a cube's
+     * index along axis a is bit a of the cube's number, and the high bit of the index is bit a + 3.
      */
     static const uint64_t below[3][CUBES + 1] = {
         {0, UINT64_C(0x0055005500550055), UINT64_C(0x00ff00ff00ff00ff), UINT64_C(0x55ff55ff55ff55ff), ~UINT64_C(0)},
@@ -91,7 +91,7 @@ static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
     return cubes;
 }
 
-/* Returns the set of 8^3 cubes in the two lists that do not lie entirely in the box. */
+/* Returns the set of the cubes of 8^3 voxels in the lists `mixed` and `inside` that do not lie entirely in the box. */
 static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside,
                              const ost_voxel_box *box)
 {
@@ -106,7 +106,8 @@ static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, cons
     return met & beyond;
 }
 
-/* Returns the set of a brick's voxels that lie in the box: all 64 if its cube is not in the set `across`. */
+/* Returns the set of the voxels of a brick that lie in the box. These are all 64 voxels if the cube that contains the
+   brick is not in the set `across`. */
 static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const ost_voxel_box *box, uint64_t across)
 {
     if (!(across >> (number >> 3) & 1))
@@ -126,14 +127,15 @@ static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const
 
 /* ---------------------------------------------------------------- a unit */
 
-/* The bricks of a unit with hits, and the voxels of each that are hit. */
+/* The bricks of a unit that have hits, and for each brick the set of voxels that are hit. */
 typedef struct hit_list {
     int32_t number[OST_UNIT_BRICKS];
     uint64_t hits[OST_UNIT_BRICKS];
     size_t count;
 } hit_list;
 
-/* Appends the active voxels among `hits` of a brick to the list and makes them inactive. */
+/* Appends a brick to the list with those of its voxels in the set `hits` that are active, and makes these voxels
+   inactive. */
 static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number, uint64_t hits)
 {
     const uint64_t active = occupancy[number], hit = active & hits;
@@ -144,8 +146,8 @@ static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number,
 }
 
 /*
- * Lists the blocks of the unit that overlap the box (the plan has bases for these) and that can have
- * voxels in the tool's grid.
+ * Lists the blocks of the unit that overlap the box and that can have voxels in the tool's grid. The
+ * plan has bases for all blocks that overlap the box.
  */
 static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3],
                            int32_t edge, ost_cubes *blocks)
@@ -160,14 +162,15 @@ static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *
     kernels->blocks(bases, &plan->reach, first, from, to, blocks);
 }
 
-/* Lists the hits of mixed bricks, of bricks inside and of cubes inside, and makes these voxels inactive. */
+/* Lists the hits of a unit and makes the voxels that are hit inactive. The hits are in mixed bricks, in bricks that are
+   inside the tool, and in cubes that are inside the tool. */
 static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uint64_t *occupancy,
                                                              const ost_cubes *bricks, const uint64_t *hits,
                                                              const ost_numbers *inside_bricks,
                                                              const ost_numbers *inside, const int32_t unit[3],
                                                              const ost_voxel_box *box, uint64_t across)
 {
-    /* Most mixed bricks have no active voxel that is hit, so the others are selected first. */
+    /* Most mixed bricks have no active voxel that is hit, so the bricks with such voxels are selected first. */
     int32_t hit[OST_UNIT_BRICKS + 1];
     size_t n = 0;
     for (size_t i = 0; i < bricks->count; i++) {
@@ -185,7 +188,7 @@ static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uin
                 add_hits(list, occupancy, part, brick_within(unit, part, box, across));
 }
 
-/* Applies one pose to one unit. */
+/* Applies one pose to one unit of a chunk. */
 static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge,
                      int16_t *density, uint64_t *occupancy, const ost_take *take, ost_tally *tally)
 {
@@ -237,7 +240,7 @@ static void run_chunk(const ost_cpu_kernels *kernels, const ost_pose_plan *plan,
     }
 }
 
-/* Computes the range of blocks that overlap the box. */
+/* Computes the half-open range of blocks that overlap the box. */
 static void block_range(const ost_voxel_box *box, int32_t lo[3], int32_t hi[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -266,8 +269,9 @@ static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, i
 }
 
 /*
- * Processes the listed chunks with several threads. The function is separate from the plain loop, because even a team
- * of one thread makes a system call at its end, which would occur in every tick.
+ * Processes the listed chunks with several threads. If one thread is enough, the caller processes the chunks in a
+ * plain loop instead, because a parallel region ends with a system call even if it has only one thread, and this call
+ * would occur in every tick.
  */
 static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply,
                        const ost_density_classes *classes)
@@ -284,8 +288,8 @@ static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, i
 }
 
 /*
- * Applies all poses to all listed chunks. classes is NULL in the pass for touched voxels, which are
- * only counted.
+ * Applies all poses to all listed chunks. In the pass for touched voxels, classes is NULL, because touched
+ * voxels are only counted.
  */
 static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_removal_event *event,
                       ost_event_scratch *scratch, const ost_density_classes *classes, bool apply)
@@ -308,8 +312,8 @@ static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_re
 }
 
 /*
- * Lists the chunks with memory in the box around all poses' boxes, in ascending order, and reserves
- * memory for the bases of the longest box.
+ * Lists the chunks with memory in ascending order. Only the chunks in the bounding box of the boxes of all
+ * poses are listed. Reserves memory for the bases of the longest box on each axis.
  */
 static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *event, ost_event_scratch *scratch,
                               ost_error *err)
@@ -350,8 +354,8 @@ static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *eve
 }
 
 /*
- * Reserves memory for every chunk in the report, so that nothing can fail after the first voxel has
- * been removed.
+ * Reserves memory in the report for every listed chunk, so that no allocation can fail after the first
+ * voxel has been removed.
  */
 static ost_status reserve(ost_removal_report *report, size_t needed, ost_error *err)
 {
@@ -385,7 +389,7 @@ static ost_status reserve_copies(const cpu_bone *bone, ost_event_scratch *scratc
     return OST_OK;
 }
 
-/* Copies the listed chunks' occupancy; the list refers to the copies afterwards. */
+/* Copies the occupancy of the listed chunks. Afterwards, the elements of the list point to the copies. */
 static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
 {
     for (size_t i = 0; i < scratch->count; i++) {
@@ -396,8 +400,8 @@ static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
 }
 
 /*
- * Adds a chunk to the report. The tally counts all densities from a border upwards, the report counts
- * each class separately.
+ * Adds a chunk to the report. The chunk's tally counts all densities that are not below a border. The report
+ * counts each density class separately, so its values are differences of the tally's values.
  */
 static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes,
                                ost_removal_report *report, ost_error *err)

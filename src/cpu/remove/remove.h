@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The data of removal's inner loops (kernels.h has their contracts).
+ * The data of the inner loops of removal. kernels.h has the contracts of these loops.
  *
  *   16^3 block --split--> 8^3 cubes --split--> 4^3 bricks --match--> hits --take--> densities, tally
  *                  |                   |
  *                  '- inside, outside -'
  *
  * Coordinates are those of AR-MAP-4: int32 in units of 2^-20 tool voxels.  The
- * coordinate of a cube is that of its first voxel.  A cube's voxels have
- * coordinates u + i step[0] + j step[1] + k step[2], 0 <= i, j, k < edge; they
- * are all in the same 16^3 block, so that these sums are exact.
+ * coordinate u of a cube is that of its first voxel.  The voxels of the cube have the
+ * coordinates u + i step[0] + j step[1] + k step[2], 0 <= i, j, k < edge.  They are all
+ * in the same 16^3 block, so that these sums are exact.
  *
  * Split.  The centre of a cube of edge e is u + (e-1)/2 (step[0] + step[1] +
  * step[2]); it is rounded down to a unit (an error below 1 on each axis).  No voxel
@@ -46,16 +46,16 @@
 #include "cpu/remove/shape.h"
 
 enum {
-    OST_UNIT = 32,         /* edge of a unit, which is processed at once: a chunk, or an eighth of a chunk of 64^3 */
+    OST_UNIT = 32,         /* greatest edge of a unit; a unit is a chunk, or an eighth of a chunk of 64^3 voxels */
     OST_UNIT_BRICKS = 512,
-    OST_CUBES_SLACK = 16,  /* elements after the last one that a kernel may overwrite */
+    OST_CUBES_SLACK = 16,  /* number of elements after the last element that a kernel may overwrite */
     OST_TIE_BITS = 13,
     OST_NEAR_TIES = 1024,
 };
 
 /*
- * Cubes of one edge. number is the Morton index within the unit: cube n contains the cubes 8n..8n+7 of
- * half the edge.
+ * A list of cubes that all have the same edge. `number` is a cube's Morton index within the unit: cube n
+ * contains the cubes 8n..8n+7 of half the edge.
  */
 typedef struct ost_cubes {
     _Alignas(64) int32_t u[3][OST_UNIT_BRICKS + OST_CUBES_SLACK];
@@ -68,35 +68,37 @@ typedef struct ost_numbers {
     size_t count;
 } ost_numbers;
 
-/* The constants of one pose for splitting cubes of one edge into eight parts. */
+/* The constants with which the kernel split divides cubes of one edge into eight parts, for one pose. */
 typedef struct ost_split {
-    _Alignas(32) int32_t first[3][8];  /* offset from the cube's u to the u of part x + 2y + 4z */
-    _Alignas(32) int32_t centre[3][8]; /* offset from the cube's u to the part's centre, rounded down */
-    int32_t least;                     /* 1..128; above 127 every part is mixed */
+    _Alignas(32) int32_t first[3][8];  /* offset from a cube's u to the u of its part x + 2y + 4z */
+    _Alignas(32) int32_t centre[3][8]; /* offset from a cube's u to the centre of the part, rounded down */
+    int32_t least;                     /* 1..128; if it is 128, every part is mixed */
 } ost_split;
 
-/* The constants of one pose for matching bricks; a voxel's index in the arrays of 64 is x + 4y + 16z. */
+/* The constants with which the kernel match tests the voxels of bricks, for one pose. In an array of 64 elements,
+   voxel (x, y, z) of a brick has the index x + 4y + 16z. */
 typedef struct ost_match {
     _Alignas(64) uint16_t high[3][64]; /* (offset - lowest) >> 7 */
     _Alignas(64) uint16_t low[3][64];  /* (offset - lowest) mod 2^7 */
-    int32_t offset[3][64];             /* offset from the brick's u to the voxel's u */
-    int32_t lowest[3];                 /* the least offset on each axis */
-    bool windows;                      /* windows may be used; high, low, tie and near_tie are valid */
-    uint8_t tie[1 << OST_TIE_BITS]; /* bit a: a tie on axis a */
-    /* bit n: one of tie's values from 8 n to 8 n + 7 is set on this axis */
+    int32_t offset[3][64];             /* offset from a brick's u to the u of its voxel */
+    int32_t lowest[3];                 /* the least offset of a voxel on each axis */
+    bool windows;                      /* true: windows may be used, and high, low, tie and near_tie are valid */
+    uint8_t tie[1 << OST_TIE_BITS]; /* bit a of tie[v]: value v is a tie on axis a ("Sixteen bits per lane") */
+    /* bit n of near_tie[a] is set if one of the elements tie[8 n] to tie[8 n + 7] has bit a */
     _Alignas(64) uint32_t near_tie[3][OST_NEAR_TIES / 32];
     const ost_shape *shape;
 } ost_match;
 
-/* The parameters of a take: class borders, the highest density, and whether voxels are removed. */
+/* The parameters of the kernel take: the class borders, the highest density, and whether voxels are removed. */
 typedef struct ost_take {
     int borders;        /* number of borders, 0..OST_CLASS_MAX - 1 */
     int16_t border[OST_CLASS_MAX]; /* ascending */
-    int32_t highest;    /* 1..32767; no density is higher */
-    bool apply;         /* write 0 to the voxels that are hit */
+    int32_t highest;    /* 1..32767; no density of the chunk is higher */
+    bool apply;         /* true: the voxels that are hit are set to 0 */
 } ost_take;
 
-/* Counts and sums of densities over hits: [0] over all, [b] over those of density >= border[b - 1]. */
+/* The number of hits and the sum of their densities. Element 0 covers all hits, element b > 0 the hits whose density
+   is at least border[b - 1]. */
 typedef struct ost_tally {
     uint64_t voxels[OST_CLASS_MAX];
     uint64_t density[OST_CLASS_MAX];

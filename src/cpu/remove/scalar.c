@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The inner loops of removal in plain C, with which all other variants are compared. */
+/* The scalar kernels of removal. The tests compare the variants for all instruction sets with these kernels. */
 #include "core/conditions.h"
 #include "cpu/kernels.h"
 
@@ -50,7 +50,7 @@ void ost_split_scalar(const ost_split *split, const ost_cells *cells, const ost_
     inside->count = n;
 }
 
-/* Matches a brick voxel by voxel, with the tool's own bytes. */
+/* Computes the hits of a brick by reading the tool's bytes, one for each voxel of the brick. */
 static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
 {
     const ost_shape *s = match->shape;
@@ -65,7 +65,8 @@ static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
     return hits;
 }
 
-/* Matches a brick with one window: c and offset - lowest are not negative, and their sum is below 8 voxels. */
+/* Computes the hits of a brick from one window. c and offset - lowest are not negative, and their sum is below 8 tool
+   voxels. */
 static uint64_t match_window(const ost_match *match, const int32_t u[3])
 {
     const ost_windows *w = &match->shape->windows;

@@ -2,14 +2,15 @@
 /*
  * Makes the tables of shape.h.
  *
- * Distances are those between boxes on a lattice, so they separate by axis:
- * with gap(c, g) the distance in granules between cell c and granule g along
- * an axis (0 if they overlap or touch),
+ * The distances are those between boxes on a lattice, so each axis can be processed
+ * separately.  Let gap(c, g) be the distance in granules between cell c and granule g
+ * along an axis (0 if they overlap or touch).  The distance D of a cell is
  *
  *   D^2(cx, cy, cz) = min over gz, gy, gx of gap(cx, gx)^2 + gap(cy, gy)^2 + gap(cz, gz)^2
  *
- * over the granules of the other kind, computed one axis at a time and only up
- * to OST_CELL_REACH.  All arithmetic is in integers; v = isqrt(64 D^2).
+ * over the granules (gx, gy, gz) that are not entirely of the cell's kind.  D^2 is
+ * computed one axis at a time and only up to OST_CELL_REACH.  All arithmetic is in
+ * integers; v = isqrt(64 D^2).
  */
 #include "cpu/remove/shape.h"
 
@@ -22,8 +23,8 @@ enum { VOID, SOLID, BOTH };
 enum { REACH = OST_CELL_REACH, FAR = REACH * REACH };
 
 /*
- * The edge of a granule is 2^granule tool voxels, that of a cell `per` granules; the edge of a bone
- * voxel is at most that of a granule.
+ * The edge of a granule is 2^granule tool voxels, and the edge of a cell is `per` granules. The edge of a
+ * bone voxel is at most the edge of a granule.
  */
 typedef struct grain {
     int granule, per;
@@ -39,7 +40,7 @@ static grain grain_for(int32_t ratio)
 
 typedef struct lattice {
     grain grain;
-    int32_t margin; /* granules around those of the tool */
+    int32_t margin; /* number of granules before and after those of the tool on each axis */
     int32_t dims[3], cells[3];
     uint8_t *state;
 } lattice;
@@ -50,8 +51,8 @@ static size_t product(const int32_t d[3])
 }
 
 /*
- * Sets the state of each granule from its voxels, one line of granules at a time, by counting the solid
- * voxels of each (at most 16^3 = 4096). Returns false if there is no memory.
+ * Sets the state of each granule. The solid voxels of each granule (at most 16^3 = 4096) are counted, for one
+ * line of granules at a time. Returns false if there is no memory.
  */
 static bool mark_granules(const ost_shape *shape, lattice *l)
 {
@@ -81,8 +82,8 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
 }
 
 /*
- * Computes the squared gap along x from every cell of a row to the nearest granule that is not of the
- * kind; FAR if no such granule is nearer than REACH.
+ * Computes for every cell of a row the squared gap along x to the nearest granule that is not entirely of
+ * the given kind. The result is FAR if no granule of this sort is nearer than REACH.
  */
 static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int per, uint8_t kind, uint8_t *out)
 {
@@ -108,8 +109,8 @@ static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int 
 }
 
 /*
- * Computes out[c][i] = min over granules g of in[g][i] + gap(c, g)^2, at most FAR, for lines of
- * `width` bytes. A strip of STRIP bytes stays in registers for all granules of a cell.
+ * Computes out[c][i] = min(FAR, min over granules g of in[g][i] + gap(c, g)^2) for 0 <= i < width. A strip of
+ * STRIP bytes stays in registers while all granules near a cell are processed.
  */
 static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int per, size_t width, uint8_t *out)
 {
@@ -143,8 +144,8 @@ static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int pe
 }
 
 /*
- * Writes the values of the cells of one kind; a and b are scratch of at least as many bytes as there
- * are granules.
+ * Writes the values of all cells of one kind. a and b are scratch memory, each with at least as many bytes as
+ * there are granules.
  */
 static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b, int8_t *value)
 {
@@ -173,9 +174,9 @@ static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b,
 }
 
 /*
- * Makes the table of cells. A cell with a gap of 0 contains or touches a granule that is not of its
- * kind; its v is 0, the value of mixed cells. The margin is a multiple of a cell, so large that cell 0
- * is at least OST_CELL_REACH granules away from granule 0 of the tool.
+ * Makes the table of cells. A cell with a gap of 0 contains or touches a granule that is not of the cell's
+ * kind; its v is 0, which is also the value of mixed cells. The margin is a multiple of the edge of a cell.
+ * It is so large that cell 0 is at least OST_CELL_REACH granules away from granule 0 of the tool.
  */
 static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 {
@@ -218,9 +219,10 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 enum { EDGE = 8 };
 
 /*
- * The bytes of all windows that begin at one x, for every row (y, z) of the tool
- * and of the void around it, z fastest, so that the eight rows z of a window's y
- * are adjacent.
+ * The bytes of all windows, in columns. Column i contains the bytes of the windows that
+ * begin at the same x, one byte for every row (y, z) of the tool and of the void around
+ * the tool. z is fastest, so the eight bytes of a window that have the same y are
+ * adjacent.
  *
  *   column i, row (y, z): bit x is voxel (step i - margin + x, y - margin, z - margin)
  */
@@ -244,7 +246,7 @@ static bool make_columns(const ost_shape *shape, int32_t step, const int32_t n[3
                 row[x + OST_WINDOW_MARGIN] = voxels[x] == shape->kind;
             uint8_t *to = c->byte + (size_t)(y + OST_WINDOW_MARGIN) * c->width[0] + (size_t)(z + OST_WINDOW_MARGIN);
             for (int32_t i = 0; i < n[0]; i++) {
-                /* Eight bytes of 0 or 1, the first lowest, become eight bits: only byte j reaches bit 56 + j. */
+                /* The product moves byte j (0 or 1) to bit 56 + j for j = 0..7; no other byte reaches that bit. */
                 uint64_t eight;
                 memcpy(&eight, row + (size_t)(i * step), 8);
                 to[(size_t)i * plane] = (uint8_t)(eight * UINT64_C(0x0102040810204080) >> 56);
@@ -296,10 +298,10 @@ static bool add_line(line_store *store, const uint64_t line[8], uint32_t *number
 }
 
 /*
- * Returns the coarsest step of windows for this ratio, 0 if there is none. A brick's
- * coordinates span at most 3 * sqrt(3) * ratio + 9/2 units along an axis (AR-MAP-5's
- * bound on the sum of a column's steps). The span must be below 8 - step voxels, so
- * that it overlaps at most 9 - step of them.
+ * Returns the coarsest step of windows for this ratio, or 0 if no step is possible. A
+ * brick's coordinates span at most 3 * sqrt(3) * ratio + 9/2 units along an axis, by the
+ * bound of AR-MAP-5 on the sum of a column's steps. The span must be below 8 - step
+ * voxels, so that a brick overlaps at most 9 - step voxels.
  */
 static int32_t window_step(int32_t ratio)
 {
@@ -311,8 +313,8 @@ static int32_t window_step(int32_t ratio)
 }
 
 /*
- * Makes the table of windows. The first window begins at -OST_WINDOW_MARGIN, the last one beyond
- * dims + 8 - step; remove.h explains why no brick needs a window beyond these.
+ * Makes the table of windows. On each axis, the first window begins at voxel -OST_WINDOW_MARGIN, and the
+ * last window begins beyond voxel dims + 8 - step. remove.h explains why no brick needs further windows.
  */
 static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
 {

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tables that removal uses for a tool's solid (its voxels of one class), derived
- * once from the voxels for a range of bone voxel sizes.
+ * The shape of a tool: two tables that removal uses.  They describe the voxels of one
+ * class of the tool, which are called solid here.  The tables are derived once from the
+ * tool's voxels, for a range of bone voxel sizes.
  *
  *   cells     a lower bound of the distance to the solid's surface;
  *             classifies cubes of bone voxels as inside, outside or mixed
  *   windows   8^3 tool voxels as 64 bytes, one at every third voxel of each axis:
  *             classifies the 64 voxels of a mixed brick by one look-up each
  *
- * Cells.  Space is divided into granules of 2^g tool voxels a side; a granule is
- * void, solid or of both kinds (all space outside the tool's grid is void), and a
- * cell is a cube of 1 or 2 granules a side.  A cell of one kind has the value +v
- * (solid) or -v (void), any other cell 0:
+ * Cells.  Space is divided into granules of 2^g tool voxels a side.  A granule is
+ * void, solid or of both kinds; all space outside the tool's grid is void.  A cell is
+ * a cube of 1 or 2 granules a side.  A cell of one kind has the value +v (solid) or
+ * -v (void), and any other cell has the value 0:
  *
  *   (C1)  every point nearer than v / 8 granules to some point of the cell is
  *         of the cell's kind
@@ -25,12 +26,12 @@
  * itself too.
  *
  * Windows.  Window (i, j, k) begins at voxel step * (i, j, k) - OST_WINDOW_MARGIN.
- * The byte of its row (y, z) is number 8 y + z, the bit of voxel x is bit x.
- * For every voxel, the 9 - step voxels that begin with it lie in one window.  All
- * windows of void share line 0, all windows of solid share line 1.  The step is
- * the coarsest for which every brick of bone voxels lies in one window: 3 up to
- * 0.962 tool voxels per bone voxel, 2 up to 1.154, 1 up to 1.347; for larger bone
- * voxels there are no windows (remove.h).
+ * Row (y, z) of a window is byte number 8 y + z, and voxel x of the row is bit x of
+ * this byte.  On each axis, any 9 - step adjacent voxels lie in one window.  The 64
+ * bytes of a window are a line; all windows that are void share line 0, and all windows
+ * that are solid share line 1.  The step is the coarsest for which every brick of bone
+ * voxels lies in one window: 3 up to 0.962 tool voxels per bone voxel, 2 up to 1.154,
+ * 1 up to 1.347.  For larger bone voxels there are no windows (remove.h).
  */
 #ifndef OST_CPU_SHAPE_H
 #define OST_CPU_SHAPE_H
@@ -46,38 +47,39 @@ enum {
 };
 
 typedef struct ost_cells {
-    const int8_t *value; /* x fastest; 64 bytes before it and after the last one may be read */
+    const int8_t *value; /* x fastest; 64 bytes before the first value and after the last may be read */
     int32_t dims[3];
     int32_t margin; /* number of cells before the tool's voxel (0, 0, 0) on every axis */
     int32_t shift;  /* log2 of a cell's edge in units of 2^-20 tool voxels */
-    int32_t unit;   /* an eighth of a granule in the same units */
+    int32_t unit;   /* an eighth of a granule, in units of 2^-20 tool voxels */
 } ost_cells;
 
 typedef struct ost_windows {
-    const uint32_t *index; /* number of each window's line, x fastest */
+    const uint32_t *index; /* number of the line of each window, x fastest */
     const uint8_t (*line)[64]; /* 64-byte aligned */
     int32_t dims[3];
-    int32_t step; /* 3, 2 or 1; 0 if there are no windows */
+    int32_t step; /* step of windows: 3, 2 or 1; 0 if there are no windows */
 } ost_windows;
 
 typedef struct ost_shape {
     ost_cells cells;
     ost_windows windows;
-    const uint8_t *voxels; /* borrowed from the tool; one byte each, x fastest */
+    const uint8_t *voxels; /* not owned: the tool's voxels, one byte each, x fastest */
     int32_t dims[3];
-    uint8_t kind; /* the class that is solid here */
+    uint8_t kind; /* the class of tool voxels that this shape describes */
     void *memory[3]; /* owned */
 } ost_shape;
 
 /*
- * Makes the tables for the voxels of class `kind`. ratio is the edge of a bone voxel
- * in tool voxels, times 2^20, rounded up; at most OST_MAP_RATIO_MAX * 2^20 + 2.
- * Initialises all of *out even on failure; ost_shape_free must be called in either case.
+ * Makes the tables for the tool voxels of class `kind`. `ratio` is the edge of a bone
+ * voxel in tool voxels, times 2^20, rounded up. It is at most
+ * OST_MAP_RATIO_MAX * 2^20 + 2. All of *out is initialised even if the function fails,
+ * and the caller must call ost_shape_free in either case.
  */
 ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
                           ost_error *err);
 void ost_shape_free(ost_shape *shape);
-/* Returns true if the shape's tables are those that ost_shape_make would make for this ratio. */
+/* Returns true if ost_shape_make would make the same tables for this ratio. */
 bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio);
 
 #endif
