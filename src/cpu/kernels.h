@@ -201,10 +201,10 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
  *
  * For the other rows, sets the flags OST_VOX_UNPROVEN and any_unproven; the bits of these
  * rows are undefined.  All rows of a block may be marked unproven if one of them is
- * unproven, or if some of them enter first and others leave first.  The other flags in
- * `odd` do not change.  If any_unproven was set before the call, which can be because of
- * spilled crossings, the planes do not change.  Otherwise the planes of the proven rows
- * are cleared.
+ * unproven, or if some of them enter first and others leave first.  The other flags of
+ * row_state do not change.  If any_unproven was set before the call (spilled crossings
+ * set it too), the planes do not change.  Otherwise the planes of the proven rows are
+ * cleared.
  */
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
 

@@ -2,16 +2,19 @@
 /*
  * Lists the triangles of each tile by a counting sort.
  *
- * A triangle is listed in every tile that its bounds overlap, so that a tile's list
- * contains all triangles that cross its rows; additional triangles do not affect
- * the result. A triangle that overlaps more than FEW tiles is listed once, as
- * large, and every tile processes it, so that lists have at most FEW entries per
- * triangle.
+ * A triangle is listed in every tile that its bounds overlap, so that the list of a
+ * tile contains all triangles that cross the tile's rows. Further triangles in a list
+ * do not affect the result. A triangle that overlaps more than FEW tiles is large: it
+ * is listed only once, and every tile processes it. Therefore the lists have at most
+ * FEW entries per triangle.
  *
- *   1  keys     each triangle's tile (vector kernel), in parallel pieces
- *   2  count    per piece and tile
- *   3  place    per piece, each at its own offset, so that the order does not
- *               depend on threads (no result depends on the order)
+ * The triangles are divided into pieces, which are processed in parallel:
+ *
+ *   1  keys     computes each triangle's tile (vector kernel)
+ *   2  count    counts the triangles of each piece and tile
+ *   3  place    writes the triangles of each piece to the lists, from the piece's own
+ *               offset on, so that the order of a list does not depend on threads
+ *               (no result depends on the order)
  */
 #include <stdlib.h>
 #include <string.h>
@@ -48,7 +51,8 @@ static bool is_large(rect r)
     return (int64_t)(r.y1 - r.y0 + 1) * (r.z1 - r.z0 + 1) > FEW;
 }
 
-/* Counts a piece's triangles by tile; the element after the last tile counts the large triangles. */
+/* Counts the triangles of a piece for each tile. The element of counts after the last tile counts the large
+   triangles. */
 static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end,
                         const uint32_t *keys, size_t *counts)
 {
@@ -71,7 +75,8 @@ static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, 
     }
 }
 
-/* Lists a piece's triangles, visited as in count_piece; next contains the index of each tile's next entry. */
+/* Writes the triangles of a piece to the lists of the tiles, for the same triangles and tiles as count_piece.
+   next[t] is the index of the next entry of tile t. */
 static void place_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end,
                         const uint32_t *keys, size_t *next, ost_vox_bins *bins)
 {
@@ -109,7 +114,7 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
     const size_t tiles = (size_t)plan->tiles_y * (size_t)plan->tiles_z, triangles = mesh->triangle_count;
     if (tiles == 1)
         return OST_OK;
-    const size_t piece = (size_t)backend->sharing->least[OST_PATH_SORT]; /* least number of triangles of a piece */
+    const size_t piece = (size_t)backend->sharing->least[OST_PATH_SORT]; /* the least number of triangles per piece */
     size_t pieces = triangles / piece + (triangles % piece > 0);
     pieces = pieces < 1 ? 1 : pieces > PIECES_MAX ? PIECES_MAX : pieces;
     if (pieces > (size_t)threads)

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Candidates for crossings, found with Embree (embree.h).
+ * Uses Embree to find the triangles that may cross the rows of a tile (embree.h).
  *
  *   primitive   GROUP consecutive triangles, as user geometry with the bounds of
  *               all of them, enlarged by a unit on every side
  *   packet      16 rays along x through the centres of 4 x 4 rows
  *   callback    lists the primitive's triangles, once per tile; reports no hit, so
  *               that no ray is ever shortened
- *   then        the mark kernel processes the listed triangles in the tile's rows
+ *   kernel      vox_mark processes the listed triangles in the tile's rows
  *
  * No crossing is missed.  Coordinates of vertices and of row centres are integers
  * up to 2^20 and exact as floats; so are the bounds with a unit added and their
@@ -23,9 +23,9 @@
  * the primitive and lists its triangles for all rows of the tile, including rows
  * whose rays have not been cast yet.
  *
- * Embree and its tasks set flush-to-zero and divide by zero; a caller may have set
- * a rounding mode or traps.  So every use of Embree first sets the floating-point
- * state that a process starts with, and restores the caller's afterwards.
+ * Embree and its tasks set flush-to-zero and divide by zero.  The caller may have set
+ * a rounding mode or traps.  Therefore every use of Embree first sets the floating-point
+ * state with which a process starts, and restores the caller's state afterwards.
  */
 #include "config.h"
 
@@ -95,15 +95,16 @@ struct ost_embree {
 };
 
 struct ost_embree_scratch {
-    uint32_t *last_tile; /* per primitive, the number of the tile whose rays hit it last; 0: none */
-    uint32_t tiles;      /* count of tiles so far; the number of the current tile */
+    uint32_t *last_tile; /* for each primitive: number of the last tile whose rays hit it; 0: none */
+    uint32_t tiles;      /* number of tiles so far, which is also the number of the current tile */
     ost_vox_tile *tile;
     ost_vox_mark_fn *mark;
     size_t count;
     uint32_t candidates[CANDIDATES + GROUP];
 };
 
-/* Embree's context is the first member, so that a callback can convert its pointer to one to this struct. */
+/* Embree passes a pointer to its own context to a callback. That context is the first member of this struct, so that
+   the callback can convert the pointer to a pointer to this struct. */
 typedef struct cast_context {
 #if defined HAVE_EMBREE4
     struct RTCRayQueryContext base;
@@ -164,7 +165,7 @@ static void build(ost_embree *e)
     union {
         const ost_snapped_mesh *in;
         void *out;
-    } mesh = {.in = e->mesh}; /* Embree only passes the pointer to the callbacks, which do not write to the mesh */
+    } mesh = {.in = e->mesh}; /* Embree passes the pointer to callbacks, which do not write to the mesh */
     rtcSetGeometryUserData(geometry, mesh.out);
     rtcSetGeometryBoundsFunction(geometry, bounds_of, NULL);
     rtcSetGeometryIntersectFunction(geometry, note_primitive);
@@ -247,7 +248,7 @@ void ost_embree_scratch_free(ost_embree_scratch *scratch)
     free(scratch);
 }
 
-/* Casts rays through those rows j0 <= j < j0 + SIDE of slices k0 <= k < k0 + SIDE that belong to the tile. */
+/* Casts a ray through each row (j, k) with j0 <= j < j0 + SIDE and k0 <= k < k0 + SIDE that belongs to the tile. */
 static void cast(const ost_embree *e, ost_embree_scratch *scratch, int32_t j0, int32_t k0)
 {
     const ost_vox_tile *tile = scratch->tile;
@@ -287,7 +288,7 @@ void ost_embree_mark(const ost_embree *e, ost_embree_scratch *scratch, ost_vox_t
 {
     scratch->tile = tile;
     scratch->mark = mark;
-    scratch->tiles++; /* at most 2^24, since a grid has at most 2^24 rows */
+    scratch->tiles++; /* cannot overflow: a grid has at most 2^24 rows, so at most 2^24 tiles */
     for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
         for (int32_t j = tile->j0; j < tile->j1; j += SIDE)
             cast(e, scratch, j, k);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Embree finds the triangles that a row may cross.  The crossings themselves are
- * computed by the same exact code as without Embree, so that no number that Embree
- * computes affects the grid.
+ * Embree finds the triangles that may cross a row of voxels.  The crossings themselves
+ * are computed by the same exact code as without Embree.  Therefore no number that
+ * Embree computes affects the grid.
  */
 #ifndef OST_CPU_EMBREE_H
 #define OST_CPU_EMBREE_H
@@ -10,22 +10,24 @@
 #include "cpu/voxelize/voxelize.h"
 
 /*
- * Returns OST_ERR_UNAVAILABLE if osteon was built without Embree. In this case, only those of the
- * functions below that free may be called, and only with NULL.
+ * Returns OST_ERR_UNAVAILABLE if osteon was built without Embree. In this case, the caller may call only
+ * ost_embree_free and ost_embree_scratch_free, and only with NULL.
  */
 ost_status ost_embree_available(ost_error *err);
 
-/* A mesh prepared for casting rays; it borrows the mesh, which must outlive it. ost_embree_free accepts NULL. */
+/* A mesh that is prepared for casting rays. The object refers to the mesh, which must outlive the object.
+   ost_embree_free accepts NULL. */
 typedef struct ost_embree ost_embree;
 ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree **out, ost_error *err);
 void ost_embree_free(ost_embree *embree);
 
-/* The scratch memory of one thread for casting rays. new returns NULL if there is no memory; free accepts NULL. */
+/* The scratch memory of one thread for casting rays. ost_embree_scratch_new returns NULL if there is no memory;
+   ost_embree_scratch_free accepts NULL. */
 typedef struct ost_embree_scratch ost_embree_scratch;
 ost_embree_scratch *ost_embree_scratch_new(const ost_embree *embree);
 void ost_embree_scratch_free(ost_embree_scratch *scratch);
 
-/* Marks the crossings of all triangles with the rows of the tile, with one ray along x for each row. */
+/* Marks the crossings of all triangles with the rows of the tile. Casts one ray along x for each row. */
 void ost_embree_mark(const ost_embree *embree, ost_embree_scratch *scratch, ost_vox_tile *tile, ost_vox_mark_fn *mark);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts crossings to solid bits and these to classes.
+ * Converts the crossings of a row to solid bits, and solid bits to classes.
  *
  * Let P and M be a row's bits in plus and minus as binary numbers, and W(i) the
  * winding number at centre i.  If crossings enter and leave alternately,
@@ -37,13 +37,14 @@
 
 static int count_bits(uint64_t v)
 {
-    return v ? __builtin_popcountll(v) : 0; /* most words are 0, and some processors lack an instruction for this */
+    return v ? __builtin_popcountll(v) : 0; /* the test for 0 pays: most words are 0, and some processors lack POPCNT */
 }
 
-/* Computes the bits of one row and adds their number to *count; returns false if the row is not proven. */
+/* Computes the solid bits of one row. Returns false if the row is not proven; otherwise adds the number of set bits to
+   *count. */
 static bool fill_row(const uint64_t *enter, const uint64_t *leave, size_t words, uint64_t *bits, uint64_t *count)
 {
-    uint64_t wrong = 0, inside = 0, n = 0; /* inside: the last bit of the previous word */
+    uint64_t wrong = 0, inside = 0, n = 0; /* `inside` is the last bit of the previous word */
     for (size_t w = 0; w < words; w++) {
         const uint64_t x = enter[w] ^ leave[w], q = leave[w] - enter[w] - inside;
         wrong |= (x ^ q ^ (q << 1 | inside)) | (x & (q ^ enter[w]));
@@ -81,7 +82,7 @@ uint64_t ost_vox_fill_scalar(ost_vox_tile *tile, size_t first_row, size_t rows, 
     return count;
 }
 
-/* Sums one row crossing by crossing; returns false if it leaks. */
+/* Computes the solid bits of one row by adding its crossings one by one. Returns false if the row leaks. */
 static bool sum_bits(const uint64_t *plus, const uint64_t *minus, int words, int32_t mask, uint64_t *bits)
 {
     int32_t winding = 0;
@@ -138,8 +139,9 @@ int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t
 }
 
 /*
- * Spreads eight bits to the low bits of eight bytes: the byte is copied to all eight, byte b is masked
- * to its bit b, and adding 0x7f carries a set bit into the byte's top bit.
+ * Returns eight bytes; the lowest bit of byte b is bit b of the parameter, and the other bits are 0. The
+ * parameter is copied to all eight bytes, and byte b is masked to its bit b. If this bit is set, adding
+ * 0x7f sets the top bit of byte b.
  */
 static uint64_t spread(uint64_t byte)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Marks and sorts small triangles in the lanes of vectors of doubles, with the same
- * source for every width.  The including file defines
+ * Marks and sorts small triangles in the lanes of vectors of doubles.  The source is the
+ * same for every width of vectors.  The file that includes this one defines
  *
  *   LANES                 number of triangles processed at once
  *   vd, vm, vi            LANES doubles, a mask of LANES, LANES int32
@@ -13,8 +13,8 @@
  *   vi_vertices(mesh, v, corner, xyz)  coordinates of a corner of LANES triangles; reads
  *                                      nothing after the last vertex
  *   keys_lanes                       one key per triangle, from the y and z of LANES triangles
- *   emit(out, v, m)       stores the lanes of v that are set in m consecutively and returns their
- *                         number; LANES int32 may be written; emit_bits: the same with m as bits
+ *   emit(out, v, m)       stores the lanes of v that are set in m, one after the other, and returns
+ *                         their number; LANES int32 may be written; emit_bits: m is an integer of bits
  *   bounds_meet_rows(tile, t)        bits of the triangles t that have a row's centre in their bounds
  *
  * Every value is an integer or an integer + 1/4, or a quotient whose rounding is accounted for; no
@@ -49,8 +49,8 @@
  * (2^49 + 1/4) / (nx w).  The results of lanes that are not owned, or have no triangle,
  * are not used.
  *
- * ost_vox_mark_triangle processes the other triangles: larger ones, and those that
- * may have a crossing after the last centre of its row.
+ * ost_vox_mark_triangle processes the other triangles: triangles that are not small, and
+ * triangles that may have a crossing after the last centre of a row.
  */
 #include <string.h>
 
@@ -59,7 +59,7 @@
 
 enum { BUFFER = 1024 };
 
-/* Numbers of the bits in the planes that are still to be set. */
+/* The numbers of bits of the planes. These bits are found but not set yet. */
 typedef struct pending {
     uint32_t bit[BUFFER + 2 * LANES];
     size_t count;
@@ -72,9 +72,9 @@ static inline void set_pending(ost_vox_tile *tile, pending *p)
     p->count = 0;
 }
 
-/* The same edge of LANES triangles. */
+/* One edge (ab, bc or ca) of each of LANES triangles. */
 typedef struct lane_edge {
-    vd c;     /* C + 1/4 in this slice */
+    vd c;     /* C + 1/4 in the current slice */
     vd dc;    /* change of C from one slice to the next */
     vd r;     /* 1 / D */
     vm lower; /* D < 0 */
@@ -112,7 +112,7 @@ static inline vd vd_greatest(vd a, vd b, vd c)
     return vd_max(vd_max(a, b), c);
 }
 
-/* Loads the corners of LANES triangles. It is always inlined, so that the results are in registers. */
+/* Loads the corners of LANES triangles. The function is always inlined, so that its results stay in registers. */
 static inline __attribute__((always_inline)) void corners(const ost_snapped_mesh *mesh, const uint32_t *t, vi a[3],
                                                           vi b[3], vi c[3])
 {
@@ -125,9 +125,9 @@ static inline __attribute__((always_inline)) void corners(const ost_snapped_mesh
 }
 
 /*
- * Marks the triangles t of the first `lanes` lanes.  The parameter is a number
- * instead of a mask because gcc 12 does not clear the upper halves of registers
- * in a function that has a vector argument.
+ * Marks the crossings of the triangles t[0] to t[lanes - 1].  The parameter `lanes` is a
+ * number and not a mask of lanes, because gcc 12 does not clear the upper halves of
+ * registers in a function that has a vector argument.
  */
 static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, pending *p)
 {
@@ -137,7 +137,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     vi a[3], b[3], c[3];
     corners(tile->mesh, t, a, b, c);
 
-    /* The bounds in rows, clipped to the tile. */
+    /* The bounds of the triangles, as numbers of rows and slices clipped to the tile. */
     const vd ay = vd_from_vi(a[1]), az = vd_from_vi(a[2]);
     vd by = vd_from_vi(b[1]), bz = vd_from_vi(b[2]);
     vd cy = vd_from_vi(c[1]), cz = vd_from_vi(c[2]);
@@ -145,7 +145,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
     const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->j0));
     const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->k0));
-    /* the number of rows and of slices, minus 1 */
+    /* The number of rows, minus 1, and the number of slices, minus 1, in the bounds. */
     const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0);
     const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->k1 - 1)), k0);
     valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));
@@ -162,7 +162,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
         ost_vox_mark_triangle(tile, t[__builtin_ctz(bits)]);
     valid = vm_and(valid, small);
 
-    /* The normal, with the triangle oriented counter-clockwise. */
+    /* The normal. Corners are exchanged so that the triangle is oriented counter-clockwise. */
     const vd ux = vd_sub(bx, ax), uy = vd_sub(by, ay), uz = vd_sub(bz, az);
     const vd vx = vd_sub(cx, ax), vy = vd_sub(cy, ay), vz = vd_sub(cz, az);
     vd nx = vd_sub(vd_mul(uy, vz), vd_mul(uz, vy));
@@ -188,7 +188,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     vd m = vd_sub(vd_mul(nx, vd_sub(vd_sub(ax, vd_mul(home, w)), h)),
                   vd_add(vd_add(vd_mul(ny, vd_sub(y, ay)), vd_mul(nz, vd_sub(z, az))), vd_set(0.25)));
 
-    /* The number of the bit of centre `home` in row (j0, k); it is below 2^31, so it is exact. */
+    /* The number of the bit for voxel `home` of row (j0, k). The number is below 2^31, so the double is exact. */
     const vd row_bits = vd_set(tile->row_bits), slice_bits = vd_set((double)tile->row_bits * (tile->j1 - tile->j0));
     vd bit = vd_add(
         vd_add(vd_mul(vd_sub(k0, vd_set(tile->k0)), slice_bits), vd_mul(vd_sub(j0, vd_set(tile->j0)), row_bits)),
@@ -224,15 +224,15 @@ static inline void mark_list(ost_vox_tile *tile, const uint32_t *list, size_t co
         mark_lanes(tile, list + i, LANES, p);
     if (i < count) {
         uint32_t t[LANES];
-        for (size_t l = 0; l < LANES; l++) /* lanes after the last triangle repeat it */
+        for (size_t l = 0; l < LANES; l++) /* unused lanes repeat the last triangle */
             t[l] = list[i + l < count ? i + l : count - 1];
         mark_lanes(tile, t, (int)(count - i), p);
     }
 }
 
 /*
- * Marks triangles 0 to count - 1. Those without a row's centre in their bounds are dropped first, so
- * that lanes are full.
+ * Marks the crossings of the triangles 0 to count - 1. Triangles whose bounds contain no centre of a row are
+ * dropped first, so that no lane is empty.
  */
 static inline void mark_all(ost_vox_tile *tile, size_t count, pending *p)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Crossings of one triangle with the rows of a tile, one at a time: the scalar
- * kernel, also used for triangles that the vector kernels do not process.
+ * Marks the crossings of one triangle with the rows of a tile, one crossing at a time.
+ * This is the scalar kernel.  It is also used for triangles that the vector kernels do
+ * not process.
  *
  * The triangle is oriented so that its projection on (y, z) runs
  * counter-clockwise (AR-VOX-1).  In slice k the rows it owns are consecutive:
@@ -44,7 +45,7 @@
 
 enum { X, Y, Z };
 
-/* Returns floor(q); |q| <= 2^43. */
+/* Returns floor(q). |q| must be at most 2^43. */
 static int64_t floor_of(double q)
 {
     int64_t t = (int64_t)q;
@@ -102,7 +103,7 @@ static edge edge_from(const int32_t *a, const int32_t *b, int64_t z, int f)
         .c = dy * (z - a[Z]) + dz * (a[Y] - (1 << (f - 1))) - !tie, .dc = dy * w, .dz = dz, .d = (double)(dz * w)};
 }
 
-/* Narrows [lo, hi] to the rows on the inner side of the edge. */
+/* Reduces the range of rows [lo, hi] to the rows on the inner side of the edge. */
 static void clip(const edge *e, int64_t *lo, int64_t *hi)
 {
     if (e->dz > 0) {

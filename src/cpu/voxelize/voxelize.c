@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tiles, threads and results of the voxelizer; voxelize.h describes the method.
+ * Divides the work of the voxelizer into tiles for threads, and writes the results.
+ * voxelize.h describes the method.
  *
- * A tile's two planes and its bits stay in a core's L2 cache while triangles
- * write to them at random.  Tiles are as square as that allows, so that few
- * triangles cross their borders.  With one thread, a grid that fits that cache is
- * one tile, and its triangles are not sorted.
+ * Triangles set bits of a tile's two planes at random positions.  Tiles are so small
+ * that the planes and the result bits of a tile stay in a core's L2 cache.  Tiles are as
+ * square as possible, so that few triangles cross their borders.  With one thread, a
+ * grid that fits the L2 cache is one tile, and its triangles are not sorted.
  */
 #include <assert.h>
 #include <stdlib.h>
@@ -21,37 +22,38 @@
 #include "cpu/voxelize/voxelize.h"
 
 enum {
-    PLANE_MIN = 1 << 9, /* bytes of one plane of a tile; it holds at least one row of every width */
+    PLANE_MIN = 1 << 9, /* least number of bytes of one plane of a tile, enough for one row of any width */
     HUGE_PAGE = 1 << 21
 };
 
 typedef struct job {
     const cpu_backend *backend;
-    const ost_snapped_mesh *mesh[2]; /* cutting; not cutting, or NULL */
+    const ost_snapped_mesh *mesh[2]; /* [0]: the cutting mesh; [1]: the noncutting mesh, or NULL */
     ost_fill_rule rule;
     int threads;
     ost_vox_plan plan;
     ost_vox_bins bins[2];
-    ost_embree *embree[2]; /* used instead of bins if Embree finds the candidates */
+    ost_embree *embree[2]; /* if not NULL, Embree finds the candidates, and bins are not used */
     ost_vox_result result;
-    bool stream; /* classes are written past the caches */
-    bool direct; /* one mesh and only bits, in complete blocks: the fill kernel writes to the result */
+    bool stream; /* classes are written by stores that bypass the caches */
+    bool direct; /* the fill kernel writes to the result: for one mesh, only bits, and complete blocks */
 } job;
 
-/* The scratch memory of one thread. */
+/* The scratch memory of one thread for voxelizing tiles. */
 typedef struct scratch {
     ost_vox_tile tile;
     uint64_t *bits[2];
     ost_embree_scratch *embree[2];
-    size_t plane_words; /* number of words of a plane, with padding */
+    size_t plane_words; /* number of words of one plane of a tile, with padding */
 } scratch;
 
 /*
- * Estimates the time of the work on one thread. The time that additional threads
- * save exceeds the time to start them, and to wait for a core that another process
- * uses, from about a millisecond of work on (docs/log/0.1.md). Measured on one core
- * of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a closed surface crosses at
- * least twice; 0.15 ns per byte of classes; 0.03 ns per voxel as bits.
+ * Estimates the time of the work on one thread. Additional threads must be started, and
+ * may have to wait for a core that another process uses. They save more time than that
+ * costs if the work takes at least about a millisecond (docs/log/0.1.md). The estimate
+ * uses times measured on one core of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a
+ * closed surface crosses at least twice; 0.15 ns per voxel written as a byte, or 0.03 ns
+ * per voxel written as a bit.
  */
 static int64_t estimated_ns(const job *j)
 {
@@ -73,8 +75,8 @@ static int32_t tiles_of(int32_t n, int32_t shift)
 }
 
 /*
- * Number of tiles per thread. Several are needed to balance the work, because some tiles
- * contain far more triangles than others.
+ * The number of tiles per thread. Several tiles per thread are needed to balance the work, because some
+ * tiles contain far more triangles than others.
  */
 enum { TILES_A_THREAD = 4 };
 
@@ -147,14 +149,15 @@ static bool make_scratch(scratch *d, const job *j)
     return true;
 }
 
-/* Returns the number, in the entire grid, of the first row of the slice that contains this row of the tile. */
+/* Finds the slice that contains row `row` of the tile. Returns the number in the grid of the tile's first row in this
+   slice. */
 static size_t result_row(const job *j, const ost_vox_tile *tile, size_t row)
 {
     const size_t k = (size_t)tile->k0 + row / (size_t)(tile->j1 - tile->j0);
     return k * (size_t)j->plan.dims.y + (size_t)tile->j0;
 }
 
-/* Returns true if mesh m has no triangle for this tile. */
+/* Returns true if no triangle of mesh m is listed for the tile with this number. */
 static bool is_void(const job *j, int m, size_t number)
 {
     const ost_vox_bins *bins = &j->bins[m];
@@ -162,8 +165,8 @@ static bool is_void(const job *j, int m, size_t number)
 }
 
 /*
- * Writes the solid bits of one mesh in this tile to the result if j->direct, otherwise to d->bits[m].
- * Returns the number of solid voxels.
+ * Computes the solid bits of mesh m in the current tile. Writes them to the result if j->direct is true, and
+ * otherwise to d->bits[m]. Returns the number of solid voxels.
  */
 static uint64_t fill_mesh(const job *j, scratch *d, int m, size_t number, uint64_t *leaking_rows)
 {
@@ -188,7 +191,7 @@ static uint64_t fill_mesh(const job *j, scratch *d, int m, size_t number, uint64
         if (tile->any_unproven && !tile->no_memory)
             count += (uint64_t)ost_vox_fill_unproven(tile, r, run, j->rule, bits, leaking_rows);
     }
-    if (tile->any_unproven) { /* otherwise the kernel has cleared the planes */
+    if (tile->any_unproven) { /* if any_unproven is false, the kernel has cleared the planes */
         memset(tile->planes, 0, 2 * d->plane_words * 8);
         memset(tile->row_state, 0, rows);
         tile->any_unproven = false;
@@ -198,7 +201,7 @@ static uint64_t fill_mesh(const job *j, scratch *d, int m, size_t number, uint64
     return count;
 }
 
-/* Clears the bits of noncutting that are set in cutting; returns the number of remaining bits. */
+/* Clears the bits of noncutting that are set in cutting. Returns the number of bits that remain set in noncutting. */
 static uint64_t subtract(uint64_t *noncutting, const uint64_t *cutting, size_t words)
 {
     uint64_t count = 0;
@@ -223,7 +226,7 @@ static void deliver_void(const job *j, const ost_vox_tile *tile)
     }
 }
 
-/* Writes the rows of this tile to the results. */
+/* Writes the rows of the current tile to all result buffers. */
 static void deliver(const job *j, const scratch *d)
 {
     const ost_vox_tile *tile = &d->tile;
@@ -334,8 +337,8 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
 }
 
 /*
- * Allocates voxels without clearing them, because every voxel is written. The first write is by
- * the thread that computes the voxel. Requests huge pages for large tools.
+ * Allocates voxels without clearing them, because every voxel is written later. The thread that computes a
+ * voxel is then the first to write to its page. Requests huge pages for large tools.
  */
 static uint8_t *new_voxels(size_t size)
 {
@@ -344,7 +347,7 @@ static uint8_t *new_voxels(size_t size)
         return NULL;
 #if defined __linux__
     if (size >= HUGE_PAGE)
-        (void)madvise(p, size, MADV_HUGEPAGE); /* only advice: a failure affects only the speed */
+        (void)madvise(p, size, MADV_HUGEPAGE); /* only advice: if it fails, only the speed differs */
 #endif
     return p;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer of the CPU backend: AR-VOX by tiles of rows.
+ * The voxelizer of the CPU backend, which implements AR-VOX by tiles of rows.
  *
  * A row is a line of voxels along x.  The grid is divided in (y, z) into tiles of
- * rows that fit a core's cache; a thread processes complete tiles.
+ * rows.  A tile fits a core's cache, and a thread processes complete tiles.
  *
  *        z  +-----+-----+       a tile's planes have one bit per voxel, with the
  *           |     |  T  |       words of a row together and rows ordered by (k, j):
@@ -15,15 +15,15 @@
  *   fill    centres between crossings become solid bits fill.c, ../x86/
  *   expand  bits become classes, 0, 1 or 2              fill.c, ../x86/
  *
- * Exact counts from single bits.  A bit means one crossing, so the bit of a second
- * crossing of the same sign at the same centre is already set.  Such crossings, and
- * those after the last centre of a row, are spilled: added to the row's own array
- * of int32 steps.  Planes and steps together always contain every crossing with its
- * sign, so no crossing is lost and no count saturates.
+ * Exact counts from single bits.  A bit can represent only one crossing.  If a second
+ * crossing has the same sign and the same centre, its bit is already set.  The crossing
+ * is then spilled: it is added to the row's own array of int32 steps.  Crossings after
+ * the last centre of a row are spilled too.  Planes and steps together always contain
+ * every crossing with its sign, so no crossing is lost and no count saturates.
  *
- * A row whose crossings enter and leave alternately, which the result itself
- * proves, is filled by a subtraction, minus - plus (fill.c); the other rows, and
- * those that have spilled, are summed crossing by crossing.
+ * If the crossings of a row enter and leave alternately, the row is filled by the
+ * subtraction minus - plus (fill.c); the result of the subtraction proves whether they
+ * do.  The other rows, and rows with spilled crossings, are summed crossing by crossing.
  */
 #ifndef OST_CPU_VOXELIZE_H
 #define OST_CPU_VOXELIZE_H
@@ -37,31 +37,31 @@ struct ost_vox_tile {
     int32_t nx;         /* voxels per row */
     int32_t j0, j1;     /* rows j0 <= j < j1 */
     int32_t k0, k1;     /* slices k0 <= k < k1 */
-    uint32_t row_bits;  /* 64 * words of a row, >= nx */
-    uint32_t minus;     /* bit offset of the minus plane in planes; both planes have < 2^31 bits */
-    uint64_t *planes;   /* plus rows, padding to complete blocks, minus rows, padding */
-    uint8_t *row_state; /* flags per row: OST_VOX_SPILLED, OST_VOX_UNPROVEN */
-    int32_t *spill;     /* nx + 1 steps per row, valid for rows that are OST_VOX_SPILLED; NULL before the first spill */
+    uint32_t row_bits;  /* number of bits of a row in a plane: 64 * words, >= nx */
+    uint32_t minus;     /* offset in bits of the minus plane in `planes`, which has < 2^31 bits */
+    uint64_t *planes;   /* rows of plus, padding to complete blocks, rows of minus, padding */
+    uint8_t *row_state; /* flags of each row: OST_VOX_SPILLED, OST_VOX_UNPROVEN */
+    int32_t *spill;     /* nx + 1 steps per row, valid if OST_VOX_SPILLED is set; NULL before the first spill */
     bool any_unproven;
-    bool no_memory; /* there was no memory for spill: the result is invalid */
+    bool no_memory; /* true if the allocation of spill has failed; the result is then invalid */
 };
 
 enum {
-    OST_VOX_SPILLED = 1,   /* the row has steps in spill */
-    OST_VOX_UNPROVEN = 2,  /* the row is not proven to enter and leave alternately */
-    OST_VOX_BLOCK = 8      /* words per block; planes and bits can be read and written up to the end of a block */
+    OST_VOX_SPILLED = 1,   /* the row has steps in `spill` */
+    OST_VOX_UNPROVEN = 2,  /* not proven that the row's crossings enter and leave alternately */
+    OST_VOX_BLOCK = 8      /* words per block; the buffers of planes and bits have complete blocks */
 };
 
 /*
- * A triangle is marked in lanes (lanes.h) if its extents ex, ey, ez on the axes, in
- * lattice units, have (ex + w) ey ez <= OST_VOX_SMALL, w = 2^f: about 80 voxels on
- * each axis at f = 10, or 1,024 by 160 by 2.
+ * A triangle is small, and is marked in lanes (lanes.h), if its extents ex, ey, ez on
+ * the axes, in lattice units, satisfy (ex + w) ey ez <= OST_VOX_SMALL with w = 2^f. For
+ * f = 10, examples are about 80 voxels on each axis, or 1,024 by 160 by 2 voxels.
  */
 #define OST_VOX_SMALL (INT64_C(1) << 49)
 
 /*
- * Returns the number of words of a row of n voxels: 1, 2, 4 or a multiple of a block, so that a block
- * holds complete rows or a row holds complete blocks.
+ * Returns the number of words of a row of n voxels. It is 1, 2, 4 or a multiple of OST_VOX_BLOCK, so that
+ * either a block consists of complete rows, or a row consists of complete blocks.
  */
 static inline int ost_vox_words(int32_t n)
 {
@@ -69,10 +69,10 @@ static inline int ost_vox_words(int32_t n)
     return words <= 2 ? words : words <= 4 ? 4 : (words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
 }
 
-/* Adds a crossing to the row's steps because it has no bit: the bit is already set, or i = nx. */
+/* Adds a crossing to the steps of its row, because no bit can represent it: its bit is already set, or i = nx. */
 void ost_vox_spill(ost_vox_tile *tile, uint32_t row, int32_t i, int step);
 
-/* Marks a crossing at the centre of this bit of planes; spills it if the bit is already set. */
+/* Marks a crossing by setting bit number `bit` of the planes. If the bit is already set, spills the crossing. */
 static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
 {
     uint64_t *word = tile->planes + (bit >> 6);
@@ -86,38 +86,38 @@ static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
     }
 }
 
-/* Marks one triangle of any size and position in the rows of this tile. */
+/* Marks the crossings of one triangle with the rows of a tile. The triangle can have any size and position. */
 void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 
 /*
- * Sums the unproven rows among `rows` rows of a tile, starting with first_row, crossing by
- * crossing. bits holds the kernel's output for these rows; those of unproven rows are
- * replaced. Adds the number of leaking rows to *leaking_rows. Returns the correction
- * to the kernel's count of solid voxels.
+ * Processes `rows` rows of a tile, beginning with first_row, after the kernel vox_fill. Fills the unproven
+ * rows and the rows with spilled crossings by summing their crossings one by one. On entry, `bits` contains
+ * the kernel's output for all these rows; the bits of the rows that are summed are replaced. Adds the number
+ * of leaking rows to *leaking_rows. Returns the number of solid voxels minus the kernel's count.
  */
 int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule,
                               uint64_t *bits, uint64_t *leaking_rows);
 
-/* Returns the number of rows of a tile. */
+/* Returns the number of rows in all slices of a tile. */
 static inline size_t ost_vox_rows(const ost_vox_tile *tile)
 {
     return (size_t)(tile->j1 - tile->j0) * (size_t)(tile->k1 - tile->k0);
 }
 
-/* The division of the grid into tiles; tile (ty, tz) has the number ty + tiles_y * tz. */
+/* The division of the grid into tiles. Tile (ty, tz) has the number ty + tiles_y * tz. */
 struct ost_vox_plan {
     ost_dims dims;
     int f;
     int words;                /* per row */
-    int32_t shift_y, shift_z; /* a tile has 2^shift rows along that axis, the last one possibly fewer */
+    int32_t shift_y, shift_z; /* a tile has 2^shift rows along the axis; the last tile may have fewer */
     int32_t tiles_y, tiles_z;
 };
 
-/* Lists of the triangles that can cross the rows of each tile. */
+/* For each tile, the list of the triangles that can cross its rows. */
 typedef struct ost_vox_bins {
-    size_t *start;   /* tiles + 1 elements; NULL if there is one tile, which has all triangles */
-    uint32_t *list;  /* triangles of tile t: list[i], start[t] <= i < start[t + 1] */
-    uint32_t *large; /* triangles in many tiles, which every tile processes */
+    size_t *start;   /* tiles + 1 elements; NULL if the only tile has all triangles */
+    uint32_t *list;  /* tile t has the triangles list[i] with start[t] <= i < start[t + 1] */
+    uint32_t *large; /* triangles that overlap many tiles; every tile processes them */
     size_t large_count;
 } ost_vox_bins;
 
@@ -125,18 +125,19 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
                              const cpu_backend *backend, int threads, ost_error *err);
 void ost_vox_bins_free(ost_vox_bins *bins);
 
-/* Keys that the keys kernel writes for a triangle that is not in exactly one tile. */
+/* The keys that the kernel vox_keys writes for triangles that are in no tile or in several tiles. */
 #define OST_VOX_KEY_NONE UINT32_MAX        /* the triangle's bounds contain no row centre */
-#define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* the bounds overlap several tiles */
+#define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* the triangle's bounds overlap several tiles */
 
-/* The output buffers; a NULL one is not written. Bits have ost_vox_words words per row, rows ordered by (k, j). */
+/* The output buffers. A buffer that is NULL is not written. Buffers of bits have ost_vox_words words per row, and rows
+   are ordered by (k, j). */
 typedef struct ost_vox_result {
-    uint8_t *voxels;      /* classes, as the reference writes them */
-    uint64_t *cutting;    /* bits of voxels that are solid in the cutting mesh */
-    uint64_t *noncutting; /* bits of voxels that are solid only in the other mesh */
+    uint8_t *voxels;      /* one class per voxel, with the reference's values */
+    uint64_t *cutting;    /* one bit per voxel, set if it is solid in the cutting mesh */
+    uint64_t *noncutting; /* one bit per voxel, set if it is solid only in the noncutting mesh */
 } ost_vox_result;
 
-/* Voxelizes both meshes on one grid, with the same results as ost_ref_voxelize. */
+/* Voxelizes the cutting and the noncutting mesh on one grid, with the same results as ost_ref_voxelize. */
 ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting,
                             const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                             const ost_vox_result *result, ost_error *err);
@@ -146,7 +147,7 @@ ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *c
                                  const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                  ost_tool **out, ost_error *err);
 
-/* The scalar kernels (kernels.h has their contracts). */
+/* The scalar kernels of the voxelizer. kernels.h has their contracts. */
 void ost_vox_mark_scalar(ost_vox_tile *tile, const uint32_t *list, size_t count);
 void ost_vox_keys_scalar(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
                          uint32_t *keys);
