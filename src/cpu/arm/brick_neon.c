@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts rows into bricks, two bricks at a time: eight voxels of a row are two
- * words of four voxels each.  The first words of two rows are an eighth of one
- * brick, the second words an eighth of the other.
+ * Converts rows of voxels into bricks, two bricks at a time.  Eight voxels of a row are
+ * two words of four voxels each.  The first words of two rows are an eighth of one
+ * brick, and the second words are an eighth of the other brick.
  *
  * `stream` is ignored, because the intrinsics have no stores that bypass the
  * caches. Therefore drain needs no NEON variant.
@@ -18,7 +18,7 @@ typedef struct two_bricks {
     int16x8_t v[2];
 } two_bricks;
 
-/* Computes eighth p of bricks x and x + 1. */
+/* Computes eighth p of the two bricks x and x + 1. */
 static inline two_bricks eighths(const int16_t *const rows[16], size_t x, int p)
 {
     const int64x2_t low = vreinterpretq_s64_s16(vld1q_s16(rows[2 * p] + 4 * x));
@@ -26,7 +26,7 @@ static inline two_bricks eighths(const int16_t *const rows[16], size_t x, int p)
     return (two_bricks){{vreinterpretq_s16_s64(vzip1q_s64(low, high)), vreinterpretq_s16_s64(vzip2q_s64(low, high))}};
 }
 
-/* Narrows the lanes (0 or -1) of two registers to bytes. */
+/* Narrows the 16-bit lanes (0 or -1) of two registers to the bytes of one register. */
 static inline uint8x16_t narrow(uint16x8_t a, uint16x8_t b)
 {
     return vuzp1q_u8(vreinterpretq_u8_u16(a), vreinterpretq_u8_u16(b));
@@ -65,12 +65,12 @@ bool ost_any_active_neon(const int16_t *base, const size_t *row, int count, int 
 {
     if (width < LANES)
         return ost_any_active_scalar(base, row, count, width, threshold);
-    int16x8_t most = vdupq_n_s16(0); /* 0 is below every threshold */
+    int16x8_t most = vdupq_n_s16(0); /* begins with 0, which is below every threshold */
     for (int r = 0; r < count; r++) {
         const int16_t *const from = base + row[r];
         for (int x = 0; x + LANES <= width; x += LANES)
             most = vmaxq_s16(most, vld1q_s16(from + x));
-        most = vmaxq_s16(most, vld1q_s16(from + width - LANES)); /* the last voxels, some of which are read twice */
+        most = vmaxq_s16(most, vld1q_s16(from + width - LANES)); /* the last voxels; some are read twice */
     }
     return vmaxvq_s16(most) >= threshold;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Linear interpolation of eight voxels between two slices, or of four sums, at
- * a time.  The ranges are those of x86/linear_avx512.c: the sums of blend are at
- * most 2^30, those of weigh at most 2^60, and a quotient fits 16 bits.
+ * Linear interpolation for NEON: of eight voxels between two slices at a time, or of
+ * four sums at a time.  The ranges are those of x86/linear_avx512.c: the sums of blend
+ * are at most 2^30, the sums of weigh are at most 2^60, and a quotient fits 16 bits.
  */
 #include "core/conditions.h"
 #include "core/neon.h"
@@ -10,7 +10,7 @@
 
 enum { LANES = 8 };
 
-/* Returns RHE(sum / 2^15) of four sums. */
+/* Returns RHE(sum / 2^15) for each of four sums. */
 static inline int16x4_t rounded15(int32x4_t sum)
 {
     const int32x4_t odd = vandq_s32(vshrq_n_s32(sum, OST_WEIGHT_BITS), vdupq_n_s32(1));
@@ -32,7 +32,7 @@ static inline void blend(const int16_t *a, const int16_t *b, int16_t lower, int1
 void ost_blend_rows_neon(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight,
                          int16_t *to)
 {
-    const int16_t lower = (int16_t)(OST_WEIGHT_ONE - weight), upper = (int16_t)weight; /* 1 to 2^15 - 1 */
+    const int16_t lower = (int16_t)(OST_WEIGHT_ONE - weight), upper = (int16_t)weight; /* both 1 to 2^15 - 1 */
     if (width < LANES) {
         ost_blend_rows_scalar(a, b, row, count, width, weight, to);
         return;
@@ -42,12 +42,12 @@ void ost_blend_rows_neon(const int16_t *a, const int16_t *b, const size_t *row, 
         int16_t *const result = to + (size_t)OST_ROW_STRIDE * (size_t)r;
         for (int x = 0; x + LANES <= width; x += LANES)
             blend(ra + x, rb + x, lower, upper, result + x);
-        if (width % LANES) /* the last eight, some of which are computed twice */
+        if (width % LANES) /* the last eight voxels; some of them are computed twice */
             blend(ra + width - LANES, rb + width - LANES, lower, upper, result + width - LANES);
     }
 }
 
-/* Returns the low 32 bits of RHE(sum / 2^45) of two sums. */
+/* Returns the low 32 bits of RHE(sum / 2^45) for each of two sums. */
 static inline int32x2_t rounded45(int64x2_t sum)
 {
     const int64x2_t odd = vandq_s64(vshrq_n_s64(sum, 3 * OST_WEIGHT_BITS), vdupq_n_s64(1));

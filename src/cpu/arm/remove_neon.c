@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal in NEON: the same steps as on x86, with
+ * The kernels of removal for NEON. The steps are those on x86, with these differences:
  *
- *   split   a cube's eight parts in two registers, packed by a table of moves
- *   match   coordinates in 16-bit lanes, of which the high bytes are used; the
- *           64 bytes of a window are one table for TBL
- *   take    eight densities per register; masks are vectors
+ *   split   the eight parts of a cube are in two registers, which a table of moves packs
+ *   match   the high bytes of coordinates in 16-bit lanes are used; the 64 bytes of a
+ *           window are one table for the instruction TBL
+ *   take    a register contains eight densities; masks are vectors
  */
 #include "core/conditions.h"
 #include "core/neon.h"
@@ -21,7 +21,7 @@ static inline int32x4_t cell_along(int32x4_t u, const ost_cells *cells, int axis
     return vminq_s32(vmaxq_s32(c, vdupq_n_s32(0)), vdupq_n_s32(cells->dims[axis] - 1));
 }
 
-/* Returns a byte of -1 for each of eight words that is not 0, otherwise 0. */
+/* Returns one byte for each of eight words: -1 if the word is not 0, otherwise 0. */
 static inline uint8x8_t filled(const uint64_t *words)
 {
     uint32x4_t empty[2];
@@ -31,7 +31,7 @@ static inline uint8x8_t filled(const uint64_t *words)
     return vmvn_u8(vmovn_u16(vcombine_u16(vmovn_u32(empty[0]), vmovn_u32(empty[1]))));
 }
 
-/* Moves the lanes whose bits are set to the front. */
+/* Stores v with some of its lanes moved to the front; `moves` is the table entry that selects these lanes. */
 static inline void pack(int32_t *to, int32x4_t v, uint8x16_t moves)
 {
     vst1q_s32(to, vreinterpretq_s32_u8(vqtbl1q_u8(vreinterpretq_u8_s32(v), moves)));
@@ -40,7 +40,7 @@ static inline void pack(int32_t *to, int32x4_t v, uint8x16_t moves)
 void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                     ost_cubes *mixed, ost_numbers *inside)
 {
-    /* Values are within +-64, so 127 has the same effect as a greater number. */
+    /* The values of cells are within +-64, so a `least` of 127 has the same effect as a greater one. */
     const int least = split->least < 127 ? split->least : 127;
     const int8x8_t high = vdup_n_s8((int8_t)least), low = vdup_n_s8((int8_t)-least);
     const int8_t *const table = cells->value;
@@ -87,19 +87,19 @@ void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cu
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128, SIXTEENS = 4 };
 
 /*
- * The positions of a piece's bricks in their windows, and the bricks that are tied. c is a brick's
- * least coordinate relative to the window's first voxel (remove.h).
+ * The positions of the bricks of a piece in their windows, and the list of the bricks that are tied. c is
+ * the least coordinate of a brick, relative to the first voxel of the brick's window (remove.h).
  */
 typedef struct places {
     uint16_t high[3][PIECE]; /* c >> 7 */
     uint16_t low[3][PIECE];  /* c mod 2^7 */
-    uint32_t line[PIECE]; /* the window's number, later the number of its line */
+    uint32_t line[PIECE]; /* number of each brick's window, later replaced by the number of its line */
     uint32_t tied[PIECE];
 } places;
 
 /*
- * Returns n / step for 0 <= n < 2^15 and step 1, 2, 3: (n * ceil(2^16 / step)) >> 16 is exact there,
- * and for step 1 the product with 2^16 is a shift.
+ * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2 or 3. In this range,
+ * (voxel * ceil(2^16 / step)) >> 16 is exact; for step 1, the product is a shift by 16.
  */
 static inline int32x4_t windows_of(int32x4_t voxel, int32_t step)
 {
@@ -107,7 +107,8 @@ static inline int32x4_t windows_of(int32x4_t voxel, int32_t step)
     return vreinterpretq_s32_u32(vshrq_n_u32(vmulq_n_u32(vreinterpretq_u32_s32(voxel), inverse), 16));
 }
 
-/* Computes the positions of bricks from .. from + 3. The values of lanes after the last brick are not used. */
+/* Computes the positions of the bricks from .. from + 3. If the list has fewer bricks, the values of the remaining
+   lanes are not used. */
 static inline void place_four(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
 {
     const ost_windows *w = &match->shape->windows;
@@ -117,7 +118,7 @@ static inline void place_four(const ost_match *match, const ost_cubes *bricks, s
         const int32x4_t u = vaddq_s32(vld1q_s32(bricks->u[a] + from), vdupq_n_s32(match->lowest[a]));
         window[a] = windows_of(vaddq_s32(vshrq_n_s32(u, OST_MAP_FRACTION), margin), w->step);
         const int32x4_t begin = vshlq_n_s32(vsubq_s32(vmulq_n_s32(window[a], w->step), margin), OST_MAP_FRACTION);
-        const uint32x4_t c = vreinterpretq_u32_s32(vsubq_s32(u, begin)); /* < 2^23, so that high fits 16 bits */
+        const uint32x4_t c = vreinterpretq_u32_s32(vsubq_s32(u, begin)); /* c < 2^23, so that c >> 7 fits 16 bits */
         vst1_u16(out->high[a] + to, vshrn_n_u32(c, LOW));
         vst1_u16(out->low[a] + to, vmovn_u32(vandq_u32(c, vdupq_n_u32((1 << LOW) - 1))));
     }
@@ -142,15 +143,16 @@ static inline size_t find_lines(const ost_match *match, size_t count, places *at
     return tied;
 }
 
-/* Returns sixteen voxels as bytes of 0 or -1; a byte of x, y, z has three bits of voxel and five of fraction. */
+/* Returns one byte for each of sixteen voxels: -1 if the voxel's bit in the window is set, otherwise 0. x, y and z
+   contain one byte per voxel, with three bits for the coordinate in the window and five bits of fraction. */
 static inline uint8x16_t lookup(uint8x16x4_t line, uint8x16_t x, uint8x16_t y, uint8x16_t z)
 {
-    const uint8x16_t row = vqtbl4q_u8(line, vsriq_n_u8(vshrq_n_u8(y, 2), z, 5)); /* row 8 y + z, below 64 */
+    const uint8x16_t row = vqtbl4q_u8(line, vsriq_n_u8(vshrq_n_u8(y, 2), z, 5)); /* row number 8 y + z < 64 */
     const uint8x16_t bit = vshlq_u8(vdupq_n_u8(1), vreinterpretq_s8_u8(vshrq_n_u8(x, 5)));
     return vtstq_u8(row, bit);
 }
 
-/* Returns the high bytes of the lanes of two registers. */
+/* Returns the high bytes of the 16-bit lanes of two registers. */
 static inline uint8x16_t high_bytes(uint16x8_t a, uint16x8_t b)
 {
     return vuzp2q_u8(vreinterpretq_u8_u16(a), vreinterpretq_u8_u16(b));
@@ -161,7 +163,7 @@ static inline uint8x16_t coordinate(const uint16_t *offsets, uint16x8_t c)
     return high_bytes(vaddq_u16(vld1q_u16(offsets), c), vaddq_u16(vld1q_u16(offsets + 8), c));
 }
 
-/* Computes the same as coordinate, with the carries of the low bits. */
+/* Computes the coordinates that the function `coordinate` computes, but with the carries of the low bits. */
 static inline uint8x16_t coordinate_tied(const uint16_t *offsets, uint16x8_t c, const uint16_t *low_offsets,
                                          uint16x8_t low)
 {
@@ -218,9 +220,11 @@ void ost_match_neon(const ost_match *match, const ost_cubes *bricks, uint64_t *h
 /* ------------------------------------------------------------------- take */
 
 /*
- * Sums are in 32-bit lanes: a brick adds 8 registers of 2 densities each, below 8 *
- * 2 * 2^15 = 2^19, and 512 bricks add less than 2^28. Counts are in 16-bit lanes: 8
- * per brick, at most 4096. Callers pass the number of borders as a constant.
+ * Adds the hits of `count` bricks to the tally. The sums of densities are in 32-bit
+ * lanes. A brick adds 8 registers with 2 densities per lane, less than
+ * 8 * 2 * 2^15 = 2^19, so 512 bricks add less than 2^28. The counts are in 16-bit lanes.
+ * A brick adds at most 8 to a lane, so 512 bricks add at most 4096. Callers pass the
+ * number of borders as a constant.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
                                                               const int32_t *number, const uint64_t *hits, size_t count,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer's kernels for NEON, which process two triangles or sixteen classes at once.
+ * The kernels of the voxelizer for NEON. They process two triangles or sixteen classes at once.
  *
- * vox_fill has no NEON variant, because it is a subtraction with borrows. NEON has no such
- * instruction, and the scalar loop subtracts 64 voxels at once.
+ * vox_fill has no NEON variant, because it is a subtraction with borrows. NEON has no instruction
+ * for subtraction with borrow, and the scalar loop subtracts 64 voxels at once.
  */
 #include "core/neon.h"
 #include "cpu/kernels.h"
@@ -17,8 +17,8 @@ typedef uint64x2_t vm;
 typedef int32x2_t vi;
 
 /*
- * -ffp-contract=off prevents fused multiply-add. Fusing would not change results, because every product
- * that is summed here is exact.
+ * The option -ffp-contract=off prevents fused multiply-add. Fusing would not change the results, because
+ * every product that is summed here is exact.
  */
 #define vd_set(x) vdupq_n_f64(x)
 #define vd_add vaddq_f64
@@ -43,7 +43,8 @@ typedef int32x2_t vi;
 #define vi_from_vd(a) vmovn_s64(vcvtq_s64_f64(a))
 #define vd_from_vi(a) vcvtq_f64_s64(vmovl_s32(a))
 
-/* Loads exactly twelve bytes per vertex, because nothing may be read after the last vertex. */
+/* Loads one corner of each triangle. Loads exactly twelve bytes per vertex, because nothing may be read after the last
+   vertex. */
 static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
 {
     const int32_t *p = mesh->vertices[v[0][corner]], *q = mesh->vertices[v[1][corner]];
@@ -63,7 +64,7 @@ static inline size_t emit_bits(uint32_t *out, vi v, unsigned lanes)
 
 #define emit(out, v, m) emit_bits(out, v, vm_bits(m))
 
-/* Loads y and z of a corner of both triangles. */
+/* Loads y and z of one corner of each of the two triangles. */
 static inline int32x4_t yz_of_both(const ost_snapped_mesh *mesh, const uint32_t *t, int corner)
 {
     return vcombine_s32(vld1_s32(mesh->vertices[mesh->triangles[t[0]][corner]] + 1),
@@ -71,8 +72,8 @@ static inline int32x4_t yz_of_both(const ost_snapped_mesh *mesh, const uint32_t 
 }
 
 /*
- * Returns the bits of the triangles that have a row's centre in their bounds. Compares integers before any
- * transposition.
+ * Returns one bit per triangle; it is set if the triangle's bounds contain the centre of a row. The
+ * coordinates are compared as integers and are not transposed.
  */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
@@ -98,7 +99,7 @@ static inline vi greatest(vi a, vi b, vi c)
 static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
 {
     const vi h = vdup_n_s32(1 << (plan->f - 1)), h1 = vdup_n_s32((1 << (plan->f - 1)) - 1);
-    /* negative counts, which shift to the right */
+    /* The counts of shifts are negative, because a negative count shifts to the right. */
     const vi f = vdup_n_s32(-plan->f), sy = vdup_n_s32(-plan->shift_y), sz = vdup_n_s32(-plan->shift_z);
     const vi j0 = vshl_s32(vadd_s32(least(ay, by, cy), h1), f), k0 = vshl_s32(vadd_s32(least(az, bz, cz), h1), f);
     const vi j1 = vshl_s32(vsub_s32(greatest(ay, by, cy), h), f), k1 = vshl_s32(vsub_s32(greatest(az, bz, cz), h), f);
@@ -126,8 +127,8 @@ void ost_vox_keys_neon(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, s
 /* ---------------------------------------------------------------- classes */
 
 /*
- * Spreads sixteen bits to bytes of 0 or -1: each byte receives a copy of the byte that contains
- * its bit, and is tested for that bit.
+ * Returns 16 bytes; byte i is -1 if bit i of the parameter is set, and 0 otherwise. Each byte receives a
+ * copy of the byte that contains its bit, and is tested for this bit.
  */
 static inline uint8x16_t spread(uint64_t bits)
 {
@@ -144,7 +145,7 @@ static inline uint8x16_t classes_of(const uint64_t *cutting, const uint64_t *non
     return v;
 }
 
-/* Ignores `stream`, because the intrinsics have no stores that bypass the caches. */
+/* The parameter stream is ignored, because the NEON intrinsics have no stores that bypass the caches. */
 void ost_vox_expand_neon(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
                          bool stream, uint8_t *voxels)
 {

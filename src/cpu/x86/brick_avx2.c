@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts rows into bricks, four bricks at a time: transposing words of four
- * voxels in four rows of four bricks gives a quarter of each brick.
+ * Converts rows of voxels into bricks, four bricks at a time.  Four rows contain a
+ * quarter of each of the four bricks, as words of four voxels.  The words are transposed,
+ * so that each quarter is one register.
  */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
@@ -32,8 +33,8 @@ static inline void quarters(const int16_t *const rows[4], size_t x, __m256i quar
 }
 
 /*
- * Converts 32 lanes of comparisons to bits. Packing works within halves of a register, so its quarters
- * are reordered.
+ * Converts the results of 32 comparisons of 16-bit lanes to bits. The packing instruction works within
+ * halves of a register, so the quarters of its result must be reordered.
  */
 static inline uint32_t bits_of(__m256i on0, __m256i on1)
 {
@@ -66,8 +67,8 @@ static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int1
     }
     __m128i quarter = _mm_max_epi16(_mm256_castsi256_si128(highest), _mm256_extracti128_si256(highest, 1));
     /*
-     * SSE4.1 has a horizontal minimum of unsigned 16-bit lanes; it is applied to 2^15 - 1 - v, because
-     * no v is negative.
+     * Computes the maximum of the lanes v, none of which is negative. SSE4.1 has an instruction only for the
+     * minimum of unsigned 16-bit lanes, so the instruction is applied to 2^15 - 1 - v.
      */
     __m128i least_complement = _mm_minpos_epu16(_mm_xor_si128(quarter, _mm_set1_epi16(INT16_MAX)));
     return (ost_brick_sums){active, _mm_extract_epi16(least_complement, 0) ^ INT16_MAX};

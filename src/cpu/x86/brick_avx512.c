@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts rows into bricks, four bricks at a time: half a brick is eight rows of
- * four voxels, so transposing words of four voxels in eight rows of four bricks
- * gives half of each brick.
+ * Converts rows of voxels into bricks, four bricks at a time.  Eight rows contain half
+ * of each of the four bricks, as words of four voxels.  The words are transposed, so
+ * that each half is one register.
  *
  *   loads        A0 = [row 0 | row 2]   A1 = [row 1 | row 3]     32 bytes each
  *                A2 = [row 4 | row 6]   A3 = [row 5 | row 7]
  *   words        rows 0, 1 | rows 0, 1 | rows 2, 3 | rows 2, 3   (low or high words of A0, A1)
  *   quarters     of brick x: rows 0, 1 | rows 2, 3 | rows 4, 5 | rows 6, 7
  *
- * A half is then one register in the brick's order.  Its comparison with the
- * threshold gives half of the brick's word, and a masked move clears the other
- * voxels.
+ * The voxels of a half are then in the brick's order.  Comparing the register with the
+ * threshold results in half of the brick's occupancy word.  A masked move sets the voxels
+ * below the threshold to 0.
  */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
@@ -35,7 +35,7 @@ static inline void put(int16_t *to, __m512i v, bool stream)
         _mm512_store_si512(to, v);
 }
 
-/* Computes the halves of four bricks from eight rows, beginning with voxel x. */
+/* Computes a half of each of four bricks from eight rows. The first brick begins at voxel x of the rows. */
 static inline void halves(const int16_t *const rows[8], size_t x, __m512i half[GROUP])
 {
     __m512i a0 = two_rows(rows[0] + x, rows[2] + x), a1 = two_rows(rows[1] + x, rows[3] + x);
@@ -73,8 +73,8 @@ static inline __attribute__((always_inline)) ost_brick_sums brick_row(const int1
     __m256i half = _mm256_max_epi16(_mm512_castsi512_si256(highest), _mm512_extracti64x4_epi64(highest, 1));
     __m128i quarter = _mm_max_epi16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1));
     /*
-     * SSE4.1 has a horizontal minimum of unsigned 16-bit lanes; it is applied to 2^15 - 1 - v, because
-     * no v is negative.
+     * Computes the maximum of the lanes v, none of which is negative. SSE4.1 has an instruction only for the
+     * minimum of unsigned 16-bit lanes, so the instruction is applied to 2^15 - 1 - v.
      */
     __m128i least_complement = _mm_minpos_epu16(_mm_xor_si128(quarter, _mm_set1_epi16(INT16_MAX)));
     return (ost_brick_sums){active, _mm_extract_epi16(least_complement, 0) ^ INT16_MAX};
@@ -93,7 +93,7 @@ bool ost_any_active_avx512(const int16_t *base, const size_t *row, int count, in
     int first = width < 32 ? width : 32;
     const __mmask32 in0 = (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)first);
     const __mmask32 in1 = (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)(width - first));
-    __m512i most = _mm512_setzero_si512(); /* 0 is below every threshold */
+    __m512i most = _mm512_setzero_si512(); /* begins with 0, which is below every threshold */
     for (int r = 0; r < count; r++) {
         most = _mm512_max_epi16(most, _mm512_maskz_loadu_epi16(in0, base + row[r]));
         if (in1)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Gathers a row by ascending indices: if 32 of them span at most 64 elements, one
- * or two registers hold all elements that they refer to.
+ * Gathers a row by ascending indices, 32 at a time.  If 32 indices span at most 64
+ * elements, all elements to which they refer fit one or two registers.
  */
 #include "cpu/kernels.h"
 
@@ -10,16 +10,17 @@
 
 #include "core/conditions.h"
 
-/* Returns a mask of the low `count` bits, 0 <= count <= 32. */
+/* Returns a mask whose lowest `count` bits are set, 0 <= count <= 32. */
 static inline __mmask32 low_mask(int count)
 {
     return (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)count);
 }
 
 /*
- * The map is ascending, so 32 results come from one window of map[last] - map[first]
- * + 1 elements.  A permutation selects them from one register for up to 32 elements
- * and from two for up to 64; a wider window is read element by element.
+ * The map is ascending, so 32 results lie in one window of map[last] - map[first] + 1
+ * elements.  If the window has at most 32 elements, a permutation of one register selects
+ * the results; if it has at most 64, a permutation of two registers does.  A wider window
+ * is read element by element.
  */
 void ost_gather_row_avx512(const int16_t *from, const int32_t *map, int count, int16_t *to)
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Linear interpolation of 16 voxels between two slices, or of eight sums, at a
- * time.  Steps and ranges are those of linear_avx512.c, but pairs along x are
- * loaded one by one: a gather instruction costs more than eight loads.
+ * Linear interpolation for AVX2: of 16 voxels between two slices at a time, or of eight
+ * sums at a time.  The steps and the ranges are those of linear_avx512.c, except that
+ * pairs along x are loaded one by one, because a gather instruction takes longer than
+ * eight loads.
  */
 #include "core/conditions.h"
 #include "cpu/kernels.h"
@@ -12,7 +13,7 @@
 
 enum { LANES = 16 };
 
-/* Returns RHE(sum / 2^15) of eight sums. */
+/* Returns RHE(sum / 2^15) for each of eight sums. */
 static inline __m256i rounded15(__m256i sum)
 {
     const __m256i odd = _mm256_and_si256(_mm256_srli_epi32(sum, OST_WEIGHT_BITS), _mm256_set1_epi32(1));
@@ -22,8 +23,8 @@ static inline __m256i rounded15(__m256i sum)
 }
 
 /*
- * Writes the weighted means of a and b. Unpacking and packing both work within 128-bit lanes, so the results are in the
- * order of a and b.
+ * Writes the weighted means of the elements of a and b. Unpacking and packing both work within 128-bit lanes, so the
+ * results have the order of a and b.
  */
 static inline void blend(const int16_t *a, const int16_t *b, __m256i weights, int16_t *to)
 {
@@ -45,7 +46,7 @@ static void blend_row(const int16_t *a, const int16_t *b, int width, __m256i wei
     }
     for (int x = 0; x + LANES <= width; x += LANES)
         blend(a + x, b + x, weights, to + x);
-    if (width % LANES) /* the last 16, some of which are computed twice */
+    if (width % LANES) /* the last 16 voxels; some of them are computed twice */
         blend(a + width - LANES, b + width - LANES, weights, to + width - LANES);
 }
 
@@ -78,7 +79,7 @@ void ost_stretch_row_avx2(const int16_t *from, const int32_t *at, const int16_t 
         to[i] = from[at[i]] * minus[2 * i] + from[at[i] + 1] * minus[2 * i + 1];
 }
 
-/* Returns sums whose bits from 45 on are RHE(sum / 2^45); the bits below are undefined. */
+/* Returns RHE(sum / 2^45) for each sum, in the bits from 45 on. The lower bits of the results are undefined. */
 static inline __m256i rounded45(__m256i sum)
 {
     const __m256i odd = _mm256_and_si256(_mm256_srli_epi64(sum, 3 * OST_WEIGHT_BITS), _mm256_set1_epi64x(1));
@@ -86,7 +87,8 @@ static inline __m256i rounded45(__m256i sum)
                             odd);
 }
 
-/* Returns eight results, each in the low half of 32 bits, with zeros above. */
+/* Computes the weighted sums of the elements i to i + 7 of the rows. Each rounded result is in the low half of 32 bits;
+   the high half is 0. */
 static inline __attribute__((always_inline)) __m256i weighed(const int32_t *const rows[4], const __m256i by[4],
                                                              int count, int i)
 {
@@ -101,7 +103,8 @@ static inline __attribute__((always_inline)) __m256i weighed(const int32_t *cons
     return _mm256_and_si256(_mm256_blend_epi32(low, high, 0xaa), _mm256_set1_epi32(0xffff));
 }
 
-/* Writes weighted sums of rows. Packing works within 128-bit lanes, so the quarters of the register are reordered. */
+/* Writes the weighted sums of rows. Packing works within 128-bit lanes, so the quarters of the packed register must be
+   reordered. */
 static inline __attribute__((always_inline)) void weigh(const int32_t *const rows[4], const int32_t weight[4],
                                                         int count, int width, int16_t *to)
 {

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Linear interpolation of 32 voxels between two slices, or of 16 sums, at a time.
+ * Linear interpolation for AVX-512: of 32 voxels between two slices at a time, or of 16
+ * sums at a time.
  *
  *   blend     interleaves a and b to pairs; one multiplication of 16-bit pairs
- *             (vpmaddwd) by the pair of weights gives a (2^15 - w) + b w
+ *             (vpmaddwd) by the pair of weights computes a (2^15 - w) + b w
  *   stretch   permutes the window that contains 16 pairs from[at], from[at + 1],
  *             then performs the same multiplication
  *   weigh     multiplies even and odd lanes separately, 32 by 32 bits to 64
@@ -23,7 +24,7 @@ static inline __mmask32 low_mask(int count)
     return (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)count);
 }
 
-/* Returns RHE(sum / 2^15) of 16 sums. */
+/* Returns RHE(sum / 2^15) for each of 16 sums. */
 static inline __m512i rounded15(__m512i sum)
 {
     const __m512i odd = _mm512_and_si512(_mm512_srli_epi32(sum, OST_WEIGHT_BITS), _mm512_set1_epi32(1));
@@ -33,8 +34,8 @@ static inline __m512i rounded15(__m512i sum)
 }
 
 /*
- * Returns the weighted means of a and b. Unpacking and packing both work within 128-bit lanes, so the results are in
- * the order of a and b.
+ * Returns the weighted means of the elements of a and b. Unpacking and packing both work within 128-bit lanes, so the
+ * results have the order of a and b.
  */
 static inline __m512i blended(__m512i a, __m512i b, __m512i weights)
 {
@@ -72,8 +73,8 @@ void ost_stretch_row_avx512(const int16_t *from, const int32_t *at, const int16_
             continue;
         }
         /*
-         * The indices in the window, as pairs at - first, at - first + 1.  Lanes beyond `part` may
-         * select any element.
+         * The indices of each pair in the window: at - first and at - first + 1.  Lanes from number `part`
+         * on may select any element, because their results are not used.
          */
         const __m512i lower =
             _mm512_sub_epi32(_mm512_maskz_loadu_epi32((__mmask16)low_mask(part), at + i), _mm512_set1_epi32(first));
@@ -91,7 +92,7 @@ void ost_stretch_row_avx512(const int16_t *from, const int32_t *at, const int16_
     }
 }
 
-/* Returns sums whose bits from 45 on are RHE(sum / 2^45); the bits below are undefined. */
+/* Returns RHE(sum / 2^45) for each sum, in the bits from 45 on. The lower bits of the results are undefined. */
 static inline __m512i rounded45(__m512i sum)
 {
     const __m512i odd = _mm512_and_si512(_mm512_srli_epi64(sum, 3 * OST_WEIGHT_BITS), _mm512_set1_epi64(1));

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal in AVX2 (and BMI2, POPCNT): the same steps as in AVX-512, with
+ * The kernels of removal for AVX2 (with BMI2 and POPCNT). The steps are those of
+ * remove_avx512.c, with these differences:
  *
- *   split   a cube's eight parts in a register, packed by a shuffle that PEXT makes
- *   match   coordinates in 16-bit lanes, packed to bytes; four byte shuffles
+ *   split   the eight parts of a cube are in one register; PEXT makes the shuffle
+ *           that packs the parts
+ *   match   coordinates in 16-bit lanes are packed to bytes; four byte shuffles
  *           read the 64 bytes of a window
- *   take    sixteen densities per register; masks are vectors
+ *   take    a register contains sixteen densities; masks are vectors
  *
- * The shuffles.  A row's number n = 8 y + z has six bits; VPSHUFB uses the
- * lowest four and returns 0 where bit 7 is set.  With T0..T3 the quarters of
- * the window, the sum
+ * The shuffles.  The number of a row, n = 8 y + z, has six bits.  VPSHUFB uses the
+ * lowest four bits of an index and returns 0 if bit 7 is set.  Let T0..T3 be the
+ * quarters of the window.  The sum
  *
  *     T0[n] ^ (T1 ^ T0)[n - 16] ^ (T2 ^ T1)[n - 32] ^ (T3 ^ T2)[n - 48]
  *
- * has only the terms whose n - 16 q is not negative, and these cancel except for
- * the quarter that contains n.
+ * contains only the terms for which n - 16 q is not negative.  These terms cancel
+ * except for the quarter that contains n.
  */
 #include <immintrin.h>
 
@@ -40,7 +42,7 @@ static inline __m256i cell_along(__m256i u, const ost_cells *cells, int axis)
     return _mm256_min_epi32(_mm256_max_epi32(c, _mm256_setzero_si256()), _mm256_set1_epi32(cells->dims[axis] - 1));
 }
 
-/* Moves the lanes whose bits are set to the front. */
+/* Returns v with the lanes whose bits are set in mask moved to the front. */
 static inline __m256i packed(__m256i v, unsigned mask)
 {
     const uint64_t bytes = _pdep_u64(mask, UINT64_C(0x0101010101010101)) * 0xff;
@@ -60,7 +62,7 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
                     ost_cubes *mixed, ost_numbers *inside)
 {
     const __m256i part = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    /* Values are within +-64, so 127 has the same effect as a greater number. */
+    /* The values of cells are within +-64, so a `least` of 127 has the same effect as a greater one. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i in_above = _mm_set1_epi8((int8_t)(least - 1)), out_below = _mm_set1_epi8((int8_t)(1 - least));
     const int8_t *const table = cells->value;
@@ -100,15 +102,16 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
 
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128 };
 
-/* The positions of a piece's bricks in their windows, as in remove_avx512.c, and the bricks that are tied. */
+/* The positions of the bricks of a piece in their windows, as in remove_avx512.c, and the list of the bricks that are
+   tied. */
 typedef struct places {
-    _Alignas(32) uint32_t high[3][PIECE]; /* c >> 7, in both halves of a lane */
+    _Alignas(32) uint32_t high[3][PIECE]; /* the 16-bit value c >> 7, stored twice in each 32-bit lane */
     uint32_t low[3][PIECE];               /* c mod 2^7 */
-    uint32_t line[PIECE]; /* the window's number, later the number of its line */
+    uint32_t line[PIECE]; /* number of each brick's window, later replaced by the number of its line */
     uint32_t tied[PIECE];
 } places;
 
-/* Returns n / step for 0 <= n < 2^15, as in remove_avx512.c. */
+/* Returns floor(voxel / step) for 0 <= voxel < 2^15, as windows_of in remove_avx512.c does. */
 static inline __m256i windows_of(__m256i voxel, int32_t step)
 {
     const int32_t inverse = step == 3 ? 21846 : step == 2 ? 32768 : 65536;
@@ -150,13 +153,15 @@ static inline size_t find_lines(const ost_match *match, size_t count, places *at
     return tied;
 }
 
-/* Packs the high bytes of two registers; their voxels 0..7, 16..23 and 8..15, 24..31 become 0..31. */
+/* Packs the high bytes of the 16-bit lanes of two registers. a has the voxels 0..7 and 16..23, b has the voxels 8..15
+   and 24..31; the result has the voxels 0..31 in order. */
 static inline __m256i high_bytes(__m256i a, __m256i b)
 {
     return _mm256_packus_epi16(_mm256_srli_epi16(a, 8), _mm256_srli_epi16(b, 8));
 }
 
-/* The tables of the four shuffles: the window's first quarter, and each later quarter xor the previous one. */
+/* The tables of the four shuffles for one window. t[0] is the first quarter of the window, and t[q] is quarter q xor
+   quarter q - 1. */
 typedef struct quarters {
     __m256i t[4];
 } quarters;
@@ -169,7 +174,8 @@ static inline quarters quarters_of(const uint8_t line[64])
     return (quarters){{t[0], _mm256_xor_si256(t[1], t[0]), _mm256_xor_si256(t[2], t[1]), _mm256_xor_si256(t[3], t[2])}};
 }
 
-/* Returns the bits of 32 voxels; a byte of x, y, z has three bits of voxel and five of fraction. */
+/* Returns the window's bits for 32 voxels. x, y and z contain one byte per voxel, with three bits for the coordinate in
+   the window and five bits of fraction. */
 static inline uint32_t lookup(const quarters *line, __m256i x, __m256i y, __m256i z)
 {
     const __m256i one_of = _mm256_broadcastsi128_si256(
@@ -186,14 +192,14 @@ static inline uint32_t lookup(const quarters *line, __m256i x, __m256i y, __m256
     return (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_and_si256(row, bit), bit));
 }
 
-/* Loads sixteen voxels in the order that high_bytes expects. */
+/* Loads voxels 0..7 and 16..23, so that high_bytes results in voxels in order. */
 static inline __m256i ordered(const uint16_t *voxels)
 {
     return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_load_si128((const __m128i *)voxels)),
                                    _mm_load_si128((const __m128i *)(voxels + 16)), 1);
 }
 
-/* The pose's offsets, indexed by [half][first or second sixteen][axis]. */
+/* The offsets of a brick's voxels for one pose, indexed by [half of the brick][register of the half][axis]. */
 typedef struct offsets {
     __m256i v[2][2][3];
 } offsets;
@@ -208,7 +214,7 @@ static inline offsets offsets_of(const uint16_t table[3][64])
     return o;
 }
 
-/* Matches the tied bricks again, with the carries of the low bits. */
+/* Computes the hits of the tied bricks again, now with the carries of the low bits. */
 static void match_tied(const ost_match *match, const offsets *high, const places *at, size_t count, uint64_t *hits)
 {
     const offsets low = offsets_of(match->low);
@@ -284,9 +290,9 @@ static inline uint64_t sum32(__m256i v)
 }
 
 /*
- * A 16-bit lane can sum 65535 / highest densities, four per brick, before it must be added to a
- * 32-bit lane, which can sum 512 bricks of 4 * 2 * 32767 < 2^18 each. Callers pass the number
- * of borders as a constant.
+ * Adds the hits of `count` bricks to the tally. A 16-bit lane can sum 65535 / highest densities, four per
+ * brick, before it must be added to a 32-bit lane. A 32-bit lane can sum 512 bricks of
+ * 4 * 2 * 32767 < 2^18 each. Callers pass the number of borders as a constant.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
                                                               const int32_t *number, const uint64_t *hits, size_t count,
@@ -301,7 +307,7 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
     for (int b = 0; b <= borders; b++)
         sum[b] = wide[b] = zero;
     for (int b = 0; b < borders; b++) {
-        /* Densities are at least 1, so a lower border has the same effect as 1. */
+        /* The densities of hits are at least 1, so a border below 1 has the same effect as 1. */
         below[b] = _mm256_set1_epi16((int16_t)((take->border[b] > 1 ? take->border[b] : 1) - 1));
         voxels[b] = zero;
     }

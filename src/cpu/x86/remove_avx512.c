@@ -1,19 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal in AVX-512 (F, BW, DQ, VL, CD).
+ * The kernels of removal for AVX-512 (F, BW, DQ, VL, CD).
  *
  *   blocks  the eight blocks of a unit at once, in 64-bit lanes
- *   split   sixteen parts at once, two of each of eight cubes or four of each of four
- *   match   32 voxels in 16-bit lanes, twice: a window of 64 bytes is one
- *           register, and VPERMW selects its rows
- *   take    a brick is two registers; compare masks give the classes
+ *   split   sixteen parts at once: two parts of each of eight cubes, or four parts of
+ *           each of four cubes
+ *   match   the 64 voxels of a brick, 32 at a time in 16-bit lanes: a window of 64
+ *           bytes is one register, and VPERMW selects its rows
+ *   take    a brick is two registers; comparisons with the borders result in masks
  *
  * Indices are stored to memory, and tables are read by scalar loads, because sixteen loads take half the
  * time of a gather and many loads are in flight at once. The file has more than 500 lines, because these
  * four steps share the helpers that are inlined into them.
  *
- * A window's 16-bit word 4 y + z / 2 holds the bytes of rows (y, z) and
- * (y, z + 1), z even.  In a lane's u = voxel.fraction (3 + 13 bits):
+ * The 16-bit word 4 y + z / 2 of a window contains the bytes of the rows (y, z) and
+ * (y, z + 1), where z is even.  A lane contains a coordinate u with 3 bits of voxel and
+ * 13 bits of fraction:
  *
  *   word     uy >> 11  ->  y2 y1 y0 f f        uz >> 14  ->  z2 z1
  *            5 bits:       y2 y1 y0 z2 z1      (VPERMW ignores the higher bits)
@@ -28,17 +30,17 @@
 /* ----------------------------------------------------------------- blocks */
 
 /*
- * Block (x, y, z) of the unit is in lane x + 2y + 4z. Computes as ost_block_base does; if one of the
- * blocks needs the division, the scalar kernel computes all of them.
+ * Block (x, y, z) of the unit is in lane x + 2y + 4z. The bases are computed as by ost_block_base. If one
+ * of the blocks needs the division, the scalar kernel computes all blocks.
  */
 void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                        const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
 {
-    static const __mmask8 second[3] = {0xaa, 0xcc, 0xf0}; /* lanes of first + 1 */
+    static const __mmask8 second[3] = {0xaa, 0xcc, 0xf0}; /* lanes of the blocks at first + 1 on each axis */
     const int64_t *part[3][2];
     unsigned valid = 0xff, unsure = 0;
     for (int b = 0; b < 3; b++) {
-        /* Lanes that are not valid contain the values of their neighbour. */
+        /* A lane without a valid block contains the values of a neighbouring valid block. */
         part[b][0] = bases->part[b] + 3 * (size_t)(from[b] - bases->lo[b]);
         part[b][1] = bases->part[b] + 3 * (size_t)(to[b] - 1 - bases->lo[b]);
         valid &= (from[b] == first[b] ? 0xff : second[b]) & (to[b] == first[b] + 2 ? 0xff : ~(unsigned)second[b]);
@@ -51,7 +53,7 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
             sum = _mm512_add_epi64(sum,
                                    _mm512_mask_set1_epi64(_mm512_set1_epi64(part[b][0][a]), second[b], part[b][1][a]));
         const __m512i wide = _mm512_srai_epi64(sum, 16);
-        /* The base is certain if the low 16 bits, less 1, are below 2^16 - 7. */
+        /* The base needs no division if the low 16 bits of the sum, minus 1, are below 2^16 - 7. */
         const __m512i low = _mm512_and_si512(_mm512_sub_epi64(sum, _mm512_set1_epi64(1)), _mm512_set1_epi64(0xffff));
         unsure |= _mm512_cmpge_epu64_mask(low, _mm512_set1_epi64(0xffff - 6));
         near = _mm512_mask_cmplt_epu64_mask(near, _mm512_add_epi64(wide, _mm512_set1_epi64(1 << 29)),
@@ -74,9 +76,9 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
 /* ------------------------------------------------------------------ split */
 
 /*
- * Computes the number of the cell that contains each lane's point or is nearest to
- * it.  An axis has at most 2^15 cells, so that y and dims[0] fit 16 bits and their
- * product fits 32.
+ * Computes for each lane the number of the cell that contains the point (x, y, z), or of
+ * the nearest cell if the point is outside the table.  An axis has at most 2^15 cells,
+ * so that y and dims[0] fit 16 bits and their product fits 32 bits.
  */
 static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m512i z)
 {
@@ -94,24 +96,25 @@ static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m
 }
 
 /*
- * Cubes are processed in groups of eight with two of their parts per register:
- * lanes 0..7 are part 2q of the cubes, lanes 8..15 part 2q + 1.  If the last group
- * has at most four cubes, a register has four parts of them, since a unit has few
- * blocks and half of the lanes would be empty.  The cells of all groups are found
- * first, then their values are read one by one, then the parts are sorted.
+ * Cubes are processed in groups of eight, with two parts of each cube per register:
+ * lanes 0..7 of register q are part 2q of the eight cubes, lanes 8..15 are part 2q + 1.
+ * If the last group has at most four cubes, a register has four parts of each cube;
+ * otherwise half of the lanes would be empty.  This case is frequent, because a unit has
+ * few blocks.  The cells of all groups are found first, then the values of the cells are
+ * read one by one, and then the parts are sorted.
  */
 enum { GROUPS = 8 };
 typedef struct split_piece {
     _Alignas(64) int32_t cell[GROUPS][64];
     _Alignas(64) int8_t value[GROUPS][64];
-    uint64_t keep[GROUPS]; /* byte c: the parts of cube c that are to be sorted */
+    uint64_t keep[GROUPS]; /* bit p of byte c: part p of cube c is not dropped before sorting */
 } split_piece;
 
 #define INLINED static inline __attribute__((always_inline))
 
 /*
- * Returns the number of the part in each lane of register q. `wide` is the number of cubes in a
- * register, 8 or 4.
+ * Returns a register whose lanes contain the numbers of the parts that are in the lanes of register q.
+ * `wide` is the number of cubes per register, 8 or 4.
  */
 INLINED __m512i part_numbers(int wide, int q)
 {
@@ -121,7 +124,7 @@ INLINED __m512i part_numbers(int wide, int q)
                      : _mm512_add_epi32(of_four, _mm512_set1_epi32(4 * q));
 }
 
-/* Returns the values of eight[] for the parts in the lanes of register q. */
+/* Returns a register whose lanes contain eight[p], where p is the number of the part in that lane of register q. */
 INLINED __m512i parts(const int32_t eight[8], int wide, int q)
 {
     if (wide == 8)
@@ -170,7 +173,8 @@ INLINED void read_cells(const int8_t *table, const int32_t *cell, int wide, int8
     }
 }
 
-/* Returns the mask of the 16 lanes of register q whose parts are kept: bit `part` of byte `cube` of keep. */
+/* Returns the mask of the lanes of register q whose parts are not dropped. Part p of cube c is not dropped if bit p of
+   byte c of keep is set. */
 INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
 {
     if (wide == 8)
@@ -181,11 +185,11 @@ INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
                               _mm_slli_epi32(_mm_setr_epi32(0x01010101, 0x02020202, 0x04040404, 0x08080808), 4 * q));
 }
 
-/* Appends the mixed and inside parts of a group to mixed and inside. */
+/* Appends the parts of a group that are mixed to the list `mixed`, and those that are inside to the list `inside`. */
 INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t from, int wide, const int8_t *value,
                         uint64_t keep, ost_cubes *mixed, ost_numbers *inside, size_t *m, size_t *n)
 {
-    /* Values are within +-64, so 127 has the same effect as a greater number. */
+    /* The values of cells are within +-64, so a `least` of 127 has the same effect as a greater one. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
     const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide),
@@ -213,7 +217,7 @@ INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t f
 void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                       ost_cubes *mixed, ost_numbers *inside)
 {
-    const int8_t *const table = cells->value; /* a local copy, as stores of bytes could alias the field */
+    const int8_t *const table = cells->value; /* a copy, because stores of bytes could alias the field */
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
     for (size_t from = 0; from < cubes->count; from += 8 * GROUPS) {
@@ -247,24 +251,25 @@ void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS };
 
 /*
- * Bricks are processed in pieces, in three passes: the bricks' positions in their windows, the windows'
- * lines, and the look-ups.
+ * Bricks are processed in pieces of PIECE bricks. A piece has three passes: the first computes the positions
+ * of the bricks in their windows, the second finds the lines of the windows, and the third looks up the
+ * voxels.
  */
 enum { PIECE = 128 };
 /*
- * The positions of a piece's bricks: c is the brick's least coordinate relative to the window's first
- * voxel (remove.h).
+ * The positions of the bricks of a piece. c is the least coordinate of a brick, relative to the first voxel
+ * of the brick's window (remove.h).
  */
 typedef struct places {
-    _Alignas(64) uint32_t high[3][PIECE]; /* c >> 7, in both halves of a lane */
+    _Alignas(64) uint32_t high[3][PIECE]; /* the 16-bit value c >> 7, stored twice in each 32-bit lane */
     uint32_t low[3][PIECE];               /* c mod 2^7 */
-    uint32_t line[PIECE];        /* the window's number, later the number of its line */
-    uint32_t tied[PIECE + 16];   /* bricks near a tie, which may need another match with carries */
+    uint32_t line[PIECE];        /* number of each brick's window, later replaced by the number of its line */
+    uint32_t tied[PIECE + 16];   /* list of the bricks near a tie, which may be matched again with carries */
 } places;
 
 /*
- * Returns n / step for 0 <= n < 2^15 and step 1, 2, 3: (n * ceil(2^16 / step)) >> 16 is exact there,
- * and for step 1 the product with 2^16 is a shift.
+ * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2 or 3. In this range,
+ * (voxel * ceil(2^16 / step)) >> 16 is exact; for step 1, the product is a shift by 16.
  */
 static inline __m512i windows_of(__m512i voxel, int32_t step)
 {
@@ -273,8 +278,8 @@ static inline __m512i windows_of(__m512i voxel, int32_t step)
 }
 
 /*
- * Returns the lanes whose c is near a tie: bit (c >> LOW >> 3) % 1024 of `near`. A rotation uses its
- * count mod 32.
+ * Returns the mask of the lanes whose c is near a tie. This is the case if bit (c >> LOW >> 3) % 1024 of
+ * `near` is set. The rotation instruction uses its count modulo 32.
  */
 static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
 {
@@ -284,8 +289,8 @@ static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
 }
 
 /*
- * Computes the positions of bricks from .. from + 15; the values of lanes after the last brick are not used.
- * Returns the lanes that are near a tie.
+ * Computes the positions of the bricks from .. from + 15. If the list has fewer bricks, the values of the
+ * remaining lanes are not used. Returns the mask of the lanes whose bricks are near a tie.
  */
 static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out,
                                       size_t to)
@@ -310,7 +315,7 @@ static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *b
     return near;
 }
 
-/* Computes the positions of all bricks of a piece; returns the number of those near a tie. */
+/* Computes the positions of all bricks of a piece, and lists the bricks near a tie. Returns their number. */
 static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, size_t from, size_t count, places *at)
 {
     const __m512i sixteen = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -326,7 +331,7 @@ static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, 
 }
 
 /*
- * Replaces the windows' numbers of the first count bricks by the numbers of their lines, and
+ * Replaces the number of the window by the number of the window's line for the first `count` bricks, and
  * prefetches the lines.
  */
 static inline void find_lines(const ost_windows *windows, size_t count, places *at)
@@ -347,10 +352,11 @@ static inline bool is_tied(const ost_match *match, const places *at, size_t i)
             (tie[at->high[2][i] & fraction] & 4)) != 0;
 }
 
-/* Returns the bits of 32 voxels from their coordinates in the window. */
+/* Returns the window's bits for 32 voxels. x, y and z are the coordinates of the voxels in the window. */
 static inline __mmask32 lookup(__m512i line, __m512i x, __m512i y, __m512i z)
 {
-    /* The function 0xe4 selects the first operand's bit where the third is set, otherwise the second's. */
+    /* The ternary function 0xe4 selects the bit of the first operand if the bit of the third operand is set, otherwise
+       the bit of the second operand. */
     const __m512i word = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 14), _mm512_srli_epi16(y, 11),
                                                    _mm512_set1_epi16(3), 0xe4);
     const __m512i bit = _mm512_ternarylogic_epi32(_mm512_srli_epi16(z, 10), _mm512_srli_epi16(x, 13),
@@ -358,7 +364,8 @@ static inline __mmask32 lookup(__m512i line, __m512i x, __m512i y, __m512i z)
     return _mm512_test_epi16_mask(_mm512_permutexvar_epi16(word, line), _mm512_sllv_epi16(_mm512_set1_epi16(1), bit));
 }
 
-/* Matches again those of the `count` bricks near a tie that are tied, with the carries of the low bits. */
+/* Tests which of the `count` bricks near a tie are tied, and computes the hits of the tied bricks again, now with the
+   carries of the low bits. */
 static void match_tied(const ost_match *match, const places *at, size_t count, uint64_t *hits)
 {
     for (size_t t = 0; t < count; t++) {
@@ -397,7 +404,7 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
             const __m512i window = _mm512_load_si512(line[at.line[i]]);
             const __m512i x = _mm512_set1_epi32((int32_t)at.high[0][i]), y = _mm512_set1_epi32((int32_t)at.high[1][i]),
                           z = _mm512_set1_epi32((int32_t)at.high[2][i]);
-            /* Stores the masks directly, without moving them to a general register first. */
+            /* The masks are stored directly. Otherwise they would be moved to a general register first. */
             __mmask32 *half = (__mmask32 *)(void *)(hits + i);
             _store_mask32(half,
                           lookup(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));
@@ -408,15 +415,15 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
     }
 }
 
-/* Matches bricks, sixteen voxels at once, with the tool's own bytes; used if there are no windows. */
+/* Computes the hits of bricks from the bytes of the tool, for sixteen voxels at once. Used if there are no windows. */
 static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     const ost_shape *s = match->shape;
     const __m512i dx = _mm512_set1_epi32(s->dims[0]), dy = _mm512_set1_epi32(s->dims[1]),
                   dz = _mm512_set1_epi32(s->dims[2]);
     /*
-     * A lane reads the four bytes that end with its voxel, or the grid's first four, so that none is
-     * outside the grid.
+     * A lane reads the four bytes that end with the byte of its voxel, or the first four bytes of the grid,
+     * so that no byte outside the grid is read.
      */
     for (size_t i = 0; i < bricks->count; i++) {
         uint64_t word = 0;
@@ -426,7 +433,7 @@ static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64
                 v[a] = _mm512_srai_epi32(
                     _mm512_add_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(bricks->u[a][i])),
                     OST_MAP_FRACTION);
-            /* Compared as unsigned, a negative coordinate exceeds all dimensions. */
+            /* The comparison is unsigned, so a negative coordinate exceeds every dimension. */
             __mmask16 in = _mm512_cmplt_epu32_mask(v[0], dx);
             in = _mm512_mask_cmplt_epu32_mask(in, v[1], dy);
             in = _mm512_mask_cmplt_epu32_mask(in, v[2], dz);
@@ -447,7 +454,7 @@ void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t 
     const int32_t *d = match->shape->dims;
     if (match->windows)
         match_windows(match, bricks, hits);
-    else if (d[0] >= 4) /* at most 2^30 voxels, so that indices fit the gather's int32 */
+    else if (d[0] >= 4) /* a tool has at most 2^30 voxels, so indices fit int32 */
         match_voxels(match, bricks, hits);
     else
         ost_match_scalar(match, bricks, hits);
@@ -455,9 +462,9 @@ void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t 
 
 /* ------------------------------------------------------------------- take */
 
-enum { AHEAD = 16 }; /* number of bricks by which prefetching is ahead */
+enum { AHEAD = 16 }; /* while brick i is processed, brick i + AHEAD is prefetched */
 
-/* Returns the sum of the 16-bit lanes as unsigned numbers. */
+/* Returns the sum of the 16-bit lanes of v, which are unsigned numbers. */
 static inline uint64_t sum16(__m512i v)
 {
     const __m512i even = _mm512_and_si512(v, _mm512_set1_epi32(0xffff)), odd = _mm512_srli_epi32(v, 16);
@@ -470,10 +477,11 @@ static inline __m512i widen16(__m512i v)
 }
 
 /*
- * A 16-bit lane can sum up to 65535 / highest densities, which is at least two. A brick
- * has two registers, so the lanes are added to 32-bit lanes every `bricks` bricks; the
- * 32-bit lanes can sum 512 bricks of 2 * 2 * 32767 < 2^17 each. Callers pass the number
- * of borders as a constant, so that all sums stay in registers.
+ * Adds the hits of `count` bricks to the tally. A 16-bit lane can sum up to
+ * 65535 / take->highest densities, which is at least two. A brick has two registers, so
+ * the 16-bit lanes are added to 32-bit lanes after every `bricks` bricks. A 32-bit lane
+ * can sum 512 bricks of 2 * 2 * 32767 < 2^17 each. Callers pass the number of borders as
+ * a constant, so that all sums stay in registers.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
                                                               const int32_t *number, const uint64_t *hits, size_t count,
@@ -530,9 +538,9 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
 }
 
 /*
- * Processes pieces of 512 bricks, so that no lane overflows: a count is at most
- * 512 * 2, a sum of densities in a 32-bit lane below 512 * 2^17 = 2^26, and the sum
- * of 16 such lanes below 2^30.
+ * Processes the bricks in pieces of 512, so that no lane overflows. In a piece, a count
+ * is at most 512 * 2, a sum of densities in a 32-bit lane is below 512 * 2^17 = 2^26, and
+ * the sum of 16 of these lanes is below 2^30.
  */
 void ost_take_avx512(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits, size_t count,
                      ost_tally *tally)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Samples sixteen voxels at once: looks up the chunk's entry, the occupancy word
- * if the chunk has memory, and the density if the voxel's bit is set.  Each gather
- * is masked by the result of the previous one, so that nothing else is read.
+ * Reads the densities of sixteen voxels at once.  First gathers the table entries of the
+ * chunks, then the occupancy words of voxels whose chunk has memory, and then the
+ * densities of voxels whose bit is set.  The result of each gather is the mask of the
+ * next one, so that nothing else is read.
  */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
@@ -15,7 +16,7 @@ _Static_assert(sizeof(cpu_chunk) == 32 && offsetof(cpu_chunk, density) == 0 && o
                "four words a chunk");
 
 typedef struct halves {
-    __m512i low, high; /* 64-bit lanes for voxels 0 to 7 and 8 to 15 */
+    __m512i low, high; /* 64-bit lanes: low for voxels 0 to 7, high for voxels 8 to 15 */
 } halves;
 
 static inline halves wide(__m512i v)
@@ -24,7 +25,7 @@ static inline halves wide(__m512i v)
                     _mm512_cvtepi32_epi64(_mm512_extracti64x4_epi64(v, 1))};
 }
 
-/* Reads 64 bits at each address whose lane is set in mask; other lanes are 0. */
+/* Reads 64 bits at the address in each lane that is set in mask. The other lanes of the result are 0. */
 static inline __m512i fetch(__mmask8 mask, __m512i address)
 {
     return _mm512_mask_i64gather_epi64(_mm512_setzero_si512(), mask, address, (const void *)0, 1);
@@ -35,7 +36,8 @@ static inline __m512i sum(__m512i a, __m512i b)
     return _mm512_add_epi64(a, b);
 }
 
-/* Returns eight densities in the low halves of 32-bit lanes; lanes that are not active or not set in mask are 0. */
+/* Returns the densities of eight voxels in the low halves of 32-bit lanes. A lane is 0 if its voxel is not active or if
+   the lane is not set in mask. */
 static inline __m256i densities_of(const cpu_bone *bone, __mmask8 mask, __m512i chunk, __m512i brick, __m512i in)
 {
     const __m512i entry = sum(_mm512_set1_epi64((long long)(uintptr_t)bone->chunks), _mm512_slli_epi64(chunk, 5));
@@ -58,11 +60,11 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         const __mmask16 some = count - i < 16 ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff;
         const __m512i x = _mm512_maskz_loadu_epi32(some, at[0] + i), y = _mm512_maskz_loadu_epi32(some, at[1] + i),
                       z = _mm512_maskz_loadu_epi32(some, at[2] + i);
-        /* Compared as unsigned, a negative coordinate exceeds all dimensions. */
+        /* The comparison is unsigned, so a negative coordinate exceeds every dimension. */
         __mmask16 mask = _mm512_mask_cmplt_epu32_mask(some, x, _mm512_set1_epi32(dims.x));
         mask = _mm512_mask_cmplt_epu32_mask(mask, y, _mm512_set1_epi32(dims.y));
         mask = _mm512_mask_cmplt_epu32_mask(mask, z, _mm512_set1_epi32(dims.z));
-        /* Where mask is set, the index is below 2^31; the values of other lanes are not used. */
+        /* In lanes that are set in mask, the chunk's index is below 2^31. The other lanes are not used. */
         __m512i chunk = _mm512_mullo_epi32(_mm512_sra_epi32(z, down), _mm512_set1_epi32(bone->chunk_dims.y));
         chunk = _mm512_mullo_epi32(_mm512_add_epi32(chunk, _mm512_sra_epi32(y, down)),
                                    _mm512_set1_epi32(bone->chunk_dims.x));
@@ -77,7 +79,7 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         const halves chunks = wide(chunk), bricks = wide(brick), ins = wide(in);
         const __m256i first = densities_of(bone, (__mmask8)mask, chunks.low, bricks.low, ins.low);
         const __m256i second = densities_of(bone, (__mmask8)(mask >> 8), chunks.high, bricks.high, ins.high);
-        /* Each lane has a density in its low half and the two bytes after it in its high half. */
+        /* The low half of each lane is a density; the high half contains the two bytes after the density. */
         const __m512i both = _mm512_inserti64x4(_mm512_castsi256_si512(first), second, 1);
         _mm512_mask_cvtepi32_storeu_epi16(densities + i, some, both);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The voxelizer's kernels for AVX2, which process four triangles, 256 voxels, or 32 classes at once. */
+/* The kernels of the voxelizer for AVX2. They process four triangles, 256 voxels or 32 classes at once. */
 #include <immintrin.h>
 
 #include "cpu/voxelize/voxelize.h"
@@ -36,8 +36,8 @@ typedef __m128i vi;
 #define vd_from_vi(a) _mm256_cvtepi32_pd(a)
 
 /*
- * Loads and transposes the vertices, because gathers take several times as long. The loads are
- * masked because nothing may be read after the last vertex.
+ * Loads one corner of each triangle and transposes the corners, because gather instructions take several
+ * times as long. The loads are masked, because nothing may be read after the last vertex.
  */
 static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
 {
@@ -52,7 +52,7 @@ static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *con
     xyz[2] = _mm_unpacklo_epi64(_mm_unpackhi_epi32(p0, p1), _mm_unpackhi_epi32(p2, p3));
 }
 
-/* For each mask of lanes, the byte shuffle that moves the words of the set lanes to the front. */
+/* A table that contains, for each mask of lanes, the byte shuffle that moves the set lanes to the front. */
 #define WORD(i) 4 * (i), 4 * (i) + 1, 4 * (i) + 2, 4 * (i) + 3
 #define NO WORD(0)
 static const int8_t together[16][16] = {
@@ -90,7 +90,7 @@ static inline __m256i two_vertices(const ost_snapped_mesh *mesh, const uint32_t 
     return _mm256_inserti128_si256(_mm256_castsi128_si256(p0), p1, 1);
 }
 
-/* Does the same as bounds_meet_rows in voxelize_avx512.c, for two triangles at a time. */
+/* Computes the same result as bounds_meet_rows in voxelize_avx512.c, for two triangles at a time. */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
     const __m256i h = _mm256_set1_epi32(1 << (tile->f - 1)), h1 = _mm256_set1_epi32((1 << (tile->f - 1)) - 1);
@@ -165,13 +165,13 @@ static inline __m256i count_bytes(__m256i v)
 
 enum { WORDS = 4 }; /* words per vector */
 
-/* Does the same as fill_blocks in voxelize_avx512.c, for four words at a time. */
+/* Computes the same result as fill_blocks in voxelize_avx512.c, for four words at a time. */
 static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,
                                 uint64_t *bits, bool *marked, __m256i *counts)
 {
     const __m256i zero = _mm256_setzero_si256(), bit = _mm256_setr_epi64x(1, 2, 4, 8);
     __m256i wrong = zero, n = *counts;
-    unsigned before = 0; /* bit i: word i begins inside; bit 4: the next vector's first word does */
+    unsigned before = 0; /* bit i: word i begins inside the mesh; bit 4: the next vector does */
     for (size_t w = 0; w < words; w += WORDS) {
         const __m256i p = _mm256_load_si256((const __m256i *)(enter + w)),
                       m = _mm256_load_si256((const __m256i *)(leave + w));
@@ -180,7 +180,7 @@ static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, si
         __m256i q = _mm256_set1_epi64x(-(long long)inside);
         if (!_mm256_testz_si256(either, either)) {
             const __m256i x = _mm256_xor_si256(p, m), difference = _mm256_sub_epi64(m, p);
-            /* The top bit of `borrow` is the borrow of m - p. */
+            /* The top bit of each lane of `borrow` is the borrow of the subtraction m - p. */
             const __m256i borrow = _mm256_or_si256(_mm256_andnot_si256(m, p), _mm256_andnot_si256(x, difference));
             const unsigned less = (unsigned)_mm256_movemask_pd(_mm256_castsi256_pd(borrow));
             const unsigned same = (unsigned)_mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpeq_epi64(m, p)));
@@ -238,8 +238,8 @@ uint64_t ost_vox_fill_avx2(ost_vox_tile *tile, size_t first_row, size_t rows, ui
 /* ---------------------------------------------------------------- classes */
 
 /*
- * Spreads 32 bits to bytes of 0 or -1: each byte receives a copy of the byte that contains its bit, and is masked to
- * that bit.
+ * Returns 32 bytes; byte i is -1 if bit i of the parameter is set, and 0 otherwise. Each byte receives a copy of the
+ * byte that contains its bit, is masked to this bit, and is compared with it.
  */
 static inline __m256i spread(uint32_t bits)
 {

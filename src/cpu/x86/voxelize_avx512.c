@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The voxelizer's kernels for AVX-512, which process eight triangles, 512 voxels, or 64 classes at once. */
+/* The kernels of the voxelizer for AVX-512. They process eight triangles, 512 voxels or 64 classes at once. */
 #include <immintrin.h>
 
 #include "cpu/voxelize/voxelize.h"
@@ -36,8 +36,9 @@ typedef __m256i vi;
 #define vd_from_vi(a) _mm512_cvtepi32_pd(a)
 
 /*
- * Loads four vertices, to be permuted afterwards, because gathers take several times as long. The
- * loads are masked because nothing may be read after the last vertex.
+ * Loads one corner of each of four triangles. The caller permutes the coordinates, because gather
+ * instructions take several times as long. The loads are masked, because nothing may be read after the last
+ * vertex.
  */
 static inline __m512i four_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner)
 {
@@ -71,10 +72,10 @@ static inline size_t emit(uint32_t *out, vi v, vm m)
 #define emit_bits(out, v, bits) emit(out, v, (vm)(bits))
 
 /*
- * Returns the bits of the triangles that have a row's centre in their bounds.
- * Compares integers before any transposition: the corners of four triangles, and
- * their bounds, are the quarters (x, y, z, 0) of a register. Only the bits of y and
- * z of each comparison are used.
+ * Returns one bit per triangle; it is set if the triangle's bounds contain the centre of
+ * a row. The coordinates are compared as integers and are not transposed: a register
+ * contains the corners, or the bounds, of four triangles as quarters (x, y, z, 0). Of
+ * each comparison, only the bits for y and z are used.
  */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
@@ -139,7 +140,7 @@ void ost_vox_keys_avx512(const ost_vox_plan *plan, const ost_snapped_mesh *mesh,
 
 /* ------------------------------------------------------------- solid bits */
 
-/* Returns the number of set bits of each byte. */
+/* Returns for each byte of v the number of its bits that are set. */
 static inline __m512i count_bytes(__m512i v)
 {
     const __m512i table = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4));
@@ -149,33 +150,33 @@ static inline __m512i count_bytes(__m512i v)
 }
 
 /*
- * Computes the bits of one row of complete blocks, or of one block of complete
- * rows; returns false if they are not proven (fill.c).  Bit i of ends is set if
- * word i of the last block begins a row (bit 8: the word after the block), so
- * that the previous word must not end inside.
+ * Computes the solid bits of one row of complete blocks, or of one block of complete
+ * rows.  Returns false if the rows are not proven (fill.c).  Bit i of `ends` is set if
+ * word i of the last block is the first word of a row; bit 8 stands for the word after
+ * the block.  The word before the first word of a row must not end inside the mesh.
  */
 static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,
                                uint64_t *bits, bool *marked, __m512i *counts)
 {
     const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi64(-1);
     __m512i wrong = zero, n = *counts;
-    unsigned before = 0; /* bit i: word i begins inside; bit 8: the next block's first word does */
+    unsigned before = 0; /* bit i: word i begins inside the mesh; bit 8: the next block does */
     for (size_t w = 0; w < words; w += OST_VOX_BLOCK) {
         const __m512i p = _mm512_load_si512(enter + w), m = _mm512_load_si512(leave + w),
                       either = _mm512_or_si512(p, m);
         const unsigned inside = before >> OST_VOX_BLOCK;
         __m512i q = inside ? ones : zero;
         if (_mm512_test_epi64_mask(either, either)) {
-            /* The addition carries the borrows through words in which p and m are equal. */
+            /* The carries of this addition are the borrows that pass through words in which p and m are equal. */
             const unsigned less = _mm512_cmplt_epu64_mask(m, p), same = _mm512_cmpeq_epi64_mask(m, p);
             before = (2 * less + inside + same) ^ same;
             const __m512i x = _mm512_xor_si512(p, m), difference = _mm512_sub_epi64(m, p);
             q = _mm512_mask_add_epi64(difference, (__mmask8)before, difference, ones);
             __m512i last = _mm512_add_epi64(q, q);
             last = _mm512_mask_sub_epi64(last, (__mmask8)before, last, ones);
-            /* wrong | x ^ q ^ last */
+            /* wrong = wrong | (x ^ q ^ last) | (x & (q ^ p)) */
             wrong = _mm512_ternarylogic_epi64(wrong, _mm512_ternarylogic_epi64(x, q, last, 0x96),
-                                              _mm512_ternarylogic_epi64(x, q, p, 0x60), 0xfe);    /* | x & (q ^ p) */
+                                              _mm512_ternarylogic_epi64(x, q, p, 0x60), 0xfe);
             *marked = true;
         }
         _mm512_store_si512(bits + w, q);

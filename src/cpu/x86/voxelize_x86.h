@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The voxelizer's kernels for x86; cpu/kernels.h has their contracts. */
+/* The kernels of the voxelizer for x86. cpu/kernels.h has their contracts. */
 #ifndef OST_CPU_X86_VOXELIZE_X86_H
 #define OST_CPU_X86_VOXELIZE_X86_H
 
