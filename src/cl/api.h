@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The part of OpenCL 1.2 that this backend calls, as a table of pointers.
+ * The functions of OpenCL 1.2 that this backend calls, as a table of function pointers.
  *
- * Every call goes through the table that was passed at open.  ost_cl_loader is
- * the system's loader.  A test passes a copy in which some pointers count calls,
- * fail or damage results, and so needs no driver of its own.
+ * Every call uses the table that was passed when the backend was opened.
+ * ost_cl_loader is the table of the system's loader.  A test passes a copy of this
+ * table in which some functions count calls, fail or damage results.  Therefore a test
+ * needs no driver of its own.
  */
 #ifndef OST_CL_API_H
 #define OST_CL_API_H

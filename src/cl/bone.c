@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Bones: a pool of slots on the device, a table of chunks on the host (AR-CHK).
+ * The bones of the backend `cl`: a pool of slots on the device, and a table of chunks on
+ * the host (AR-CHK).
  *
- * Storing slices takes two passes, so that an operation that fails for lack of
- * memory fails before anything has changed:
+ * Slices are stored in two passes, so that an operation that fails because of a lack of
+ * memory fails before it has changed anything:
  *
  *   scan    counts the voxels of each chunk that the slices make active     only reads
  *           slots are assigned to the chunks that need one; the pool grows if needed
  *   store   writes densities and occupancy to the slots                     changes the bone
- *           where the slices cover a layer of chunks only in part, the
+ *           if the slices cover a layer of chunks only in part, the
  *           voxels of all slots are counted again
  *
- * Slices go through a slab of limited size, x fastest, without padding.
+ * Slices are transferred through a buffer of limited size, the slab, whose voxels are
+ * stored x fastest and without padding.
  *
  * The file has more than 500 lines, because pool, table and slices change together or not at all.
  */
@@ -95,16 +97,16 @@ ost_status ost_cl_bone_stats(const ost_bone *base, ost_bone_info *info, ost_erro
         info->active_voxels += bone->active[c];
     }
     info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
-    /* Each slot has densities, words and an entry in free. Each chunk has a slot number on host and device, and a
-       count of active voxels. */
+    /* The memory of a slot: its densities, its words of occupancy, and an element of the list of free slots. The memory
+       of a chunk: its slot number, on the host and on the device, and its count of active voxels. */
     const size_t slot = bone->chunk_voxels * sizeof(int16_t) + bone->chunk_voxels / 8 + sizeof *bone->free;
     const size_t chunk = 2 * sizeof *bone->slot + sizeof *bone->active;
     info->resident_bytes = (int64_t)(bone->capacity * slot + bone->chunks * chunk + sizeof *bone);
     return status;
 }
 
-/* Ensures a capacity of at least this many slots in total. On an error the old pool remains. raw: all slots will be
-   written completely, so they need not be zeroed. */
+/* Ensures that the pool has a capacity of at least `capacity` slots. On an error, the old pool remains. If `raw` is
+   true, the caller will write all slots completely, so they are not set to zero. */
 static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *err)
 {
     if (capacity <= bone->capacity)
@@ -130,7 +132,7 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
         status = ost_cl_copy(b, bone->words, words, bone->used * word_bytes, err);
     if (status == OST_OK && bone->used) {
         b->entered[OST_CL_PATH_POOL_GROWN]++;
-        status = ost_cl_finish(b, err); /* before the old buffers are released */
+        status = ost_cl_finish(b, err); /* the copies must end before the old buffers are released */
     }
     if (status != OST_OK) {
         ost_cl_spare_return(b, &density, reserved);
@@ -164,7 +166,7 @@ void ost_cl_bone_release(cl_bone *bone, size_t chunk)
     bone->slots_outdated = true;
 }
 
-/* Copies the host's table of slots to the device if it has changed. */
+/* Copies the table of slots from the host to the device if the table has changed. */
 static ost_status sync_slots(cl_bone *bone, ost_error *err)
 {
     if (!bone->slots_outdated)
@@ -177,13 +179,14 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 
 /* ---------------------------------------------------------------- slices */
 
-/* Slices from the host, or those of a grid that is already on the device. */
+/* The source of slices that are stored in a bone: voxels on the host, or a grid that is already on the device. */
 typedef struct slices {
     int32_t z0, z1;
-    const int16_t *voxels; /* NULL: the slices of a grid on the device, from slice 0 */
-    cl_mem slab;           /* buffer of `step` slices, or the grid's store */
-    cl_mem layers;         /* slice k is slice layers[first + k - z0] of the slab; if first < 0, it is slice k - z0 */
-    /* weights >= 0: layers[weights + k - z0] is the weight of the slab's next slice in slice k */
+    const int16_t *voxels; /* on the host; NULL: slices of a grid on the device, from slice 0 on */
+    cl_mem slab;           /* a buffer of `step` slices, or the store of the grid */
+    cl_mem layers;         /* slice k is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0 */
+    /* If weights >= 0, slice k is a mean of that slice and the next slice of the slab, and layers[weights + k - z0] is
+       the weight of the next slice. */
     int32_t first, weights;
     int32_t step;
 } slices;
@@ -199,7 +202,7 @@ static int32_t slab_step(const cl_bone *bone, int32_t count)
     return fit < 1 ? 1 : fit < (size_t)count ? (int32_t)fit : count;
 }
 
-/* One pass over the slices z0 <= k < z1, which are in the slab. */
+/* The function of a pass. It processes the slices z0 <= k < z1, which are in the slab. */
 typedef ost_status slab_pass(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, void *user, ost_error *err);
 
 static ost_status for_slabs(cl_bone *bone, const slices *s, slab_pass *pass, void *user, ost_error *err)
@@ -254,7 +257,7 @@ static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, 
                          err);
 }
 
-/* Sets count[i] to the number of active voxels in slot i, for all i < bone->used. */
+/* Counts the active voxels of all slots: sets count[i] to the number in slot i, for all i < bone->used. */
 static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -271,7 +274,7 @@ static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
     return status;
 }
 
-/* First pass: sets scanned[chunk] for all chunks. */
+/* Runs the first pass. Sets scanned[c] for each chunk c to the number of its voxels that the slices make active. */
 static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -286,11 +289,11 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
     return status;
 }
 
-/* Assigns slots to the chunks that will have active voxels. Until the end of store_slices a chunk without active
-   voxels may also have a slot. */
+/* Assigns slots to the chunks that will have active voxels. Until store_slices ends, a chunk without active voxels may
+   have a slot too. */
 static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {
-    /* On CPUs the store kernel also writes the padding. */
+    /* In the kernel set for CPUs, the kernel that stores slices also writes the padding. */
     const bool raw = all_slices && bone->used == 0 && backend_of(bone)->cpu_set;
     size_t needed = 0;
     for (size_t c = 0; c < bone->chunks; c++)
@@ -309,7 +312,7 @@ static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_sl
     return OST_OK;
 }
 
-/* Releases the slots of chunks without an active voxel. */
+/* Releases the slots of all chunks that have no active voxel. */
 static void release_empty(cl_bone *bone)
 {
     for (size_t c = 0; c < bone->chunks; c++)
@@ -335,12 +338,12 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
     if (status == OST_OK)
         status = sync_slots(bone, err);
     if (status != OST_OK)
-        goto done; /* nothing was stored, so chunks that were assigned slots still have no active voxel */
+        goto done; /* nothing was stored, so chunks with a new slot still have no active voxel */
 
     status = bone->used ? for_slabs(bone, s, store, NULL, err) : OST_OK;
     if (status == OST_OK && counted)
         status = count_slots(bone, counted, err);
-    if (status == OST_OK) /* errors of earlier commands are reported here */
+    if (status == OST_OK) /* the wait also reports errors of earlier commands */
         status = ost_cl_finish(backend_of(bone), err);
     bone->lost = status != OST_OK;
     for (size_t c = layer * (size_t)(s->z0 / n); status == OST_OK && c < layer * (size_t)((s->z1 + n - 1) / n); c++)
@@ -410,7 +413,7 @@ ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t 
     return OST_OK;
 }
 
-/* Loads slices z0 <= z < z1 into the slab. */
+/* Copies the slices z0 <= z < z1 of the bone to the slab. */
 static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -426,7 +429,7 @@ static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_err
 
 ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
-    /* This may update the device's table of slots, which changes no voxel. */
+    /* The bone is not const here, because its table of slots on the device may be updated. No voxel changes. */
     cl_bone *bone = (cl_bone *)(uintptr_t)base;
     cl_backend *b = backend_of(bone);
     ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
@@ -475,7 +478,7 @@ ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32
 
 /* --------------------------------------------------------------- digests */
 
-/* Copies leaf (x, y) out of the count slices of its layer. Returns false if it is all zeros. */
+/* Copies leaf (x, y) from the `count` slices of its layer. Returns false if all voxels of the leaf are zero. */
 static bool cut_leaf(const ost_dims dims, const int16_t *voxels, int32_t x, int32_t y, int32_t count, int16_t *leaf)
 {
     int16_t any = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Cache entries: their keys, reading with checks, writing by rename. */
+/* Computes the keys of cache entries, reads entries with checks, and writes entries by renaming temporary files. */
 #include "cl/cache.h"
 
 #include <fcntl.h>
@@ -23,10 +23,12 @@ _Static_assert(sizeof(entry_head) == 80, "no padding");
 
 static const char magic[8] = {'O', 'S', 'T', 'C', 'L', 'B', '0', '1'};
 
-/* More than the size of any driver's program; prevents a damaged length from causing a huge allocation. */
+/* The greatest number of bytes of an entry, which exceeds the size of any program. Without this limit, a damaged length
+   could cause a huge allocation. */
 enum { ENTRY_MAX = 1 << 28 };
 
-/* As in the XDG base directory specification: relative folders are ignored. */
+/* Finds the folder of the cache. Relative folders in environment variables are ignored, as the XDG base directory
+   specification requires. */
 static void find_folder(char *out, size_t size)
 {
     const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
@@ -61,15 +63,15 @@ ost_status ost_cl_cache_key(ost_cl_cache *cache, const char *const *parts, size_
     return OST_OK;
 }
 
-/* Returns true if only the effective user can have written the file or folder fd. An access control list appears in the
-   group bits. */
+/* Returns true if only the effective user can have written the file or folder fd. If there is an access control list,
+   the permission bits of the group include it. */
 static bool is_private(int fd)
 {
     struct stat info;
     return fstat(fd, &info) == 0 && info.st_uid == geteuid() && (info.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-/* Opens the cache's folder. Returns -1 if it does not exist or is not private. */
+/* Opens the folder of the cache. Returns -1 if the folder does not exist or is not private. */
 static int open_folder(const ost_cl_cache *cache)
 {
     const int folder = cache->folder[0] ? open(cache->folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC) : -1;
@@ -88,10 +90,11 @@ static bool believable(const ost_cl_cache *cache, const entry_head *head, const 
            ost_digest_equal(&checksum, &head->checksum);
 }
 
-/* Zeros after the binary: PoCL 3.1 reads a complete header before it checks the binary's length. */
+/* The number of zero bytes after the binary in memory. They are needed because PoCL 3.1 reads a complete header before
+   it checks the length of the binary. */
 enum { SLACK = 256 };
 
-/* Reads an entry of file->size bytes. Returns NULL if the entry is not valid. */
+/* Reads an entry of file->size bytes and returns its binary. Returns NULL if the entry is not valid. */
 static unsigned char *read_entry(const ost_cl_cache *cache, const ost_file *file, size_t *size)
 {
     if (file->size <= (int64_t)sizeof(entry_head) || file->size > (int64_t)sizeof(entry_head) + ENTRY_MAX ||
@@ -129,7 +132,7 @@ unsigned char *ost_cl_cache_load(const ost_cl_cache *cache, size_t *size)
     return binary;
 }
 
-/* Writes an entry under a temporary name in the folder and renames it. */
+/* Writes an entry to a file with a temporary name in the folder, and then renames the file. */
 static bool write_entry(const ost_cl_cache *cache, int folder, const entry_head *head, const unsigned char *binary)
 {
     char fresh[sizeof cache->entry + 40];
@@ -161,7 +164,7 @@ bool ost_cl_cache_store(const ost_cl_cache *cache, const unsigned char *binary, 
     char parent[sizeof cache->folder];
     snprintf(parent, sizeof parent, "%s", cache->folder);
     *strrchr(parent, '/') = 0;
-    mkdir(parent, 0700); /* only the last two levels are created; the user provides the folders above */
+    mkdir(parent, 0700); /* only the last two levels are created, not the folders above */
     mkdir(cache->folder, 0700);
     const int folder = open_folder(cache);
     if (folder < 0)

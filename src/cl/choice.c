@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The list of devices, each with the reason if it is refused.
+ * Makes the list of devices. If a device is refused, its entry contains the reason.
  *
  *   loader -- no platform                      icd.c finds the reason
  *      |
@@ -10,8 +10,8 @@
  *      |      no 64-bit integers: refused because of what the driver reports
  *   fingerprint.c: refused because of its results
  *
- * 64-bit integers are part of the full profile and optional in the embedded
- * one (cles_khr_int64).
+ * 64-bit integers are part of the full profile. In the embedded profile they are
+ * optional (cles_khr_int64).
  */
 #include "cl/choice.h"
 
@@ -20,10 +20,10 @@
 #include <string.h>
 #include <strings.h>
 
-/* Limits on the number of platforms and devices; a driver that reports more is defective. */
+/* The greatest number of platforms, and of devices per platform. A driver that reports more is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
-/* Removes blanks at both ends and replaces control characters by '?'. */
+/* Removes the blanks at both ends of a text and replaces control characters by '?'. */
 static void tidy(char *text)
 {
     size_t start = strspn(text, " \t\r\n");
@@ -38,8 +38,8 @@ static void tidy(char *text)
             *p = '?';
 }
 
-/* Drivers refuse a buffer that is too small for the complete text, so the complete text is read and then cut. "" if
-   the driver reports none. */
+/* Sets `out` to the beginning of a text that the driver reports for a platform, or to "" if the driver reports none.
+   Drivers refuse a buffer that is too small, so the complete text is read first and then cut. */
 static void platform_text(const ost_cl_api *cl, cl_platform_id platform, cl_platform_info what, char out[OST_CL_NAME])
 {
     size_t size = 0;
@@ -53,7 +53,7 @@ static void platform_text(const ost_cl_api *cl, cl_platform_id platform, cl_plat
     tidy(out);
 }
 
-/* The same for a device: returns the complete text, to be freed by the caller, or NULL. */
+/* Returns the complete text that the driver reports for a device, or NULL. The caller frees the text. */
 static char *device_text(const ost_cl_api *cl, cl_device_id device, cl_device_info what)
 {
     size_t size = 0;
@@ -81,7 +81,8 @@ static bool device_flag(const ost_cl_api *cl, cl_device_id device, cl_device_inf
     return cl->clGetDeviceInfo(device, what, sizeof flag, &flag, NULL) == CL_SUCCESS && flag;
 }
 
-/* Returns 12 for "OpenCL 1.2 ..." or "OpenCL C 1.2 ...", according to the prefix; 0 if the text has another form. */
+/* Returns the version as an integer, for example 12 for "OpenCL 1.2 ..." with the prefix "OpenCL ". Returns 0 if the
+   text has another form. */
 static int version_of(const char *text, const char *prefix)
 {
     size_t length = strlen(prefix);
@@ -128,8 +129,8 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
 
     cl_device_type type = 0;
     answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
-    /* Mesa's llvmpipe ends long loops early. fingerprint.c detects this in any case; the test of the name avoids
-       building twice. */
+    /* Mesa's llvmpipe ends long loops early. fingerprint.c would detect this and build the other kernel set; the test
+       of the name avoids building twice. */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 
     if (!answered || !d->name[0])
@@ -223,8 +224,8 @@ static bool is_number(const char *text)
     return text[0] && strspn(text, "0123456789") == strlen(text) && strlen(text) < 10;
 }
 
-/* Returns true if the option fits: "" fits any device, a number fits its index, other text fits as a part of the
-   name. */
+/* Returns true if the value of an option selects the platform or device with this index and name. "" selects every
+   one, a number selects the index, and any other text selects a name that contains the text. */
 static bool fits(const char *wanted, int index, const char *name)
 {
     if (!wanted[0])

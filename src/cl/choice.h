@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Platforms and devices: which are present, which of them may decide voxels, and
- * which one the user's options select.
+ * Lists the platforms and devices that are present, finds which devices may decide
+ * voxels, and selects a device by the user's options.
  *
  *   "platform=Portable,device=1,workgroup=64,kernels=gpu,staging=65536"
  *
- * platform and device are numbers in the loader's order (a device's within its
- * platform) or a part of the name, in upper or lower case.  Without them the
- * first device that passes all checks is used.  The other options belong to the
- * opened backend and change no result: every device can run either kernel set.
+ * The value of platform or device is a part of the name, in upper or lower case, or a
+ * number: the index of the platform in the loader's order, or of the device within its
+ * platform.  Without these two options, the first device that passes all checks is used.
+ * The other options change no result, because every device can run both kernel sets.
  */
 #ifndef OST_CL_CHOICE_H
 #define OST_CL_CHOICE_H
@@ -22,47 +22,48 @@ enum { OST_CL_NAME = 160, OST_CL_REASON = 256 };
 
 typedef struct ost_cl_device {
     cl_platform_id platform;
-    cl_device_id id; /* NULL: the entry represents a platform without devices */
+    cl_device_id id; /* NULL if this entry represents a platform without devices */
     int platform_index, device_index;
     char platform_name[OST_CL_NAME], platform_version[OST_CL_NAME];
     char name[OST_CL_NAME], driver[OST_CL_NAME];
-    cl_ulong max_buffer; /* limit for one buffer, in bytes */
+    cl_ulong max_buffer; /* greatest size of one buffer, in bytes */
     cl_ulong memory;     /* total memory, in bytes */
     size_t max_workgroup;
-    bool cpu; /* few strong cores: OST_CL_SET_AUTO selects the kernel set for CPUs */
-    char reason[OST_CL_REASON]; /* why it is refused; "" if nothing that the driver reports excludes it */
+    bool cpu; /* true: few strong cores; OST_CL_SET_AUTO then selects the kernel set for CPUs */
+    char reason[OST_CL_REASON]; /* why the device is refused because of what the driver reports; "" if it is not */
 } ost_cl_device;
 
 typedef struct ost_cl_devices {
     size_t count;
     ost_cl_device *list; /* owned */
-    char reason[OST_CL_REASON]; /* why there is no platform, if there is none */
+    char reason[OST_CL_REASON]; /* reason why no platform is present, if this is the case */
 } ost_cl_devices;
 
-/* Sets all of *out, also on failure. */
+/* Lists all platforms and devices. Sets all members of *out, also on failure. */
 ost_status ost_cl_devices_list(const ost_cl_api *cl, ost_cl_devices *out, ost_error *err);
 void ost_cl_devices_free(ost_cl_devices *devices);
 
-/* The two kernel sets, with the values of OST_FOR (kernels/shared.h); AUTO selects by the device's type. */
+/* The two kernel sets, with the values of OST_FOR (kernels/shared.h). OST_CL_SET_AUTO selects a kernel set by the type
+   of the device. */
 typedef enum ost_cl_set { OST_CL_SET_AUTO = 0, OST_CL_SET_GPU = 1, OST_CL_SET_CPU = 2 } ost_cl_set;
 
 typedef struct ost_cl_options {
     char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "": any */
-    size_t workgroup;                                /* 0: the backend's own choice */
-    size_t staging; /* limit in bytes on what a stage transfers or processes at a time; 0: each stage's own limit */
-    unsigned order; /* seed of another order of work items (OST_ORDER of kernels/common.h); 0: the device's own */
+    size_t workgroup;                                /* work items per work group; 0: default */
+    size_t staging; /* greatest number of bytes that a stage transfers or processes at a time; 0: the stage's limit */
+    unsigned order; /* seed that permutes work items (OST_ORDER of kernels/common.h); 0: no permutation */
     ost_cl_set kernels;
 } ost_cl_options;
 
 ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error *err);
-/* Returns true if the options platform and device select this device. */
+/* Returns true if this device is one that the options platform and device select. */
 bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *device);
 
-/* Returns lines "CL_DEVICE_VENDOR=..." about the platform and the device, for the record, to be freed by the
-   caller. NULL if out of memory. */
+/* Returns lines "CL_DEVICE_VENDOR=..." that describe the platform and the device, for the record. The caller frees the
+   text. Returns NULL if there is no memory. */
 char *ost_cl_facts(const ost_cl_api *cl, const ost_cl_device *device);
 
-/* Writes why the loader reports no platform, as far as its folder of drivers shows it. */
+/* Writes the reason why the loader reports no platform, as far as the loader's folder of drivers shows the reason. */
 void ost_cl_icd_reason(char *reason, size_t size);
 
 #endif

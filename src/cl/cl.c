@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The function table of the OpenCL backend, and the choice of the device on which
- * it is opened: the first that fits the user's options and passes the checks.
+ * The function table of the OpenCL backend. The backend is opened on the first device
+ * that the user's options select and that passes the checks.
  */
 #include "cl/objects.h"
 
@@ -46,7 +46,7 @@ ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend 
 
     bool tried = false;
     ost_status first = OST_OK;
-    ost_error why = {0}; /* error of the first device that fits the options: probably the one that was meant */
+    ost_error why = {0}; /* error of the first device that the options select, probably the intended device */
     for (size_t i = 0; i < devices.count && !backend; i++) {
         if (!ost_cl_options_match(&options, &devices.list[i]))
             continue;
@@ -131,7 +131,8 @@ static void close_cl(ost_backend *backend)
     ost_cl_device_close((cl_backend *)backend);
 }
 
-/* The device has its own instructions and threads; the host uses one thread, which only enqueues work. */
+/* Returns the settings of the backend. The host uses one thread, which only enqueues work; the device has its own
+   instructions and threads. */
 static ost_backend_settings settings(const ost_backend *base)
 {
     const ost_cl_device *on = &((const cl_backend *)base)->device;

@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The OpenCL backend's host side: the declarations that its files share.
+ * The declarations that the files of the OpenCL backend's host side share.
  *
- *   choice.c, icd.c   which devices are present, may be used and are selected
+ *   choice.c, icd.c   lists the devices, which of them may be used, and selects one
  *   context.c         one opened device: context, queue, program, kernels, checks
- *   program.c         building; binaries are cached by cache.c under the key of key.c
- *   layout.c          check that structs have the same layout on the device
- *   fingerprint.c     check that the device's integers are right
+ *   program.c         builds programs; cache.c caches binaries under the key of key.c
+ *   layout.c          checks that structs have the same layout on the device
+ *   fingerprint.c     checks that the device's integer operations are correct
  *   launch.c          buffers and launches, with errors that name the device
  *   spare.c           a pool of large buffers for reuse
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the slots of the function table
  *   cl.c              the function table
  *
- * All commands go through one in-order queue, so each call sees the results of
- * the calls before it.  Grids, bones and tools are buffers on the device.  Of a
- * bone the host stores only which chunk is in which slot and how many voxels are
- * active in each chunk.
+ * All commands are enqueued in one in-order queue, so the results of a call are visible
+ * to all later calls.  Grids, bones and tools are buffers on the device.  For a bone,
+ * the host stores only the slot of each chunk and the number of active voxels in each
+ * chunk.
  *
- * Failure.  A failure before a call has enqueued a change of an object leaves
- * the object unchanged.  After that the object's state on the device is unknown:
- * the object is lost, every later call on it returns OST_ERR_UNAVAILABLE, and it
- * can only be freed.
+ * Failure.  If a call fails before it has enqueued a change of an object, the object is
+ * unchanged.  If a call fails later, the object's state on the device is unknown, and
+ * the object is lost: every later call on it returns OST_ERR_UNAVAILABLE, and it can
+ * only be freed.
  */
 #ifndef OST_CL_CL_H
 #define OST_CL_CL_H
@@ -29,8 +29,8 @@
 #include "cl/kernels/shared.h"
 #include "core/backend.h"
 
-/* X(kernel, sets): the kernel is created if the opened kernel set is one of sets (bits of OST_FOR,
-   kernels/shared.h). */
+/* The list of kernels, as X(kernel, sets). A kernel is created if `sets` contains the kernel set of the backend (bits
+   of OST_FOR, kernels/shared.h). */
 /* clang-format off */
 #define OST_CL_KERNELS(X) \
     X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) X(ost_fingerprint_turns, 3) \
@@ -52,7 +52,8 @@ enum ost_cl_kernel {
     OST_CL_KERNEL_COUNT
 };
 
-/* X(path, sets, name): the host's paths (core/paths.h), each counted where it is entered. */
+/* The list of the paths of the host (core/paths.h), as X(path, sets, name). A counter counts how often each path is
+   entered. */
 /* clang-format off */
 #define OST_CL_PATHS(X) \
     X(SAMPLES_IN_PARTS, 3, "scatter of a batch in several parts") \
@@ -92,46 +93,47 @@ typedef struct cl_backend {
     size_t workgroup; /* work items per work group; 0: default */
     size_t staging;   /* as in ost_cl_options */
     unsigned order;   /* as in ost_cl_options */
-    uint32_t turns;   /* loop turns of a work item before the device ends its loops; OST_CL_TURNS: no limit was found */
-    int run;          /* voxels of a row that a work item of ost_cubic_gather or ost_cubic_linear makes (OST_RUN) */
+    uint32_t turns;   /* loop iterations after which the device ends a work item's loops; OST_CL_TURNS: none found */
+    int run;          /* voxels that a work item of ost_cubic_gather or ost_cubic_linear computes (OST_RUN) */
     cl_context context;
     cl_command_queue queue;
     struct {
         cl_mem buffer;
         size_t bytes;
-    } spare[OST_CL_SPARES]; /* owned; freed buffers kept for reuse at about the same size (spare.c); NULL: none */
+    } spare[OST_CL_SPARES]; /* owned; freed buffers that can be reused at about the same size (spare.c) */
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
-    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* largest work group of each kernel */
+    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* greatest size of a work group of each kernel */
     bool from_cache;                              /* true if the program's binary was found in the cache */
     ost_digest empty_leaf;
-    uint64_t launched[OST_CL_KERNEL_COUNT]; /* launches of each kernel, without those of an event that meets nothing */
+    uint64_t launched[OST_CL_KERNEL_COUNT]; /* number of launches of each kernel, without events that meet no block */
     uint64_t entered[OST_CL_PATH_COUNT];
-    struct ost_cl_event_scratch *event; /* owned; scratch of events, NULL before the first (remove.c) */
+    struct ost_cl_event_scratch *event; /* owned; scratch of events (remove.c); NULL before the first event */
 } cl_backend;
 
 /* ------------------------------------------------------------- context.c */
 
-/* Opens and checks one device. On failure *out is NULL and err has the reason. */
+/* Opens one device and checks it. On failure, *out is NULL and err contains the reason. */
 ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_options *options,
                               cl_backend **out, ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
-/* Returns the smaller of a stage's own limit in bytes and the option staging. */
+/* Returns the limit in bytes for a stage: the smaller of the stage's own limit and the option staging. */
 static inline size_t ost_cl_staging(const cl_backend *b, size_t limit)
 {
     return b->staging && b->staging < limit ? b->staging : limit;
 }
-/* The slot paths of the function table: visits the kernels of the opened set and OST_CL_PATHS, with their counts. */
+/* Implements the slot `paths` of the function table: calls visit for each kernel of the backend's kernel set and for
+   each path of OST_CL_PATHS, with its count. */
 void ost_cl_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* The functions behind the slots of cl.c, with another table of OpenCL functions than the loader's. */
+/* The functions that implement the slots in cl.c, with a table of OpenCL functions as a parameter, for tests. */
 ost_status ost_cl_open_with(const ost_cl_api *cl, const char *options, ost_backend **out, ost_error *err);
 bool ost_cl_available_with(const ost_cl_api *cl, char *reason, size_t size);
 ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err);
 
 /* ------------------------------------------------------------- program.c */
 
-/* Builds a program for the backend's device; *from_cache is true if the binary came from the cache. */
+/* Builds a program for the device of the backend. Sets *from_cache to true if the binary was in the cache. */
 ost_status ost_cl_build(cl_backend *backend, const char *const *sources, size_t count, const char *options,
                         cl_program *out, bool *from_cache, ost_error *err);
 
@@ -145,52 +147,53 @@ ost_status ost_cl_key(const ost_cl_device *device, const char *const *sources, s
 
 ost_status ost_cl_layout_check(cl_backend *backend, ost_error *err);
 
-/* Returns OST_ERR_UNAVAILABLE, naming the device and the error, if the device's integers differ from the host's or
-   its loops end too early. Sets backend->turns. */
+/* Checks the device. Returns OST_ERR_UNAVAILABLE, with a message that names the device and the error, if the device's
+   integer operations differ from the host's or if the device ends loops too early. Sets backend->turns. */
 ost_status ost_cl_fingerprint_check(cl_backend *backend, ost_error *err);
-/* Describes the device's floating point in one line, for the record. */
+/* Describes the floating-point arithmetic of the device in one line, for the record. */
 void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);
 
 /* -------------------------------------------------------------- launch.c */
 
-/* Creates a buffer. It is uninitialised if data is NULL, else a copy of data made before the call returns. For 0
-   bytes the buffer has 1 byte. */
+/* Creates a buffer on the device. If data is NULL, the buffer is uninitialised. Otherwise data is copied to the buffer
+   before the function returns. If `bytes` is 0, the buffer has 1 byte. */
 ost_status ost_cl_buffer(cl_backend *backend, size_t bytes, const void *data, const char *what, cl_mem *out,
                          ost_error *err);
-/* Creates a buffer of zeros. */
+/* Creates a buffer on the device and sets it to zeros. */
 ost_status ost_cl_buffer_zero(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, ost_error *err);
-void ost_cl_buffer_free(cl_backend *backend, cl_mem *buffer); /* sets *buffer to NULL; *buffer may be NULL */
+/* Releases a buffer and sets *buffer to NULL. *buffer may be NULL before the call. */
+void ost_cl_buffer_free(cl_backend *backend, cl_mem *buffer);
 ost_status ost_cl_zero(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, ost_error *err);
-/* The caller may reuse data when these return. */
+/* ost_cl_write and ost_cl_read wait until the transfer has ended. */
 ost_status ost_cl_write(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, const void *data,
                         ost_error *err);
 ost_status ost_cl_read(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data, ost_error *err);
-/* data must remain unchanged until the next call that waits for the queue. */
+/* Enqueues a transfer to the buffer. `data` must remain unchanged until the next call that waits for the queue. */
 ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, const void *data, ost_error *err);
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
-/* Waits for all commands of the queue. */
+/* Waits until all commands in the queue have ended. */
 ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
 
 /* ---------------------------------------------------------------- spare.c */
 
-/* Returns a buffer of at least this size; *reserved is its actual size. Its content is undefined. Large buffers are
-   reused. */
+/* Sets *out to a buffer of at least `bytes` bytes with undefined content, and *reserved to the actual size. Large
+   buffers are reused. */
 ost_status ost_cl_spare_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *reserved,
                              ost_error *err);
-/* sets *buffer to NULL; *buffer may be NULL */
+/* Releases a buffer or stores it for reuse, and sets *buffer to NULL. *buffer may be NULL before the call. */
 void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved);
-/* Releases all buffers that wait for reuse. Returns true if there were any. */
+/* Releases all buffers that are stored for reuse. Returns true if at least one buffer was released. */
 bool ost_cl_spare_clear(cl_backend *backend);
 
-/* One argument of a kernel. */
+/* One argument of a kernel: a pointer to the value, and the size of the value. */
 typedef struct ost_cl_arg {
     size_t size;
     const void *value;
 } ost_cl_arg;
 #define OST_CL_ARG(value) ((ost_cl_arg){sizeof(value), &(value)})
 
-/* Launches a kernel over x * y * z work items; x is rounded up to a multiple of the work group. Does nothing if one
-   of them is 0. */
+/* Launches a kernel with x * y * z work items. x is rounded up to a multiple of the size of a work group. Does nothing
+   if x, y or z is 0. */
 ost_status ost_cl_launch(cl_backend *backend, enum ost_cl_kernel kernel, size_t x, size_t y, size_t z,
                          const ost_cl_arg *args, unsigned count, ost_error *err);
 #define OST_CL_LAUNCH(backend, kernel, x, y, z, err, ...)                                                   \

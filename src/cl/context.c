@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One opened device: context, queue, program and kernels, then the two checks
- * that it must pass before anything is computed on it.
+ * Opens one device: creates the context, the queue, the program and the kernels, and runs
+ * the two checks that the device must pass before it computes anything.
  */
 #include "cl/cl.h"
 
@@ -97,7 +97,8 @@ static ost_status set_up_program(cl_backend *b, ost_error *err)
     return status;
 }
 
-/* chosen: the user named the kernel set, so the other one must not replace it. */
+/* Creates the context, the queue and the program. If `chosen` is true, the user has selected the kernel set, so it is
+   not replaced by the other one. */
 static ost_status set_up(cl_backend *b, bool chosen, ost_error *err)
 {
     cl_int code = CL_SUCCESS;
@@ -113,7 +114,8 @@ static ost_status set_up(cl_backend *b, bool chosen, ost_error *err)
         return ost_fail(err, OST_ERR_UNAVAILABLE,
                         "OpenCL device '%.120s' ends a loop after %u iterations, too early for kernels=cpu; use "
                         "kernels=gpu", b->device.name, (unsigned)b->turns);
-    if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS) { /* this device then gets the kernel set for GPUs */
+    /* A device that ends long loops gets the kernel set for GPUs. */
+    if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS) {
         b->cpu_set = false;
         drop_program(b);
         status = set_up_program(b, err);
@@ -146,8 +148,8 @@ ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device,
         b->staging = options->staging;
         b->order = options->order;
         b->cpu_set = options->kernels == OST_CL_SET_AUTO ? device->cpu : options->kernels == OST_CL_SET_CPU;
-        /* A driver may install a handler for the process's SIGFPE (PoCL does), which would hide a division by zero
-           elsewhere. */
+        /* A driver may install a handler for SIGFPE, as PoCL does. The handler would hide a division by zero in the
+           rest of the process, so the previous handler is restored. */
         struct sigaction before;
         const bool known = sigaction(SIGFPE, NULL, &before) == 0;
         status = set_up(b, options->kernels != OST_CL_SET_AUTO, err);

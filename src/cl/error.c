@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The status of each OpenCL error, and what the user can do about it:
+ * A table with the status for each OpenCL error, and what the user can do:
  *
  *   memory refused              OST_ERR_MEMORY       a smaller bone, or backend cpu
  *   device gone, build refused  OST_ERR_UNAVAILABLE  another device or driver
  *   anything else               OST_ERR_INTERNAL     a wrong call by this backend
  *
- * CL_OUT_OF_RESOURCES means "no memory" or, on GPUs, "a kernel was stopped".  The
- * two cannot be distinguished, so the text names both.
+ * CL_OUT_OF_RESOURCES means "no memory" or, on GPUs, "a kernel was stopped".  The two
+ * causes cannot be distinguished, so the text names both.
  */
 #include "cl/error.h"
 
@@ -17,10 +17,10 @@ typedef struct cl_error_text {
     cl_int code;
     const char *name;
     ost_status status;
-    const char *cause; /* NULL: the name is clear enough */
+    const char *cause; /* cause of the error; NULL if the error's name is clear enough */
 } cl_error_text;
 
-/* Codes of extensions are written as numbers, since headers differ in whether they define them. */
+/* The table of errors. Error codes of extensions are written as numbers, because not all headers define them. */
 static const cl_error_text errors[] = {
     {CL_DEVICE_NOT_FOUND, "CL_DEVICE_NOT_FOUND", OST_ERR_UNAVAILABLE, "no such device"},
     {CL_DEVICE_NOT_AVAILABLE, "CL_DEVICE_NOT_AVAILABLE", OST_ERR_UNAVAILABLE, "the device is gone or in use"},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Converts OpenCL's error codes to a status and one line that names call, device and cause. */
+/* Converts an error code of OpenCL to a status and a line of text that names the call, the device and the cause. */
 #ifndef OST_CL_ERROR_H
 #define OST_CL_ERROR_H
 
@@ -7,11 +7,12 @@
 
 #include "cl/api.h"
 
-/* Returns the name, such as "CL_OUT_OF_RESOURCES"; "an unknown error" for a code that is not listed. */
+/* Returns the name of an error code, such as "CL_OUT_OF_RESOURCES", or "an unknown error" if the code is not listed. */
 const char *ost_cl_error_name(cl_int code);
 
-/* Sets the user's message and returns the status that corresponds to the code. `device` is the device's name, `call` is
-   the name of the OpenCL function that failed, and `what` is the object concerned ("kernel ost_remove") or "". */
+/* Sets the message for the user and returns the status that corresponds to the code. `device` is the name of the
+   device, `call` is the name of the OpenCL function that failed, and `what` names the object ("kernel ost_remove") or
+   is "". */
 ost_status ost_cl_fail(ost_error *err, const char *device, cl_int code, const char *call, const char *what);
 
 #endif

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The numeric fingerprint of a device, computed each time that it is opened.
+ * The numeric fingerprint of a device.  It is computed each time the device is opened.
  *
- *   integers  products, carries, shifts, quotients, bits and atomics, over all
- *             pairs of edge values and over random ones: every word must equal
- *             the host's, or the device is refused
- *   turns     how long a loop may be: a device that ends long loops gets the
- *             kernel set for GPUs, or is refused if those loops are too long too
- *   floats    for the record: fused or not, denormals kept or not, and so on;
- *             they decide nothing
+ *   integers  products, carries, shifts, quotients, bits and atomics, for all pairs
+ *             of edge values and for random values: if a word differs from the
+ *             host's, the device is refused
+ *   turns     how many iterations a loop may have: if the device ends long loops,
+ *             it gets the kernel set for GPUs; if the loops of that set are too long
+ *             for the device, it is refused
+ *   floats    for the record: whether sums are fused, whether denormals are flushed,
+ *             and so on; no decision depends on them
  */
 #include "cl/cl.h"
 
@@ -81,7 +82,7 @@ static const uint64_t edges[] = {
 
 enum { EDGES = sizeof edges / sizeof edges[0], RANDOM = 800, PAIRS = EDGES * EDGES + RANDOM };
 
-/* splitmix64 from a fixed seed, so that the words are the same on every machine. */
+/* Returns the next word of splitmix64. The seed is fixed, so that the words are the same on every machine. */
 static uint64_t next_word(uint64_t *state)
 {
     uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
@@ -212,12 +213,12 @@ done:
 
 /* ---------------------------------------------------------------- floats */
 
-/* Bits of the floats that are tested: a, b, c of kernels/fingerprint_float.cl. */
+/* The bit patterns of the floats a, b and c with which kernels/fingerprint_float.cl is called. */
 enum { FLOATS = 4 };
 static const uint32_t float_in[3 * FLOATS] = {
-    0x3f800800, 0x3f800800, 0xbf800000, /* 1 + 2^-12, the same, -1: a * b + c shows whether the sum is fused */
+    0x3f800800, 0x3f800800, 0xbf800000, /* a = b = 1 + 2^-12, c = -1: a * b + c shows whether the sum is fused */
     0x3f800000, 0x40400000, 0x00000000, /* 1 / 3 */
-    /* 0.5: the kernel multiplies it by the least normal number; is the product denormal or 0? */
+    /* a = 0.5: the kernel multiplies a by the least normal number, to find whether the product is denormal or 0. */
     0x3f000000, 0x3f800000, 0x00000000,
     0x501502f9, 0x3f800000, 0x00000000, /* 1e10, to int */
 };

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The expected results of kernels/fingerprint.cl, word by word, computed by
- * other means: 128-bit products, digits of 32 bits, single bits.  The indices
- * are those of the kernel.
+ * The expected results of kernels/fingerprint.cl, word by word.  The host computes them
+ * by other means than the kernel: 128-bit products, digits of 32 bits, single bits.  The
+ * indices of the words are those of the kernel.
  */
 #ifndef OST_CL_FINGERPRINT_EXPECT_H
 #define OST_CL_FINGERPRINT_EXPECT_H
@@ -79,7 +79,7 @@ static inline void ost_cl_fingerprint_expect(uint64_t a, uint64_t b, uint64_t to
     to[31] = z ^ z / (UINT64_C(1) << 31);
 }
 
-/* Sets counters to the values expected after all work items; in has count words. */
+/* Sets counters to the values that are expected after all work items have ended. `in` has `count` words. */
 static inline void ost_cl_fingerprint_expect_atomics(const uint64_t *in, uint32_t count,
                                                      uint32_t counters[OST_CL_FINGERPRINT_COUNTERS])
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Dense grids: a store, x fastest; upload and download of slices. */
+/* The dense grids of the backend `cl`, whose voxels are in a store, x fastest. Uploads and downloads slices. */
 #include "cl/objects.h"
 
 #include <stdlib.h>
@@ -93,7 +93,7 @@ ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err)
     else
         status = ost_cl_copy(b, grid->store->voxels, own->voxels, grid_bytes(&grid->base.geometry), err);
     if (status == OST_OK)
-        status = ost_cl_finish(b, err); /* the kernel must finish before its source, the old store, is released */
+        status = ost_cl_finish(b, err); /* the kernel must end before the old store, its source, is released */
     if (status != OST_OK) {
         store_release(b, own);
         return status;
@@ -133,13 +133,13 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
         return status;
     status = ost_cl_write((cl_backend *)base->backend, grid->store->voxels, slice * (size_t)z0, slice * (size_t)count,
                           voxels, err);
-    grid->lost = status != OST_OK; /* a part may have been written */
+    grid->lost = status != OST_OK; /* after a failure, a part of the slices may have been written */
     return status;
 }
 
 ost_status ost_cl_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
-    /* A grid that is a list of slices is first given its own voxels, which changes none of their values. */
+    /* If the grid is a list of slices, it first gets a store with its own voxels. No value of a voxel changes. */
     cl_grid *grid = (cl_grid *)(uintptr_t)base;
     const size_t slice = slice_bytes(&base->geometry);
     ost_status status = ost_cl_alive(base->backend, grid->lost, "grid", err);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why the loader reports no platform.  A loader silently skips drivers that it
- * cannot load.  This file reads the same folder of .icd files (each has one line,
- * the driver's library) and tries to load each library.  It serves only the
- * reason that the user reads.
+ * Finds the reason why the loader reports no platform, for a message to the user.  A
+ * loader silently skips drivers that it cannot load.  The functions of this file read
+ * the loader's folder of .icd files, each of which has one line with the name of a
+ * driver's library, and try to load each library.
  */
 #include "cl/choice.h"
 
@@ -21,7 +21,7 @@ static bool ends_with(const char *text, const char *end)
     return length >= tail && strcmp(text + length - tail, end) == 0;
 }
 
-/* Returns true, with the reason, if the driver named in this file cannot be loaded. */
+/* Returns true, and writes the reason, if the driver that this .icd file names cannot be loaded. */
 static bool broken(const char *path, const char *file, char *reason, size_t size)
 {
     char line[512] = "";

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From samples to the cubic grid (AR-CT-4..6, AR-CUB) on the device.
+ * Converts samples to a rect grid, and a rect grid to a cubic grid, on the device
+ * (AR-CT-4..6, AR-CUB).
  *
- * A batch of samples is uploaded in parts of at most PART_BYTES.  Each part is a
- * batch of its own with the same first line, so the reports are combined in the
- * same way (see kernels/shared.h).  The host reads 32 bytes of report per part;
- * two more kernels run only if there is a conflict to report.
+ * A batch of samples is uploaded in parts of at most PART_BYTES.  For the kernels, each
+ * part is a batch of its own with the same first line.  Therefore the reports of the
+ * parts are combined like those of batches (see kernels/shared.h).  The host reads a
+ * report of 32 bytes per part.  Two further kernels run only if there is a conflict.
  */
 #include "cl/objects.h"
 
@@ -30,7 +31,7 @@ static bool earlier(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* Adds the report of a part to that of the batch. */
+/* Adds the report of a part to the report of the batch. */
 static void add_part(ost_scatter_report *total, const ost_cl_scatter_report *part, const ost_sample *samples,
                      size_t count, int64_t first_line)
 {
@@ -123,7 +124,7 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
         if (status == OST_OK)
             add_part(&total, &part, samples + done, now, first_line);
         else if (done > 0)
-            grid->lost = true; /* earlier parts have been stored */
+            grid->lost = true; /* earlier parts of the batch have been stored */
         done += now;
     }
     if (status == OST_OK)
@@ -134,7 +135,8 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
 ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                 ost_error *err)
 {
-    cl_grid *rect = (cl_grid *)(uintptr_t)base; /* not const: the result may share its store; no voxel changes */
+    /* The grid is not const here, because the result may share its store. No voxel changes. */
+    cl_grid *rect = (cl_grid *)(uintptr_t)base;
     cl_backend *b = (cl_backend *)base->backend;
     const ost_geometry *r = &base->geometry;
     const ost_cl_cubic cubic = {
@@ -146,7 +148,8 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z0 = 0,
         .z1 = geometry->dims.z,
     };
-    /* With equal spacings a voxel's source is its own index under every rule, and its weights are 0. */
+    /* On an axis with equal spacings, the source of a voxel has the voxel's own index under every rule, and the upper
+       neighbour has the weight 0. */
     const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y;
     const bool linear = rule == OST_RESAMPLE_LINEAR;
     const size_t axes = (size_t)geometry->dims.x + (size_t)geometry->dims.y + (size_t)geometry->dims.z;
@@ -160,7 +163,7 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK)
         status = ost_cl_buffer(b, 2 * axes * sizeof(int32_t), NULL, "resampling", &sources, err);
     if (status == OST_OK)
-        /* the kernel writes all of it */
+        /* The voxels are not initialised, because the kernel writes all of them. */
         status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err);
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
@@ -168,7 +171,7 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK && !z_alone)
         status = ost_cl_resample(b, geometry->dims, linear, cubic_buffer, sources, rect->store->voxels,
                                  ((cl_grid *)to)->store->voxels, err);
-    if (status == OST_OK) /* errors of earlier commands are reported here */
+    if (status == OST_OK) /* the wait also reports errors of earlier commands */
         status = ost_cl_finish(b, err);
     if (status == OST_OK && z_alone) {
         ((cl_grid *)to)->cubic = cubic_buffer;

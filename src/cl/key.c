@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Everything that a built program depends on; together these texts are the key
- * of its cache entry:
+ * Collects the texts on which a built program depends.  Together, these texts determine
+ * the key of the program's cache entry:
  *
  *   options, sources          of this library
  *   platform, device, driver  their names and versions
  *   NAME=VALUE ...            driver settings in the environment, sorted
  *
- * Environment variables control drivers: POCL_KERNELLIB_NAME and
- * POCL_WORK_GROUP_METHOD result in different machine code under the same names.
- * Only the driver defines which settings matter, so all variables with a
- * driver's prefix are included.  An unnecessary build costs seconds; a binary
- * built with other settings could invalidate a proof.  Cache folders
+ * Environment variables control drivers: for example, POCL_KERNELLIB_NAME and
+ * POCL_WORK_GROUP_METHOD change the machine code, but not the name or version of the
+ * driver.  Only the driver defines which settings matter, so all variables with a
+ * driver's prefix are included.  An unnecessary build takes only seconds, but a binary
+ * that was built with other settings could invalidate a proof.  Cache folders
  * (*_CACHE_DIR) are excluded.
  */
 #include "cl/cl.h"
@@ -42,7 +42,8 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Returns the number of driver settings in the environment. If parts is not NULL, also stores them there, sorted. */
+/* Returns the number of driver settings in the environment. If parts is not NULL, also stores the settings in parts,
+   sorted. */
 static size_t settings(const char **parts)
 {
     size_t count = 0;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Buffers and launches: the functions through which all stages use the queue.
+ * Creates buffers, transfers data and launches kernels.  All stages use the queue only
+ * through these functions.
  *
- * Work groups.  Kernels accept ranges that are rounded up, have no barrier and
- * never read their group, so the group size affects only speed.  A size is
- * always given, since some drivers otherwise use groups of one item when a range
+ * Work groups.  Kernels accept ranges that are rounded up, have no barrier and never
+ * read their group, so the size of a group affects only the speed.  The host always
+ * specifies the size, because otherwise some drivers use groups of one item if a range
  * is a prime number.
  */
 #include "cl/cl.h"
@@ -14,8 +15,8 @@
 
 enum { WORKGROUP_DEFAULT = 64 };
 
-/* Returns true for kernels whose items take long: in a group of several, cores would wait for one that runs the
-   group. */
+/* Returns true if each work item of the kernel takes a long time. Such a kernel is launched with groups of one item,
+   because with larger groups some cores would have no group while another core processes several items. */
 static bool long_items(enum ost_cl_kernel kernel)
 {
     return kernel == OST_CL_KERNEL_ost_remove_blocks || kernel == OST_CL_KERNEL_ost_chunk_scan_layers ||
@@ -33,7 +34,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
 {
     char text[80];
     snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
-    cl_int code = CL_INVALID_BUFFER_SIZE; /* drivers differ in their errors and behaviour beyond their limit */
+    cl_int code = CL_INVALID_BUFFER_SIZE; /* returned here, because drivers differ in how they handle larger buffers */
     *out = NULL;
     if (bytes <= b->device.max_buffer)
         *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0),
@@ -41,7 +42,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
-    if (ost_cl_spare_clear(b)) /* the buffers kept for reuse may occupy the memory that is missing */
+    if (ost_cl_spare_clear(b)) /* try again: the buffers stored for reuse have occupied memory */
         return ost_cl_buffer(b, bytes, data, what, out, err);
     return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
 }
@@ -72,7 +73,8 @@ static ost_status fill_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t 
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueFillBuffer", "");
 }
 
-/* Uses the widest pattern that OpenCL has, since drivers fill pattern by pattern; the ends are filled by bytes. */
+/* Sets a part of a buffer to zero. Uses the widest pattern of OpenCL, because drivers fill one pattern after the other.
+   Both ends of the part are filled byte by byte. */
 ost_status ost_cl_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, ost_error *err)
 {
     const size_t unit = sizeof(cl_ulong16), begin = (offset + unit - 1) / unit * unit,
@@ -125,7 +127,8 @@ ost_status ost_cl_finish(cl_backend *b, ost_error *err)
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clFinish", "");
 }
 
-/* Returns at most the size requested, at most the kernel's limit, and by default no more than the range needs. */
+/* Returns the size of a work group: the size that the user has requested or the default, but not more than the kernel's
+   limit. A default size is reduced to what the range needs. */
 static size_t group_size(const cl_backend *b, enum ost_cl_kernel kernel, size_t range)
 {
     size_t size = b->workgroup ? b->workgroup : long_items(kernel) ? 1 : WORKGROUP_DEFAULT;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks that the structs shared by host and device have the same layout.  The
- * host's sizes are asserted in kernels/shared.h; a kernel reports the device's.
- * The members that are not checked lie between members that are.
+ * Checks that the structs shared by host and device have the same layout on both.  The
+ * sizes on the host are asserted in kernels/shared.h, and a kernel reports the sizes on
+ * the device.  Every member that is not checked lies between members that are checked.
  */
 #include "cl/cl.h"
 
@@ -31,7 +31,7 @@ static const struct {
 
 enum { COUNT = sizeof expected / sizeof expected[0], BUFFER_BYTES = 256 };
 
-/* Public structs and constants that are copied without conversion. */
+/* These public structs and constants are copied to the device without conversion. */
 _Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) &&
                    offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
                    offsetof(ost_sample, line) == offsetof(ost_cl_sample, line),

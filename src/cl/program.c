@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Building a program for the backend's device.
+ * Builds a program for the device of the backend, or loads it from the cache.
  *
  *   cache has a binary --> the driver accepts it --> done
  *          | no                  | no
  *          '---------> source <--'   built; the binary is stored
  *
- * The log of a failed build may be long and has no fixed format.  The error shows
- * its first line that contains "error".
+ * The log of a failed build may be long and has no fixed format.  The error message
+ * contains the first line of the log that contains "error".
  */
 #include "cl/cl.h"
 
@@ -17,7 +17,8 @@
 
 #include "cl/cache.h"
 
-/* Selects the line of a log to show: the first with "error", else the first that is not empty. */
+/* Selects a line of a log for the error message: the first line that contains "error" or, if there is none, the first
+   line that is not empty. */
 static void shorten(const char *log, char *out, size_t size)
 {
     const char *best = NULL, *first = NULL;
@@ -76,7 +77,7 @@ static bool from_binary(cl_backend *b, const ost_cl_cache *cache, const char *op
     return false;
 }
 
-/* Stores the binary in the cache. A failure is ignored, since the program can be built again. */
+/* Stores the binary of a program in the cache. A failure is ignored, because the program can be built again. */
 static void store_binary(cl_backend *b, const ost_cl_cache *cache, cl_program program)
 {
     size_t size = 0;

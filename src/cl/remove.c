@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-MAP, AR-REM): one launch for all chunks, blocks
- * and poses of an event.
+ * Removal and collision (AR-MAP, AR-REM) on the device, by one launch for all chunks,
+ * blocks and poses of an event.
  *
- *   host    chunks with a slot that some box meets           ascending, as in the report
+ *   host    chunks with a slot that the box of a pose meets  ascending, as in the report
  *             their blocks of 16^3
  *               entries: the poses that may meet the block, with its base
  *   queue   event with poses, blocks, entries -> ost_remove -> a report per block
- *   host    waits once, for the reports; sums them by chunk
+ *   host    waits once, for the reports; sums the reports of each chunk
  *
- * An entry is omitted if no voxel of the block can lie in the tool's grid: the
- * pose's box misses the block, the block's base is far (AR-MAP-5), or the block's
- * eight corners all lie on one side of the grid.
+ * An entry is omitted in three cases, because no voxel of the block can then lie in the
+ * tool's grid: the pose's box does not meet the block, the block's base is far
+ * (AR-MAP-5), or the eight corners of the block all lie on one side of the grid.
  *
- * The entries of a launch are limited to ENTRIES_BYTES; an event with more of
- * them is divided into several launches of complete blocks.  Chunks are
- * independent, so this affects only time.
+ * The entries of a launch have at most ENTRIES_BYTES.  An event with more entries is
+ * divided into several launches of complete blocks.  This affects only the time,
+ * because chunks are independent of each other.
  */
 #include "cl/objects.h"
 
@@ -33,12 +33,12 @@ typedef struct event_array {
 
 struct ost_cl_event_scratch {
     event_array poses, blocks, entries, reports;
-    event_array input; /* the event and its arrays, one after the other */
+    event_array input; /* the struct of the event, followed by the arrays of the event */
     cl_mem input_device, reports_device;
-    size_t input_capacity, reports_capacity; /* sizes of these two buffers in bytes */
-    size_t *chunk; /* owned; the chunk of each block */
+    size_t input_capacity, reports_capacity; /* sizes of input_device and reports_device */
+    size_t *chunk; /* owned; number of the chunk that contains each block */
     size_t chunk_capacity;
-    bool warm; /* true if a removal kernel was launched */
+    bool warm; /* true if the kernel of removal has been launched before */
 };
 
 void ost_cl_event_free(cl_backend *b)
@@ -58,7 +58,7 @@ void ost_cl_event_free(cl_backend *b)
     b->event = NULL;
 }
 
-/* Ensures a capacity of at least this many bytes; the content is preserved. */
+/* Ensures that the array has a capacity of at least `bytes` bytes. The content of the array is preserved. */
 static ost_status array_reserve(event_array *a, size_t bytes, ost_error *err)
 {
     if (bytes <= a->capacity)
@@ -83,7 +83,7 @@ static ost_status array_add(event_array *a, const void *element, size_t size, os
     return OST_OK;
 }
 
-/* Ensures a device buffer of at least this many bytes; its content is lost if it grows. */
+/* Ensures that a buffer on the device has at least `bytes` bytes. If the buffer grows, its content is lost. */
 static ost_status device_reserve(cl_backend *b, cl_mem *device, size_t *reserved, size_t bytes, ost_error *err)
 {
     if (bytes <= *reserved)
@@ -107,9 +107,9 @@ typedef struct plan {
     const ost_removal_event *event;
     struct ost_cl_event_scratch *s;
     bool apply;
-    bool changed; /* true if a launch that removes was enqueued */
+    bool changed; /* true if a launch that removes voxels was enqueued */
     ost_removal_report *report;
-    ost_chunk_report part; /* sums of the current chunk; part.chunk is -1 if there is none */
+    ost_chunk_report part; /* sums of the current chunk; part.chunk is -1 if there is no current chunk */
 } plan;
 
 static int32_t least(int32_t a, int32_t b)
@@ -131,7 +131,7 @@ static bool empty_box(const ost_voxel_box *box, ost_dims dims)
     return false;
 }
 
-/* Finds the range of chunks that the boxes of all poses meet, half-open; lo > hi if there is none. */
+/* Finds the half-open range of chunks that contains the boxes of all poses. lo > hi if all boxes are empty. */
 static void chunk_range(const plan *p, int32_t lo[3], int32_t hi[3])
 {
     const ost_dims dims = p->bone->base.geometry.dims;
@@ -151,8 +151,8 @@ static void chunk_range(const plan *p, int32_t lo[3], int32_t hi[3])
     }
 }
 
-/* Returns true if the block's corners, and so the entire block, lie beyond one face of the tool's grid. The sums are
-   64 bits wide and cannot overflow. */
+/* Returns true if all corners of the block lie beyond one face of the tool's grid. The entire block then lies beyond
+   this face. The sums are 64 bits wide and cannot overflow. */
 static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
 {
     const int64_t d[3] = {dims.x, dims.y, dims.z};
@@ -169,7 +169,7 @@ static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
     return false;
 }
 
-/* Adds the entries of one block; *count is 0 if no pose may meet it. */
+/* Adds the entries of one block and sets *count to their number. *count is 0 if no pose may meet the block. */
 static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count, ost_error *err)
 {
     const ost_dims dims = p->bone->base.geometry.dims;
@@ -247,7 +247,8 @@ static ost_status plan_poses(plan *p, ost_error *err)
 
 /* -------------------------------------------------------------- running */
 
-/* Adds the sums of the current chunk to the report and, on removal, updates the chunk's count of active voxels. */
+/* Adds the sums of the current chunk to the report. In a removal, also updates the number of active voxels of the
+   chunk. */
 static ost_status close_part(plan *p, ost_error *err)
 {
     if (p->part.chunk < 0)
@@ -291,7 +292,7 @@ static ost_status take_reports(plan *p, ost_error *err)
     return status;
 }
 
-/* Enqueues one launch over the blocks in the device's arrays. With 0 blocks all work items return at once. */
+/* Enqueues one launch for the blocks in the arrays on the device. If `blocks` is 0, all work items return at once. */
 static ost_status launch(const plan *p, size_t blocks, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
@@ -306,7 +307,8 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
                          OST_CL_ARG(s->reports_device));
 }
 
-/* Enqueues the transfer of the event and its arrays as one buffer, and ensures a buffer for the reports. */
+/* Enqueues the transfer of the event and its arrays as one buffer, and ensures that the buffer for the reports is large
+   enough. */
 static ost_status write_input(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
@@ -325,7 +327,7 @@ static ost_status write_input(plan *p, ost_error *err)
     size_t bytes = sizeof head;
     for (int c = 0; c < classes->count; c++)
         head.border[c] = classes->border[c];
-    for (int i = 0; i < 3; i++) { /* all offsets are multiples of 8, as are the sizes of the structs */
+    for (int i = 0; i < 3; i++) { /* all offsets are multiples of 8, because the sizes of the structs are */
         *at[i] = (uint32_t)bytes;
         bytes += parts[i]->bytes;
     }
@@ -350,9 +352,10 @@ static ost_status write_input(plan *p, ost_error *err)
 }
 
 /*
- * Runs an event that meets nothing, as a world does when it gets a tool.  Some
- * drivers build a kernel for its group size only at the first launch; this makes
- * them do it before the operation.
+ * Launches the kernel of removal once without a block, for an event that meets no block.
+ * A world runs such an event when a tool is added.  Some drivers build a kernel for its
+ * group size only at the first launch, so the launch makes them build it before the
+ * operation.
  */
 static ost_status warm(plan *p, ost_error *err)
 {
@@ -370,7 +373,7 @@ static ost_status warm(plan *p, ost_error *err)
     return status;
 }
 
-/* Runs the planned blocks and clears the plan. */
+/* Launches the kernel for the planned blocks, adds the reports of the blocks, and clears the plan. */
 static ost_status flush(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
@@ -413,8 +416,8 @@ static ost_status plan_chunk(plan *p, size_t chunk, const int32_t corner[3], ost
     return status;
 }
 
-/* Reserves report entries for every chunk of the range, so that the report cannot fail once the first voxel is
-   removed. */
+/* Reserves memory in the report for every chunk of the range, so that no allocation for the report can fail after the
+   first voxel has been removed. */
 static ost_status reserve_report(const plan *p, const int32_t lo[3], const int32_t hi[3], ost_error *err)
 {
     size_t needed = p->report->count;
@@ -480,7 +483,7 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_removal_even
         status = warm(&p, err);
     if (status != OST_OK) {
         bone->lost = bone->lost || p.changed;
-        ost_cl_finish(b, NULL); /* transfers from this event's arrays may be in progress */
+        ost_cl_finish(b, NULL); /* waits, because transfers from the arrays of this event may be in progress */
         ost_cl_tool_finish(tool, false);
     }
     return status;
@@ -492,7 +495,8 @@ ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_removal
     return run_event((cl_bone *)bone, (cl_tool *)(uintptr_t)tool, event, true, report, err);
 }
 
-/* Neither bone nor tool changes, except for buffers on the device that are made on demand. */
+/* Neither the bone nor the tool is const for run_event, because buffers on the device are made on demand. The voxels of
+   both do not change. */
 ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                           ost_removal_report *report, ost_error *err)
 {

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pool of large buffers that were freed and can be reused at about their size.
+ * A pool of large buffers that were freed.  They are reused for buffers of about the
+ * same size.
  *
- * A driver allocates a large buffer from the system, which maps it page by page
- * at the first access; for a bone on a CPU that took longer than filling it.
- * The queue is in order, so earlier commands may still use a buffer when it is
- * returned to the pool: they finish before those of its next owner.
+ * The reason: a driver allocates a large buffer from the system, which maps the buffer
+ * page by page at the first access.  For a bone on a CPU, mapping took longer than
+ * filling the buffer.  A buffer may be returned to the pool while earlier commands still
+ * use it, because the queue is in order: these commands end before the commands of the
+ * next owner begin.
  */
 #include "cl/cl.h"
 
 enum { LEAST = 1 << 20, MOST = 1 << 28 };
 
-/* Returns the index of the smallest buffer of at least this size that is at most a quarter larger, or -1. */
+/* Returns the index of the smallest buffer in the pool that has at least `bytes` bytes and at most a quarter more.
+   Returns -1 if there is no such buffer. */
 static int find(const cl_backend *b, size_t bytes)
 {
     int best = -1;

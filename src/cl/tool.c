@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tools: classes, one uint8 per voxel, and the cells that removal reads: each
- * is a class with its reach (kernels/shared.h).
+ * The tools of the backend `cl`. A tool has a class, one uint8, for each voxel, and
+ * cells, which removal reads. A cell is a class together with its reach
+ * (kernels/shared.h).
  */
 #include "cl/objects.h"
 
@@ -79,7 +80,7 @@ static ost_status make_windows(cl_tool *tool, cl_mem *out, ost_error *err)
     return status;
 }
 
-/* Three launches, one per axis: classes -> first -> second -> first. */
+/* Makes the cells by three launches, one per axis, between two buffers: classes -> first -> second -> first. */
 ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
 {
     cl_backend *b = (cl_backend *)tool->base.backend;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * AR-VOX on the device, by triangle (for CPUs see voxelize_tiles.c).
+ * Voxelization (AR-VOX) on the device, where a work item processes one triangle. For
+ * devices that are CPUs, see voxelize_tiles.c.
  *
- *   for slices whose steps fit the buffer
- *     for the mesh that does not cut, then the one that does
+ *   for each range of slices whose steps fit the buffer
+ *     for the noncutting mesh, then for the cutting mesh
  *       steps   +1 and -1 of every triangle, by integer atomics
  *       fill    a running sum along each row
  *     count     solid and cutting voxels
@@ -12,7 +13,8 @@
 
 #include <stdlib.h>
 
-/* STEPS_BYTES limits the buffer of steps; ITEMS is the number of work items that occupies a device. */
+/* STEPS_BYTES is the greatest size of the buffer of steps. ITEMS is a number of work items that is enough to occupy a
+   device. */
 enum { STEPS_BYTES = 1 << 28, ITEMS = 1 << 14 };
 
 typedef struct mesh_buffers {
@@ -67,7 +69,7 @@ static ost_status count_slices(cl_backend *b, const ost_cl_vox *vox, cl_mem clas
     return status;
 }
 
-/* Returns the number of slices whose steps fit the buffer, at least 1. */
+/* Returns the number of slices whose steps fit the buffer of steps. The result is at least 1. */
 static int32_t step_slices(const cl_backend *b, ost_dims dims)
 {
     const size_t slice = (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * AR-VOX on CPUs, by tiles: a tile is some rows along y of some slices.
+ * Voxelization (AR-VOX) on devices that are CPUs, by tiles. A tile consists of several
+ * rows along y in several slices.
  *
- *   host    which triangles' bounds meet which tile's slices   a counting sort
- *   queue   ost_vox_tiles for the mesh that does not cut, then for the one that does
- *   host    waits once, for the tiles' counts
+ *   host    lists for the tiles the triangles whose bounds meet them (a counting sort)
+ *   queue   ost_vox_tiles for the noncutting mesh, then for the cutting mesh
+ *   host    waits once, for the counts of the tiles
  *
- * The host is the same processor as the device, so sorting there takes no more
+ * The host and the device are the same processor, so sorting on the host takes no more
  * time than a kernel would, and needs no atomics.
  */
 #include "cl/objects.h"
@@ -15,14 +16,14 @@
 
 enum { TILE_BYTES = 1 << 18, PASS_BYTES = 1 << 19, TILES_BYTES = 1 << 26, BANDS = 8, LISTED = 4 };
 
-/* The size of a tile, as powers of two: rows along y (height), slices (depth), slices that share a list (layer),
-   slices that are marked together (pass). */
+/* The size of a tile. Each member is the exponent of a power of two: the number of rows along y (height), of slices
+   (depth), of slices that share a list (layer), and of slices that are marked together (pass). */
 typedef struct tile_size {
     int height, depth, layer, pass;
 } tile_size;
 
-/* The centres along y and z within the bounds of a vertex or a triangle, inclusive. Where bounds contain no centre, the
-   last is less than the first; for a vertex by 1. */
+/* The first and the last centre along y and z within the bounds of a vertex or a triangle. If the bounds contain no
+   centre on an axis, the last is less than the first; for a vertex, it is less by 1. */
 typedef struct centres {
     int16_t y0, z0, y1, z1;
 } centres;
@@ -31,15 +32,15 @@ typedef struct mesh_bins {
     const ost_snapped_mesh *mesh; /* NULL: none */
     uint8_t tool_class;
     uint64_t entries; /* total of all lists */
-    size_t count;     /* triangles whose bounds contain a centre */
-    uint32_t *number; /* numbers of these triangles; owned, as are the next four */
-    centres *range;   /* centres of the same triangles */
+    size_t count;     /* number of triangles whose bounds contain a centre */
+    uint32_t *number; /* numbers of these triangles; this pointer and the next four are owned */
+    centres *range;   /* centres in the bounds of these triangles */
     centres *vertex;
     uint32_t *start;  /* lists + 1 elements */
     uint32_t *list;
 } mesh_bins;
 
-/* Returns the number of tiles along an axis of n rows or slices; each tile has 2^shift. */
+/* Returns the number of tiles along an axis with n rows or slices, if a tile has 2^shift rows or slices. */
 static int32_t tiles_of(int32_t n, int shift)
 {
     return ((n - 1) >> shift) + 1;
@@ -55,8 +56,8 @@ static int16_t greatest(int16_t a, int16_t b)
     return a > b ? a : b;
 }
 
-/* Centres are (i + 1/2) 2^f. The loop does not branch on whether a triangle's bounds contain a centre, since such a
-   branch is unpredictable. */
+/* Finds the centres in the bounds of all vertices and triangles; centre i is at (i + 1/2) 2^f. The second loop has no
+   branch for triangles whose bounds contain no centre, because the branch would be unpredictable. */
 static void find_ranges(mesh_bins *bins, int f)
 {
     const ost_snapped_mesh *mesh = bins->mesh;
@@ -93,7 +94,8 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
     return OST_OK;
 }
 
-/* Counts the entries of all lists. Returns false if they are too many: more than LISTED per triangle and 2^20. */
+/* Counts the entries of all lists. Returns false if there are more than LISTED entries per triangle plus 2^20 (or the
+   option staging, if it is smaller). */
 static bool count_entries(const cl_backend *b, mesh_bins *bins, const tile_size *size)
 {
     uint64_t entries = 0;
@@ -136,8 +138,9 @@ static void set_size(ost_cl_tiles *tiles, tile_size size)
     tiles->count[1] = tiles_of(tiles->dims[2], size.depth);
 }
 
-/* Chooses rows that fit the cache, at least BANDS bands of slices where there are enough slices, and as many slices
-   per pass as fit the cache. Tiles and layers are then enlarged while scratch or lists would become too large. */
+/* Chooses the size of tiles: as many rows as fit the cache, at least BANDS bands of slices if there are enough slices,
+   and as many slices per pass as fit the cache. Then enlarges tiles and layers while the scratch memory or the lists
+   would be too large. */
 static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins bins[2])
 {
     const size_t tile_bytes = ost_cl_staging(b, TILE_BYTES), pass_bytes = ost_cl_staging(b, PASS_BYTES);
@@ -168,10 +171,11 @@ static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins
 }
 
 /*
- * Counts the triangles of each list in next[list + 1].  First change gets the
- * differences between neighbouring lists along y and z, at the four corners of
- * the rectangle of lists that a triangle belongs to; their sums along both axes
- * are the counts.  Intermediate values are modulo 2^32.
+ * Sets next[l + 1] to the number of triangles of each list l.  A triangle belongs to a
+ * rectangle of lists along y and z.  First, +1 or -1 is added to `change` at the four
+ * corners of each rectangle, so that `change` contains the differences between
+ * neighbouring lists.  The sums of the differences along both axes are the numbers of
+ * triangles.  Intermediate values are modulo 2^32.
  */
 static void count_lists(const mesh_bins *bins, uint32_t *change, size_t wide, size_t high, const tile_size *size,
                         uint32_t *next)
@@ -204,8 +208,8 @@ static ost_status bins_make(mesh_bins *bins, const ost_cl_tiles *tiles, const ti
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for lists of %llu triangles",
                         (unsigned long long)bins->entries);
     }
-    /* First next[l + 1] is the count of list l. After the sums below next[l] is the index at which list l begins
-       and, once the list is filled, ends. */
+    /* At first, next[l + 1] is the number of entries of list l. After the sums below, next[l] is the index at which
+       list l begins. When the list has been filled, next[l] is the index at which list l ends. */
     uint32_t *next = bins->start + 1;
     count_lists(bins, change, wide, high, size, next);
     free(change);
