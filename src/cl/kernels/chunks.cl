@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The pool of chunks (AR-CHK): storing slices, loading them, and counting
- * voxels.  shared.h describes buffers and ranges.
+ * The kernels for the pool of chunks (AR-CHK), which store slices, load slices and count
+ * voxels.  shared.h describes the buffers and the ranges.
  *
  *     table          pool, slots of n^3                    a word of occupancy
  *   chunk 0  -       0  density ... | words ...            n = 16  rows y, y + 1 (y even)
@@ -17,27 +17,28 @@ static ulong ost_chunk_voxels(__global const ost_cl_bone *bone)
     return (ulong)bone->size * (ulong)bone->size * (ulong)bone->size;
 }
 
-/* Returns the index of voxel (x, y) of a slice of a slab, which consists of complete slices. */
+/* Returns the index in a slab of voxel (x, y) of a slice. A slab consists of complete slices. */
 static ulong ost_slab_at(__global const ost_cl_bone *bone, int x, int y, int slice)
 {
     return (ulong)x + (ulong)bone->dims[0] * ((ulong)y + (ulong)bone->dims[1] * (ulong)slice);
 }
 
-/* Returns the slice of a slab that is slice k of the grid. */
+/* Returns the number of the slice of the slab from which slice k of the grid is made. */
 static int ost_slab_slice(__global const int *layers, int first, int k, int z0)
 {
     return first < 0 ? k - z0 : layers[first + k - z0];
 }
 
-/* Returns the weight in slice k of the grid of the slice that follows ost_slab_slice. */
+/* Returns the weight that the next slice of the slab has in slice k of the grid. The next slice is the one after the
+   slice that ost_slab_slice returns. */
 static int ost_slab_weight(__global const int *layers, int weights, int k, int z0)
 {
     return weights < 0 ? 0 : layers[weights + k - z0];
 }
 
 #if OST_FOR & 1
-/* Returns an element of a slab or, with a weight, its mean with the element of the next plane. The weights sum to
-   2^15. */
+/* Returns the element *from of a slab or, if weight > 0, its weighted mean with the same element of the next plane. The
+   two weights sum to 2^15. */
 static short ost_slab_read(__global const short *from, ulong plane, int weight)
 {
     return weight > 0 ? ost_mean15(from[0] * (32768 - weight) + from[plane] * weight) : from[0];
@@ -119,7 +120,7 @@ __kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, _
         return;
     const int x = (int)get_global_id(0), y = (int)get_global_id(1), slice = (int)get_global_id(2), z = z0 + slice;
     const int cx = bone->chunk_dims[0], cy = bone->chunk_dims[1];
-    /* A chunk's size is a power of two. Shifts are used, since divisions took most of this kernel's time. */
+    /* The size of a chunk is a power of two. Shifts are used, because divisions took most of this kernel's time. */
     const int log = 31 - (int)clz((uint)bone->size), low = bone->size - 1;
     const uint slot = slots[(ulong)(x >> log) + (ulong)cx * ((ulong)(y >> log) + (ulong)cy * (ulong)(z >> log))];
     short read = 0;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Scanning, storing and loading slices for CPUs, with the results of
- * ost_chunk_scan, ost_chunk_store and ost_chunk_load (shared.h).  Items process
- * rows.  Those that scan or store process the slices of a layer of chunks one
- * after the other, so that equal slices are scanned once; no two items share a
- * chunk, so no atomics are needed.
+ * The kernels for CPUs that scan, store and load slices.  The results are those of
+ * ost_chunk_scan, ost_chunk_store and ost_chunk_load (shared.h).  Work items process
+ * rows.  An item that scans or stores processes the slices of a layer of chunks one
+ * after the other, so that equal slices are scanned only once.  No two items process the
+ * same chunk, so no atomics are needed.
  */
 #if OST_FOR & 2
 
-/* Returns how many of 16 voxels reach the threshold. */
+/* Returns how many of 16 adjacent voxels are at least the threshold. */
 static uint ost_count16(__global const short *from, short threshold)
 {
     ushort count = 0;
@@ -17,8 +17,8 @@ static uint ost_count16(__global const short *from, short threshold)
     return count;
 }
 
-/* The same for the means of 16 voxels of two slices. A mean never exceeds the greater voxel, so most means are not
-   computed. */
+/* Returns how many of 16 weighted means of the voxels of two slices are at least the threshold. A mean is never greater
+   than the greater of its voxels. Therefore no mean is computed if all 32 voxels are below the threshold. */
 static uint ost_count16_between(__global const short *a, __global const short *b, int weight, short threshold)
 {
     short count = 0, any = 0;
@@ -72,7 +72,8 @@ __kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, in
     }
 }
 
-/* Copies 16 voxels, with 0 for those below the threshold. Returns a bit for each voxel that reaches it. */
+/* Copies 16 voxels and sets voxels below the threshold to 0. In the result, bit i is 1 if voxel i is at least the
+   threshold. */
 static uint ost_keep16(__global const short *from, __global short *to, short threshold)
 {
     ushort bits = 0;
@@ -84,7 +85,8 @@ static uint ost_keep16(__global const short *from, __global short *to, short thr
     return bits;
 }
 
-/* The same for the means of 16 voxels of two slices. */
+/* Writes 16 weighted means of the voxels of two slices and sets means below the threshold to 0. In the result, bit i is
+   1 if mean i is at least the threshold. */
 static uint ost_keep16_between(__global const short *a, __global const short *b, int weight, __global short *to,
                                short threshold)
 {
@@ -97,8 +99,8 @@ static uint ost_keep16_between(__global const short *a, __global const short *b,
     return bits;
 }
 
-/* Stores 16 voxels, from x on, of a row of width nx, or of its mean with the row of the next plane. Returns their
-   bits, half a word. */
+/* Stores the voxels x to x + 15 of a row of nx voxels or, if weight > 0, their weighted means with the voxels of the
+   next plane. Values below the threshold become 0. Returns 16 bits; bit i is 1 if value i is at least the threshold. */
 static uint ost_store16(__global const short *row, ulong plane, int weight, int x, int nx, __global short *to,
                         short threshold)
 {
@@ -111,7 +113,7 @@ static uint ost_store16(__global const short *row, ulong plane, int weight, int 
         if (x + i < nx)
             read = weight > 0 ? ost_mean15(row[x + i] * (32768 - weight) + row[plane + (ulong)(x + i)] * weight)
                               : row[x + i];
-        to[i] = read >= threshold ? read : (short)0; /* beyond nx read is 0, below every threshold (at least 1) */
+        to[i] = read >= threshold ? read : (short)0; /* at x >= nx, read is 0, which is below every threshold */
         bits |= (read >= threshold ? 1u : 0u) << i;
     }
     return bits;

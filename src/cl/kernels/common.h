@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Small exact functions of the kernels.  OpenCL C 1.2, and C11 after
- * tests/cl/opencl_c.h.  Nothing here relies on undefined or implementation-defined
- * behaviour: no signed overflow, no shift of a negative value or by the width.
+ * Small exact functions that all kernels use.  This file is OpenCL C 1.2; after
+ * tests/cl/opencl_c.h it is also C11.  The functions do not rely on undefined or
+ * implementation-defined behaviour: no signed overflow, no shift of a negative value,
+ * and no shift by the width of the type.
  */
 
-/* The kernel sets: for many small items (1), for few strong ones (2), or both; see shared.h. */
+/* The kernel sets of this program: for many small work items (1), for few large ones (2), or both (3); see shared.h. */
 #ifndef OST_FOR
 #define OST_FOR 3
 #endif
 
-/* Voxels of a row that an item copies; see shared.h. */
+/* The number of adjacent voxels of a row that a work item computes; see shared.h. */
 #ifndef OST_RUN
 #define OST_RUN 3
 #endif
 
 /*
- * With -DOST_ORDER=s, s > 0, work items are permuted: item i of n does the work of
- * item (i or n - 1 - i) + s modulo n.  No result may depend on it.
+ * With the option -DOST_ORDER=s, s > 0, work items are permuted: item i of n does the work
+ * of item i + s or n - 1 - i + s, modulo n.  No result may depend on the permutation.
  */
 #ifdef OST_ORDER
 static inline size_t ost_item(uint dimension)
@@ -41,8 +42,8 @@ static inline long ost_ceil_div(long n, long d)
     return n % d > 0 ? q + 1 : q;
 }
 
-/* AR-INT-2; d > 0. With r = n - floor d, 0 <= r < d: rounds up if r > d - r, and if they are equal and the floor is
-   odd. */
+/* Returns RHE(n / d) (AR-INT-2) for d > 0. With r = n - floor d, 0 <= r < d: the result is rounded up if r > d - r, or
+   if r = d - r and the floor is odd. */
 static inline long ost_rhe_div(long n, long d)
 {
     const long q = ost_floor_div(n, d);
@@ -51,10 +52,11 @@ static inline long ost_rhe_div(long n, long d)
 }
 
 /*
- * These return RHE(sum / 2^15), |sum| <= 2^30, and RHE(sum / 2^45), |sum| <= 2^60:
- * a weighted mean of densities (AR-CUB-2).  2^15 units are added, which makes the
- * sum >= 0 and preserves the parity of its quotient; then half a unit less 1, and 1
- * more if the floor is odd, before the floor is taken.
+ * ost_mean15 returns RHE(sum / 2^15) for |sum| <= 2^30, and ost_mean45 returns
+ * RHE(sum / 2^45) for |sum| <= 2^60.  The result is a weighted mean of densities
+ * (AR-CUB-2).  A unit is 2^15 or 2^45.  First, 2^15 units are added, which makes the sum
+ * >= 0 and preserves the parity of its quotient.  Then half a unit minus 1 is added, and
+ * 1 more if the floor of the quotient is odd.  The floor of the sum is the result.
  */
 static inline short ost_mean15(int sum)
 {
@@ -83,26 +85,26 @@ static inline uint ost_clamped(uint v, uint lo, uint hi)
     return v < lo ? lo : v > hi ? hi : v;
 }
 
-/* Vectors with x in every element. tests/cl/opencl_c.h defines them for C. */
+/* These macros make a vector with x in every element. For C, tests/cl/opencl_c.h defines them. */
 #ifndef OST_ALL16
 #define OST_ALL16(x) ((uint16)(x))
 #define OST_ALL8(x) ((int8)(x))
 #endif
 
-/* Returns the bits lo <= b < hi of 16 bits, for any lo and hi. */
+/* Returns 16 bits, of which the bits lo <= b < hi are set. lo and hi may have any value. */
 static inline uint ost_bits16(int lo, int hi)
 {
     const int from = ost_greatest(lo, 0), to = ost_least(hi, 16);
     return from < to ? (0xffffu >> (16 - (to - from))) << from : 0u;
 }
 
-/* Returns the number of trailing zeros; word != 0. */
+/* Returns the number of trailing zeros of a word. The word must not be 0. */
 static inline int ost_lowest_bit(uint word)
 {
     return 31 - (int)clz(word & (0u - word));
 }
 
-/* Maps 64 bits bijectively: the finaliser of splitmix64 (Steele, Lea and Flood 2014). 0 is mapped to 0. */
+/* A bijective function of 64 bits: the finaliser of splitmix64 (Steele, Lea and Flood 2014). It maps 0 to 0. */
 static inline ulong ost_mix(ulong z)
 {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ul;

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Integer operations that a device must compute correctly before it may decide
- * any voxel.  OpenCL C defines every one of these results; some drivers are known
- * to have computed them wrongly: the square of a masked number shifted right by 32
- * was compiled to 0 (ROCm issue 1764), 64-bit products (ROCm 1383) and
- * (long)int * 100 (Aparapi 38) were wrong, and mul_hi was off by one (Oclgrind 16).
- * fingerprint_expect.h has the same list for the host, computed by other means;
- * shared.h describes the buffers.
+ * Integer operations that a device must compute correctly before it may decide any
+ * voxel.  OpenCL C defines all of these results, but some drivers have computed them
+ * wrongly: the square of a masked number shifted right by 32 was compiled to 0 (ROCm
+ * issue 1764), 64-bit products (ROCm 1383) and (long)int * 100 (Aparapi 38) were wrong,
+ * and mul_hi was off by one (Oclgrind 16).  fingerprint_expect.h computes the same list
+ * of results on the host by other means.  shared.h describes the buffers.
  */
 __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulong *out)
 {
@@ -17,7 +16,7 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
     const uint a32 = (uint)a, b32 = (uint)b, by = b32 & 63u, by32 = b32 & 31u;
     const long sa = as_long(a), sb = as_long(b);
     const int sa32 = as_int(a32), sb32 = as_int(b32);
-    const ulong d = b | 1ul;                    /* divisors: odd, so not 0 */
+    const ulong d = b | 1ul;                    /* the divisor, which is odd and therefore not 0 */
     const long sd = as_long(b >> 1 | 1ul);      /* positive */
     const int sd32 = as_int(b32 >> 1 | 1u);     /* positive */
     __global ulong *to = out + item * OST_CL_FINGERPRINT;
@@ -63,11 +62,11 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
 }
 
 /*
- * Measures how long a work item may loop.  The end depends on the computed value,
- * so no compiler can derive the count or unroll without a test at each turn.  Mesa's
- * llvmpipe allows 65,535 turns for all loops of an item together (and of the items
- * in the same vector); after that it ends each loop after one turn and reports no
- * error.
+ * Measures how many iterations (turns) the loops of a work item may have.  The end of
+ * the loop depends on the computed value, so a compiler cannot derive the number of
+ * turns or unroll the loop without a test in each turn.  Mesa's llvmpipe allows 65,535
+ * turns for all loops of an item together, or of all items in the same vector.  After
+ * these turns it ends every loop after one turn and reports no error.
  */
 __kernel void ost_fingerprint_turns(uint end, __global uint *turns)
 {
@@ -83,10 +82,10 @@ __kernel void ost_fingerprint_turns(uint end, __global uint *turns)
 }
 
 /*
- * Each counter is one commuting operation over all items, with x = (uint)in[i]:
- * 0 add x, 1 sub x, 2 inc, 3 dec, 4 max, 5 min, 6 or, 7 and, 8 xor, 9 a signed
- * min, 10 a signed max, and 11 + x % 5 inc.  5 and 7 start as 0xffffffff, the
- * others as 0.
+ * All items apply one commuting operation to each counter, with x = (uint)in[i]:
+ * counter 0 add x, 1 sub x, 2 inc, 3 dec, 4 max, 5 min, 6 or, 7 and, 8 xor, 9 a signed
+ * min, 10 a signed max, and 11 + x % 5 inc.  The counters 5 and 7 start as 0xffffffff,
+ * all other counters start as 0.
  */
 __kernel void ost_fingerprint_atomics(uint count, __global const ulong *in, volatile __global uint *counters)
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Results of a device's floating point: for the record, and to show why no voxel
- * may depend on it.  A separate program, built without options; no result here is
- * right or wrong.  Inputs and outputs are bit patterns.
+ * Computes results of the floating-point arithmetic of a device.  They are recorded, and
+ * they show why no voxel may depend on floating-point arithmetic.  This is a separate
+ * program, built without options.  No result is right or wrong.  The inputs and outputs
+ * are bit patterns.
  */
 __kernel void ost_fingerprint_float(uint count, __global const uint *in, __global uint *out)
 {
@@ -20,7 +21,7 @@ __kernel void ost_fingerprint_float(uint count, __global const uint *in, __globa
     to[6] = as_uint(rsqrt(a));
     to[7] = as_uint(a * 1.17549435e-38f); /* denormal or 0 */
     to[8] = as_uint((a + b) - b);
-    to[9] = as_uint(a * b - a * b); /* not 0 where one product is fused */
+    to[9] = as_uint(a * b - a * b); /* not 0 if one of the products is fused with the difference */
     to[10] = as_uint(sin(a));
     to[11] = as_uint(exp(b));
     to[12] = as_uint(convert_int_sat(a));

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Samples of a CT text to the rect grid (AR-CT-4..6), as described in shared.h.
- * There are three launches, since the winning sample of a voxel is known only
- * after all samples have been compared.
+ * Converts the samples of a CT text to the rect grid (AR-CT-4..6), as described in
+ * shared.h.  Three launches are needed, because the sample that determines a voxel is
+ * known only after all samples have been compared.  The element of a voxel in `owner`:
  *
- *   owner   claim     the greatest key of the voxel's samples
- *           place     the sample with that key writes (max: and sets a flag)
- *           check     0 again
+ *   claim     is set to the greatest key of the voxel's samples
+ *   place     selects the sample that writes the voxel (for max, a flag is set too)
+ *   check     is set to 0 again
  *
  * Ranges.  |p|, |origin| <= 8 * 10^12, so |p - origin| < 2^44 and, with
  * spacing <= 10^11, |index * spacing| < 2^45.  off <= spacing / 2, so
@@ -14,14 +14,14 @@
  */
 
 #define OST_LENGTH_MAX 8000000000000l
-#define OST_OWNER_FLAG 0x40000000u /* above every key of max, which are below 2^17 */
+#define OST_OWNER_FLAG 0x40000000u /* above the keys for duplicates=max, all below 2^17 */
 
 typedef struct ost_ct_position {
     ulong voxel;
     uint ppm;
-    int read;   /* the sample's coordinates are within the range of lengths */
-    int off;    /* off the lattice by more than 1/8 of a voxel */
-    int inside; /* the sample is readable, not rejected, and in the grid */
+    int read;   /* true if the coordinates are within the range of lengths */
+    int off;    /* true if the distance from the lattice is more than 1/8 of a voxel */
+    int inside; /* true if the sample is readable, not rejected, and in the grid */
 } ost_ct_position;
 
 static ost_ct_position ost_ct_position_of(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *sample)
@@ -57,7 +57,8 @@ static ost_ct_position ost_ct_position_of(__global const ost_cl_scatter *scatter
     return position;
 }
 
-/* Returns a key from 1 to 2^31 - 1; the sample with the greatest key wins. */
+/* Returns the key of a sample, from 1 to 2^31 - 1. Of all samples of a voxel, the sample with the greatest key
+   determines the voxel. */
 static uint ost_key(__global const ost_cl_scatter *scatter, uint i, int density)
 {
     if (scatter->duplicates == OST_CL_DUPLICATES_LAST)
@@ -103,7 +104,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         return;
     const uint i = (uint)item;
     const ost_ct_position position = ost_ct_position_of(scatter, &samples[i]);
-    /* worst_ppm is final: it was computed by the previous launch. */
+    /* worst_ppm does not change in this launch, because the previous launch has computed it. */
     if (position.ppm > 0 && position.ppm == report->worst_ppm)
         atomic_min(&report->worst_line, samples[i].line);
     if (!position.inside)
@@ -116,7 +117,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         if ((atomic_or(&owner[position.voxel], 0u) & ~OST_OWNER_FLAG) != key)
             return;
         if (atomic_or(&owner[position.voxel], OST_OWNER_FLAG) & OST_OWNER_FLAG)
-            return; /* another sample with the same density writes */
+            return; /* another sample with the same density writes the voxel */
         if (!seen_before || density > voxels[position.voxel])
             voxels[position.voxel] = density;
         return;
@@ -127,7 +128,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         voxels[position.voxel] = density;
 }
 
-/* Returns true if a sample conflicts with its voxel, after all samples of the batch have been placed. */
+/* Returns true if a sample conflicts with its voxel. Called after all samples of the batch have been placed. */
 static int ost_differs(__global const ost_cl_sample *sample, const ost_ct_position position,
                        __global const short *voxels)
 {
@@ -175,9 +176,11 @@ __kernel void ost_ct_had(__global const ost_cl_scatter *scatter, __global const 
 /* ---------------------------------------------------- rect grid to cubic */
 
 /*
- * AR-CUB. (2i + 1) c < 2^15 * 2^37 and 2s < 2^38, and the remainder of the division
- * is below 2s, so 2^15 times the remainder is < 2^53. The floors stay inside the
- * grid; a weight above 0 means at < last, so the upper neighbour is inside too.
+ * Computes the source index and the weight of each cubic voxel on each axis (AR-CUB).
+ *
+ * Ranges. (2i + 1) c < 2^15 * 2^37 and 2s < 2^38, and the remainder of the division is
+ * below 2s, so 2^15 times the remainder is < 2^53. The floors stay inside the grid. If
+ * a weight is above 0, then at < last, so the upper neighbour is inside the grid too.
  */
 __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int *sources)
 {
@@ -207,8 +210,9 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
     }
 }
 
-/* At equal spacings a source is its voxel's own index or, beyond the end, the last index. So the sources of a run
-   are neighbours if the last of them is that far from the first. */
+/* Copies a run of voxels from their sources. At equal spacings, the source of a voxel has the voxel's own index or,
+   beyond the end of the rect grid, the last index. Therefore the sources of a run are adjacent if the index of the last
+   source is count - 1 above that of the first. */
 __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources,
                                __global const short *rect, __global short *out)
 {
@@ -232,9 +236,10 @@ __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global cons
 }
 
 /*
- * Adds the sums along x of four rows, at most 2^30 each, times the products
- * of the weights along y and z, which sum to 2^30.  A neighbour with weight 0
- * may lie outside the grid; the voxel itself is then read in its place.
+ * Interpolates a run of voxels.  Adds the sums along x of four rows, at most 2^30 each,
+ * multiplied by the products of the weights along y and z, which sum to 2^30.  A
+ * neighbour with weight 0 may lie outside the grid; the voxel itself is then read
+ * instead of the neighbour.
  */
 __kernel void ost_cubic_linear(__global const ost_cl_cubic *cubic, __global const int *sources,
                                __global const short *rect, __global short *out)

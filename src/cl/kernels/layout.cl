@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The layout that the device's compiler gives the structs of shared.h: their
- * sizes and the offsets of selected members.  The host compares them with its own
- * before anything else.
+ * Reports the layout of the structs of shared.h on the device: their sizes and the
+ * offsets of selected members.  The host compares these numbers with its own before it
+ * uses the device for anything else.
  *
  *   ost_layout(base, out)   one item
  *

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-MAP, AR-REM) by rows, for GPUs; remove_cpu.cl does
- * the same by blocks, for CPUs.  An item processes rows of 16 voxels of a block,
- * each through all poses that may meet the block.
+ * Removal and collision (AR-MAP, AR-REM) by rows, for GPUs.  remove_cpu.cl computes the
+ * same results by blocks, for CPUs.  A work item processes rows of 16 voxels of a block,
+ * and for each row all poses that may meet the block.
  *
  *   u = base + j step[1] + k step[2]      the row's first voxel in tool cells, times 2^20
  *   while voxels of the row are undecided
- *     look up the cell of one of them     its class, and its reach: all cells nearer than that have the class
- *     mark all that it decides            skip[reach] on either side
+ *     look up the cell of one such voxel  the cell has a class and a reach: all nearer cells have this class
+ *     mark all voxels that it decides     skip[reach] voxels on either side
  *
  *   row       . . # # # # # # # # # # # . . .     active
  *   tool        void     |   cutting                first look-up in the middle, then from the left
@@ -21,8 +21,9 @@
 #define OST_ROWS 4
 #endif
 
-/* Returns class and reach of the tool at u, in the format of a cell. Outside the grid the tool is void: the nearest
-   cell of the grid is no farther from any other cell than u is, so if it is void its reach is valid for u too. */
+/* Returns the class and the reach of the tool at u, in the format of a cell. Outside the grid the tool is void. The
+   nearest cell of the grid is no farther from any other cell of the grid than u is. Therefore, if that cell is void,
+   its reach is valid for u too. */
 static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, int uy, int uz)
 {
     const int x = (int)(((uint)ux + 0x40000000u) >> 20) - 1024;
@@ -39,7 +40,7 @@ static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, 
     return (uint)ost_greatest(away, (cell & 3u) == 0 ? (int)(cell >> 2) : 0) << 2;
 }
 
-/* The arrays that follow the event in its buffer. */
+/* These functions return the arrays that follow the event in its buffer. */
 static __global const ost_cl_pose *ost_poses_of(__global const ost_cl_event *event)
 {
     return (__global const ost_cl_pose *)(__global const void *)((__global const uchar *)event + event->poses_at);
@@ -56,7 +57,8 @@ static __global const ost_cl_entry *ost_entries_of(__global const ost_cl_event *
 }
 
 #if OST_FOR & 1
-/* Returns the open voxels of row (j, k) that one pose hits, and adds to *touch those that it touches. */
+/* Returns the open voxels of row (j, k) that the tool hits at one pose. Adds the open voxels that the tool touches to
+   *touch. */
 static uint ost_hits_of(const ost_cl_entry entry, __global const ost_cl_pose *pose, __global const uchar *cells,
                         const int dims[3], const int first[3], int j, int k, uint open, uint *touch)
 {
@@ -103,7 +105,8 @@ __kernel void ost_remove(__global const ost_cl_event *event, __global const ucha
     const ulong corner = (ulong)block.slot * ((ulong)n * (ulong)n * (ulong)n) +
                          (ulong)(block.first[0] % n + n * (block.first[1] % n + n * (block.first[2] % n)));
 
-    /* Index c covers the voxels hit of at least border c (class 0: all); the values of the classes are differences. */
+    /* For c > 0, element c counts and sums the hit voxels whose density is at least border c; element 0 covers all hit
+       voxels. The value of a class is the difference between two neighbouring elements. */
     uint voxels[OST_CL_CLASSES], sums[OST_CL_CLASSES], touched = 0;
     for (int c = 0; c < OST_CL_CLASSES; c++)
         voxels[c] = sums[c] = 0;

@@ -1,30 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-MAP, AR-REM) by blocks, for CPUs, and the windows
- * of a tool from which it reads.
+ * Removal and collision (AR-MAP, AR-REM) by blocks, for CPUs, and the windows of a tool,
+ * from which this kernel reads.
  *
  *   block 16^3 --- cubes 8^3 --- bricks 4^3 --- 64 voxels
  *
- * At each step the tool's cell at the middle of a cube decides the entire cube
- * if its reach is at least the pose's complete[] (shared.h); eight cubes are looked
- * up at once.  The tool voxels that a brick may meet lie in one window of 8^3
- * voxels, 64 bytes.  If the window is full or empty, it decides the brick.  Else
- * the voxels' bits are selected from it sixteen at a time, by a tree of selections
- * in place of loads.  Bricks that are larger than a window (if the tool's voxels
- * are finer than the bone's) are looked up voxel by voxel.
+ * At each step, the cell of the tool at the middle of a cube decides the entire cube if
+ * the cell's reach is at least the pose's complete[] (shared.h).  Eight cubes are looked
+ * up at once.  The tool voxels that a brick may meet lie in one window of 8^3 voxels,
+ * which has 64 bytes.  If the window is full or empty, it decides the brick.  Otherwise
+ * the bits for the voxels are selected from the window, sixteen at a time, by a tree of
+ * selections instead of loads.  If the tool's voxels are finer than the bone's, a brick
+ * may be larger than a window, and is then looked up voxel by voxel.
  *
  *   four             rows 4 b, 4 b + 1, 4 b + 2, 4 b + 3 of plane k, 16 bits each: number b + 4 k
- *   group b + 4 c    the fours of planes 4 c to 4 c + 3: the rows of a row of bricks
+ *   group b + 4 c    the fours b of the planes 4 c to 4 c + 3: the rows of a row of bricks
  *   brick            as bits: voxel (x, y, z) is bit x + 4 z + 16 y, so that plane z is (bits >> 4 z) & OST_EACH_NIBBLE
  *
- * The vectors are OpenCL C's own (uint16, int8), so that no compiler needs to
- * vectorize loops.  Ranges are those of remove.cl.
+ * The vectors are vector types of OpenCL C (uint16, int8), so the compiler need not
+ * vectorize loops.  The ranges are those of remove.cl.
  *
  * The file has more than 500 lines, because all steps of one kernel are inlined into it.
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* functions pass vectors wider than the processor's registers only among themselves */
+#ifdef __clang__ /* the warning is harmless: only functions of this file pass vectors wider than registers */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
@@ -33,7 +33,7 @@
 
 __constant uint ost_lane_x[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 __constant uint ost_lane_y[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-/* the number of the voxel's bit within its half of a brick */
+/* The number of a voxel's bit within its half of a brick. */
 __constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19};
 __constant uint ost_part_x[8] = {0, 1, 0, 1, 0, 1, 0, 1};
 __constant uint ost_part_y[8] = {0, 0, 1, 1, 0, 0, 1, 1};
@@ -41,25 +41,25 @@ __constant uint ost_part_z[8] = {0, 0, 0, 0, 1, 1, 1, 1};
 __constant ushort ost_column_bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
 
 typedef struct ost_block_rows {
-    ulong active[64]; /* the fours before the event; valid if loaded is 1 */
-    ulong open[64];   /* voxels that are active and not yet hit */
+    ulong active[64]; /* active voxels before the event, as fours; valid if loaded is 1 */
+    ulong open[64];   /* voxels that are active and not hit so far, as fours */
     ulong touch[64];
     int loaded;
-    uint hit, touched; /* a bit for each group in which a voxel was hit, or touched */
-    ulong inside[4];   /* [b]: the voxels of four b whose x and y lie in the pose's box; the same in each plane */
+    uint hit, touched; /* one bit per group: a voxel of the group was hit; a voxel of the group was touched */
+    ulong inside[4];   /* voxels of four b, in any plane, whose x and y lie in the pose's box */
     int lo, hi;        /* planes in the box */
-    int within;        /* true if the entire block is in the box */
+    int within;        /* true if the entire block lies in the pose's box */
 } ost_block_rows;
 
-/* The block's first voxel in tool cells plus 2^30, and the steps. All are unsigned numbers, whose sums are those of
-   AR-MAP-5. */
+/* The coordinates of a block for one pose: those of its first voxel in tool cells, plus 2^30, and the steps. All
+   numbers are unsigned, and their sums are those of AR-MAP-5. */
 typedef struct ost_view {
-    uint16 along[3];  /* offsets from a brick's first voxel to the voxels of its first slice, x fastest */
-    uint8 eighths[2][3]; /* offsets to the middles of the eight parts: [1] of a block, [0] of a cube of 8^3 */
+    uint16 along[3];  /* offsets from a brick's first voxel to the 16 voxels of its first slice, x fastest */
+    uint8 eighths[2][3]; /* offsets to the middles of eight parts; [1]: of a block; [0]: of a cube of 8^3 voxels */
     uint at[3], step[3][3];
-    uint lowest[3]; /* offset from a brick's first voxel to the least of each coordinate */
+    uint lowest[3]; /* offset from a brick's first voxel to the brick's least coordinate on each axis */
     int dims[3], wide[3]; /* dimensions of the tool and of its windows */
-    int planes;     /* number of planes of a window that a brick may meet; 0 if a brick may not fit a window */
+    int planes;     /* number of planes of a window that a brick may meet; 0: a brick may exceed a window */
     uint complete[3];
 } ost_view;
 
@@ -79,7 +79,8 @@ static void ost_load_rows(ost_block_rows *rows, __global const ushort *words, ul
         }
 }
 
-/* Marks what class c (1, 2) of the tool covers of a group; bits has the covered bits of each row. */
+/* Marks the voxels of a group that tool voxels of class c (1 or 2) cover. `bits` contains the covered voxels of each
+   row. */
 static void ost_mark_group(ost_block_rows *rows, uint c, ulong bits, int group)
 {
     const int z = group / 4 * 4, z0 = ost_greatest(z, rows->lo), z1 = ost_least(z + 4, rows->hi);
@@ -98,7 +99,7 @@ static void ost_mark_group(ost_block_rows *rows, uint c, ulong bits, int group)
         rows->touched |= 1u << group;
 }
 
-/* Marks a cube of 4, 8 or 16 voxels per edge. */
+/* Marks all voxels of a cube of 4, 8 or 16 voxels per edge that tool voxels of class c cover entirely. */
 static void ost_mark_cube(ost_block_rows *rows, uint c, int x, int y, int z, int edge)
 {
     const uint bits = ((1u << edge) - 1u) << x;
@@ -109,7 +110,8 @@ static void ost_mark_cube(ost_block_rows *rows, uint c, int x, int y, int z, int
 
 /* ------------------------------------------------------------- distances */
 
-/* Returns the class that covers the entire block, or 3 if the cell at its middle does not decide. */
+/* Returns the class of the tool voxels that cover the entire block, or 3 if the cell at the block's middle does not
+   decide the block. */
 static uint ost_block_class(const ost_view *view, __global const uchar *cells)
 {
     int u[3];
@@ -121,7 +123,7 @@ static uint ost_block_class(const ost_view *view, __global const uchar *cells)
     return cell >> 2 >= view->complete[2] ? cell & 3u : 3u;
 }
 
-/* Returns the offsets from a cube's first voxel to the middles of its eight parts of edge^3 voxels. */
+/* Returns on axis a the offsets from a cube's first voxel to the middles of its eight parts of edge^3 voxels. */
 static uint8 ost_middles(const ost_view *view, int a, int edge)
 {
     const int sum = (int)view->step[0][a] + (int)view->step[1][a] + (int)view->step[2][a];
@@ -130,9 +132,9 @@ static uint8 ost_middles(const ost_view *view, int a, int edge)
            vload8(0, ost_part_z) * ((uint)edge * view->step[2][a]) + (uint)((edge - 1) * sum / 2);
 }
 
-/* Sets for each of the eight parts of a cube the class that covers it entirely, or 3. (ux, uy, uz) is the cube's
-   first voxel; the parts have 8^3 (level 1) or 4^3 (level 0) voxels. Cells outside the grid are as in ost_cell_at.
-   Returns 0 if all classes are 0. */
+/* Sets classes[p] for each of the eight parts of a cube to the class of the tool voxels that cover the part entirely,
+   or to 3 if the part is not decided. (ux, uy, uz) is the cube's first voxel. The parts have 8^3 voxels (level 1) or
+   4^3 voxels (level 0). Cells outside the grid are as in ost_cell_at. Returns 0 if all classes are 0. */
 static int ost_part_classes(const ost_view *view, __global const uchar *cells, uint ux, uint uy, uint uz, int level,
                             int classes[8])
 {
@@ -167,24 +169,24 @@ static int ost_part_classes(const ost_view *view, __global const uchar *cells, u
 
 /* --------------------------------------------------------------- windows */
 
-/* Returns the index of a byte of the windows; its voxel's coordinates are counted from -8. */
+/* Returns the index of the byte of the windows that contains tool voxel (x - 8, y - 8, z - 8). */
 static int ost_window_index(const ost_view *view, int x, int y, int z)
 {
     return y + view->wide[1] * (z + view->wide[2] * (x >> 1)); /* < 2^30 */
 }
 
-/* The part of the tool that a brick may meet. */
+/* The window of a brick: the part of the tool that the brick may meet. */
 typedef struct ost_window {
     ulong plane[8];
-    uint from[3]; /* the brick's first voxel, relative to the window's */
+    uint from[3]; /* the brick's first voxel, relative to the window's first voxel */
     ulong any, all;
 } ost_window;
 
-/* Loads the window of a brick; u is the brick's first voxel plus 2^30. */
+/* Loads the window of a brick. u is the coordinate of the brick's first voxel, plus 2^30. */
 static void ost_open_window(ost_window *w, const ost_view *view, __global const uchar *windows, const uint u[3])
 {
     int begin[3];
-    for (int a = 0; a < 3; a++) /* windows entirely outside the grid are equal */
+    for (int a = 0; a < 3; a++) /* clamped: all windows entirely outside the grid are equal */
         begin[a] = ost_least(ost_greatest((int)((u[a] + view->lowest[a]) >> 20) - 1016, 0), view->dims[a] + 8);
     begin[0] &= ~1;
     for (int a = 0; a < 3; a++)
@@ -206,8 +208,8 @@ static void ost_open_window(ost_window *w, const ost_view *view, __global const 
     w->all = all;
 }
 
-/* Returns the bits of a brick's voxels that have the window's class. Coordinates relative to the window are all in
-   [0, 2^23). */
+/* Returns the set of the voxels of a brick that tool voxels of the window's class cover. All coordinates relative to
+   the window are in [0, 2^23). */
 static ulong ost_lookup_window(const ost_view *view, const ost_window *w)
 {
     if (w->any == 0 || w->all == ~0ul)
@@ -244,8 +246,8 @@ static ulong ost_lookup_window(const ost_view *view, const ost_window *w)
     return (ulong)high << 32 | low;
 }
 
-/* The same for a brick that may be larger than a window: sixteen loads per plane. volatile keeps the loads separate,
-   which is faster than the processor's gather instruction. */
+/* Computes the result of ost_lookup_window for a brick that may be larger than a window, by sixteen loads per plane.
+   Because of `volatile`, the loads stay separate, which is faster than the processor's gather instruction. */
 static ulong ost_lookup(const ost_view *view, volatile __global const uchar *windows, const uint u[3])
 {
     ulong bits = 0;
@@ -255,7 +257,7 @@ static ulong ost_lookup(const ost_view *view, volatile __global const uchar *win
         vstore16((view->along[0] + kx) >> 20u, 0, x);
         vstore16((view->along[1] + ky) >> 20u, 0, y);
         vstore16((view->along[2] + kz) >> 20u, 0, z);
-        for (int v = 0; v < 16; v++) { /* coordinates beyond the grid are moved to the void next to it */
+        for (int v = 0; v < 16; v++) { /* coordinates outside the grid are moved to the void next to the grid */
             x[v] = ost_clamped(x[v], 1023u, 1024u + (uint)view->dims[0]) - 1016u;
             y[v] = ost_clamped(y[v], 1023u, 1024u + (uint)view->dims[1]) - 1016u;
             z[v] = ost_clamped(z[v], 1023u, 1024u + (uint)view->dims[2]) - 1016u;
@@ -269,7 +271,7 @@ static ulong ost_lookup(const ost_view *view, volatile __global const uchar *win
     return bits;
 }
 
-/* Returns the voxels of a brick that are open and in the pose's box. */
+/* Returns the set of the voxels of a brick that are open and lie in the pose's box. */
 static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
 {
     const int four = y / 4 + 4 * z;
@@ -286,17 +288,17 @@ static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
     return open;
 }
 
-/* Bricks that no cell decides entirely, with their open voxels; at most eight. */
+/* A list of at most eight bricks that no cell decides, with their open voxels. */
 typedef struct ost_bricks {
     int count;
     int at[8][3];
-    uint u[8][3]; /* the brick's first voxel, plus 2^30 */
+    uint u[8][3]; /* coordinates of the brick's first voxel, plus 2^30 */
     ulong open[8];
     ost_window window[8];
 } ost_bricks;
 
-/* Marks the bricks' voxels for class c, to which the windows belong. All windows are loaded before the first is
-   used, since they are far apart in memory. */
+/* Marks the voxels of the listed bricks that tool voxels of class c cover. `windows` are the windows of this class. All
+   windows are loaded before the first one is used, because they are far apart in memory. */
 static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __global const uchar *windows,
                              ost_bricks *bricks, int c)
 {
@@ -424,12 +426,12 @@ static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __glob
 
 /* ---------------------------------------------------------------- a block */
 
-/* Rows of the block with hits: their positions in the pool and the voxels hit. */
+/* The rows of the block that have hits: their positions in the pool, and the voxels that are hit. */
 typedef struct ost_hit_rows {
     int count;
-    uint touched; /* voxels that are touched and not hit */
+    uint touched; /* number of voxels that are touched and not hit */
     ushort hit[256], left[256];
-    uint row[256]; /* offset from the block's first voxel */
+    uint row[256]; /* offset of the row from the block's first voxel */
 } ost_hit_rows;
 
 static void ost_list_hits(const ost_block_rows *rows, int n, ost_hit_rows *list)
@@ -455,8 +457,8 @@ static void ost_list_hits(const ost_block_rows *rows, int n, ost_hit_rows *list)
     }
 }
 
-/* Counts the voxels hit whose density is at least border, and sums their densities; with all, counts every voxel
-   hit. */
+/* Counts the hit voxels whose density is at least `border`, and sums their densities. If `all` is true, counts and sums
+   all hit voxels. */
 static void ost_sum_hits(const ost_hit_rows *list, __global const short *density, int all, short border, uint *voxels,
                          uint *sum)
 {
@@ -492,8 +494,8 @@ static void ost_clear_hits(const ost_hit_rows *list, __global short *density, __
     }
 }
 
-/* Consecutive items process blocks that are OST_CL_BATCHES apart, so that cores which take ranges of items get blocks
-   from all parts of the event. */
+/* Consecutive work items process blocks whose indices differ by OST_CL_BATCHES. Therefore a core that processes a range
+   of items processes blocks from all parts of the event. */
 __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global const uchar *cells,
                                 __global const uchar *windows, __global short *density, __global ushort *words,
                                 __global ost_cl_block_report *reports)
@@ -518,8 +520,9 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
     }
     ost_list_hits(&rows, n, &list);
 
-    /* Index c covers the voxels hit of at least border c (class 0: all); the values of the classes are differences. */
-    uint above = 0, above_sum = 0; /* results of the class above */
+    /* The sums for c cover the hit voxels whose density is at least border c (for c = 0, all hit voxels). The values of
+       a class are the sums for c minus the sums for c + 1. */
+    uint above = 0, above_sum = 0; /* the sums for c + 1 */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;
         if (c == 0)

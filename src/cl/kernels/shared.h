@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The interface between host and device: the layout of every buffer and, for
- * every kernel, its arguments, its range, and why its results do not depend on
- * the order of work items.  Read by the C compiler and by OpenCL C 1.2.
+ * The interface between host and device.  This file describes the layout of every
+ * buffer and, for every kernel, its arguments, its range, and why its results do not
+ * depend on the order of work items.  Both the C compiler and OpenCL C 1.2 compile it.
  *
  * A program consists of this file, common.h, and the .cl files of this folder in
  * alphabetical order, one after the other; none of them includes another.
@@ -16,22 +16,23 @@
  *   - Structs have fixed-width members, each at a multiple of its size, and
  *     no padding; they are passed in buffers, never by value.
  *   - A range may be rounded up along each of its dimensions (to a multiple of
- *     the work-group size): items beyond the range that the parameters define
- *     return at once.  Work-group sizes never affect results.  No kernel has a
- *     barrier or local memory.
+ *     the work-group size).  Items beyond the range that the parameters define
+ *     return at once.  The work-group size never affects results.  No kernel has
+ *     a barrier or local memory.
  *   - An item writes only elements that no other item of the launch reads or
  *     writes, or it uses 32-bit atomics of commuting operations (add, min, max,
  *     or, and, xchg with one value) and no result depends on their old values.
  *   - Indices into buffers are 64 bits wide.  int is at least as wide as the
  *     ranges of docs/spec/arithmetic.md, section 18, require.
- *   - Build option -DOST_FOR=d selects the kernel sets: for devices of many small
- *     work items (d & 1, GPUs) or of few strong ones (d & 2, CPUs).  Where both
- *     sets have a kernel for the same work, their results are the same.
- *     Default 3: both sets.
- *   - Build option -DOST_ROWS=r, r of 1, 2, 4, 8, 16: rows that a work item of
- *     ost_remove processes (1 suits GPUs; default 4).
- *   - Build option -DOST_RUN=v: neighbours along x that a work item of
- *     ost_cubic_gather and ost_cubic_linear makes (many suit CPUs, 1 suits GPUs; default 3).
+ *   - The build option -DOST_FOR=d selects the kernel sets: for devices that run
+ *     many small work items (d & 1, GPUs) or few large ones (d & 2, CPUs).  If
+ *     both sets have a kernel for the same work, the results are the same.  The
+ *     default is 3, both sets.
+ *   - The build option -DOST_ROWS=r with r = 1, 2, 4, 8 or 16 is the number of rows
+ *     that a work item of ost_remove processes (1 suits GPUs; default 4).
+ *   - The build option -DOST_RUN=v is the number of adjacent voxels along x that a
+ *     work item of ost_cubic_gather and ost_cubic_linear computes (many suit CPUs,
+ *     1 suits GPUs; default 3).
  */
 #ifndef OST_CL_SHARED_H
 #define OST_CL_SHARED_H
@@ -57,12 +58,12 @@ typedef int64_t ost_cl_i64;
 typedef uint64_t ost_cl_u64;
 #endif
 
-#define OST_CL_NONE 0xffffffffu /* no line, no sample, no slot */
+#define OST_CL_NONE 0xffffffffu /* means no line, no sample or no slot */
 
 /* ------------------------------------------------- samples to rect grid */
 /*
- * AR-CT-4..6.  A batch consists of three launches, in this order, over its samples
- * (one dimension, count items), and two more only after a conflict:
+ * Samples to the rect grid (AR-CT-4..6).  A batch of samples needs three launches, in
+ * this order (one dimension, count items), and two more only after a conflict:
  *
  *   ost_ct_claim(scatter, samples, seen, owner, report)
  *   ost_ct_place(scatter, samples, seen, owner, voxels, report)
@@ -77,23 +78,26 @@ typedef uint64_t ost_cl_u64;
  *   voxels   short[voxels]                the rect grid
  *   report   ost_cl_scatter_report[1]     of the batch; three lines and the index start as OST_CL_NONE, all else as 0
  *
- * claim: every sample that is readable and inside the grid raises its voxel's
- * owner to its key by atomic_max.  Keys are ordered so that the winning sample has
- * the greatest: the earlier (error, first), the later (last), the denser (max).
- * Exactly one sample of a voxel finds owner 0; it is not a duplicate if the
- * voxel's bit of seen is 0.  Which sample that is may vary, their number does not.
- * place: the sample with the greatest key writes its voxel.  Keys are unique
- * except for max: there the first sample to set a flag writes, and all candidates
- * have the same density.  It also finds the first line with the worst offset.
- * check: updates seen, clears owner and, for error, finds the least line whose
- * density differs from its voxel's (which has not changed since it was set).
- * report_first_bad: finds the first sample of that line that differs.  had: reads the density
- * of its voxel.
- * The host combines the batch's report with that of earlier batches: counts are
- * added; the greater offset is used or, of equal ones above 0, the lower line; of
- * the other lines the lower one, each after adding the batch's first_line;
- * conflict_has is the density of sample conflict_index.  count <= 2^31 - 2, and
- * no line equals OST_CL_NONE.
+ * claim: every sample that is readable and inside the grid raises the owner of its
+ * voxel to the sample's key by atomic_max.  Keys are ordered so that the sample that
+ * determines the voxel has the greatest key: the earliest sample (error, first), the
+ * latest (last) or the densest (max).  Exactly one sample of a voxel finds that owner
+ * is 0.  This sample is not a duplicate if the voxel's bit of seen is 0; all other
+ * samples are duplicates.  Which sample finds 0 may vary, but the number of duplicates
+ * does not.
+ * place: the sample with the greatest key writes its voxel.  Keys are unique except
+ * for max: then the first sample that sets a flag writes, and all candidates have the
+ * same density.  place also finds the first line with the worst offset.
+ * check: updates seen and clears owner.  For error, check also finds the least line
+ * whose density differs from the density of its voxel, which has not changed since the
+ * voxel was set.
+ * report_first_bad: finds the first sample of that line whose density differs.
+ * had: reads the density of the voxel of that sample.
+ * The host combines the report of the batch with that of earlier batches.  Counts are
+ * added.  The greater of the two worst offsets is used; if they are equal and above 0,
+ * the lower line is used.  For each of the other lines, the lower line is used.  The
+ * batch's first_line is added to each line before.  conflict_has is the density of
+ * sample conflict_index.  count <= 2^31 - 2, and no line equals OST_CL_NONE.
  */
 enum { OST_CL_DUPLICATES_ERROR, OST_CL_DUPLICATES_FIRST, OST_CL_DUPLICATES_LAST, OST_CL_DUPLICATES_MAX };
 
@@ -121,16 +125,16 @@ typedef struct ost_cl_scatter_report {
 
 /* ---------------------------------------------------- rect grid to cubic */
 /*
- * AR-CUB.
+ * The rect grid to the cubic grid (AR-CUB).
  *
  *   ost_cubic_sources(cubic, sources)            one dimension: sum of cubic dims
  *   ost_cubic_gather(cubic, sources, rect, out)  nearest, thesis: cubic dims.x / OST_RUN or more, dims.y, z1 - z0
- *   ost_cubic_linear(cubic, sources, rect, out)  linear: the same
+ *   ost_cubic_linear(cubic, sources, rect, out)  linear: the range of ost_cubic_gather
  *
  *   cubic    const ost_cl_cubic[1]
- *   sources  int[2 * (dims.x + dims.y + dims.z)]   source index of each voxel along x, then y,
- *                                                  then z; then, in the same
- *                                            order, the weight of its upper neighbour, 0 to 2^15 (0: none is read)
+ *   sources  int[2 * (dims.x + dims.y + dims.z)]   source index of each voxel along x, then y, then z; then, in this
+ *                                            order, the weight of the upper neighbour of each source, 0 to 2^15 (0:
+ *                                            the neighbour is not read)
  *   rect     const short[rect voxels]
  *   out      short[...]                      the entire cubic grid, or slices z0 <= k < z1 of it if slab is 1
  *
@@ -143,30 +147,30 @@ typedef struct ost_cl_cubic {
     ost_cl_i32 rect_dims[3], dims[3];
     ost_cl_i32 rule; /* OST_CL_RESAMPLE_*, equal to ost_resample */
     ost_cl_i32 z0, z1;
-    ost_cl_i32 slab; /* 1: out begins with slice z0; 0: with slice 0 */
+    ost_cl_i32 slab; /* 1: out begins with slice z0; 0: out begins with slice 0 */
 } ost_cl_cubic;
 
 /* ---------------------------------------------------------------- chunks */
 /*
- * AR-CHK.  A bone on the device is a pool of slots, each with the memory of one
- * chunk of n^3 voxels, and a table from chunk numbers to slots:
+ * Chunks (AR-CHK).  A bone on the device is a pool of slots, each with the memory of one
+ * chunk of n^3 voxels, and a table that maps chunk numbers to slots:
  *
  *   bone     const ost_cl_bone[1]
- *   slots    uint[chunks]           slot of a chunk, OST_CL_NONE if it has no memory
+ *   slots    uint[chunks]           slot of a chunk, OST_CL_NONE if the chunk has no memory
  *   density  short[slots * n^3]     voxel v = x + n (y + n z) of the chunk in slot s: s n^3 + v
- *   words    uint[slots * n^3 / 32] its occupancy, word v / 32, bit v % 32 (AR-CHK-4)
+ *   words    uint[slots * n^3 / 32] the chunk's occupancy: voxel v has bit v % 32 of word v / 32 (AR-CHK-4)
  *   slab     short[(z1 - z0) dims.y dims.x]  slices z0 <= k < z1 of the grid without padding;
  *                                            z0 and z1 are int arguments
  *
- *   Slice k of the grid is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0.  So a grid that
- *   was resampled along z alone is read from the original grid, once for all slices that are the same.  With weights
- *   >= 0 (and first >= 0), slice k is the mean of that slice and the next one of the slab, whose weight is
- *   layers[weights + k - z0] / 2^15; with weight 0 the next one may not exist.  layers ends with the last of these
- *   elements; the slices ascend.  layers is unused if first < 0.
+ *   Slice k of the grid is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0.  Therefore a grid
+ *   that was resampled only along z is read from the original grid, once for all slices that are equal.  If weights
+ *   >= 0 (and first >= 0), slice k is the mean of slice layers[first + k - z0] and the next slice of the slab.  The
+ *   weight of the next slice is layers[weights + k - z0] / 2^15.  If this weight is 0, the next slice may not exist.
+ *   The buffer layers ends with the last of these elements, and the slices ascend.  layers is unused if first < 0.
  *
  *   ost_chunk_scan(bone, z0, z1, first, weights, layers, slab, active)
- *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the voxels of the
- *       slab that reach the threshold.
+ *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the number of the
+ *       chunk's voxels in the slab that are at least the threshold.
  *   ost_chunk_scan_layers(...)
  *       the same for CPUs: chunk_dims.y, chunk_dims.z.  An item processes a row of chunks along x.
  *   ost_chunk_store(bone, z0, z1, first, weights, layers, slab, slots, density, words)
@@ -181,7 +185,8 @@ typedef struct ost_cl_cubic {
  *   ost_chunk_load_rows(...)
  *       the same for CPUs: chunk_dims.y, z1 - z0.  An item processes a slice of a row of chunks along x.
  *   ost_chunk_count(bone, first, count, words, active)
- *       n, count.  Adds the set bits of slot first + i to active[i] (uint[count], zeros at first), i < count.
+ *       n, count.  For i < count, adds the number of bits that are set in slot first + i to active[i] (uint[count],
+ *       zeros at first).
  */
 typedef struct ost_cl_bone {
     ost_cl_i32 dims[3];
@@ -192,7 +197,8 @@ typedef struct ost_cl_bone {
 
 /* ------------------------------------------------------------- voxelizer */
 /*
- * AR-VOX, by triangle, on slices k0 <= k < k1 of the grid (so that steps may be smaller than the grid).
+ * Voxelization (AR-VOX) by triangle, for the slices k0 <= k < k1 of the grid, so that the buffer of steps can be
+ * smaller than the grid.
  *
  *   ost_vox_steps(vox, vertices, triangles, steps)   triangles, bands
  *   ost_vox_fill(vox, steps, classes, leaks)         dims.y, k1 - k0
@@ -203,13 +209,14 @@ typedef struct ost_cl_bone {
  *   steps      int[(k1 - k0) * dims.y * (dims.x + 1)]   zeros before ost_vox_steps and after ost_vox_fill
  *   classes    uchar[dims.x * dims.y * dims.z]          the entire tool, zeros at first
  *   leaks      uint[1]                                  the number of rows that leak is added
- *   counts     uint[2 * dims.z]                         solid and cutting voxels of slice k are
- *                                                       added to 2 k and 2 k + 1
+ *   counts     uint[2 * dims.z]                         the numbers of solid and of cutting voxels of slice k are
+ *                                                       added to elements 2 k and 2 k + 1
  *
- * steps: item (t, b) processes the slices b, b + bands, ... of those that triangle t meets, and adds the triangle's
- * +1 or -1 in every row that it owns (by atomic_add; bands > 1 gives more items where triangles are few).  fill: an
- * item sums one row and sets classes to tool_class where the row is solid, leaving other voxels unchanged: first for
- * the mesh that does not cut, then for the one that does.
+ * ost_vox_steps: item (t, b) processes the slices b, b + bands, ... of the slices that triangle t meets.  It adds the
+ * triangle's +1 or -1 in every row that the triangle owns, by atomic_add.  If there are few triangles, bands > 1
+ * results in more items.
+ * ost_vox_fill: an item sums one row.  It sets the class of solid voxels to tool_class and leaves other voxels
+ * unchanged.  The kernel is launched for the noncutting mesh first, then for the cutting mesh.
  */
 enum { OST_CL_FILL_WINDING, OST_CL_FILL_PARITY };
 
@@ -223,51 +230,53 @@ typedef struct ost_cl_vox {
 } ost_cl_vox;
 
 /*
- * The same for CPUs, one launch per mesh:
+ * Voxelization (AR-VOX) by tiles, for CPUs, with one launch per mesh:
  *
  *   ost_vox_tiles(tiles, vertices, triangles, start, list, steps, marks, classes, counts)   count[0], count[1]
  *
  *   tiles    const ost_cl_tiles[1]
- *   start    const uint[lists + 1], list const uint[start[lists]]: elements start[l] <= e < start[l + 1] of list,
- *            with l = y + count[0] (k / layer), include all triangles whose bounds contain the centre of one of the
- *            rows of tile (y, z) in slice k; further triangles do not change the result
+ *   start    const uint[lists + 1], list const uint[start[lists]]: list number l consists of the elements
+ *            start[l] <= e < start[l + 1] of list.  For tile (y, z) and slice k, list l = y + count[0] (k / layer)
+ *            includes all triangles whose bounds contain the centre of a row of the tile in this slice; further
+ *            triangles do not change the result
  *   steps    int[tiles * pass * height * (dims.x + 1)], marks ulong[tiles * pass * height * (dims.x / 64 + 1)]:
  *            scratch, any content
- *   classes  uchar[dims.x * dims.y * dims.z]   all are written; if over is 1, only those that the mesh covers
- *   counts   ulong[3 * tiles]                  for each tile its solid and cutting voxels, of all meshes so far, and
- *                                              its rows that leak; if over is 1, these rows are added to those of the
- *                                              first mesh
+ *   classes  uchar[dims.x * dims.y * dims.z]   all classes are written; if over is 1, only those of voxels in the mesh
+ *   counts   ulong[3 * tiles]                  for each tile, the numbers of solid voxels and of cutting voxels of all
+ *                                              meshes so far, and of rows that leak; if over is 1, the rows that leak
+ *                                              are added to those of the first mesh
  */
 typedef struct ost_cl_tiles {
     ost_cl_i32 dims[3];
     ost_cl_i32 fraction;
-    ost_cl_i32 height, depth; /* rows along y and slices of a tile */
-    ost_cl_i32 count[2];      /* tiles along y and z */
+    ost_cl_i32 height, depth; /* number of rows along y and of slices in a tile */
+    ost_cl_i32 count[2];      /* number of tiles along y and along z */
     ost_cl_i32 rule;
     ost_cl_i32 tool_class;
-    ost_cl_i32 over; /* 1: a second mesh, over the first */
-    ost_cl_i32 layer; /* slices that share a list */
-    ost_cl_i32 pass;  /* slices that a tile marks and fills together, at most */
+    ost_cl_i32 over; /* 1: this mesh is added to the classes of a first mesh */
+    ost_cl_i32 layer; /* number of slices that share a list */
+    ost_cl_i32 pass;  /* greatest number of slices of a tile that are marked and filled together */
 } ost_cl_tiles;
 
 /* ----------------------------------------------------------- tool cells */
 /*
- * A cell has a tool voxel's class in bits 0 and 1 and its reach in bits 2 to 7:
- * the greatest r <= 63 such that all voxels nearer than r on every axis have the
- * same class, where everything outside the grid is void.  So reach >= 1.
+ * A cell contains the class of a tool voxel in bits 0 and 1 and the reach of the voxel in
+ * bits 2 to 7.  The reach is the greatest r <= 63 such that all voxels nearer than r on
+ * every axis have the same class as the voxel; all space outside the grid is void.  So
+ * reach >= 1.
  *
  *   ost_tool_reach(tool, from, to)   dims.x, dims.y, dims.z; three launches, axis 0, 1, 2
  *
  *   tool   const ost_cl_tool[1]
- *   from   const uchar[voxels]: the classes for axis 0, then the previous launch's result;  to  uchar[voxels], not from
+ *   from   const uchar[voxels]: for axis 0 the classes, then the result of the previous launch
+ *   to     uchar[voxels], a buffer other than from
  *
  * Each item writes its own cell.
  *
- * For ost_remove_blocks each class c (1, 2) is also stored separately as
- * windows: a byte holds 8 voxels along x, there is a byte for every second voxel
- * along x, and bytes of neighbours along y are adjacent.  So any cube of
- * 8^3 voxels (whose first x is even) is 8 loads of 8 bytes.  Voxels outside the
- * grid are void.
+ * For ost_remove_blocks, each class c (1, 2) is also stored separately as windows.  A
+ * byte contains 8 voxels along x.  There is a byte for every second voxel along x, and
+ * the bytes of neighbours along y are adjacent.  Therefore any cube of 8^3 voxels whose
+ * first x is even can be read by 8 loads of 8 bytes.  Voxels outside the grid are void.
  *
  *   ost_tool_windows(tool, classes, windows)   OST_CL_WINDOWS_Y(dims.y), _Z(dims.z), tool.axis * _X(dims.x);
  *                                            tool.axis is the number of classes, 1 or 2
@@ -281,14 +290,14 @@ typedef struct ost_cl_tiles {
 
 typedef struct ost_cl_tool {
     ost_cl_i32 dims[3];
-    ost_cl_i32 axis; /* for ost_tool_windows: the number of classes */
+    ost_cl_i32 axis; /* in ost_tool_windows, the number of classes */
 } ost_cl_tool;
 
 #define OST_CL_REACH_MAX 63
 
 /* --------------------------------------------------------------- removal */
 /*
- * AR-MAP, AR-REM: an event with all its poses and blocks in one launch.
+ * Removal and collision (AR-MAP, AR-REM): one launch for all poses and blocks of an event.
  *
  *   ost_remove(event, cells, density, words, reports)                   event.blocks * 256 / OST_ROWS; one dimension
  *   ost_remove_blocks(event, cells, windows, density, words, reports)   event.blocks, rounded up to a multiple of
@@ -306,40 +315,41 @@ typedef struct ost_cl_tool {
  *                                              little-endian
  *   reports  ost_cl_block_report[event.blocks]  zeros at first (ost_remove_blocks writes all of them)
  *
- * The two have the same results.  ost_remove is for devices of many work items:
- * an item processes OST_ROWS rows of 16 voxels of a block, each with 16 bits of
- * occupancy and 16 densities that no other item accesses, and adds to the block's
- * report by atomic_add.  ost_remove_blocks is for few strong cores with vectors:
- * an item processes an entire block and halves it until the tool's reach decides.
- * Every pose of the block's entries marks the voxels that it hits and touches; a
- * voxel is hit if any pose hits it, so the order of entries does not matter.  The
- * sums of a block cover at most 4096 voxels and 2^12 * 2^15 of density, so they
- * fit 32 bits.
+ * Both kernels compute the same results.  ost_remove is for devices that run many small
+ * work items: an item processes OST_ROWS rows of 16 voxels of a block.  Each row has 16
+ * bits of occupancy and 16 densities that no other item accesses.  The item adds its
+ * counts to the report of the block by atomic_add.  ost_remove_blocks is for devices
+ * with few strong cores and vector instructions: an item processes an entire block and
+ * halves it until the reach of a tool voxel decides each part.  For each entry of the
+ * block, the voxels that the tool hits or touches at the entry's pose are marked.  A
+ * voxel is hit if it is hit at any pose, so the order of entries does not matter.  The
+ * counts of a block are at most 4096 voxels and its sums of densities at most
+ * 2^12 * 2^15, so they fit 32 bits.
  *
- * The host omits entries whose pose's box does not meet the block or whose base
- * is far (AR-MAP-5), and blocks without entries.  Within a block the kernels apply
- * the box to each voxel, so that boxes have the same meaning in every backend.
- * Entries with far bases are not allowed, since the sums of the kernels would
+ * The host omits an entry if the pose's box does not meet the block, or if the base is
+ * far (AR-MAP-5).  It also omits blocks without entries.  Within a block, the kernels
+ * apply the box to each voxel, so that boxes have the same meaning in every backend.
+ * Entries with far bases are not allowed, because the sums of the kernels would
  * overflow.
  */
 #define OST_CL_CLASSES 8
-#define OST_CL_BATCHES 8 /* parts among which ost_remove_blocks distributes neighbouring blocks */
+#define OST_CL_BATCHES 8 /* number of parts of an event; ost_remove_blocks puts adjacent blocks into different parts */
 
 typedef struct ost_cl_event {
     ost_cl_i32 tool_dims[3];
     ost_cl_i32 size; /* n */
     ost_cl_u32 blocks;
-    ost_cl_i32 apply; /* 1 removes, 0 only reports */
+    ost_cl_i32 apply; /* 1: removes voxels; 0: only reports */
     ost_cl_i32 classes;
-    ost_cl_i32 touches; /* 0: the tool has no voxel of class 2 */
+    ost_cl_i32 touches; /* 0 if the tool has no voxel of class 2 */
     ost_cl_u32 poses_at, blocks_at, entries_at, unused;
     ost_cl_i32 border[OST_CL_CLASSES];
 } ost_cl_event;
 
 typedef struct ost_cl_block {
-    ost_cl_i32 first[3]; /* first voxel in the grid; multiples of 16 */
+    ost_cl_i32 first[3]; /* coordinates of the block's first voxel in the grid; multiples of 16 */
     ost_cl_u32 slot;     /* slot of its chunk */
-    ost_cl_u32 entry, entries; /* entries[entry] ... entries[entry + entries - 1] */
+    ost_cl_u32 entry, entries; /* index of the block's first entry, and number of its entries */
 } ost_cl_block;
 
 typedef struct ost_cl_entry {
@@ -348,14 +358,16 @@ typedef struct ost_cl_entry {
 } ost_cl_entry;
 
 typedef struct ost_cl_pose {
-    ost_cl_i32 step[3][3]; /* [bone axis][tool axis], as in ost_map */
-    ost_cl_i32 lo[3], hi[3]; /* its box, as in ost_removal_event */
-    ost_cl_u8 complete[3]; /* reach at its middle that decides a cube of 4, 8, 16 voxels; > OST_CL_REACH_MAX: none */
+    ost_cl_i32 step[3][3]; /* index [bone axis][tool axis], as in ost_map */
+    ost_cl_i32 lo[3], hi[3]; /* box of the pose, as in ost_removal_event */
+    /* ost_cl_pose_reach sets complete, planes and skip, and its comment defines them. complete[] is for cubes of 4, 8
+       and 16 voxels per edge; a value above OST_CL_REACH_MAX means that no reach decides such a cube. */
+    ost_cl_u8 complete[3];
     ost_cl_u8 planes;   /* planes of a window that a brick may meet: 6 or 8; 0: a brick may be larger than a window */
-    ost_cl_u8 skip[OST_CL_REACH_MAX + 1]; /* whole, planes and skip are set by ost_cl_pose_reach */
+    ost_cl_u8 skip[OST_CL_REACH_MAX + 1];
 } ost_cl_pose;
 
-/* For each class c the number of voxels hit and the sum of their densities before the event. */
+/* For each density class, the number of voxels hit and the sum of their densities before the event. */
 typedef struct ost_cl_block_report {
     ost_cl_u32 voxels[OST_CL_CLASSES];
     ost_cl_u32 density[OST_CL_CLASSES];
@@ -365,16 +377,17 @@ typedef struct ost_cl_block_report {
 
 /* ----------------------------------------------------------- fingerprint */
 /*
- * Integer operations that some drivers compute wrongly, tested before a device
- * may decide any voxel; fingerprint_expect.h in the folder above has the expected
- * results.
+ * The fingerprint of a device: integer operations that some drivers compute wrongly.
+ * They are tested before a device may decide any voxel.  fingerprint_expect.h in the
+ * folder above has the expected results.
  *
  *   ost_fingerprint(count, in, out)               count items; out[OST_CL_FINGERPRINT i + k] from in[2 i], in[2 i + 1]
  *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see
  *                                                 fingerprint.cl
  *
- *   ost_fingerprint_turns(end, turns)             one item; turns uint[2]: the number of loop turns until the value
- *                                                 was end, which takes OST_CL_TURNS, and the value at that point
+ *   ost_fingerprint_turns(end, turns)             one item; turns uint[2]: the number of loop iterations until the
+ *                                                 value is end (OST_CL_TURNS unless the device ends the loop early),
+ *                                                 and the last value
  *
  *   in  const ulong[2 * count], out  ulong[OST_CL_FINGERPRINT * count]
  *
@@ -387,15 +400,15 @@ typedef struct ost_cl_block_report {
 #define OST_CL_FINGERPRINT_COUNTERS 16
 
 /*
- * Limits on the turns of all loops of one item together.  Kernels for CPUs take
- * as many as the size of their tile or block requires.  Those for GPUs take at
- * most
+ * Limits on the iterations (turns) of all loops of one work item together.  In kernels
+ * for CPUs, the number of turns depends on the size of the tile or block.  Kernels for
+ * GPUs have at most
  *
- *   ost_vox_steps   15 a row, with a slice per item: 2^12 rows of one turn, at most 13 of halving, and one that ends
- *                   the halving
- *   ost_remove      18 a pose (16 look-ups, the pose's own turn, and the one that ends it), and 400 for all else in a
- *                   row
- *   others          under 2^14
+ *   ost_vox_steps   15 turns per row, with one slice per item: 2^12 rows of one turn, at most 13 turns of bisection,
+ *                   and one turn that ends the bisection
+ *   ost_remove      18 turns per pose (16 look-ups, the turn of the pose, and the turn that ends the loop of
+ *                   look-ups), and 400 turns for the rest of a row
+ *   others          fewer than 2^14 turns
  *
  * A device that allows fewer than OST_CL_TURNS must therefore allow at least OST_CL_TURNS_LEAST, and its events are
  * limited to OST_CL_TURNS_POSES poses.
@@ -404,7 +417,7 @@ typedef struct ost_cl_block_report {
 #define OST_CL_TURNS_LEAST (15u * 4096u + 64u)
 #define OST_CL_TURNS_POSES(turns) (((turns) - 400u) / 18u)
 
-/* A permutation of all 2^32 numbers with a single cycle, uint to uint. */
+/* A permutation of all 2^32 values of uint that has a single cycle. */
 #define OST_CL_NEXT_TURN(x) ((x) * 1664525u + 1013904223u)
 #define OST_CL_FLOATS 16
 
@@ -425,13 +438,13 @@ _Static_assert(sizeof(ost_cl_pose) == 128, "layout");
 _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
 
 /*
- * skip[r]: the number of voxels of a row, at most 15, after one whose cell has
- * reach r that certainly have the cell's class.  At a distance of j voxels a
+ * skip[r]: let the cell of a voxel have the reach r.  The next skip[r] voxels of the
+ * row, at most 15, certainly have the class of this cell.  At a distance of j voxels a
  * coordinate differs by at most j m, with m the greatest |step[0][a]|, and its
  * tool voxel by at most floor(j m / 2^20) + 1, which is < r if j m < (r - 1) 2^20.
  * m <= 2^24 + 1, so all this is below 2^29.
  *
- * whole[c]: the least reach r with which the cell at the middle of a cube of e = 4 << c voxels
+ * complete[c]: the least reach r with which the cell at the middle of a cube of e = 4 << c voxels
  * decides the entire cube. The middle is the first voxel's coordinate plus (e - 1) / 2 of the three
  * steps, rounded to integer units. A coordinate of the cube differs from the middle's by at most d
  * = ((e - 1) t + 1) / 2, with t the sum of the three |step[b][a]|, and its tool voxel by at most

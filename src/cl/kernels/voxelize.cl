@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer by triangle (AR-VOX), and the cells of a tool that removal reads.
+ * The kernels of the voxelizer by triangle (AR-VOX), and the kernel that makes the cells
+ * of a tool, which removal reads.
  *
- *   ost_vox_steps   a triangle adds +1 or -1 at the first centre not left of
- *                   its crossing, in every row that it owns
- *   ost_vox_fill    a row's running sum: solid where it is not 0
- *   ost_vox_tiles   both for CPUs, a tile of rows per item (voxelize_cpu.cl)
+ *   ost_vox_steps   for every row that a triangle owns, adds +1 or -1 at the first
+ *                   centre that is not left of the crossing
+ *   ost_vox_fill    computes the running sum of a row; a voxel is solid if it is not 0
+ *   ost_vox_tiles   for CPUs: both steps for a tile of rows per item (voxelize_cpu.cl)
  *
  * Ranges.  L = 2^20 and coordinates lie in [0, L].  For an edge a -> b,
  * E = dy (Z - az) - dz (Y - ay) has |dy|, |dz| <= L, |Z - az| <= L + 2^9 (a centre), so
@@ -18,13 +19,14 @@
  * at most the number of triangles, 2^26.
  */
 
-/* Returns the lattice coordinate of centre i. */
+/* Returns the lattice coordinate of the centre of voxel i on one axis. */
 static long ost_centre(int i, int f)
 {
     return ((2l * i + 1) * (1l << f)) / 2;
 }
 
-/* These return the first centre not below m, and the last one not above it, which may be -1; 0 <= m <= dims 2^f. */
+/* ost_first_centre returns the first centre that is not below m. ost_last_centre returns the last centre that is not
+   above m, which may be -1. 0 <= m <= dims 2^f. */
 static int ost_first_centre(int m, int f)
 {
     return (int)(((uint)m + (1u << (f - 1)) - 1u) >> f);
@@ -35,22 +37,22 @@ static int ost_last_centre(int m, int f)
     return (int)(((uint)m + (1u << (f - 1))) >> f) - 1;
 }
 
-/* Returns true if the edge is owned at E = 0 (AR-VOX-2); dy and dz are not both 0. */
+/* Returns true if a triangle owns the points on its edge, where E = 0 (AR-VOX-2). dy and dz must not both be 0. */
 static int ost_owns_edge(long dy, long dz)
 {
     return dz < 0 || (dz == 0 && dy > 0);
 }
 
-/* A triangle, turned so that its projection runs counter-clockwise, with the range of centres in its bounds. */
+/* A triangle, oriented so that its projection runs counter-clockwise, and the range of the centres in its bounds. */
 typedef struct ost_triangle {
     long a[3], b[3], c[3];
     int i_first, i_last, j_first, j_last, k_first, k_last; /* centres in its bounds */
     long nx, ny, nz;
-    int step; /* value that a crossing adds */
-    int on0, on1, on2; /* 1 if it owns its edge ab, bc, ca */
+    int step; /* the value, +1 or -1, that is added at a crossing */
+    int on0, on1, on2; /* 1 if the triangle owns its edge ab, bc or ca, respectively */
 } ost_triangle;
 
-/* Loads a triangle. Returns false if it has no crossing in slices k0 <= k < k1. */
+/* Loads a triangle. Returns false if the triangle has no crossing in the slices k0 <= k < k1. */
 static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __global const uint *triangles,
                              size_t number, int f, int k0, int k1)
 {
@@ -72,7 +74,7 @@ static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __gl
     if (t->nx == 0)
         return 0;
     t->step = -1;
-    if (t->nx < 0) { /* the outward normal points to low x: the line enters here */
+    if (t->nx < 0) { /* if the outward normal points to low x, the line enters the mesh */
         for (int i = 0; i < 3; i++) {
             const long swap = t->b[i];
             t->b[i] = t->c[i];
@@ -97,8 +99,8 @@ static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __gl
     return 1;
 }
 
-/* Returns the first centre not left of the crossing with row (j, k), at most dims[0]; -1 if the triangle does not
-   own it. */
+/* Returns the first centre that is not left of the triangle's crossing with row (j, k). The result is at most dims[0].
+   Returns -1 if the triangle does not own the row. */
 static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
 {
     const long y = ost_centre(j, f), z = ost_centre(k, f), width = 1l << f;
@@ -107,14 +109,14 @@ static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
     const long e2 = (t->a[1] - t->c[1]) * (z - t->c[2]) - (t->a[2] - t->c[2]) * (y - t->c[1]);
     if (e0 < 0 || e1 < 0 || e2 < 0 || (e0 == 0 && !t->on0) || (e1 == 0 && !t->on1) || (e2 == 0 && !t->on2))
         return -1;
-    /* The crossing lies within the triangle's bounds, so the result is one of the centres i_first to i_last or the
-       next one. Bisection finds it, since 64-bit division is slow. */
-    /* times nx, from centre 0 */
+    /* The crossing lies within the triangle's bounds, so the result is one of the centres i_first to i_last + 1. It is
+       found by bisection, because 64-bit division is slow. `crossing` is the distance of the crossing from centre 0,
+       times nx. */
     const long crossing = t->nx * t->a[0] - t->ny * (y - t->a[1]) - t->nz * (z - t->a[2]) - t->nx * (width / 2);
     int least = t->i_first, most = t->i_last + 1;
     while (least < most) {
         const int middle = (least + most) / 2;
-        if (t->nx * width * middle >= crossing) /* nx 2^f i < 2^40 2^20, since i 2^f <= 2^20 */
+        if (t->nx * width * middle >= crossing) /* nx 2^f i < 2^40 2^20, because i 2^f <= 2^20 */
             most = middle;
         else
             least = middle + 1;
@@ -184,12 +186,13 @@ __kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar
 #endif
 
 /*
- * After axis 0 a cell's reach refers to its row, after axis 1 to its slice,
- * after axis 2 to the grid.  The square of half-edge r - 1 around a cell is
- * of one class iff the cells at distance d < r along the new axis are of that
- * class and the old reach of each is at least r.  So r is the least of: the
- * cell's own old reach; d for a neighbour of another class; max(d, its old
- * reach) for one of the same.  Cells outside the grid are void, of any reach.
+ * Computes the reach of each cell along one more axis.  After axis 0, the reach of a cell
+ * refers to its row, after axis 1 to its slice, and after axis 2 to the grid.  The square
+ * of half-edge r - 1 around a cell is of one class iff the cells at distance d < r along
+ * the new axis are of that class and the old reach of each of them is at least r.
+ * Therefore the new reach is the least of these numbers: the cell's own old reach; d for
+ * each neighbour of another class; and max(d, old reach of the neighbour) for each
+ * neighbour of the same class.  Cells outside the grid are void and have any reach.
  */
 __kernel void ost_tool_reach(__global const ost_cl_tool *tool, __global const uchar *from, __global uchar *to)
 {

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer for CPUs (AR-VOX).  An item processes a tile of rows with lists of
- * the triangles whose bounds meet its slices (cl/voxelize_tiles.c), so no atomics
- * are needed.
+ * The voxelizer for CPUs (AR-VOX).  A work item processes a tile of rows, with lists of
+ * the triangles whose bounds meet the slices of the tile (cl/voxelize_tiles.c).  Therefore
+ * no atomics are needed.
  *
- *   for each few slices of the tile
+ *   for each group of a few slices of the tile
  *     marks[row]      bit i: the row has crossings between centres i - 1 and i
- *     steps[row][i]   the sum of these crossings, valid where marked
+ *     steps[row][i]   the sum of these crossings, valid if bit i is set
  *                     (eight triangles are processed at once)
- *     fill            from mark to mark; rows that leak stay void
+ *     fill            fills from one mark to the next; rows that leak stay void
  *
- * Ranges as in voxelize.cl; a tile's rows and lists have 64-bit indices.
+ * The ranges are those of voxelize.cl.  The rows and lists of a tile have 64-bit indices.
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* functions pass vectors wider than the processor's registers only among themselves */
+#ifdef __clang__ /* the warning is harmless: only functions of this file pass vectors wider than registers */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
@@ -52,26 +52,27 @@ static inline long8 ost_shifted8(long8 v, int f)
     return as_long8(as_ulong8(v) << (ulong)f);
 }
 
-/* Returns 0 if the edge is owned, -1 if not. It is added to E, so that the sign of E alone decides. */
+/* Returns for each lane 0 if the triangle owns its edge, and -1 otherwise. The result is added to E, so that the sign
+   of the sum alone decides whether a point is owned. */
 static inline long8 ost_edge_bias8(long8 dy, long8 dz)
 {
     return ~((dz < 0) | ((dz == 0) & (dy > 0)));
 }
 
-/* The rows and slices that a pass marks, and its scratch. */
+/* The rows and slices that are marked in one pass, and the dimensions of the scratch memory. */
 typedef struct ost_pass {
-    int j0, j1, k0, k1; /* half-open ranges of rows and slices */
-    int height;         /* rows of scratch per slice */
+    int j0, j1, k0, k1; /* half-open ranges of rows (j) and slices (k) */
+    int height;         /* number of rows per slice in the scratch memory */
     int f;
     size_t row_steps, row_words;
 } ost_pass;
 
 /*
- * Adds the crossings of count <= 8 triangles, one per lane.  All lanes process as
- * many rows as the triangle with the most rows in its bounds.  E and the crossing
- * are linear in row and slice, so they are updated by additions.
- * R = K - nx 2^f i_first; its crossing is at the least q >= 0 with nx 2^f q >= R,
- * which is found bit by bit.
+ * Adds the crossings of count <= 8 triangles, one triangle per lane.  All lanes process
+ * as many rows as the triangle with the most rows in its bounds.  E and the position of
+ * the crossing are linear functions of row and slice, so they are updated by additions.
+ * Let R = K - nx 2^f i_first.  The crossing is at the least q >= 0 with nx 2^f q >= R.
+ * This q is found bit by bit.
  *
  * Ranges.  Lanes with fewer rows leave their bounds by up to 2^12 rows, that is
  * 2^20 units: |E| <= 2^20 2^21 2 + 1, and as |n| <= 2^40, |R| < 2^61 + 2^61 + 2^61.
@@ -111,7 +112,7 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     long8 nx = (by - ay) * (cz - az) - (bz - az) * (cy - ay);
     long8 ny = (bz - az) * acx - abx * (cz - az);
     long8 nz = abx * (cy - ay) - (by - ay) * acx;
-    const long8 turn = nx < 0; /* the outward normal points to low x: the line enters here */
+    const long8 turn = nx < 0; /* -1 if the outward normal points to low x: the line enters the mesh */
     nx = (nx ^ turn) - turn;
     ny = (ny ^ turn) - turn;
     nz = (nz ^ turn) - turn;
@@ -182,8 +183,8 @@ static void ost_fill_16(__global uchar *classes, uchar tool_class)
         classes[b] = tool_class;
 }
 
-/* Sets the voxels from <= i < to of a row. Runs of sixteen are used, which compilers vectorize; the last one may
-   overlap the one before. */
+/* Sets the class of the voxels from <= i < to of a row. Uses runs of sixteen voxels, which compilers vectorize. The
+   last run may overlap the run before it. */
 static void ost_fill_run(__global uchar *classes, int from, int to, uchar tool_class)
 {
     int i = from;
@@ -197,8 +198,8 @@ static void ost_fill_run(__global uchar *classes, int from, int to, uchar tool_c
         classes[i] = tool_class;
 }
 
-/* Fills a row from its marks and returns the number of its solid voxels; if over is 1, void voxels keep their class.
-   Increments *leaks if the row leaks. */
+/* Fills a row from its marks and returns the number of its solid voxels. If tiles->over is 1, void voxels keep their
+   class. Increments *leaks if the row leaks. */
 static uint ost_fill_row(__global const ost_cl_tiles *tiles, __global const int *steps, __global const ulong *marks,
                          __global uchar *classes, uint *leaks)
 {
