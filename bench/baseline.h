@@ -18,7 +18,7 @@
 /* Returns false, with the reason, if this processor lacks an instruction set that the baselines
    were built for. */
 bool bench_baseline_runs(char *reason, size_t size);
-extern const uint32_t bench_native_needs; /* bits in the order of BENCH_NATIVE_LIST */
+extern const uint32_t bench_native_needs; /* one bit per instruction set, in the order of BENCH_NATIVE_LIST */
 
 #define BENCH_NATIVE_LIST(X)                                                                                           \
     X(SSE3, "sse3")                                                                                                    \

@@ -31,7 +31,8 @@ void bench_sequence_add(bench_sequence *sequence, const double *ns);
 void bench_sequence_row(bench_sequence *sequence, bench_row *row);
 void bench_sequence_free(bench_sequence *sequence);
 
-/* Two of the entry functions of suite_sequence.c. */
+/* These functions measure the removal events of the path alone, and the complete ticks of the path. They are defined
+   in suite_sequence.c. */
 ost_status bench_removal_sequence(const bench_options *options, bench_table *table, ost_error *err);
 ost_status bench_tick_sequence(const bench_options *options, bench_table *table, ost_error *err);
 

@@ -79,7 +79,7 @@ int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scen
 typedef struct bench_work {
     /* number of changed rows of 32 densities (one cache line); 0 unless chunks have 32^3 voxels */
     int64_t changed_rows;
-    int64_t complete_bricks, mixed_bricks; /* bricks of which all voxels, or some of the 4^3 voxels, were removed */
+    int64_t complete_bricks, mixed_bricks; /* numbers of bricks of which all, or some, of the 4^3 voxels were removed */
     bench_row_store *rows;               /* owned */
 } bench_work;
 

@@ -38,7 +38,7 @@ typedef struct show {
     ost_error *err;
     ost_volume bone;
     ost_glenoid glenoid;
-    ost_surface surface, all; /* surface has the surface voxels as points; all has every active voxel */
+    ost_surface surface, all; /* `surface` has the surface voxels as points; `all` has every active voxel */
     ost_isa isa;
 } show;
 
@@ -329,7 +329,7 @@ static bool ream_block(const ost_surface_block *b, const double at[3], double ra
    of changed blocks per frame. */
 static ost_status add_reaming(show *s, bench_table *table)
 {
-    enum { PICTURES = 120, BEGIN = 40 }; /* BEGIN frames correspond to a depth of 1 mm */
+    enum { PICTURES = 120, BEGIN = 40 }; /* measured from frame BEGIN on, which has a depth of 1 mm */
     static const double RADIUS_MM = 20, STEP_MM = 1.5 / 60;
     static const char *const name = "render/scapula/ream";
     ost_surface surface = {0};

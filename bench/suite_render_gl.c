@@ -23,7 +23,7 @@ typedef struct step {
     enum {
         STILL,
         MOVING, /* the camera moves back and forth sideways by 1.5 voxels per frame */
-        READ    /* the picture is read from the GPU, as osteon's programs do */
+        READ    /* the picture is read from the GPU, as in the programs for users */
     } how;
 } step;
 
