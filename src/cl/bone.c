@@ -185,8 +185,8 @@ typedef struct slices {
     const int16_t *voxels; /* on the host; NULL: slices of a grid on the device, from slice 0 on */
     cl_mem slab;           /* a buffer of `step` slices, or the store of the grid */
     cl_mem layers;         /* slice k is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0 */
-    /* If weights >= 0, slice k is a mean of that slice and the next slice of the slab, and layers[weights + k - z0] is
-       the weight of the next slice. */
+    /* If weights >= 0, slice k is the mean of slice layers[first + k - z0] and the next slice of the slab, and
+       layers[weights + k - z0] is the weight of the next slice. */
     int32_t first, weights;
     int32_t step;
 } slices;

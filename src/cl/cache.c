@@ -63,8 +63,8 @@ ost_status ost_cl_cache_key(ost_cl_cache *cache, const char *const *parts, size_
     return OST_OK;
 }
 
-/* Returns true if only the effective user can have written the file or folder fd. If there is an access control list,
-   the permission bits of the group include it. */
+/* Returns true if only the effective user can have written the file or folder fd. Permissions by an access control list
+   appear in the group bits of the mode. */
 static bool is_private(int fd)
 {
     struct stat info;

@@ -93,7 +93,7 @@ typedef struct cl_backend {
     size_t workgroup; /* work items per work group; 0: default */
     size_t staging;   /* as in ost_cl_options */
     unsigned order;   /* as in ost_cl_options */
-    uint32_t turns;   /* loop iterations after which the device ends a work item's loops; OST_CL_TURNS: none found */
+    uint32_t turns;   /* loop iterations after which the device ends a loop; OST_CL_TURNS: no limit was found */
     int run;          /* voxels that a work item of ost_cubic_gather or ost_cubic_linear computes (OST_RUN) */
     cl_context context;
     cl_command_queue queue;

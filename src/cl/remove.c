@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-MAP, AR-REM) on the device, by one launch for all chunks,
- * blocks and poses of an event.
+ * Removal and collision (AR-MAP, AR-REM) by one launch for all chunks, blocks and poses of an event.
  *
  *   host    chunks with a slot that the box of a pose meets  ascending, as in the report
  *             their blocks of 16^3
@@ -151,13 +150,12 @@ static void chunk_range(const plan *p, int32_t lo[3], int32_t hi[3])
     }
 }
 
-/* Returns true if all corners of the block lie beyond one face of the tool's grid. The entire block then lies beyond
-   this face. The sums are 64 bits wide and cannot overflow. */
+/* Returns true if all corners of the block, and so the entire block, lie beyond one face of the tool's grid. */
 static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
 {
     const int64_t d[3] = {dims.x, dims.y, dims.z};
     for (int a = 0; a < 3; a++) {
-        int64_t low = base[a], high = base[a];
+        int64_t low = base[a], high = base[a]; /* 64 bits wide, so the sums cannot overflow */
         for (int axis = 0; axis < 3; axis++) {
             const int64_t along = (int64_t)(BLOCK - 1) * map->step[axis][a];
             low += along < 0 ? along : 0;
@@ -247,8 +245,7 @@ static ost_status plan_poses(plan *p, ost_error *err)
 
 /* -------------------------------------------------------------- running */
 
-/* Adds the sums of the current chunk to the report. In a removal, also updates the number of active voxels of the
-   chunk. */
+/* Adds the sums of the current chunk to the report. In a removal, also updates the chunk's number of active voxels. */
 static ost_status close_part(plan *p, ost_error *err)
 {
     if (p->part.chunk < 0)
@@ -307,8 +304,7 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
                          OST_CL_ARG(s->reports_device));
 }
 
-/* Enqueues the transfer of the event and its arrays as one buffer, and ensures that the buffer for the reports is large
-   enough. */
+/* Enqueues the transfer of the event and its arrays as one buffer. Ensures the size of the buffer for the reports. */
 static ost_status write_input(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;

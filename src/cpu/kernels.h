@@ -108,7 +108,7 @@ typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count
  */
 typedef void ost_sample_fn(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities);
 
-/* Orders the earlier stores of the calling thread that bypass the caches before its later stores. */
+/* Orders all earlier stores of the calling thread that bypass the caches before all later stores of the thread. */
 typedef void ost_drain_fn(void);
 
 /* --------------------------------------------------- removal (cpu/remove/remove.h) */
@@ -193,7 +193,7 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
 /*
  * Fills the proven rows of a tile and returns the number of bits that it has set in
  * them.  In a proven row, crossings that enter and crossings that leave alternate, and
- * the last crossing is of the other kind than the first (fill.c).
+ * the first and the last crossing are of different kinds (fill.c).
  *
  * A block is OST_VOX_BLOCK words of planes.  The rows begin at the start of a
  * block and end at the end of a block or of the tile.  bits is 64-byte aligned and

@@ -88,9 +88,9 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * First does one of three things, which the seed determines. The calling member waits
- * until all members have begun as many blocks as this member, so that they run at the
- * same time; or it yields its core; or it continues immediately. Then returns the block
+ * The seed determines what the calling member does first. It waits until all members
+ * have begun as many blocks as this member, so that all members run at the same time; or
+ * it yields its core; or it continues immediately. Then the function returns the block
  * of this turn.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)

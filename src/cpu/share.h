@@ -63,7 +63,7 @@ typedef struct ost_cpu_sharing {
     bool dealt;                   /* true if grain= or order= was given: members get blocks in turn */
     uint64_t order;               /* seed given by the option order=; 0: none */
     uint64_t teams;               /* number of teams so far, counted only with order=; determines a team's order */
-    uint64_t entered[OST_CPU_PATHS]; /* count per path; a path with threads counts if every thread worked */
+    uint64_t entered[OST_CPU_PATHS]; /* how often each path was entered; for shared paths see ost_team_end */
 } ost_cpu_sharing;
 
 /* Initialises *sharing. If grain is 0, the measured thresholds are used; if order is 0, blocks have the usual order. */
@@ -89,7 +89,7 @@ typedef struct ost_team {
     int64_t count, block; /* number of all items, and of items per block */
     _Atomic int64_t next; /* if dealt is false: the next block; with an order: number of blocks begun */
     uint64_t order;       /* seed of this team's order; 0: none */
-    int64_t first, stride; /* with an order, block (first + t stride) mod blocks has turn t */
+    int64_t first, stride; /* with an order, turn t processes block (first + t stride) mod blocks */
     int members;          /* number of threads that OpenMP provided; valid after the parallel region */
 } ost_team;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Small exact functions that all kernels use.  This file is OpenCL C 1.2; after
- * tests/cl/opencl_c.h it is also C11.  The functions do not rely on undefined or
+ * Small exact functions that all kernels use.  This file is OpenCL C 1.2.  It is also
+ * C11 if tests/cl/opencl_c.h is included first.  The functions do not rely on undefined or
  * implementation-defined behaviour: no signed overflow, no shift of a negative value,
  * and no shift by the width of the type.
  */

@@ -41,12 +41,12 @@ __constant uint ost_part_z[8] = {0, 0, 0, 0, 1, 1, 1, 1};
 __constant ushort ost_column_bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
 
 typedef struct ost_block_rows {
-    ulong active[64]; /* active voxels before the event, as fours; valid if loaded is 1 */
-    ulong open[64];   /* voxels that are active and not hit so far, as fours */
+    ulong active[64]; /* active voxels before the event, four rows per word; valid if loaded is 1 */
+    ulong open[64];   /* voxels that are active and not hit so far, four rows per word */
     ulong touch[64];
     int loaded;
-    uint hit, touched; /* one bit per group: a voxel of the group was hit; a voxel of the group was touched */
-    ulong inside[4];   /* voxels of four b, in any plane, whose x and y lie in the pose's box */
+    uint hit, touched; /* one bit per group of rows: 1 if a voxel was hit; 1 if a voxel was touched */
+    ulong inside[4];   /* in rows 4 b to 4 b + 3 of any plane, voxels whose x and y are in the pose's box */
     int lo, hi;        /* planes in the box */
     int within;        /* true if the entire block lies in the pose's box */
 } ost_block_rows;

@@ -95,9 +95,9 @@ typedef uint64_t ost_cl_u64;
  * had: reads the density of the voxel of that sample.
  * The host combines the report of the batch with that of earlier batches.  Counts are
  * added.  The greater of the two worst offsets is used; if they are equal and above 0,
- * the lower line is used.  For each of the other lines, the lower line is used.  The
- * batch's first_line is added to each line before.  conflict_has is the density of
- * sample conflict_index.  count <= 2^31 - 2, and no line equals OST_CL_NONE.
+ * the lower line is used.  Of each other kind of line, the lower line is used.  Before
+ * lines are compared, the batch's first_line is added to them.  conflict_has is the
+ * density of sample conflict_index.  count <= 2^31 - 2, and no line equals OST_CL_NONE.
  */
 enum { OST_CL_DUPLICATES_ERROR, OST_CL_DUPLICATES_FIRST, OST_CL_DUPLICATES_LAST, OST_CL_DUPLICATES_MAX };
 
@@ -360,8 +360,8 @@ typedef struct ost_cl_entry {
 typedef struct ost_cl_pose {
     ost_cl_i32 step[3][3]; /* index [bone axis][tool axis], as in ost_map */
     ost_cl_i32 lo[3], hi[3]; /* box of the pose, as in ost_removal_event */
-    /* ost_cl_pose_reach sets complete, planes and skip, and its comment defines them. complete[] is for cubes of 4, 8
-       and 16 voxels per edge; a value above OST_CL_REACH_MAX means that no reach decides such a cube. */
+    /* The comment of ost_cl_pose_reach explains complete, planes and skip. complete[] is for cubes of 4, 8 and 16
+       voxels per edge; a value above OST_CL_REACH_MAX means that no reach decides such a cube. */
     ost_cl_u8 complete[3];
     ost_cl_u8 planes;   /* planes of a window that a brick may meet: 6 or 8; 0: a brick may be larger than a window */
     ost_cl_u8 skip[OST_CL_REACH_MAX + 1];

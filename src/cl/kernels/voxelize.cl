@@ -5,7 +5,7 @@
  *
  *   ost_vox_steps   for every row that a triangle owns, adds +1 or -1 at the first
  *                   centre that is not left of the crossing
- *   ost_vox_fill    computes the running sum of a row; a voxel is solid if it is not 0
+ *   ost_vox_fill    computes the running sum of a row; a voxel is solid if its sum is not 0
  *   ost_vox_tiles   for CPUs: both steps for a tile of rows per item (voxelize_cpu.cl)
  *
  * Ranges.  L = 2^20 and coordinates lie in [0, L].  For an edge a -> b,
@@ -192,7 +192,7 @@ __kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar
  * the new axis are of that class and the old reach of each of them is at least r.
  * Therefore the new reach is the least of these numbers: the cell's own old reach; d for
  * each neighbour of another class; and max(d, old reach of the neighbour) for each
- * neighbour of the same class.  Cells outside the grid are void and have any reach.
+ * neighbour of the same class.  Cells outside the grid count as void cells of any reach.
  */
 __kernel void ost_tool_reach(__global const ost_cl_tool *tool, __global const uchar *from, __global uchar *to)
 {

@@ -112,7 +112,7 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     long8 nx = (by - ay) * (cz - az) - (bz - az) * (cy - ay);
     long8 ny = (bz - az) * acx - abx * (cz - az);
     long8 nz = abx * (cy - ay) - (by - ay) * acx;
-    const long8 turn = nx < 0; /* -1 if the outward normal points to low x: the line enters the mesh */
+    const long8 turn = nx < 0; /* lanes of -1: the outward normal points to low x, and the line enters the mesh */
     nx = (nx ^ turn) - turn;
     ny = (ny ^ turn) - turn;
     nz = (nz ^ turn) - turn;

@@ -17,7 +17,7 @@
 
 enum { EXTENTS_MAX = 64 };
 #define HUGE_PAGE ((size_t)1 << 21)
-/* The number of bytes of used blocks that ost_chunk_pool_trim leaves mapped, at most, if no block is in use. */
+/* If no block is in use, ost_chunk_pool_trim leaves at most this number of bytes of previously used blocks mapped. */
 #define RETAINED_BYTES ((size_t)1 << 28)
 
 typedef struct extent {

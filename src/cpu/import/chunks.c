@@ -53,7 +53,7 @@ static int32_t min32(int32_t a, int32_t b)
 typedef struct task {
     int32_t height;
     cpu_tap y[N_MAX], z[4];
-    int slices; /* slices of the layer that lie in the grid */
+    int slices; /* number of slices of the layer that lie in the grid */
     size_t row[2 * N_MAX]; /* source rows of all y, in ascending order, without duplicates */
     /* The number of elements of row[]. For each group of four y: the index in row[] of the first source row that no
        smaller y uses. */

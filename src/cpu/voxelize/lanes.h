@@ -14,7 +14,8 @@
  *                                      nothing after the last vertex
  *   keys_lanes                       one key per triangle, from the y and z of LANES triangles
  *   emit(out, v, m)       stores the lanes of v that are set in m, one after the other, and returns
- *                         their number; LANES int32 may be written; emit_bits: m is an integer of bits
+ *                         their number; LANES int32 may be written
+ *   emit_bits             as emit, but m is an integer with one bit per lane
  *   bounds_meet_rows(tile, t)        bits of the triangles t that have a row's centre in their bounds
  *
  * Every value is an integer or an integer + 1/4, or a quotient whose rounding is accounted for; no
@@ -59,7 +60,7 @@
 
 enum { BUFFER = 1024 };
 
-/* The numbers of bits of the planes. These bits are found but not set yet. */
+/* The numbers of those bits of the planes that are still to be set. */
 typedef struct pending {
     uint32_t bit[BUFFER + 2 * LANES];
     size_t count;

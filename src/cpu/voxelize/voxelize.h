@@ -115,7 +115,7 @@ struct ost_vox_plan {
 
 /* For each tile, the list of the triangles that can cross its rows. */
 typedef struct ost_vox_bins {
-    size_t *start;   /* tiles + 1 elements; NULL if the only tile has all triangles */
+    size_t *start;   /* tiles + 1 elements; NULL if there is only one tile */
     uint32_t *list;  /* tile t has the triangles list[i] with start[t] <= i < start[t + 1] */
     uint32_t *large; /* triangles that overlap many tiles; every tile processes them */
     size_t large_count;
@@ -127,7 +127,7 @@ void ost_vox_bins_free(ost_vox_bins *bins);
 
 /* The keys that the kernel vox_keys writes for triangles that are in no tile or in several tiles. */
 #define OST_VOX_KEY_NONE UINT32_MAX        /* the triangle's bounds contain no row centre */
-#define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* the triangle's bounds overlap several tiles */
+#define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* the bounds overlap several tiles */
 
 /* The output buffers. A buffer that is NULL is not written. Buffers of bits have ost_vox_words words per row, and rows
    are ordered by (k, j). */

@@ -107,7 +107,7 @@ enum { GROUPS = 8 };
 typedef struct split_piece {
     _Alignas(64) int32_t cell[GROUPS][64];
     _Alignas(64) int8_t value[GROUPS][64];
-    uint64_t keep[GROUPS]; /* bit p of byte c: part p of cube c is not dropped before sorting */
+    uint64_t keep[GROUPS]; /* bit p of byte c is set if part p of cube c is to be sorted */
 } split_piece;
 
 #define INLINED static inline __attribute__((always_inline))
