@@ -164,13 +164,6 @@ void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose)
 
 /* ------------------------------------------------------------------- turns */
 
-/* Returns an angle without 64 complete turns if it is greater, so that the teeth stay in phase and sums stay exact. */
-static double less_64_turns(double angle)
-{
-    const double most = 2 * PI * 64;
-    return angle > most ? angle - most : angle < -most ? angle + most : angle;
-}
-
 void ost_force_motor(ost_force *force, double speed, double turned)
 {
     grip *g = &force->grip;
@@ -181,7 +174,7 @@ void ost_force_motor(ost_force *force, double speed, double turned)
     }
     if (!g->coupled || turned == 0)
         return;
-    g->turned = less_64_turns(g->turned + turned);
+    g->turned = ost_turn_less_64(g->turned + turned);
     double device[4] = {g->device.qw, g->device.qx, g->device.qy, g->device.qz};
     ost_turn_about_axis(g->facing, turned, g->facing);
     ost_turn_of(g->facing, g->pose.turn);
@@ -261,17 +254,14 @@ static void sum_up(ost_force *f, double period, ost_force_result *out)
     }
 }
 
-/*
- * Adds the vibration force (vibration.h).  The tool's frame has turned by `turned` about z relative to the handle; a
- * direction at the angle phi in the handle's axes therefore has the angle phi - turned in the tool's frame.
- */
+/* Adds the vibration force (vibration.h). The angle phi about the handle is phi - turned about the tool. */
 static void shake(ost_force *f, double period, ost_force_result *out)
 {
     const ost_force_params *p = &f->params;
     double once[2], teeth[2], felt[3];
     if (p->vibration <= 0 && p->runout <= 0)
         return;
-    f->grip.spun = less_64_turns(f->grip.spun + p->speed * period);
+    f->grip.spun = ost_turn_less_64(f->grip.spun + p->speed * period);
     ost_sin_cos(f->grip.spun - f->grip.turned, &once[0], &once[1]);
     ost_sin_cos(f->grip.spun * p->teeth, &teeth[0], &teeth[1]);
     const double own[3] = {p->runout * once[1], p->runout * once[0], p->vibration * teeth[0]};

@@ -33,3 +33,9 @@ void ost_turn_quaternion(const ost_pose *pose, double q[4])
     q[2] = pose->qy;
     q[3] = pose->qz;
 }
+
+double ost_turn_less_64(double angle)
+{
+    const double most = 2 * 3.14159265358979323846 * 64;
+    return angle > most ? angle - most : angle < -most ? angle + most : angle;
+}

@@ -15,4 +15,7 @@ void ost_turn_about_axis(const double q[4], double angle, double out[4]);
 /* Copies the quaternion of a pose. */
 void ost_turn_quaternion(const ost_pose *pose, double q[4]);
 
+/* Subtracts 64 complete turns from an angle in rad that exceeds them, so that a sum of angles stays bounded. */
+double ost_turn_less_64(double angle);
+
 #endif
