@@ -26,7 +26,7 @@
 enum { WIDTH = 7, HEIGHT = 5 };
 static char folder[] = "/tmp/osteon-film-XXXXXX";
 
-/* Returns a frame of one grey. */
+/* Returns a frame in which every pixel has the same grey. */
 static const uint32_t *grey(uint32_t level)
 {
     static uint32_t pixels[HEIGHT * (WIDTH + 3)];
@@ -109,10 +109,10 @@ static void a_video_goes_by_the_clock(void **state)
     assert_true(film_is_due(f, 5000000000));
     show(f, 5.00, 0);
     assert_false(film_is_due(f, 5099000000));
-    show(f, 5.05, 255); /* this tenth of a second already has a frame */
+    show(f, 5.05, 255); /* a frame for this tenth of a second already exists */
     show(f, 5.10, 255);
     show(f, 5.42, 85);
-    assert_int_equal(access("v.y4m", F_OK), -1); /* absent until it is complete */
+    assert_int_equal(access("v.y4m", F_OK), -1); /* the file does not exist until it is complete */
     assert_ok(film_close(f, 5650000000, &r, &err));
     /* The luma of black is 16, that of white is 235. */
     const int expected[] = {16, 235, 235, 235, 89, 89};
@@ -172,7 +172,7 @@ static void a_folder_of_pictures(void **state)
     assert_int_equal(stat("frames/frame-000000.png", &one), 0);
     assert_int_equal(stat("frames/frame-000002.png", &two), 0);
     assert_int_equal(one.st_size, two.st_size);
-    /* No existing file is overwritten. */
+    /* Existing files are never overwritten. */
     film_options again = {.target = "frames", .fps = 10};
     assert_int_equal(film_open(&again, &f, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "has a video already"));
@@ -183,7 +183,10 @@ static void a_folder_of_pictures(void **state)
     assert_int_equal(film_open(&again, &f, &err), OST_ERR_USAGE);
 }
 
-/* Creates an executable named ffmpeg in this folder: a shell script in which $last is the last argument. */
+/*
+ * Creates an executable named ffmpeg in the folder `folder`. It is a shell script; in the
+ * script, $last is the last argument.
+ */
 static void stub_encoder(const char *script)
 {
     FILE *out = fopen("ffmpeg", "w");
@@ -194,7 +197,8 @@ static void stub_encoder(const char *script)
 }
 
 /*
- * Tests that a failure during a recording is reported and ends the recording: the name of the first picture is taken.
+ * Tests a recording that fails because the name of the first picture is already taken. The
+ * failure must be reported and must end the recording.
  */
 static void a_failure_is_said_and_ends_it(void **state)
 {
@@ -320,7 +324,10 @@ static void on_term(int number)
 static void a_signal_leaves_no_part(void **state)
 {
     (void)state;
-    /* static, like f, so that valgrind reports no leak: both are still reachable when the child is killed */
+    /*
+     * The variables path and f are static, so that both are still reachable when the child is
+     * killed and valgrind reports no leak.
+     */
     static char *path;
     path = strdup(getenv("PATH"));
     stub_encoder("cat >\"$last\"");
@@ -355,8 +362,8 @@ static void a_signal_leaves_no_part(void **state)
 }
 
 /*
- * A slow encoder does not block the caller, and the memory used is bounded. The frames that it receives still follow
- * the clock.
+ * A slow encoder must not block the caller, and the memory for waiting frames must be bounded.
+ * The frames that the encoder receives must still follow the clock.
  */
 static void a_slow_writer_holds_nobody_up(void **state)
 {
@@ -366,7 +373,7 @@ static void a_slow_writer_holds_nobody_up(void **state)
     (void)state;
     assert_int_equal(mkfifo("gate", 0600), 0); /* created first, because the encoder waits for it */
     film *f = made((film_options){.pipe = "read go <gate; cat >slow.y4m", .fps = 10});
-    /* This is more than the pipe and the queue can hold. */
+    /* This number of frames is more than the pipe and the queue can hold. */
     enum { MANY = 3000 };
     for (int i = 0; i < MANY; i++)
         show(f, 0.1 * i, 10);
@@ -433,6 +440,6 @@ int main(void)
         cmocka_unit_test(an_encoder_follows_no_link),    cmocka_unit_test(a_signal_leaves_no_part),
         cmocka_unit_test(a_slow_writer_holds_nobody_up), cmocka_unit_test(pictures_take_free_names),
     };
-    signal(SIGPIPE, SIG_IGN); /* as the program osteon does */
+    signal(SIGPIPE, SIG_IGN); /* the program osteon ignores this signal too */
     return cmocka_run_group_tests(tests, begin, end);
 }

@@ -226,8 +226,8 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 }
 
 /*
- * Blending a pixel gives the same result for any number of pixels blended at once and for any
- * alignment of the first pixel; no other pixel is changed.
+ * Blending must give the same result for a pixel, whatever the number of pixels blended at once
+ * and whatever the alignment of the first pixel. No other pixel may change.
  */
 static void every_pixel_is_mixed_alone(void **state)
 {
