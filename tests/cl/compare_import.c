@@ -143,7 +143,8 @@ static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
     for (int b = 0; b < batches; b++) {
         const size_t count = (size_t)rng_range(rng, 1, m->small ? 60 : 400);
         ost_sample *samples = zeros(count, sizeof *samples);
-        const int spread = rng_range(rng, 0, 1) ? 32767 : 2; /* a few distinct densities, or many */
+        /* spread of the densities: many different ones, or only a few */
+        const int spread = rng_range(rng, 0, 1) ? 32767 : 2;
         for (size_t i = 0; i < count; i++) {
             samples[i].x = some_coordinate(rng, g.geometry.origin.x, g.geometry.spacing.x, g.geometry.dims.x, clean);
             samples[i].y = some_coordinate(rng, g.geometry.origin.y, g.geometry.spacing.y, g.geometry.dims.y, clean);
@@ -288,8 +289,8 @@ static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1,
 }
 
 /*
- * Makes a slab with random slices of its own, and sets slices z0 <= k < z1 of voxels to their
- * weighted means (AR-CUB-2).
+ * Makes a slab that stores random slices. Sets the slices z0 <= k < z1 of `voxels` to the
+ * weighted means of these slices (AR-CUB-2).
  */
 static slab slab_between(test_rng *rng, int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
@@ -330,7 +331,7 @@ static void chunks_round(machine *m, test_rng *rng)
     const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
-    const int solid = (int)rng_range(rng, 0, 20); /* share of active voxels (in 21sts) where kind is not 0 */
+    const int solid = (int)rng_range(rng, 0, 20); /* number of active voxels in 21, where kind is not 0 */
     int16_t *voxels = zeros(count, 2);
     for (size_t v = 0, left = 0, kind = 0; v < count; v++, left--) {
         if (left == 0) {
@@ -345,11 +346,11 @@ static void chunks_round(machine *m, test_rng *rng)
     for (int32_t k = 1; k < d.z; k++) /* makes some slices equal to the previous one */
         if (rng_range(rng, 0, 2) == 0)
             memcpy(voxels + slice * (size_t)k, voxels + slice * (size_t)(k - 1), slice * 2);
-    /* There is one slab, or there are two that meet at a random slice. A slab stores its slices in order, or a list
-       that stores equal slices once, or means of two slices. */
+    /* There is one slab, or there are two slabs that meet at a random slice. A slab stores its slices in one of
+       three ways: in order; as a list, with equal slices stored once; or as means of two slices. */
     const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
     const int how = (int)rng_range(rng, 0, 2);
-    const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* unused elements before the list */
+    const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* number of unused elements before the list of slices */
     slab slabs[2];
     for (int part = 0; part < 2; part++)
         slabs[part] = how == 2 && ends[part] < ends[part + 1]
@@ -389,7 +390,7 @@ static void chunks_round(machine *m, test_rng *rng)
     const size_t capacity = p.used ? p.used : 1;
     p.density = zeros(capacity * p.voxels, 2);
     p.words = zeros(capacity * p.voxels / 32, 4);
-    if (!by_items) { /* these kernels write every element of a slot */
+    if (!by_items) { /* the kernels that do not run by items write every element of a slot */
         memset(p.density, 0x55, capacity * p.voxels * 2);
         memset(p.words, 0x55, capacity * p.voxels / 8);
     }

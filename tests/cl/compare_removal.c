@@ -102,7 +102,8 @@ static plan plan_event(const bone_pool *p, const ost_removal_event *event, const
         }
         ost_cl_pose_reach(&e.poses[k]);
     }
-    const int64_t turn = rng_range(rng, 0, (int64_t)most - 1); /* blocks begin at a random one */
+    /* the blocks are in cyclic order, beginning with a random block */
+    const int64_t turn = rng_range(rng, 0, (int64_t)most - 1);
     for (size_t i = 0; i < most; i++) {
         const int32_t b = (int32_t)((i + (size_t)turn) % most);
         const ost_dims at = {b % bx, b / bx % by, b / bx / by};
@@ -330,7 +331,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     for (int k = 0; k < poses; k++) {
         assert_ok(ost_map_make(&pose, &g, &volume.geometry, &scene.maps[k], &err));
         scene.boxes[k] = (ost_voxel_box){.hi = {g.dims.x, g.dims.y, g.dims.z}};
-        if (rng_range(rng, 0, 2) == 0) /* this box may cut off a part of the tool */
+        if (rng_range(rng, 0, 2) == 0) /* makes a random box, which may exclude a part of the tool */
             for (int a = 0; a < 3; a++) {
                 scene.boxes[k].lo[a] = (int32_t)rng_range(rng, -3, 40);
                 scene.boxes[k].hi[a] = (int32_t)rng_range(rng, scene.boxes[k].lo[a], 75);

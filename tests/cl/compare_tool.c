@@ -85,8 +85,8 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
     free(steps);
 }
 
-/* Voxelizes the mesh in tiles of random size; each list holds all triangles, in its own order. counts: solid, cutting
-   and leaking. */
+/* Voxelizes the mesh in tiles of random size. The list of each tile contains all triangles, in its own order.
+   counts: numbers of solid voxels, cutting voxels and leaking rows. */
 static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class,
                            bool over, uint8_t *classes, uint64_t counts[3])
 {
@@ -111,7 +111,7 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     uint64_t *marks = zeros(marks_capacity, 8), *of_tile = zeros(3 * count, 8);
     memset(steps, 0x33, steps_capacity * 4);
     memset(marks, 0x33, marks_capacity * 8);
-    of_tile[2] = over ? counts[2] : 99; /* the kernel adds to this if over is true, else overwrites it */
+    of_tile[2] = over ? counts[2] : 99; /* if `over` is true, the kernel adds to this count, else it overwrites it */
     for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;
         for (size_t i = 0; i < n; i++)

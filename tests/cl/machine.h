@@ -65,7 +65,7 @@ static inline kernel_arg number_arg(int64_t number)
     return (kernel_arg){.number = (uint32_t)number};
 }
 
-/* Make arguments from count elements at p, and from one struct at p. */
+/* BUFFER makes an argument from `count` elements at p, ONE makes an argument from one struct at p. */
 #define BUFFER(p, count) buffer_arg(p, sizeof *(p) * (size_t)(count))
 #define ONE(p) BUFFER(p, 1)
 
@@ -87,8 +87,8 @@ struct machine {
    the range. */
 machine *machine_as_c(uint64_t seed, int rows);
 
-/* Returns the number of iterations that a loop of one item may run, at most OST_CL_TURNS. Fails the test if the loop's
-   result is wrong. */
+/* Returns the number of iterations that a loop in one work item can run on this machine, at most OST_CL_TURNS.
+   Fails the test if the loop's result is wrong. */
 uint32_t machine_turns(machine *m);
 
 /* Each function generates `rounds` scenes from rng, compares the machine with the reference and reports failures under

@@ -10,7 +10,10 @@
 
 #include "cl/opencl_c.h"
 
-/* A variable here, so that one build covers all values; on devices it is a build option. */
+/*
+ * The value of OST_ROWS. It is a variable here, so that one build covers all values; on devices
+ * it is a build option.
+ */
 static int test_rows = 4;
 #define OST_ROWS test_rows
 

@@ -60,8 +60,8 @@ static bool refuses(enum shim_call call)
     {                                                                               \
         return refuses(SHIM_##name) ? codes[SHIM_##name] : ost_cl_loader.name arguments; \
     }
-/* Defines a function that may also create an event, its last parameter. wait: true if the call returns only after all
-   work is done. */
+/* Defines a function that may also create an event, which is its last parameter. The parameter `wait` is true if
+   the call returns only after all work is done. */
 #define ENQUEUE(name, wait, parameters, arguments)                       \
     static cl_int name##_shim parameters                                 \
     {                                                                    \
@@ -145,7 +145,10 @@ ENQUEUE(clEnqueueNDRangeKernel, false,
         (cl_command_queue queue, cl_kernel kernel, cl_uint dims, const size_t *offset, const size_t *global,
          const size_t *local, cl_uint count, const cl_event *after, cl_event *event),
         (queue, kernel, dims, offset, global, local, count, after, event))
-/* Always waits, because a lost device must not access the host's memory after it has been reported as lost. */
+/*
+ * Waits even if the call must fail, because a lost device must not access the host's memory
+ * after the loss is reported.
+ */
 static cl_int clFinish_shim(cl_command_queue queue)
 {
     const cl_int code = clFinish(queue);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The functions of the OpenCL loader with fault injection: the n-th call of one function fails
- * with a code. On request, all later calls that use the queue fail too, as after the loss of a
- * device. The driver need not support this.
+ * The functions of the OpenCL loader with fault injection. The n-th call of a selected function
+ * fails with an error code. On request, all later calls that use the queue fail too, as after
+ * the loss of a device. Any driver can be used.
  */
 #ifndef OST_TESTS_CL_SHIM_H
 #define OST_TESTS_CL_SHIM_H
@@ -36,7 +36,10 @@ extern const ost_cl_api shim;
 /* Makes the n-th call from now on fail; n = 1 is the next call, n = 0 disables failures. If lost is true, all later
    calls that use the queue fail too. */
 void shim_fail(enum shim_call call, int n, bool lost);
-/* Like shim_fail with lost = true, but only calls that wait report the loss; other calls succeed without effect. */
+/*
+ * Like shim_fail with lost = true, but only calls that wait report the loss. All other calls
+ * return success without any effect.
+ */
 void shim_fail_late(enum shim_call call, int n);
 /* Returns true if the selected call has failed. */
 bool shim_failed(void);

@@ -26,7 +26,7 @@ typedef struct session {
     ost_snapped_mesh mesh;
     ost_sample samples[50];
     ost_pose poses[EVENTS][4];
-    int16_t *after[EVENTS + 1]; /* voxels before the first event and after each event */
+    int16_t *after[EVENTS + 1]; /* voxels of the bone: [0] before the first event, [n] after n events */
     ost_backend *ref;
     ost_tool *ref_tool;
 } session;
@@ -80,7 +80,7 @@ static void check_failover(const session *s, const ost_bone *bone, int done)
     ost_error err = {0};
     int16_t *now = malloc(bytes);
     assert_non_null(now);
-    shim_fail(SHIM_clFinish, 0, false); /* from here on the device works again */
+    shim_fail(SHIM_clFinish, 0, false); /* disables failures, so that the device works again */
     ost_status status = ost_bone_download(bone, 0, s->g.dims.z, now, &err);
     if (status == OST_OK) {
         assert_memory_equal(now, s->after[done], bytes);
@@ -100,7 +100,7 @@ static void check_failover(const session *s, const ost_bone *bone, int done)
     ost_bone_free(other);
 }
 
-/* Checks a bone that contained slices 3 to 9 before an upload to it failed. */
+/* Checks a bone after a failed upload. Before the upload the bone contained slices 3 to 9. */
 static void check_upload(const session *s, const ost_bone *bone)
 {
     const size_t slice = 40 * 36, count = voxel_count(&s->g);

@@ -56,7 +56,7 @@ static long resident_kib(void)
 static bool size_tells(void)
 {
 #if defined __SANITIZE_ADDRESS__
-    return false; /* the sanitizer retains freed memory */
+    return false; /* a sanitizer retains freed memory */
 #else
     return !getenv("OST_UNDER_VALGRIND") && resident_kib() > 0;
 #endif

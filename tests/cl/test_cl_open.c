@@ -108,7 +108,10 @@ static cl_device_info requested;
 static const void *answer;
 static size_t answer_size;
 
-/* Answers one query with the test's value; the device answers all others. */
+/*
+ * Answers one query of device information with the value of the test. All other queries are
+ * answered by the device.
+ */
 static cl_int lying_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     if (what != requested)
@@ -249,12 +252,12 @@ static void refused_for_what_it_computes(void **state)
     ost_error err;
     ost_cl_api api = ost_cl_loader;
     api.clEnqueueReadBuffer = flipping_read;
-    flip_size = 100000; /* selects the fingerprint's results: word 6 of item 500 */
+    flip_size = 100000; /* this size selects the read of the fingerprint's results; word 6 of item 500 is changed */
     flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "wrong integer result"));
     assert_non_null(strstr(err.text, "(long)int * 100"));
-    flip_size = 1; /* selects the layout, which is read first: value 3 of its list */
+    flip_size = 1; /* this size selects every read; the first one reads the layout, whose value 3 is changed */
     flip_at = 12;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ost_cl_scatter.count"));
@@ -345,7 +348,7 @@ static void too_many_poses(void **state)
     turns_given = TURNS;
     assert_ok(ost_cl_open_with(&api, own_options(), &backend, &err));
     backend->ops = &ost_backend_cl;
-    turns_given = 0; /* reads are not changed from here on */
+    turns_given = 0; /* from here on, reads return the device's own results */
 
     const ost_pm s = OST_PM_PER_MM / 2;
     const ost_geometry g = cubic_geometry(SIDE, SIDE, SIDE, s, (ost_pm3){0, 0, 0});
@@ -407,7 +410,7 @@ static void build_fails(void **state)
     ost_cl_api api = ost_cl_loader;
     char before[4096];
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
-    setenv("XDG_CACHE_HOME", "/dev/null/no-folder", 1); /* no driver can create this folder, not even as root */
+    setenv("XDG_CACHE_HOME", "/dev/null/no-folder", 1); /* no driver can create this cache folder, not even as root */
     api.clCreateProgramWithSource = broken_source;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "clBuildProgram"));
@@ -488,7 +491,7 @@ static void cache_damage(void **state)
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
     assert_non_null(mkdtemp(folder));
     setenv("XDG_CACHE_HOME", folder, 1);
-    setenv("POCL_CACHE_DIR", before, 0); /* PoCL's own cache is not moved */
+    setenv("POCL_CACHE_DIR", before, 0); /* the cache of PoCL itself stays in its folder */
 
     assert_false(opened_from_cache());
     assert_true(opened_from_cache());
@@ -499,7 +502,10 @@ static void cache_damage(void **state)
     assert_non_null(bad);
     assert_true(size > 80);
 
-    /* Lengths to which the entry is truncated, and positions of a changed byte in header, key, checksum and binary. */
+    /*
+     * Lengths to which the cache entry is truncated, and positions at which a byte is changed:
+     * in the header, the key, the checksum and the binary.
+     */
     const size_t cuts[] = {0, 1, 7, 79, 80, size / 2, size - 1},
                  flips[] = {0, 8, 15, 16, 47, 48, 79, 80, size / 2, size - 1};
     for (size_t i = 0; i < sizeof cuts / sizeof cuts[0]; i++) {
@@ -516,7 +522,7 @@ static void cache_damage(void **state)
     }
     memcpy(bad, good, size);
     bad[size] = 0;
-    write_all(path, bad, size + 1); /* longer than its length field says */
+    write_all(path, bad, size + 1); /* the entry is one byte longer than its length field states */
     assert_false(opened_from_cache());
 
     /* If the binary is invalid but its magic, length, key and checksum are right, it is passed to the driver. Only an
@@ -583,7 +589,7 @@ static void cache_of_others(void **state)
     assert_int_equal(chmod(folder, 0700), 0);
     assert_true(opened_from_cache());
 
-    /* An entry that others may write to is replaced by one that they may not. */
+    /* A cache entry that other users may write to is replaced by a new entry that they may not write to. */
     assert_int_equal(chmod(path, 0620), 0);
     assert_false(opened_from_cache());
     assert_int_equal(stat(path, &info), 0);

@@ -17,7 +17,10 @@ typedef struct pair {
     ost_backend *ref, *cl;
 } pair;
 
-/* An implementation may compile every kernel again for each size. With OST_TEST_LONG=1 all sizes are tested. */
+/*
+ * Options of work groups. By default only some are tested, because an implementation may compile
+ * every kernel again for each size. With OST_TEST_LONG=1 all of them are tested.
+ */
 static const char *const workgroups[] = {NULL, "workgroup=7,staging=1024,order=3", "workgroup=1,order=3",
                                          "workgroup=256,staging=20000"};
 
@@ -520,8 +523,8 @@ static void entered(void **state)
     ost_bone_free(empty);
     close_pair(p);
     /*
-     * The shapes are random, and some do not need a second list, a second launch or a larger pool, so the tests are
-     * repeated.
+     * The tests are repeated, because their shapes are random and some shapes do not need a
+     * second list, a second launch or a larger pool.
      */
     for (int again = 0; again < 10 && !all_entered(); again++) {
         bones(state);
@@ -538,7 +541,7 @@ static void entered(void **state)
     assert_true(path_count > 30);
 }
 
-/* Opens a backend with the kernel set. Returns 0 after printing a message if the device cannot run the set. */
+/* Opens a backend with the kernel set. If the device cannot run the set, prints a message and returns 0. */
 static int has_set(void)
 {
     ost_error err = {0};

@@ -86,7 +86,7 @@ static void reach(void **state) { (void)state; on_devices("reach of cells", comp
 static void removal(void **state) { (void)state; on_devices("removal", compare_removal, 16); }
 static void fingerprint(void **state) { (void)state; on_devices("fingerprint", compare_fingerprint, 1); }
 
-/* The program that computes floats must build and run. Its results are printed but not checked. */
+/* The program that computes in floating point must build and run. Its results are printed but not checked. */
 static void floats(void **state)
 {
     (void)state;
@@ -127,7 +127,8 @@ static void floats(void **state)
 
 int main(void)
 {
-    setenv("RUSTICL_ENABLE", "llvmpipe", 0); /* off by default; Mesa's compiler is an independent one */
+    /* rusticl is off by default; Mesa's compiler is independent of other drivers' compilers */
+    setenv("RUSTICL_ENABLE", "llvmpipe", 0);
     find_devices();
     if (device_count == 0) {
         printf("no OpenCL device here\n");
