@@ -215,7 +215,7 @@ static void format_and_parse_agree(void **state)
     }
 }
 
-/* Compares scaling by 2^30 with a long division, digit by digit. */
+/* Compares the scaling of a decimal by 2^30 with a long division that computes one digit after another. */
 static void q30_agrees_with_long_division(void **state)
 {
     (void)state;
@@ -234,7 +234,7 @@ static void q30_agrees_with_long_division(void **state)
     }
 }
 
-/* The ties (k + 1/2) / 2^30 need 31 decimal places. They are tested as they are and with one more digit. */
+/* The ties (k + 1/2) / 2^30 need 31 decimal places. Each tie is tested exactly, and with one more digit appended. */
 static void long_ties_are_decided_exactly(void **state)
 {
     (void)state;

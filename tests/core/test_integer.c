@@ -80,7 +80,8 @@ static void the_divider_divides(void **state)
         case 2: n += random_wide(&rng, 127) % d; break;
         default: break;
         }
-        if (q == most || q == -most) /* the quotient may not exceed the bound */
+        /* makes the dividend an exact multiple, because the quotient may not exceed the bound */
+        if (q == most || q == -most)
             n = q * d;
         ost_i128 remainder;
         const int64_t below = ost_floor_by(&by, n, &remainder);

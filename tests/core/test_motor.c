@@ -114,13 +114,14 @@ static void rows_become_ticks(void **state)
     ost_motor motor = {0};
     assert_ok(ost_path_init(&path, 7, &err));
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
-    path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30); /* 3 parts at 200 rpm, since U / 3 exceeds 2 U / 8 */
+    /* at 200 rpm the interval has 3 parts, since U / 3 exceeds 2 U / 8 */
+    path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30);
     path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms are 7.4 * 10^9, less than U / 8 */
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
-    path.ticks[3].lifted = true;                /* lifted: one tick for any interval */
+    path.ticks[3].lifted = true;                /* a lifted row is one tick, whatever the interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
-    path.ticks[4].tool = 1;                     /* another tool: also one tick */
-    path.ticks[5] = row(3137, 50, 70);          /* a row with its own speed, as from a session: unchanged */
+    path.ticks[4].tool = 1;                     /* a row with another tool is also one tick */
+    path.ticks[5] = row(3137, 50, 70);          /* a row with its own speed, as from a session, is unchanged */
     path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));
     assert_int_equal(path.count, 9);
@@ -185,7 +186,8 @@ static void rows_too_far_apart_are_refused(void **state)
     path.ticks[1].pose = (ost_pose){.qx = OST_Q30_ONE};
     assert_int_equal(ost_motor_path(&path, 200, &(ost_motor){0}, &err), OST_ERR_RANGE);
     assert_memory_equal(&path, &same, sizeof path);
-    assert_ok(ost_motor_path(&path, 0, &(ost_motor){0}, &err)); /* without a motor there is no sweep and no limit */
+    /* if the motor is off, no angle is swept and no limit applies */
+    assert_ok(ost_motor_path(&path, 0, &(ost_motor){0}, &err));
     assert_int_equal(path.count, 2);
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
     path.ticks[1] = row(153600, OST_RPM_OF_DEVICE, 0);
