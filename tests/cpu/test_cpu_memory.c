@@ -97,7 +97,7 @@ static void a_scapula_is_small(void **state)
     ost_volume_free(&ct);
 }
 
-/* Slices uploaded without a grid, as from files, need as little memory. */
+/* A bone that is uploaded slice by slice, without a grid, needs as little memory as a bone made from a grid. */
 static void an_uploaded_bone_too(void **state)
 {
     (void)state;

@@ -60,7 +60,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     for (size_t i = 0; i < count; i++) {
         const int32_t x = (int32_t)(i % (size_t)side), y = (int32_t)(i / (size_t)side % (size_t)side),
                       z = (int32_t)(i / (size_t)side / (size_t)side);
-        voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* a few high densities in every chunk */
+        voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* every chunk has a few high densities */
         samples[i] = (ost_sample){x * s, y * s, z * s, voxels[i], (uint32_t)i};
     }
     assert_ok(ost_grid_create(backend, &g, &rect, &err));
@@ -166,7 +166,7 @@ static void a_team_takes_each_item_once(void **state)
 {
     (void)state;
     enum { ITEMS = 21 };
-    /* The ways are: in sequence, in blocks, and in 16 orders. */
+    /* Each value of `way` stands for one order of the work: in sequence, in blocks, or one of 16 further orders. */
     for (int way = 0; way < 18; way++)
         for (int64_t count = 0; count <= ITEMS; count++)
             for (int64_t block = 0; block <= 8; block++) {

@@ -39,8 +39,9 @@ static plot make_plot(test_rng *rng)
         p.chunk_size[b] = 16 << rng_range(rng, 0, 2);
     }
     /*
-     * The forms are voxelized with windows of step 3, with windows of step 1 or none, and with windows of step 2 (see
-     * src/cpu/remove/shape.h).
+     * Sizes of tool voxels in thousandths of a bone voxel, two for each tool. The first tool has
+     * windows of step 3, the second tool has windows of step 1 or no windows, and the third tool
+     * has windows of step 2 (see src/cpu/remove/shape.h).
      */
     static const int64_t share[TOOLS][2] = {{1064, 1064}, {750, 400}, {900, 900}};
     for (int t = 0; t < TOOLS; t++)

@@ -48,7 +48,10 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
     free(bits[1]);
 }
 
-/* Compares one backend. If `tiny`, tiles have a few rows and all threads are used for meshes of any size. */
+/*
+ * Compares one backend with the expected grid. If `tiny` is true, tiles have only a few rows,
+ * and all threads are used for meshes of any size.
+ */
 static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cutting,
                         const ost_snapped_mesh *noncutting, ost_fill_rule rule, const uint8_t *expected,
                         const ost_voxelize_report *expected_report, const char *what)
@@ -91,7 +94,7 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
 {
     static const char *const voxelizers[] = {"triangles", "embree"};
     static const int threads[] = {1, 2, 3, 7};
-    static unsigned tiny_too; /* true for every other comparison */
+    static unsigned tiny_too; /* counts the comparisons with one thread; every second one uses tiny tiles */
     ost_error err = {0};
     uint8_t *expected = malloc((size_t)ost_dims_count(cutting->grid.dims));
     assert_non_null(expected);
@@ -106,7 +109,8 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
                     if (!ost_isa_available((ost_isa)isa))
                         continue;
                     if (v == 1 && !(all && t % 2 == 0) && (ost_isa)isa != ost_isa_best())
-                        continue; /* opening an Embree device takes longer than these grids */
+                        /* skipped, because opening an Embree device takes longer than voxelizing these grids */
+                        continue;
                     snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d,voxelizer=%s", ost_isa_name((ost_isa)isa),
                              threads[t], voxelizers[v]);
                     if (ost_backend_open(spec, &backend, &err) == OST_ERR_UNAVAILABLE)
@@ -201,7 +205,7 @@ static ost_snapped_mesh make_sphere(ost_dims dims, uint32_t rings, uint32_t sect
         for (uint32_t k = 0; k < sectors; k++) {
             const uint32_t k1 = (k + 1) % sectors, a = i * sectors + k, b = (i + 1) * sectors + k,
                            c = (i + 1) * sectors + k1, d = i * sectors + k1;
-            make_triangle(&mesh, a, b, c); /* at the poles, one of the two is degenerate */
+            make_triangle(&mesh, a, b, c); /* at the poles, one of these two triangles is degenerate */
             make_triangle(&mesh, a, c, d);
         }
     return mesh;
@@ -424,7 +428,7 @@ static void floats_are_left_alone(void **state)
             const unsigned int left = __builtin_ia32_stmxcsr();
             __builtin_ia32_ldmxcsr(AT_START);
             assert_ok(status);
-            enum { FLAGS = 0x3f }; /* status flags, which the test's own computations may set */
+            enum { FLAGS = 0x3f }; /* the status flags, which the computations of the test itself may set */
             assert_int_equal(left & ~(unsigned int)FLAGS, states[s]);
             assert_ok(ost_tool_download(tool, &volume, &err));
             assert_memory_equal(volume.voxels, expected, size);
