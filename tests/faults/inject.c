@@ -110,7 +110,7 @@ static void copy_setting(char to[TEXT], const char *variable)
     snprintf(to, TEXT, "%s", value ? value : "");
 }
 
-/* Returns true if calls of a process with these arguments are counted (OST_FAIL_IN). */
+/* Returns true if the setting OST_FAIL_IN selects a process with these arguments, so that its calls are counted. */
 static bool process_counts(int argc, char **argv)
 {
     const char *wanted = getenv("OST_FAIL_IN");
@@ -135,7 +135,7 @@ __attribute__((constructor)) static void begin(int argc, char **argv)
     copy_setting(only_path, "OST_FAIL_PATH");
     copy_setting(report_path, "OST_FAIL_REPORT");
     void *stack[2];
-    backtrace(stack, 2); /* the first call of backtrace loads a library */
+    backtrace(stack, 2); /* the first call of backtrace loads a library, which must not be counted */
     ready = process_counts(argc, argv);
 }
 
@@ -176,15 +176,18 @@ static bool module_holds(void *address, const char *name)
     return dladdr(address, &info) && info.dli_fname && strstr(info.dli_fname, name);
 }
 
-/* Returns true if the address is in libc or in the loader, which allocates the thread-local storage of new threads. */
+/*
+ * Returns true if the address is in libc or in the loader. The loader allocates the thread-local
+ * storage of new threads.
+ */
 static bool is_of_libc(void *address)
 {
     return module_holds(address, "libc.so") || module_holds(address, "ld-linux");
 }
 
 /*
- * Returns the first address of the stack that is neither in this library nor in libc, which allocates in strdup and
- * fopen.
+ * Returns the first address on the stack that is neither in this library nor in libc. Functions
+ * of libc, for example strdup and fopen, allocate memory themselves.
  */
 static void *outside_libc(void *caller)
 {
@@ -331,7 +334,7 @@ static bool read_fails(void *caller)
     return true;
 }
 
-/* Looks up a real function at each call, since dlsym does not open files. */
+/* Looks up a real function at each call. This is possible because dlsym does not open files. */
 #define LOOK_UP(type, name, parameters) \
     type(*real) parameters;             \
     *(void **)&real = find(#name)
