@@ -32,7 +32,7 @@ static void sphere_points(double radius, double top)
     }
 }
 
-/* Sampled densities equal downloaded ones; beyond the grid they are 0. */
+/* Sampled densities must equal downloaded densities. Beyond the grid, samples must be 0. */
 static void a_sample_is_what_is_there(void **state)
 {
     skip_without_samples(*state);
@@ -67,10 +67,10 @@ static void a_sample_is_what_is_there(void **state)
 }
 
 /*
- * A sphere of radius R is pressed in to a depth h. The pressure at a point is k times its depth
- * along its normal, and the sum over the cap is pi k R h^2. With a layer L, the sphere that
- * touches has radius R + L but the areas are those of R, so the force is multiplied by R^2 / (R
- * + L)^2.
+ * A sphere of radius R is pressed in to a depth h. The pressure at a point is k times the depth
+ * of the point along its normal, and the sum over the cap is pi k R h^2. With a layer of
+ * thickness L, the sphere that touches the bone has the radius R + L, but the areas are those of
+ * R. The force is therefore multiplied by R^2 / (R + L)^2.
  */
 static void a_sphere_in_a_plane(void **state)
 {
@@ -90,7 +90,7 @@ static void a_sphere_in_a_plane(void **state)
     double sum = 0, across = 0;
     ost_force_result r;
     for (int i = 0; i < PLACES; i++) {
-        /* Each position is different relative to the voxels. */
+        /* In each round the tool has a different position relative to the voxels. */
         const double shift = 0.2 * i / PLACES;
         const ost_pose pose = at_mm(10 + 3 * shift, 10 + 7 * shift, (top + radius + layer - deep) * 1e3);
         assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
@@ -158,7 +158,10 @@ static void planar_reaming(void **state)
     const double u = ost_force_energy(&params, REFERENCE_HU);
     assert_near("energy of reference bone", u, 30e6, 1e-3);
     ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
-    /* The tool starts on the surface and is pulled down by 5 mm; its speed follows the formula. */
+    /*
+     * The tool starts on the surface. The device pulls it down by 5 mm, and the speed of the
+     * tool must follow the formula.
+     */
     const ost_pose start = at_mm(15, 15, 24.75), down = at_mm(15, 15, 24.75 - 5);
     ost_force_result r;
     assert_ok(ost_force_step(force, 0, &start, 1e-3, &r, &err));
@@ -171,7 +174,7 @@ static void planar_reaming(void **state)
                 2 * PI * u * v * (radius - r0 / 2) / (params.cutting_ratio * params.speed), 0.01);
     assert_near("planar reaming, W", r.power_w, u * v * PI * radius * radius, 0.01);
     assert_near("planar reaming, N m", r.cutting_nm, u * v * PI * radius * radius / params.speed, 0.01);
-    /* The scaled force acts on the hand, upward and symmetric. */
+    /* The scaled force acts on the hand. It points upward and has no lateral part. */
     assert_near("felt, N", r.force_n[2], params.scale * r.axial_n, 1e-3);
     assert_true(fabs(r.force_n[0]) < 1e-6 * r.axial_n && r.off_axis_n < 1e-6 * r.axial_n);
 
@@ -189,8 +192,8 @@ static void planar_reaming(void **state)
 }
 
 /*
- * A hemisphere: F = (2 pi u R v / mu w) (integral of cos^2 from t0 to pi/2 + R/r0 (1 - cos^3 t0)
- * / 3), where sin t0 = r0 / R.
+ * The force on a reaming hemisphere is F = (2 pi u R v / mu w) (integral of cos^2 from t0 to
+ * pi/2 + R/r0 (1 - cos^3 t0) / 3), where sin t0 = r0 / R.
  */
 static void hemispherical_reaming(void **state)
 {
@@ -270,8 +273,8 @@ static void nothing_is_tunnelled_through(void **state)
 }
 
 /*
- * With all parameters within their bounds, and at any distance of the device, the contact force
- * does not exceed what a hand can exert.
+ * If all parameters are within their bounds, the contact force must not exceed what a hand can
+ * exert, however far away the device is.
  */
 static void no_hand_presses_with_tons(void **state)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests that the force loop is stable. The simulated device, in a light, normal or firm grip,
- * presses the built-in peg or reamer into bone or drags it along, with and without a rotating
- * tool and with and without friction in the device. No combination may oscillate: the RMS
- * deviation of the speed from its own mean stays below 10 mm/s, and a limit cycle exceeds this.
- * Without force the same operation passes through the bone, and a stiffness that is eight times
- * too high oscillates.
+ * presses the built-in peg or reamer into bone or drags it along, with and without a rotating tool
+ * and with and without friction in the device. No combination may oscillate: the RMS deviation of
+ * the speed from its own mean must stay below 10 mm/s. A limit cycle exceeds this bound. Without
+ * force the same operation passes through the bone, and a stiffness that is eight times too high
+ * oscillates.
  *
  * OST_TEST_LONG=1 adds the burr, the instant law, and all grips without friction.
  *
@@ -217,7 +217,7 @@ static void no_hand_swings(void **state)
     assert_int_equal(unstable, 0);
 }
 
-/* Checks that swing and the bound of 10 mm/s detect an oscillation. */
+/* Checks that swing() and its bound of 10 mm/s detect an oscillation. */
 static void what_is_too_stiff_does_swing(void **state)
 {
     static run r;

@@ -104,7 +104,10 @@ static void force_changes_slowly(void **state)
     assert_true(fabs(f + 2) < 1e-6);
 }
 
-/* Like the force, the torque may change by a tenth of its limit per tick: 0.3 N of 3 N, so 10 mN m of 0.1 N m. */
+/*
+ * Like the force, the torque may change by at most a tenth of its limit per tick. For the force
+ * this is 0.3 N of 3 N, for the torque 10 mN m of 0.1 N m.
+ */
 static void torque_changes_slowly(void **state)
 {
     (void)state;
@@ -232,7 +235,7 @@ static void a_passive_wall_is_left_alone(void **state)
 }
 
 /*
- * A coupling cannot store more than stored_j. Even if the hand puts in 0.1 J, the force must
+ * A coupling cannot store more than stored_j. Even if the hand supplies 0.1 J, the force must
  * not return more than stored_j.
  */
 static void no_more_is_given_back_than_was_held(void **state)
