@@ -28,8 +28,9 @@ static void put(uint8_t *at, uint64_t bits, size_t size)
 enum { ONE = 0x3f800000, SEEDS = 5 };
 
 /*
- * The seeds are volumes of 2 x 1 x 2 uint8: version 1 without orientation, with qform, with
- * sform and an extension, and as the header of a pair; and version 2.
+ * The seeds are volumes of 2 x 1 x 2 uint8 voxels. Four seeds are of version 1: one without
+ * orientation, one with qform, one with sform and an extension, and one as the header of a pair.
+ * The last seed is of version 2.
  */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {

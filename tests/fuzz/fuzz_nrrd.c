@@ -45,7 +45,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
     return size;
 }
 
-/* Returns true if the header declares a grid so large that testing it would only take time. */
+/* Returns true if the header declares a grid that is too large to be tested in a short time. */
 static bool is_large(const char *path)
 {
     ost_geometry g;
