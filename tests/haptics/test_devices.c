@@ -256,7 +256,10 @@ static void stiff_walls_swing_and_soft_ones_rest(void **state)
         printf("# wall of %5.0f N/m, without friction: light %6.3f, normal %6.3f, firm %6.3f mm\n", stiffness[i],
                unrest("sim:grip=light,friction=0", stiffness[i]), unrest("sim:friction=0", stiffness[i]),
                unrest("sim:grip=firm,friction=0", stiffness[i]));
-    /* Default stiffness in the literature for such a device: 300 N/m for a light grip, 400 N/m for a normal one. */
+    /*
+     * The default stiffness that the literature recommends for such a device is 300 N/m for a
+     * light grip and 400 N/m for a normal grip.
+     */
     const double rest_mm = 0.111, swing = 0.3;
     assert_true(unrest("sim:grip=light", 300) <= rest_mm && unrest("sim:grip=light,friction=0", 300) <= rest_mm);
     assert_true(unrest("sim", 400) <= rest_mm && unrest("sim:friction=0", 400) <= rest_mm);
@@ -324,7 +327,7 @@ static void buttons_have_a_table(void **state)
             continue;
         }
         assert_ok(ost_buttons_parse(&info, text, of, &err));
-        /* selects a button by its number; the other buttons keep their actions */
+        /* A button is selected by its number. The other buttons must keep their actions. */
         assert_ok(ost_buttons_parse(&info, "1=clutch", of, &err));
         assert_int_equal(of[0], OST_ACTION_CLUTCH);
         for (int i = 1; i < info.button_count; i++)

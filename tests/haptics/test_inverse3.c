@@ -31,8 +31,8 @@ typedef struct service {
     int listening, port;
     pthread_t thread;
     fault fault;
-    int fault_at;            /* number of the answer that fails, from 1 */
-    bool wired;              /* the grip is the wired one and is rotated */
+    int fault_at;            /* number of the answer that contains the fault, counted from 1 */
+    bool wired;              /* true if the service offers a wired grip, which is rotated */
     _Atomic int x_um;        /* position of the cursor */
     _Atomic bool stop;
     _Atomic int answers;
@@ -103,7 +103,10 @@ static bool read_text(service *s, int fd, char text[TEXT])
 
 static void write_text(int fd, const char *text)
 {
-    /* Sends everything in one call, because the second of two parts would wait until the first is acknowledged. */
+    /*
+     * Sends the complete message in one call. If it were sent in two parts, the second part
+     * would wait until the first is acknowledged.
+     */
     char frame[TEXT + 4];
     const size_t size = strlen(text), head = size < 126 ? 2 : 4;
     frame[0] = (char)0x81;
@@ -271,8 +274,8 @@ static bool try_move(service *s, ost_haptic *device, int from_um, int to_um, ost
         const int begun = atomic_load(&s->answers);
         ost_haptic_state hand = {0};
         /*
-         * The second answer from now on contains the new position. The third answer is sent
-         * after the second has been received.
+         * The second answer from now on contains the new position. The service sends the third
+         * answer after the driver has received the second one.
          */
         for (int k = 0; k < ANSWER_MS && (atomic_load(&s->answers) < begun + 3 || hand.pose.qw == 0); k++) {
             const ost_haptic_answer got = ost_haptic_read(device, &hand);
@@ -351,8 +354,8 @@ static void the_grip_turns_the_tool(void **state)
     ost_haptic *device;
     ost_haptic_state hand = {0};
     /*
-     * Selects the second device. Its grip is already rotated about the service's z, which is
-     * up, when it is first tracked; later rotations are relative to this orientation.
+     * Selects the second device. When the grip is first tracked, it is already rotated about the
+     * service's z axis, which is up. Later rotations are relative to this orientation.
      */
     service *s = begin_service(NONE, 0, true);
     assert_int_equal(open_at(s, ",id=A-2", &device, &err), OST_ERR_UNAVAILABLE);
@@ -373,7 +376,10 @@ static void the_grip_turns_the_tool(void **state)
     end_service(s);
 }
 
-/* Replaces the function of the C library: if wake_late is set, a thread continues 100 ms after it was woken. */
+/*
+ * Replaces the function of the C library. If wake_late is set, a thread that waits continues
+ * only 100 ms after it was woken.
+ */
 static bool wake_late;
 
 int sem_timedwait(sem_t *sem, const struct timespec *until)

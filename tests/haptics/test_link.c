@@ -101,8 +101,8 @@ static void nothing_else_passes(void **state)
             assert_int_equal(link_unseal(key, bytes, n, &back), LINK_MALFORMED);
         assert_int_equal(link_unseal(key, bytes, size + 1, &back), LINK_MALFORMED);
         /*
-         * These packets are signed correctly but invalid: a pose that is not a rotation or is
-         * beyond 8 m, an unknown flag or type, an impossible tool.
+         * These packets are signed correctly but invalid: their pose is not a rotation or is
+         * beyond 8 m, their flag or type is unknown, or their tool is impossible.
          */
         link_packet bad = p;
         bad.pose.qw = 0;
@@ -172,7 +172,8 @@ static void which_numbers_came(void **state)
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 68, &lost), LINK_NEW);
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
-    assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED); /* 64 behind the newest: treated as repeated */
+    /* a packet that is 64 behind the newest is treated as repeated */
+    assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 6, &lost), LINK_LATE);
     assert_int_equal(link_window_add(&w, UINT64_MAX, &lost), LINK_NEW);
     assert_int_equal(lost, UINT64_MAX - 69);
@@ -190,7 +191,7 @@ static void a_plane_presses_and_never_pulls(void **state)
     memcpy(s.force_un, (int32_t[3]){0, 0, 2000000}, sizeof s.force_un);
     bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){0}, 1000, f);
     assert_true(f[0] == 0 && f[1] == 0 && fabs(f[2] - 2) < 1e-12);
-    /* 2 mm deeper, and displaced along the plane */
+    /* The device is 2 mm deeper than in the previous call and displaced along the plane. */
     bridge_press(&s, (double[3]){0.5, -0.2, -1e-3}, (double[3]){0}, 1000, f);
     assert_true(fabs(f[2] - 2.6) < 1e-9 && f[0] == 0);
     bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){1, 0, -0.2}, 1000, f); /* inward at 0.2 m/s */
@@ -218,7 +219,7 @@ static double swing_with(int delay, bool plane)
     link_packet states[LATE_MOST];
     memset(states, 0, sizeof states);
     assert_ok(ost_path_init(&path, TICKS, &err));
-    for (int i = 0; i < TICKS; i++) /* to 5 mm inside the wall at z = 0, within a second */
+    for (int i = 0; i < TICKS; i++) /* the target moves to 5 mm inside the wall at z = 0 within a second */
         path.ticks[i] = (ost_tick){
             .t_ns = (int64_t)i * 1000000,
             .rpm = OST_RPM_ON,
@@ -235,7 +236,7 @@ static double swing_with(int delay, bool plane)
         speed += 0.27 * (now - speed);
         last = z;
         begun = true;
-        /* The state for this pose is used `delay` ticks later. */
+        /* The state that is computed for this pose is used `delay` ticks later. */
         link_packet *s = &states[i % LATE_MOST];
         *s = (link_packet){.type = LINK_STATE, .pose = hand.pose, .stiffness = 300000, .damping = 500};
         s->force_un[2] = z < 0 ? (int32_t)(-300 * z * 1e6) : 0;
@@ -264,7 +265,7 @@ static void however_late_the_hand_rests(void **state)
         printf("# %d ms late: it swings over %.3f mm\n", delay, with * 1e3);
         assert_true(with < 0.2e-3); /* four encoder steps */
     }
-    /* If the delayed force is used without the plane, the device must oscillate. */
+    /* If the delayed force is used directly, without the plane, the device must oscillate. */
     const double without = swing_with(20, false);
     printf("# 20 ms late, a force as it comes: %.1f mm\n", without * 1e3);
     assert_true(without > 2e-3);

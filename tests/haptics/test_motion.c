@@ -96,7 +96,10 @@ static double length_of(const double v[3])
 
 static double angle_between(const ost_pose *a, const ost_pose *b)
 {
-    /* The angle is computed from the chord, because the cosine of a small angle is not precise enough. */
+    /*
+     * The angle is computed from the chord between the quaternions, because the cosine of a
+     * small angle is not precise enough.
+     */
     double apart = 0, together = 0;
     for (int i = 0; i < 4; i++) {
         const double p = (double)(&a->qw)[i] / OST_Q30_ONE, q = (double)(&b->qw)[i] / OST_Q30_ONE;
@@ -147,7 +150,7 @@ static void check_motion(const char *file)
         body_at(row_time(20), at, q);
         const double x = 2 * (q[1] * q[2] + q[0] * q[3]), y = 1 - 2 * (q[1] * q[1] + q[3] * q[3]),
                      z = 2 * (q[2] * q[3] - q[0] * q[1]);
-        const double expected[3] = {-y, x, z}; /* the start pose rotates x to y */
+        const double expected[3] = {-y, x, z}; /* the start pose rotates the x axis to the y axis */
         for (int a = 0; a < 3; a++)
             assert_true(fabs(moved[a] - way * expected[a]) < 1e-6);
         was_lost = false;
@@ -205,14 +208,17 @@ static void with_longer_gaps_allowed(void **state)
     int tracking_lost = 0;
     while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
         tracking_lost += answer == OST_HAPTIC_NOT_TRACKED;
-    /* missing rows are interpolated; rows that declare lost tracking are not */
+    /*
+     * The poses of missing rows are interpolated. Poses are not interpolated across rows that
+     * declare lost tracking.
+     */
     assert_int_equal(tracking_lost, 70 + 353 + 35);
     ost_haptic_close(device);
 }
 
 /*
- * A hand at 1 kHz moves by 20 mm between two rows. It counts as not tracked in between, unless
- * jumps of this size are allowed. The positions are in millimetres.
+ * A hand that is recorded at 1 kHz moves by 20 mm between two rows. Between these rows it counts
+ * as not tracked, unless jumps of this size are allowed. The positions are in millimetres.
  */
 static void a_jump_is_a_gap(void **state)
 {
@@ -296,7 +302,7 @@ static void files_that_are_no_motion(void **state)
     assert_int_equal(ost_haptic_open("motion:nowhere.csv", NULL, &device, &err), OST_ERR_IO);
     snprintf(spec, sizeof spec, "motion:%s", folder);
     assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_IO);
-    /* A single pose is a motion of one tick. */
+    /* A file with a single pose is a motion of one tick. */
     const char *file = scratch_write(folder, "one.csv", "# a comment\r\n\r\n0 0 0 0 1 0 0 0\r\n", 32);
     device = open_motion(file, "", &(ost_pose){.qw = OST_Q30_ONE});
     ost_haptic_state s;

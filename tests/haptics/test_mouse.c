@@ -105,8 +105,8 @@ static void the_pedal_is_a_button(void **state)
 }
 
 /*
- * A lifted tool moves to its new pose at once. The device reports "lifted" in exactly one tick,
- * even if the window sets the state several times before.
+ * A lifted tool moves to its new pose at once. The device must report "lifted" in exactly one
+ * tick, even if the window sets the state several times before this tick.
  */
 static void a_lifted_hand_is_there_at_once(void **state)
 {
@@ -119,7 +119,7 @@ static void a_lifted_hand_is_there_at_once(void **state)
     home.lifted = true;
     ost_mouse_input_put(input, &home);
     home.lifted = false;
-    ost_mouse_input_put(input, &home); /* both are set before the next read */
+    ost_mouse_input_put(input, &home); /* the state is set to lifted and back to not lifted before the next read */
     ost_haptic_read(device, &now);
     assert_true(now.lifted && distance_mm(&now.pose, &home.pose) < 0.001);
     ost_haptic_read(device, &now);
@@ -147,7 +147,10 @@ static void what_is_wrong_is_said(void **state)
     ost_mouse_input_free(NULL);
 }
 
-/* The position is a function of the tool's number, so that a partial state is detected. */
+/*
+ * A thread that sets states. The position in a state is a function of the tool's number, so that
+ * a partial state is detected.
+ */
 typedef struct putter {
     ost_mouse_input *input;
     _Atomic bool stop;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests operations: a device changes a world exactly as the same path does without a device;
- * input that cannot come from a hand changes nothing; everything is recorded.
+ * Tests operations. A device must change a world exactly as the same path does without a device.
+ * Input that cannot come from a hand must change nothing. All ticks must be recorded.
  * Covers: AR-MOTOR-2, AR-MOTOR-4, AR-MOTOR-5, REQ-OPERATION, REQ-SAFETY, REQ-RECORDER
  */
 #include "ref/scene.h"
@@ -144,8 +144,8 @@ static void what_is_no_hands_is_left_out(void **state)
 }
 
 /*
- * After a jump from which the tool does not return, the tool stays where it was, so the bone is unchanged from 10 mm
- * on.
+ * The tool jumps and does not return. It must stay at the position before the jump, so the bone
+ * is unchanged from 10 mm on.
  */
 static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 {
@@ -198,10 +198,13 @@ static void a_fault_lets_the_hand_alone(void **state)
     safety.ramp_s = 0.05;
     f = (felt){0};
     ost_path path = into_bone(400);
-    for (size_t i = 0; i < path.count; i++) /* at 4 mm/s into the bone's side, to a depth of 2 mm */
+    for (size_t i = 0; i < path.count; i++) /* the tool moves at 4 mm/s into the bone's side, to a depth of 2 mm */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)(i < 200 ? i : 200) * MM / 100;
     path.ticks[300].pose.t.y += 50 * MM;
-    /* This tool exists in the force but not in the world: the force is computed, but must not be output. */
+    /*
+     * Tool 1 exists for the force model but not in the world. Its force is computed, but must
+     * not be written to the device.
+     */
     for (size_t i = 360; i < 370; i++) {
         path.ticks[i].tool = 1;
         path.ticks[i].pose.t.x += (ost_pm)(i - 359) * MM / 10;
@@ -248,7 +251,7 @@ static void a_rehearsal_leaves_no_trace(void **state)
     params.turn_stiffness = 0.5;
     params.turn_damping = 0.001;
     ost_path path = into_bone(TICKS);
-    for (size_t i = 0; i < TICKS; i++) { /* at 20 mm/s, and with one invalid pose */
+    for (size_t i = 0; i < TICKS; i++) { /* the tool moves at 20 mm/s; one pose is invalid */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)i * MM / 50;
         path.ticks[i].pose.t.y += (ost_pm)(i * i % 7) * MM / 10;
     }
@@ -292,13 +295,13 @@ static void a_session_of_it_does_it_again(void **state)
     snprintf(path_name, sizeof path_name, "%s/o.session", folder);
     fixture r = make_fixture(*state);
     ost_path path = into_bone(300);
-    path.ticks[80].pose.t.y = -100 * MM; /* a fault of one tick */
+    path.ticks[80].pose.t.y = -100 * MM; /* only this tick has an impossible pose */
     ost_session_header *header;
     ost_recorder *recorder;
     assert_ok(ost_session_header_create(&header, &err));
     assert_ok(ost_recorder_open(path_name, header, NULL, &recorder, &err));
     ost_session_header_free(header);
-    /* The first pose, then the poses of the hand. */
+    /* The path contains the first pose, and then the poses of the hand. */
     const ost_operation_report done = operate(&r, "script", &path, recorder);
     assert_int_equal(done.steps, 299);
     assert_ok(ost_recorder_close(recorder, &(ost_session_end){.ticks = done.steps}, &err));
@@ -385,7 +388,7 @@ static void it_does_not_wait_for_its_recorder(void **state)
     static const struct {
         uint32_t capacity;
         bool full;
-        bool all; /* all records are written in the end */
+        bool all; /* true if all records must be written in the end */
     } cases[] = {{1024, false, true}, {64, false, false}, {1024, true, false}};
     enum { TICKS = 200 };
     ost_error err = {0};
@@ -425,7 +428,7 @@ static void it_does_not_wait_for_its_recorder(void **state)
             assert_non_null(strstr(err.text, "the disk is full; 0 records are in the file, 200 are not"));
         else if (!cases[c].all)
             assert_non_null(strstr(err.text, "were lost: the disk was too slow"));
-        /* If the disk is not full, it contains two headers and all records that fit. */
+        /* Unless the disk is full, the file must contain two headers and all records that fit. */
         assert_int_equal(d.size > (now.put + 1) * SESSION_RECORD, !cases[c].full);
         ost_session_header_free(header);
         pthread_mutex_destroy(&d.held);
@@ -476,7 +479,8 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_ok(ost_operation_create(live_fixture.world, &options, &operation, &err));
     ost_motor motor = {0};
     for (int i = 0; i < 100; i++) {
-        const bool on = i >= 40 && i < 80; /* button held from 40 to 59, switched on from 60 to 79 */
+        /* the button is held in ticks 40 to 59; the motor is switched on from tick 60 to 79 */
+        const bool on = i >= 40 && i < 80;
         const uint32_t buttons = i >= 40 && i < 60 ? 2 : (i >= 60 && i < 65) || (i >= 80 && i < 83) ? 4 : 0;
         ost_tick tick = {.t_ns = (int64_t)i * 1000000, .pose = pose_at(2 * MM + i * MM / 5, 10 * MM, 5 * MM)};
         tick_of(operation, i, tick.pose, i == 60 ? 6 : buttons, live, &s);
@@ -505,7 +509,7 @@ static void a_motor_belongs_to_the_operation(void **state)
     free_fixture(&by_hand);
 }
 
-/* The actions next tool, clutch and home are tested with buttons and with keys. */
+/* The actions next tool, clutch and home must have the same effect with a button and with a key. */
 static void buttons_do_what_their_table_says(void **state)
 {
     ost_error err = {0};
@@ -542,9 +546,9 @@ static void buttons_do_what_their_table_says(void **state)
         assert_int_equal(s.tool, 0);
         assert_int_equal(s.pose.t.x, -10 * MM);
         /*
-         * While the clutch is held, the device moves 60 mm through the bone and beyond, in
-         * steps that would otherwise be jumps. The tool stays in place and later continues from
-         * there.
+         * While the clutch is held, the device moves 60 mm through the bone and beyond. Without
+         * the clutch, its steps would be jumps. The tool stays in place and continues from there
+         * when the clutch is released.
          */
         for (int i = 0; i < 10; i++, x += 6 * MM)
             TICK(clutch);

@@ -16,8 +16,8 @@
 #include "haptics/thread_time.h"
 
 /*
- * A device with given answers, one letter per read; the last one repeats. F: fresh, S: no sample, U: not tracked, E:
- * ended, any other letter: lost.
+ * A device that returns given answers, one letter per read. Every further read returns the answer
+ * of the last letter. F: fresh, S: no sample, U: not tracked, E: ended, any other letter: lost.
  */
 static struct haptic_instance {
     const char *answers;
@@ -156,7 +156,7 @@ static void on_done(void *user, uint64_t number, uint32_t exec_ns)
     (void)exec_ns;
     assert_int_equal(number, s->done);
     s->done++;
-    assert_true(fake.last.force_n[0] == 2); /* the wrench has been written before */
+    assert_true(fake.last.force_n[0] == 2); /* the wrench of the previous tick has been written */
 }
 
 static ost_servo_report report;
@@ -200,7 +200,7 @@ static void a_loop_ends_as_it_says(void **state)
 static void a_silent_device_gets_no_force(void **state)
 {
     (void)state;
-    alarm(60); /* without its watchdog the loop would not end */
+    alarm(60); /* ends the test if the servo loop does not end, for example without its watchdog */
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true};
     /* For up to four ticks without a sample the last pose is used; a fifth in a row ends the loop. */
     seen s = run_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
@@ -247,14 +247,14 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
     const ost_servo_options options = {.ticks = 30, .no_realtime = true};
     const seen s = run_with(&timed, "F", &options, (seen){.sleep_at = 10});
     assert_int_equal(s.ticks, 30);
-    /* The tick of 12 ms lasts beyond its own period and for at least 11 complete further periods. */
+    /* The tick of 12 ms exceeds its own period and lasts for at least 11 complete further periods. */
     assert_true(report.longest_miss >= 11);
     assert_true(report.missed >= 12);
     assert_true(s.missed >= 11);
     assert_true(report.exec.max_ns >= 12000000);
     assert_true(report.completion.max_ns >= 12000000);
     assert_true(ost_times_share_us(&report.exec, 1) >= 12000);
-    /* The tick waited without using the processor; this time counts as its own work nevertheless. */
+    /* The tick waited without using the processor. The waiting time nevertheless counts as work of the tick. */
     assert_true(report.own.max_ns >= 12000000);
     assert_true(report.missed_by_work >= 12);
     assert_int_equal(report.missed_by_work + report.missed_woken_late + report.missed_preempted, report.missed);
@@ -272,12 +272,13 @@ static void who_is_to_blame(void **state)
     /* the processor time may exceed the wall time, since they come from different clocks */
     assert_int_equal(thread_time_between(&from, &coarse), 4000);
     assert_int_equal(classify_missed_deadline(501, 0, 1000), MISSED_BY_WORK);
-    assert_int_equal(classify_missed_deadline(501, 5000, 1000), MISSED_BY_WORK); /* in doubt, the tick is the cause */
+    /* if the cause is uncertain, the miss is attributed to the tick's work */
+    assert_int_equal(classify_missed_deadline(501, 5000, 1000), MISSED_BY_WORK);
     assert_int_equal(classify_missed_deadline(500, 1000, 1000), MISSED_WOKEN_LATE);
     assert_int_equal(classify_missed_deadline(500, 999, 1000), MISSED_PREEMPTED);
 }
 
-/* Tests a thread's processor time and waiting time with measurements on this machine. */
+/* Tests the measurement of a thread's processor time and waiting time on this machine. */
 static void thread_time_is_what_was_used(void **state)
 {
     (void)state;

@@ -45,7 +45,8 @@
 #endif
 #endif
 
-static _Thread_local volatile bool watching; /* volatile: compilers assume that malloc does not read it */
+/* volatile, because compilers assume that malloc does not read this variable */
+static _Thread_local volatile bool watching;
 static _Thread_local volatile uint64_t calls;
 
 #if COUNTING

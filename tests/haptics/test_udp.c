@@ -75,7 +75,7 @@ static uint64_t counted(const ost_haptic *device, const char *name)
     return 0;
 }
 
-/* Waits until the count of this name reaches the value. */
+/* Waits until the counter of this name has reached the value. */
 static void await_count(const ost_haptic *device, const char *name, uint64_t value)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
@@ -194,13 +194,13 @@ static void what_is_dropped_is_counted(void **state)
     p.sequence = 100;
     send_sealed(c.socket, other, &p);
     await_count(device, "wrong_key", 1);
-    /* A repeated packet, then a packet for another run of the simulation. */
+    /* Sends a repeated packet, and then a packet for another run of the simulation. Both must count as replayed. */
     send_sealed(c.socket, key, &c.pose);
     await_count(device, "replayed", 1);
     p.simulation++;
     send_sealed(c.socket, key, &p);
     await_count(device, "replayed", 2);
-    /* Two packets arrive in the wrong order. The newer one is used, and one packet between them is missing. */
+    /* Two packets arrive in the wrong order. The newer packet is used. One packet between them is missing. */
     p = c.pose;
     p.sequence = c.pose.sequence + 3;
     p.pose.t.x = MM + 300;
@@ -214,8 +214,8 @@ static void what_is_dropped_is_counted(void **state)
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(hand.pose.t.x == MM + 300);
     /*
-     * Sends truncated packets, an empty one, a state and one that is too long. Then sends
-     * noise, during which valid packets must still be accepted.
+     * Sends truncated packets, an empty packet, a state packet and a packet that is too long.
+     * Then sends noise, during which valid packets must still be accepted.
      */
     uint8_t bytes[2000];
     const size_t size = link_seal(key, &p, bytes);
@@ -236,7 +236,7 @@ static void what_is_dropped_is_counted(void **state)
             link_encode(&p, bytes);
         if (send(c.socket, bytes, n, 0) < 0)
             assert_int_equal(errno, ENOBUFS);
-        if (i % 50 == 0) { /* not more packets than a socket buffers */
+        if (i % 50 == 0) { /* reads often enough that all packets fit in the buffer of the socket */
             c.pose.sequence = 1000 + (uint64_t)i;
             send_pose_packet(&c, MM + i, LINK_SEEN);
             assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -261,8 +261,8 @@ static void silence_is_declared_and_then_the_device_is_lost(void **state)
     for (int i = 0; i < 16; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     /*
-     * After 20 ticks of silence the hand is 20 mm farther away. It could have moved there in
-     * this time, so the tool follows, in steps that are not jumps.
+     * After 20 ticks of silence, the hand is 20 mm farther away. A hand can move this far in
+     * this time, so the tool follows, in steps that are too small to be jumps.
      */
     send_pose_packet(&c, MM + 20 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -289,7 +289,7 @@ static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
     send_pose_packet(&c, 50 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     ost_haptic_write(device, &(ost_wrench){{0}, {0}});
-    /* Until the bridge releases the tool, all of its poses are rejected, even near ones. */
+    /* Until the bridge releases the tool, all poses from the bridge are rejected, even poses near the tool. */
     link_packet s = send_pose_packet(&c, MM, LINK_SEEN);
     assert_true((s.flags & LINK_AGAIN) && s.pose.t.x == MM);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
@@ -374,13 +374,13 @@ static void what_cannot_be_opened(void **state)
 
 /* --------------------------------------------------------------- the bridge */
 
-/* A simulation that answers as configured. */
+/* A simulation that answers the bridge as configured by the test. */
 typedef struct stand_in {
     int socket;
     pthread_t thread;
     char to[64];
-    int silent_from, silent_to; /* range of pose numbers without an answer; a hello ends the silence */
-    int end_at;                 /* number of the pose at which it reports its end */
+    int silent_from, silent_to; /* poses with these numbers are not answered; a hello ends the silence */
+    int end_at;                 /* number of the pose at which the simulation reports its end */
     _Atomic bool stop;
     int poses, seen, let_go, jumps, hellos;
 } stand_in;
@@ -405,8 +405,8 @@ static void *stand_in_serves(void *user)
             continue;
         if (p.type == LINK_HELLO) {
             /*
-             * A bridge that has received nothing for a second sends only hello, so the number of
-             * poses does not increase until the hello is answered.
+             * A bridge that has received nothing for a second sends only hello packets. The number
+             * of poses therefore does not increase until a hello is answered.
              */
             s->hellos++;
             if (s->poses >= s->silent_from)
@@ -417,8 +417,8 @@ static void *stand_in_serves(void *user)
             if (p.flags & LINK_SEEN) {
                 const int64_t way = llabs(p.pose.t.z - last.t.z);
                 /*
-                 * While a hand holds the tool, it moves by at most 100 pm per ns, also while
-                 * this thread waits for a processor.
+                 * While a hand holds the tool, the tool moves by at most 100 pm per ns. This also
+                 * applies while this thread waits for a processor.
                  */
                 s->jumps += way > 2 * MM + (tracked ? (p.t_ns - last_ns) * 100 : 0);
                 last_ns = p.t_ns;
@@ -565,7 +565,7 @@ static void after_a_second_of_silence_the_bridge_says_hello_again(void **state)
     assert_ok(cross(s->to, key_file, PATH_TICKS, &err));
     assert_true(report.ended);
     assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
-    assert_true(s->hellos >= 2); /* one at the start, one after the silence */
+    assert_true(s->hellos >= 2); /* one hello at the start, one after the silence */
     assert_true(report.limps >= 1);
     assert_int_equal(s->jumps, 0);
     leave(s);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the drivers of vendors' devices with stand-ins for the vendors' libraries: the calls
- * and their order; frames and forces computed by hand; the loop's results if a library is
- * absent or lacks a function, and if a device is absent, is unplugged, overheats, hangs or
- * returns NaN; the limits that devices report; and an operation whose motor and tools are
- * switched by buttons of a device.
+ * Tests the drivers of vendors' devices with stand-ins for the vendors' libraries: the calls and
+ * their order, and frames and forces computed by hand. Also tests the loop's results if a library
+ * is absent or lacks a function, and if a device is absent, is unplugged, overheats, hangs or
+ * returns NaN. Further tests are the limits that devices report, and an operation whose motor and
+ * tools are switched by buttons of a device.
  */
 #include "ref/scene.h"
 
@@ -115,8 +115,8 @@ static void dhd_frames_and_forces(void **state)
     assert_int_equal(s.tool, -1);
     /*
      * The device moves 1 mm away from the operator (-x), 2 mm to the right (y) and 3 mm up (z).
-     * These are the tool's z, x and y. The tool's x is the bone's -z, its y is the bone's y,
-     * and its z is the bone's x.
+     * These directions are z, x and y of the tool. The tool's x is the bone's -z, the tool's y
+     * is the bone's y, and the tool's z is the bone's x.
      */
     note->position[0] = -0.001;
     note->position[1] = 0.002;
@@ -169,7 +169,7 @@ static void dhd_fails(void **state)
     note->fail_open = 0;
     assert_int_equal(ost_haptic_open("dhd:scale=0", NULL, &device, &err), OST_ERR_USAGE);
     assert_int_equal(ost_haptic_open("dhd:size=3", NULL, &device, &err), OST_ERR_USAGE);
-    /* NaN gives an invalid pose in one tick, and the device continues. */
+    /* A pose that contains NaN is an invalid pose for one tick. The device continues. */
     note->no_number_at = 2;
     note->fail_read_at = 4;
     assert_ok(ost_haptic_open("dhd", NULL, &device, &err));
@@ -257,13 +257,16 @@ static void openhaptics_fails(void **state)
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
     assert_int_equal(s.ticks, 3);
     assert_true(note->force[0] == 0);
-    /* The device is too warm from its first frame on: it returns poses, but outputs no force within these ticks. */
+    /*
+     * The device is too warm from its first frame on: it returns poses, but outputs no force
+     * within the ticks of this run.
+     */
     note = take_place(HD, "fake_hd", "fake_hd");
     note->warm_at = 1;
     assert_ok(run(&s, 20, &report, &err));
     assert_int_equal(s.ticks, 20);
     assert_true(note->most_force == 0);
-    /* NaN gives an invalid pose in one tick. */
+    /* A pose that contains NaN is an invalid pose for one tick. */
     note = take_place(HD, "fake_hd", "fake_hd");
     note->no_number_at = 2;
     assert_ok(run(&s, 5, &report, &err));
@@ -304,8 +307,8 @@ static void openhaptics_reports_its_limits(void **state)
         const ost_haptic_limits l = limits_of("openhaptics");
         assert_int_equal(ost_haptic_limits_usable(&l), cases[i].usable);
         /*
-         * A negative force stands for a parameter that the library does not have. This error
-         * must not be attributed to the device.
+         * A negative force in a case stands for a parameter that the library does not have. The
+         * resulting error must not be attributed to the device.
          */
         if (cases[i].usable)
             assert_true(l.force_n == cases[i].force && l.continuous_n == cases[i].continuous && l.torque_nm == 0);
@@ -364,7 +367,7 @@ typedef struct course {
     ost_live_channel *live;
     ost_world *world;
     fake_note *note;
-    double *along, step; /* the device's coordinate for the bone's x; 0.1 mm in its unit */
+    double *along, step; /* the device's coordinate that moves along the bone's x, and 0.1 mm in the device's unit */
     int tick;
     uint64_t removed[TICKS];
     ost_live_state seen[TICKS];
@@ -377,8 +380,8 @@ static int held_at(int tick)
 }
 
 /*
- * Runs a tick of the course as one millisecond, however late the machine is, and sets the
- * position for the next tick.
+ * Executes one tick and sets the position for the next tick. Each tick counts as one
+ * millisecond, even if the machine is slow.
  */
 static bool follow_course(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
@@ -458,9 +461,10 @@ static void buttons_of_devices_switch_motor_and_tool(void **state)
 {
     (void)state;
     fake_note *note = take_place(HD, "fake_hd", "fake_hd");
-    operate_by_buttons("openhaptics", note, &note->position[0], 0.1); /* in mm to the right, the tool's x */
+    /* coordinate to the right, in mm; it is the tool's x */
+    operate_by_buttons("openhaptics", note, &note->position[0], 0.1);
     note = take_place(DHD, "fake_dhd", "fake_dhd");
-    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* in m to the right */
+    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* coordinate to the right, in m */
 }
 
 /* ------------------------------------------------------------------- spnav */
@@ -492,7 +496,8 @@ static void spnav_moves_while_it_is_pushed(void **state)
     (void)state;
     fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     fake_feed *feed = feed_of();
-    const ost_haptic_setup setup = at_start(); /* the tool's x is the bone's -z, its y the bone's y, its z x */
+    /* the tool's x is the bone's -z, the tool's y is the bone's y, the tool's z is the bone's x */
+    const ost_haptic_setup setup = at_start();
     ost_error err = {0};
     ost_haptic *device;
     ost_haptic_state s;
@@ -501,8 +506,9 @@ static void spnav_moves_while_it_is_pushed(void **state)
     assert_memory_equal(&s.pose.t, &setup.start.t, sizeof s.pose.t);
     assert_int_equal(s.tool, -1);
     /*
-     * The device is pushed away from the operator (libspnav's z) beyond its full deflection, so
-     * the tool moves at 10 mm/s along its -z. One event is sufficient for all following ticks.
+     * The device is pushed away from the operator (libspnav's z) beyond its full deflection. The
+     * tool therefore moves at 10 mm/s along its -z axis. One event is sufficient for all
+     * following ticks.
      */
     put_event(feed, 1, 5, -9, 500, 0, 0, 0);
     read_on(device, 1000, &s);

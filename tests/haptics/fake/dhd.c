@@ -84,7 +84,7 @@ int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double 
     memcpy(fake_dhd.torque, (double[3]){tx, ty, tz}, sizeof fake_dhd.torque);
     if (fake_dhd.fail_write_at && fake_dhd.frames >= fake_dhd.fail_write_at)
         return -1;
-    return 2; /* 2 means that a motor is at its limit */
+    return 2; /* the result 2 means that a motor is at its limit */
 }
 #endif
 

@@ -11,13 +11,13 @@
 enum { FAKE_CALLS = 4096, FAKE_EVENTS = 64 };
 
 /*
- * Record of a stand-in. Before a device is opened, the test writes the settings; it may write the atomic members at any
- * time.
+ * Settings and record of a stand-in library. The test writes the settings before it opens a
+ * device. It may write the atomic members at any time.
  */
 typedef struct fake_note {
     char calls[FAKE_CALLS]; /* one letter per call, in order, until the array is full */
     int count;
-    double position[3];     /* in the device's own unit */
+    double position[3];     /* position in the device's own unit */
     double column[3][3];    /* axes of the handle in the device's frame */
     double force[3], torque[3]; /* as written last */
     double limit, continuous; /* N, as the library reports them */
@@ -30,7 +30,10 @@ typedef struct fake_note {
     _Atomic int frames;
 } fake_note;
 
-/* Events that a test provides, in the library's format: a type, then its numbers. */
+/*
+ * Events that a test provides to a stand-in, in the library's format: each event is its type,
+ * followed by its numbers.
+ */
 typedef struct fake_feed {
     int event[FAKE_EVENTS][8];
     int count, taken;
