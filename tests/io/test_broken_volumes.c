@@ -129,7 +129,7 @@ static void nrrd_fields(void **state)
         {"#", "data file: LIST x\nb\n", "LIST", OST_ERR_INPUT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        /* After the header of a list every line is a file name, so no data follow. */
+        /* In a header with a list of files, every line after the header is a file name, so no data follow. */
         write_replaced(cases[i].field, cases[i].line, sixteen, strstr(cases[i].line, "LIST") ? 0 : 16);
         assert_refused(at("b.nrrd"), NULL, cases[i].status, cases[i].words);
     }
@@ -465,7 +465,7 @@ static void nifti_extensions(void **state)
             continue;
         }
         assert_ok(ost_volume_read_header(at("e.nii"), NULL, &meta, NULL, &err));
-        assert_int_equal(meta.count, cases[i].metas + 1); /* also the fact that the orientation was assumed */
+        assert_int_equal(meta.count, cases[i].metas + 1); /* one more fact states that the orientation was assumed */
         ost_volume v;
         assert_ok(ost_volume_read(at("e.nii"), NULL, &v, NULL, &err));
         ost_volume_free(&v);

@@ -75,7 +75,10 @@ static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **vo
     return status;
 }
 
-/* Tests spacings for which the import of the thesis leaves up to 29 % of the layers empty and doubles as many. */
+/*
+ * Tests spacings for which the import of the thesis leaves up to 29 % of the layers empty and
+ * fills an equal number of layers twice.
+ */
 static void no_layer_is_empty_or_doubled(void **state)
 {
     (void)state;
@@ -113,7 +116,7 @@ static void no_layer_is_empty_or_doubled(void **state)
                                         "spacing %lld origin %lld decimals %d: voxel (%d, %d, %d) has %d, expected %d",
                                         (long long)spacings[s], (long long)origins[o], decimals, i, j, k, *v,
                                         ct_density(i, j, k));
-                    /* The spacing must be exact if four decimals determine it. */
+                    /* If four decimals determine the spacing, the imported spacing must be exact. */
                     if (decimals == 6 || spacings[s] % 100000 == 0) {
                         assert_true(g.spacing.x == spacings[s]);
                         assert_true(g.spacing.y == spacings[s]);
@@ -284,9 +287,10 @@ static void the_result_tells_all(void **state)
     assert_ok(ost_bone_info_get(bone, &info, &err));
     assert_int_equal(info.chunk_size, 16);
     /*
-     * Five cubic layers lie at t = 0 (clamped), 0.205, 0.675, 1 and 1 (clamped) between the two
-     * layers. 200 above 0 gives 200, 159 and 65; 0 below 3000 gives 0, 615, 2025, 3000 and
-     * 3000; of 120, only the last two voxels are active.
+     * The five cubic layers lie at t = 0 (clamped), 0.205, 0.675, 1 and 1 (clamped) between the
+     * two layers of the file. A column with the densities 200 and 0 gives 200, 159, 65, 0 and 0.
+     * A column with 0 and 3000 gives 0, 615, 2025, 3000 and 3000. In a column with 0 and 120,
+     * only the last two voxels are active.
      */
     assert_int_equal(info.active_voxels, 2 + 4 + 2);
     assert_string_equal(ost_meta_get(&result.meta, OST_META_RESAMPLE), "linear");
@@ -519,7 +523,7 @@ static void the_rest_of_a_crop_is_checked(void **state)
             .crop = true, .crop_box = {{0, 0, 0}, {10, 1, 1}}, .spacing = {1000000000, 1000000000, 1000000000}};
         assert_ok(import(in_folder(names[n]), &options, &result, &err));
         assert_int_equal(result.rect.dims.x, 10);
-        options.spacing.x = 100000000000; /* 199 voxels are 19.9 m */
+        options.spacing.x = 100000000000; /* with this spacing, 199 voxels are 19.9 m */
         if (n == 1)
             assert_int_equal(import(in_folder(names[n]), &options, &result, &err), OST_ERR_RANGE);
     }
@@ -673,7 +677,7 @@ static void memory_is_bounded_by_the_grid(void **state)
 {
     (void)state;
 #if defined __SANITIZE_ADDRESS__
-    skip(); /* the measurement would include the sanitizer's own memory */
+    skip(); /* with a sanitizer, the measurement would include the sanitizer's own memory */
 #endif
     if (strncmp(test_backend, "cl", 2) == 0)
         skip(); /* the measurement would include the driver's compiler */
@@ -697,7 +701,7 @@ static void memory_is_bounded_by_the_grid(void **state)
     assert_int_equal(waitpid(child, &ended, 0), child);
     assert_true(WIFEXITED(ended));
     if (WEXITSTATUS(ended) == UNKNOWN)
-        skip(); /* the system has no /proc */
+        skip(); /* skipped if the system has no /proc */
     assert_int_equal(WEXITSTATUS(ended), BOUNDED);
 }
 

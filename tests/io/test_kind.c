@@ -34,11 +34,14 @@ static void by_content(void **state)
         {"a.csv", "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", OST_FILE_PATH_CSV},
         {"a", "0,0,0,0,1,0,0,0\n", OST_FILE_PATH_CSV},
         {"a", "0,0,0,0,1,0,0,0,2\r\n", OST_FILE_PATH_CSV},
-        {"a", "0 0 0 100\r0 0 1 100\r", OST_FILE_CT_TEXT}, /* its reader refuses these line ends */
+        {"a", "0 0 0 100\r0 0 1 100\r", OST_FILE_CT_TEXT}, /* the reader of CT texts refuses these line ends */
         {"a.csv", "# note\r0,0,0,0,1,0,0,0\r", OST_FILE_PATH_CSV},
         {"a", "one two three\n", OST_FILE_UNKNOWN},
         {"a", "", OST_FILE_UNKNOWN},
-        /* The name is used if the content is not conclusive, so that the reader of this format reports the error. */
+        /*
+         * If the content is not conclusive, the name determines the format, and the reader of
+         * this format reports the error.
+         */
         {"a.TXT", "junk", OST_FILE_CT_TEXT},
         {"a.csv", "junk", OST_FILE_PATH_CSV},
         {"a", "\x89OSTSES\n", OST_FILE_SESSION},

@@ -48,7 +48,7 @@ static void put_json(bytes *b, const char *system, bool ras)
     }
 }
 
-/* Writes rows of `before`, label and coordinates (or coordinates and label), and `after`. */
+/* Writes one row per point: `before`, label and coordinates (or coordinates and label), `after`. */
 static void put_rows(bytes *b, bool ras, const char *before, const char *after, bool label_last, const char *end)
 {
     for (int i = 0; i < POINTS; i++) {

@@ -70,7 +70,7 @@ static ost_status find_one(const axis_text *a, ost_pm *spacing, ost_error *err)
 static void spacings_of_the_field(void **state)
 {
     (void)state;
-    /* The spacing itself is expected if its layers and digits distinguish it from shorter decimals. */
+    /* The true spacing is expected if the layers and their digits distinguish it from shorter decimals. */
     static const struct {
         ost_pm spacing, origin;
         int count, places;
@@ -165,7 +165,7 @@ static void trailing_zeros_may_be_dropped(void **state)
     a.axis.units = units_bit(0) | units_bit(1) | units_bit(2) | units_bit(3) | units_bit(4) | units_bit(5) |
                    units_bit(6);
     assert_ok(find_one(&a, &found, &err));
-    /* With three places, 400 layers leave an uncertainty of 10^6 / 400 pm. */
+    /* Positions with three decimal places and 400 layers leave an uncertainty of 10^6 / 400 pm. */
     assert_true(found >= 488281250 - 2500 && found <= 488281250 + 2500);
 }
 
@@ -203,7 +203,10 @@ static void axes_share_a_spacing(void **state)
     assert_true(found[0] == 488281250);
     assert_true(found[1] == 488281250);
     assert_true(found[2] == 1000000000);
-    /* An axis whose spacing is not determined must not adopt the spacing of another axis if it only fits by chance. */
+    /*
+     * The spacing of an axis may be undetermined. The axis must then not adopt the spacing of
+     * another axis that fits only by chance.
+     */
     fill(&z, 0, 500000000, 3, 1, NULL);
     fill(&x, 0, 470000000, 256, 4, NULL);
     fill(&y, 0, 470000000, 256, 4, NULL);
@@ -279,7 +282,7 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
                 best_off = off;
             }
         }
-        if (best == 0) /* the interval lies on one side of it only */
+        if (best == 0) /* the feasible interval lies entirely on one side of the spacings tried */
             best = first > near ? first : last;
         return best;
     }
@@ -287,9 +290,9 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
 }
 
 /*
- * The first eight layers are present. Each of them narrows the spacing, and after the eighth
- * the number of absent layers in a gap is unambiguous. With fewer layers, a spacing near the
- * least is ambiguous and refused.
+ * The first eight layers are present. Each of them narrows the range of possible spacings. After
+ * the eighth layer, the number of absent layers in a gap is unambiguous. With fewer layers, a
+ * spacing near the least one is ambiguous and refused.
  */
 static uint64_t keep_mask;
 static bool by_mask(int i)
@@ -308,8 +311,8 @@ static void the_same_as_a_plain_search(void **state)
         int64_t unit = unit_of(places);
         int digits = (int)rng_range(&rng, 1, 9);
         /*
-         * The spacing is at least eight units, so that the steps are certain. There are few digits, as in the files of
-         * scanners, or many.
+         * The spacing is at least eight units, so that the step of each layer is certain. The
+         * spacing has few digits, as in the files of scanners, or many digits.
          */
         int64_t least = 8 * unit > OST_SPACING_MIN ? 8 * unit : OST_SPACING_MIN;
         ost_pm spacing = rounded(rng_range(&rng, least, least * 20 < 2000000000 ? 2000000000 : least * 20),
@@ -322,7 +325,7 @@ static void the_same_as_a_plain_search(void **state)
         ost_error err = {0};
         ost_pm found, expected = plain_search(&a, unit);
         assert_ok(find_one(&a, &found, &err));
-        if (expected == 0) /* no decimal of nine digits fits, so the error is at most one picometre per step */
+        if (expected == 0) /* no decimal of nine digits fits; the error is then at most one picometre per step */
             continue;
         found_some++;
         if (found != expected)

@@ -265,7 +265,8 @@ static void headers_that_are_refused(void **state)
         {"ElementDataFile = missing.raw\n", "missing.raw", OST_ERR_IO},
         {"ElementDataFile =\n", "a file name is empty", OST_ERR_INPUT},
         {"ElementDataFile = LIST\n", "data files", OST_ERR_INPUT},
-        {"Modality = MET_MOD_CT\nModality = MET_MOD_CT\n", NULL, OST_OK}, /* keys that decide nothing may repeat */
+        /* keys that do not affect the result may be repeated */
+        {"Modality = MET_MOD_CT\nModality = MET_MOD_CT\n", NULL, OST_OK},
         {"Offset = 0 0 0\nPosition = 1 1 1\n", "duplicate 'Position'; the first one is in line 6", OST_ERR_INPUT},
         {"a line without a value\n", "is not 'Key = Value'", OST_ERR_INPUT},
     };

@@ -30,7 +30,7 @@ static void every_type_version_and_order(void **state)
 {
     (void)state;
     static const struct {
-        int code, bits, kind; /* kind 1 float, 2 double */
+        int code, bits, kind; /* kind of type: 0 integer, 1 float, 2 double */
         const char *name;
     } types[] = {{2, 8, 0, "uint8"},     {256, 8, 0, "int8"},    {4, 16, 0, "int16"},    {512, 16, 0, "uint16"},
                  {8, 32, 0, "int32"},    {768, 32, 0, "uint32"}, {1024, 64, 0, "int64"}, {1280, 64, 0, "uint64"},
@@ -86,7 +86,7 @@ static void pairs(void **state)
         write_file("p.img", "skip\0\1\2\3\4\5\6\7", 12);
         s.vox_offset = 4;
         write_nifti("p.hdr", &s, NULL, 0);
-        read_it("p.img", &v, &report); /* reads the header too when the image is named */
+        read_it("p.img", &v, &report); /* if the path of the image is given, the reader also reads the header */
         assert_int_equal(v.voxels[7], 7);
         ost_volume_free(&v);
     }
@@ -151,8 +151,8 @@ static void sform_qform_or_pixdim(void **state)
             ost_volume_report report;
             ost_error err = {0};
             /*
-             * Both forms refer to the patient and disagree, so an option must select one.
-             * forms_that_disagree tests this option.
+             * In these cases both forms, sform and qform, refer to the patient and disagree, so an
+             * option must select one. forms_that_disagree tests this option.
              */
             const bool both = cases[i].expected == 1 && cases[i].qform > 0;
             const ost_volume_options by_sform = {.form = both ? OST_FORM_SFORM : OST_FORM_AUTO};
@@ -176,9 +176,10 @@ static void sform_qform_or_pixdim(void **state)
 }
 
 /*
- * Reads a grid of 2 x 2 x 2 voxels of 1 mm. The forms are equal except for the sform's z step and
- * its origin, which is moved along R. The farthest corner moves by the sum of both changes. Forms
- * that differ by at most one voxel agree; if they differ by more, an option must select one.
+ * Reads a grid of 2 x 2 x 2 voxels of 1 mm. The sform and the qform are equal except for the
+ * sform's z step and its origin, which is moved along R. The farthest corner moves by the sum of
+ * both changes. If the corner moves by at most one voxel, the forms agree; if it moves farther,
+ * an option must select a form.
  */
 static void forms_that_disagree(void **state)
 {
@@ -223,8 +224,8 @@ static void forms_that_disagree(void **state)
 }
 
 /*
- * Without forms the orientation letters give the directions of i, j and k. Tests all 48 codes.
- * Voxel (0, 0, 0) must stay at the origin.
+ * If a file has neither sform nor qform, the orientation letters give the directions of i, j and
+ * k. Tests all 48 codes. Voxel (0, 0, 0) must stay at the origin.
  */
 static void without_forms(void **state)
 {

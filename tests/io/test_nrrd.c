@@ -212,8 +212,9 @@ static void write_header(const char *name, const char *fields)
 }
 
 /*
- * Writes the voxels from..from+count as big-endian int16 after `lines` and `skipped`; compresses
- * the data if `packed`.
+ * Writes a file that begins with the text `lines`. The data follow: the text `skipped`, and then
+ * `count` voxels as big-endian int16, beginning with voxel `from`. If `packed`, the data are
+ * compressed.
  */
 static void write_part(const char *name, const char *lines, const char *skipped, int from, int count, bool packed)
 {
@@ -365,7 +366,7 @@ static void spaces_and_units(void **state)
     assert_string_equal(report.orientation, "");
     read_grid("space dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n", &g, &report, v);
     assert_grid(&g, mm, mm, mm, 0, 0, 0);
-    /* Off-diagonal values are below a picometre, and a decimal has many digits. */
+    /* The off-diagonal values are below a picometre, and the spacings are decimals with many digits. */
     read_grid("space: LPS\nspace directions: (0.46999999999999997,1e-17,0) (0,0.47000000000000003,0) (0,0,1)\n", &g,
               &report, v);
     assert_grid(&g, 470000000, 470000000, mm, 0, 0, 0);
@@ -406,7 +407,10 @@ static void a_space_without_a_patient(void **state)
         assert_true(report.assumed);
         assert_string_equal(ost_meta_get(&v.meta, OST_META_ORIENTATION), "assumed LPS");
         assert_grid(&v.geometry, mm, 2 * mm, 3 * mm, 10 * mm, 20 * mm, 30 * mm);
-        /* The fact must be preserved when the volume is written and read again, and an option cannot override it. */
+        /*
+         * The fact must be preserved when the volume is written and read again. An option must
+         * not override the fact.
+         */
         assert_ok(ost_volume_write(at("again.nrrd"), &v, NULL, &err));
         ost_volume_free(&v);
         assert_ok(ost_volume_read(at("again.nrrd"), NULL, &v, &report, &err));
@@ -414,7 +418,7 @@ static void a_space_without_a_patient(void **state)
         ost_volume_free(&v);
         assert_refused(at("again.nrrd"), &(ost_volume_options){.orientation = "RAS"}, OST_ERR_USAGE,
                        "import the CT itself with --orientation RAS");
-        /* Expects the same values as for RAS in spaces_and_units. */
+        /* The expected values are those for RAS in the test spaces_and_units. */
         assert_ok(ost_volume_read(at("space.nrrd"), &(ost_volume_options){.orientation = "RAS"}, &v, &report, &err));
         assert_false(report.assumed);
         assert_grid(&v.geometry, mm, 2 * mm, 3 * mm, -11 * mm, -22 * mm, 30 * mm);
@@ -455,7 +459,7 @@ static void keys_become_meta(void **state)
                     "osteon_side:=right\nDICOM:0008,0060:=CT\nosteon_note:=back\\\\slash: and\\nline\n\nx");
     write_file("m.nrrd", file.data, file.size);
     assert_ok(ost_volume_read_header(at("m.nrrd"), &g, &meta, NULL, &err));
-    assert_int_equal(meta.count, 3); /* the third fact is the assumed orientation */
+    assert_int_equal(meta.count, 3); /* two facts of the file, and the assumed orientation as the third fact */
     assert_string_equal(ost_meta_get(&meta, "side"), "right");
     assert_string_equal(ost_meta_get(&meta, "note"), "back\\slash: and line");
 }

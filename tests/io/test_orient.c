@@ -58,9 +58,9 @@ static void all_48_ways(void **state)
 }
 
 /*
- * The axes are tilted by less than the limit. All components of the grid's origin must be those
- * of the file's voxel that becomes the first one. A volume that is stored backward along an axis
- * must give the same grid.
+ * The axes are tilted by less than the limit. Every component of the grid's origin must be that
+ * of the file's voxel that becomes the grid's first voxel. A volume that is stored backward
+ * along an axis must give the same grid.
  */
 static void tilted_axes_flip_about_their_ends(void **state)
 {
@@ -73,7 +73,8 @@ static void tilted_axes_flip_about_their_ends(void **state)
         for (int a = 0; a < 3; a++) {
             sizes[a] = (int32_t)rng_range(&rng, 1, 60);
             affine.origin[a] = rng_range(&rng, -100000000000, 100000000000);
-            for (int w = 0; w < 3; w++) /* below the limit: 2 * 64 * 500,000 is less than an eighth of 0.6 mm */
+            /* The tilt is below the limit: 2 * 64 * 500,000 is less than an eighth of 0.6 mm. */
+            for (int w = 0; w < 3; w++)
                 affine.column[a][w] = w == to[a]
                                           ? rng_range(&rng, 600000000, 900000000) * (rng_range(&rng, 0, 1) ? 1 : -1)
                                           : rng_range(&rng, -500000, 500000);
@@ -107,7 +108,7 @@ static void an_eighth_of_a_voxel_is_the_border(void **state)
     (void)state;
     ost_error err = {0};
     ost_placement p;
-    const ost_pm voxel = 800000000; /* an eighth of it is 100,000,000 */
+    const ost_pm voxel = 800000000; /* an eighth of a voxel is 100,000,000 pm */
     ost_affine affine = {.column = {{voxel, 0, 0}, {0, voxel, 0}, {0, 0, voxel}}};
     const int32_t longer[3] = {201, 9, 9}, shorter[3] = {3, 3, 3};
     affine.column[0][1] = 500000; /* 200 steps */
@@ -166,7 +167,7 @@ static void resampling_finds_the_nearest(void **state)
     assert_int_equal(g.spacing.x, 1000000000);
     assert_int_equal(g.spacing.y, 1000000000);
     assert_int_equal(g.origin.x, 1000000000 - 5 * 800000000LL);
-    /* extents 6 * 0.6 + 5 * 0.8 = 7.6 and 6 * 0.8 + 5 * 0.6 = 7.8 mm */
+    /* the extents are 6 * 0.6 + 5 * 0.8 = 7.6 mm and 6 * 0.8 + 5 * 0.6 = 7.8 mm */
     assert_int_equal(g.dims.x, 9);
     assert_int_equal(g.dims.y, 9);
     assert_int_equal(g.dims.z, 3);
@@ -185,7 +186,7 @@ static void resampling_finds_the_nearest(void **state)
                 int64_t d = q[w] - affine.origin[w];
                 for (int a = 0; a < 3; a++)
                     d -= at[a] * affine.column[a][w];
-                d /= 1000000; /* in nanometres, so that the squares do not overflow */
+                d /= 1000000; /* converts to nanometres, so that the squares do not overflow */
                 square += d * d;
             }
             if (square < best) {

@@ -322,8 +322,8 @@ static void killed_at_any_moment(void **state)
         if (there)
             assert_int_equal(st.st_size, 64 * 4096);
         /*
-         * After a signal that can be caught, no hidden file may remain either. The handler may
-         * not be installed yet when the signal arrives.
+         * After SIGTERM no hidden file may remain. If the signal arrives before its handler is
+         * installed, no file exists yet.
          */
         if (number == SIGTERM)
             assert_int_equal(scratch_count(folder), there);

@@ -54,7 +54,7 @@ static void what_is_written_reads_back(void **state)
         assert_ok(ost_path_init(&path, 5000, &err));
         int64_t t = rng_range(&rng, -1000000000, 1000000000);
         for (size_t i = 0; i < path.count; i++) {
-            /* Makes a unit quaternion of random direction; its integers are exact. */
+            /* Makes a unit quaternion of random direction. Its components are exact integers. */
             double q[4], norm = 0;
             for (int a = 0; a < 4; a++) {
                 q[a] = (double)rng_range(&rng, -1000000, 1000000);
@@ -188,11 +188,11 @@ static void rows_far_apart_are_a_gap(void **state)
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 0.01, 0.02, 5.02, 10.021}, {[4] = true}},
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 1, 2, 12, 22.001}, {[4] = true}},
         {"", {0}, 4, {0, 1, 2, 3}, {0, 20, 40, 60}, {false}},
-        /* Limits given by options: in time, in time and space, none. */
+        /* The limits are given by options: for time only, for time and space, or no limit at all. */
         {"", {10000000, 0}, 4, {0, 10, 20.001, 30}, {0, 1, 2, 3}, {[2] = true}},
         {"", {10000000, OST_PM_PER_MM / 2}, 4, {0, 1, 2, 13}, {0, 0.5, 1.001, 1}, {[2] = true, [3] = true}},
         {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
-        /* A file that contains the column `lifted`. */
+        /* If the file contains the column `lifted`, gaps are searched only if an option gives a limit. */
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n",
          {100000000, 0},

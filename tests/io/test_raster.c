@@ -51,8 +51,8 @@ static void put(text *t, const char *format, ...)
 typedef struct recipe {
     int dims[3];
     int order[3];       /* axes from the fastest to the slowest one */
-    int step[3];        /* in 10^-places mm; negative: descending */
-    int thirds[3];      /* thirds of 10^-places mm added to step, rounded when written */
+    int step[3];        /* step along each axis in 10^-places mm; negative: descending */
+    int thirds[3];      /* number of thirds of 10^-places mm added to step; positions are rounded when written */
     int64_t start[3];
     int places;
     const char *separator, *ending, *head;
@@ -171,7 +171,7 @@ static void crop_to(outcome *o, const ost_voxel_box *crop)
     o->rect.dims = (ost_dims){crop->hi[0] - crop->lo[0], crop->hi[1] - crop->lo[1], crop->hi[2] - crop->lo[2]};
 }
 
-/* Imports in two passes. `crop` is the part of the grid to read; with lo[0] < 0 the complete grid is read. */
+/* Imports the text in two passes. `crop` is the part of the grid to read. If lo[0] < 0, the complete grid is read. */
 static outcome two_passes(ost_backend *backend, const char *path, ost_pm3 given, const ost_voxel_box *crop)
 {
     outcome o = {.status = OST_OK};
@@ -269,8 +269,9 @@ static int next_turn(void)
 }
 
 /*
- * Reads the text both ways and imports it. The import must return the error of the two passes, if
- * any. Returns true if the text was accepted as a scan.
+ * Reads the text in one pass and in two passes, compares the results, and imports the text. If
+ * the two passes fail, the import must return the same error. Returns true if the text was
+ * accepted as a scan.
  */
 static bool compare(ost_backend *backend, const text *t, ost_pm3 given, test_rng *rng)
 {
@@ -353,7 +354,7 @@ static void scans_are_read_in_one_pass(void **state)
             spacing = (ost_pm3){(r.step[0] < 0 ? -r.step[0] : r.step[0]) * unit, 0, 0};
         bool is = compare(*state, &t, spacing, &rng);
         found += is;
-        /* If every step is an integer, the text is always a scan. */
+        /* A text in which every step is an integer must always be accepted as a scan. */
         if (!r.thirds[0] && !r.thirds[1] && !r.thirds[2]) {
             plain++;
             if (!is)
@@ -498,7 +499,7 @@ static void reading_can_be_cancelled(void **state)
         int calls = 0;
         const ost_text_raster_options options = {.threads = threads, .progress = cancel, .user = &calls};
         ost_status status = ost_text_raster_read(path, &options, &summary, &raster, &found, &err);
-        /* A thread without a piece makes no call. */
+        /* A thread that has no piece of the text does not call the progress function. */
         if (calls > 0) {
             assert_int_equal(calls, 1);
             assert_int_equal(status, OST_ERR_CANCELLED);

@@ -236,7 +236,7 @@ static void version_1_is_read(void **state)
     ost_session_close(session);
 }
 
-/* The bytes of a tick, written by hand from docs/spec/session.md. The layout must not change. */
+/* The expected bytes of a tick were written by hand from docs/spec/session.md. The layout must not change. */
 static void bytes_are_as_documented(void **state)
 {
     (void)state;
@@ -359,7 +359,7 @@ static void noise_is_survived(void **state)
                 for (size_t i = at; i < at + take; i++)
                     data[i] = (unsigned char)rng_next(&rng);
                 break;
-            default: /* repeat bytes at the end */
+            default: /* repeat some bytes at the end of the file */
                 memcpy(data + size, data + at, take);
                 size += take;
                 break;
@@ -604,8 +604,8 @@ static void a_recording_is_a_session(void **state)
 }
 
 /*
- * The disk does not respond. Records are accepted until the ring is full; after that
- * ost_recorder_put must fail at once. Every interface must report the loss.
+ * The disk does not respond. Records are accepted until the ring buffer is full. After that,
+ * ost_recorder_put must fail at once, and every interface must report that records were lost.
  */
 static void a_full_ring_is_counted_and_said(void **state)
 {
@@ -616,7 +616,7 @@ static void a_full_ring_is_counted_and_said(void **state)
     pthread_mutex_lock(&d.held);
     const int appends = atomic_load(&d.appends);
     put_ticks(recorder, 0, 1, true);
-    /* The writer has taken the first block and blocks in writing it. */
+    /* Waits until the writer thread has taken the first block and is blocked in writing it. */
     while (atomic_load(&d.appends) == appends) {
         const struct timespec pause = {.tv_nsec = 1000000};
         nanosleep(&pause, NULL);

@@ -100,7 +100,7 @@ static void broken_texts_are_refused(void **state)
         const char *text;
         const char *says;
     } cases[] = {
-        /* truncated at every kind of position */
+        /* The text is truncated at every kind of position. */
         {"1 2 3 4\n1", ":2: 1 value; expected 4"},
         {"1 2 3 4\n1 2", ":2: 2 values; expected 4"},
         {"1 2 3 4\n1 2 3", ":2: 3 values; expected 4"},
@@ -238,7 +238,8 @@ static void long_facts_are_refused(void **state)
             ost_text_summary summary;
             char text[512];
             int size = snprintf(text, sizeof text, "# osteon %s: 1 1 1.%0*d\n1 1 1 4\n", keys[k], digits, 0);
-            bool fits = 4 + 2 + digits <= 200; /* "1 1 ", "1.", the zeros */
+            /* 4, 2 and `digits` are the lengths of "1 1 ", of "1." and of the zeros */
+            bool fits = 4 + 2 + digits <= 200;
             assert_ok(ost_text_source_open(&source, scratch_write(folder, "ct.txt", text, (size_t)size), &err));
             ost_status status = ost_text_scan(&source, (ost_pm3){0, 0, 0}, NULL, NULL, NULL, &summary, &err);
             assert_int_equal(status, fits ? OST_OK : OST_ERR_INPUT);
@@ -248,7 +249,7 @@ static void long_facts_are_refused(void **state)
     }
 }
 
-/* Zero bytes at every position must be refused. Strings cannot express these cases. */
+/* A zero byte at any position must be refused. Such texts are not C strings, so they are tested separately. */
 static void zero_bytes_are_refused(void **state)
 {
     (void)state;
@@ -285,8 +286,9 @@ static void lines_without_end_are_refused(void **state)
 }
 
 /*
- * Lines cross the buffer's end at every position. The rows must be the same, and so must rows
- * that are read in portions of any size.
+ * Tests texts in which lines cross the end of the read buffer, at every position of a line. The
+ * rows must depend neither on this position nor on the size of the portions in which they are
+ * read.
  */
 static void blocks_do_not_show(void **state)
 {

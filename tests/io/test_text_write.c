@@ -134,7 +134,7 @@ static void a_cut_text_is_refused(void **state)
     assert_ok(ost_text_write_volume(path, &volume, 4, &err));
     size_t size;
     char *text = scratch_read(path, &size);
-    /* Before the first fact is complete, the expected number of lines is not known. */
+    /* If the text ends before the first fact is complete, the expected number of lines is unknown. */
     for (size_t cut = 0; cut < size; cut++) {
         ost_bone *bone;
         ost_status status = ost_import(backend, scratch_write(folder, "cut.txt", text, cut), NULL, &bone, NULL, &err);

@@ -52,7 +52,7 @@ static void every_format_keeps_the_volume(void **state)
     test_rng rng = rng_seeded("volumes");
     ost_error err = {0};
     for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++) {
-        /* Only two origins are used for each, because every file is synced to disk, which takes time. */
+        /* Each spacing is tested with only two origins, because every file is synced to disk, which takes time. */
         for (size_t turn = 0; turn < 2; turn++) {
             size_t o = (s + turn) % (sizeof origins / sizeof origins[0]);
             ost_volume v;
@@ -87,8 +87,9 @@ static void every_format_keeps_the_volume(void **state)
 }
 
 /*
- * AR-FILE-8: facts must be read back in their order, with any bytes in their values. Keys that
- * belong to the grid itself must not override its geometry.
+ * AR-FILE-8: facts must be read back in their order, with any bytes in their values. If a fact
+ * has the same key as a property of the grid, for example `dims`, it must not change the
+ * geometry.
  */
 static void facts_keep_their_order(void **state)
 {
@@ -106,7 +107,8 @@ static void facts_keep_their_order(void **state)
     make_volume(&v, &g, &rng);
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
         assert_ok(ost_meta_set(&v.meta, keys[k], values[k], &err));
-    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err)); /* the fact keeps its first position */
+    /* the new value is stored at the position of the old one */
+    assert_ok(ost_meta_set(&v.meta, "zebra", "again", &err));
     for (size_t f = 0; f < sizeof formats / sizeof formats[0]; f++) {
         if (!HAS_NIFTI && strstr(formats[f], ".nii"))
             continue;
@@ -143,8 +145,8 @@ static void facts_of_a_nrrd(void **state)
 }
 
 /*
- * Without osteon's comment the lengths are the shortest decimals of the float32 values. These are
- * exact for up to six digits.
+ * Without osteon's comment in the header, lengths are read as the shortest decimals of the
+ * float32 values. This restores lengths of up to six digits exactly.
  */
 static void nifti_without_its_comment(void **state)
 {
@@ -163,7 +165,7 @@ static void nifti_without_its_comment(void **state)
         make_volume(&v, &g, &rng);
         assert_ok(ost_volume_write(at("n.nii"), &v, NULL, &err));
         char *file = read_all(at("n.nii"), &size);
-        file[348] = 0; /* the extender: no extensions follow */
+        file[348] = 0; /* the extender field; 0 means that no extensions follow */
         write_file("n.nii", file, size);
         free(file);
         assert_ok(ost_volume_read(at("n.nii"), NULL, &back, NULL, &err));
@@ -360,7 +362,10 @@ static void tools(void **state)
     }
 }
 
-/* A voxel of 1 um + 1 pm has a half that needs ten decimal places in the corner. The text is computed by hand. */
+/*
+ * The tool has voxels of 1 um + 1 pm, so the corner, which contains half a voxel, needs ten
+ * decimal places. The expected text is computed by hand.
+ */
 static void a_tool_of_an_odd_voxel(void **state)
 {
     (void)state;

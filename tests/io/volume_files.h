@@ -124,7 +124,10 @@ static inline uint64_t double_bits(double value)
     return bits;
 }
 
-/* Checks that reading fails with this status and that the error contains the file's name and these words. */
+/*
+ * Checks that reading fails with the status `expected` and that the error contains the name of
+ * the file and the text `words`.
+ */
 static inline void assert_refused(const char *path, const ost_volume_options *options, ost_status expected,
                                   const char *words)
 {
