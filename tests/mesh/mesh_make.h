@@ -41,7 +41,10 @@ static inline void make_triangle(ost_snapped_mesh *m, uint32_t a, uint32_t b, ui
     m->triangle_count++;
 }
 
-/* Returns a lattice coordinate in [0, n voxels]: a voxel centre, a voxel border, a quarter, or a random one. */
+/*
+ * Returns a coordinate on the lattice, in [0, n voxels]. It is a voxel centre, a voxel border, a
+ * multiple of a quarter of a voxel, or any lattice point.
+ */
 static inline int64_t make_coordinate(test_rng *rng, int32_t n)
 {
     switch (rng_range(rng, 0, 3)) {
@@ -89,7 +92,7 @@ static inline void make_box(ost_snapped_mesh *m, const int64_t lo[3], const int6
         make_triangle(m, first + faces[t][0], first + faces[t][1], first + faces[t][2]);
 }
 
-/* Reverses the orientation of all triangles from t on. */
+/* Reverses the orientation of triangle t and of all triangles after it. */
 static inline void make_inside_out(ost_snapped_mesh *m, size_t t)
 {
     for (; t < m->triangle_count; t++) {
@@ -99,7 +102,10 @@ static inline void make_inside_out(ost_snapped_mesh *m, size_t t)
     }
 }
 
-/* Returns the grid that the group's backend makes; the caller owns it. noncutting and report may be NULL. */
+/*
+ * Returns the grid that the backend of the test group computes; the caller frees it. noncutting
+ * and report may be NULL.
+ */
 static inline uint8_t *make_grid_of_two(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                                         ost_fill_rule rule, ost_voxelize_report *report)
 {

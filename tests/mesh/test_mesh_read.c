@@ -47,7 +47,7 @@ static const float corners[8][3] = {{0, 0, -5}, {10, 0, -5}, {0, 20, -5}, {10, 2
                                     {0, 0, 25}, {10, 0, 25}, {0, 20, 25}, {10, 20, 25}};
 static const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
 
-/* Returns the vertex at corner c of triangle t of the twelve triangles. */
+/* Returns the number of the vertex at corner c of triangle t, one of the box's twelve triangles. */
 static int corner_of(int t, int c)
 {
     return quads[t / 2][c == 0 ? 0 : c + t % 2];
@@ -273,13 +273,13 @@ static void units_are_believed_or_guessed(void **state)
         const char *scale; /* the mesh is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
         ost_unit unit;
         int64_t pm;       /* 0: refused */
-        const char *says; /* text of the error if refused */
+        const char *says; /* text that the error must contain, if the file is refused */
     } rows[] = {
         {"10", OST_UNIT_AUTO, 10000000000, NULL},
         {"10", OST_UNIT_CM, 100000000000, NULL},
         {"0.5", OST_UNIT_M, 500000000000, NULL},
         {"1", OST_UNIT_INCH, 25400000000, NULL},
-        {"0.1", OST_UNIT_INCH, 2540000038, NULL},   /* 0.1 as float32 is 0.100000001490116...; times 25.4 */
+        {"0.1", OST_UNIT_INCH, 2540000038, NULL},   /* float32 stores 0.1 as 0.100000001490116...; times 25.4 */
         {"0.1", OST_UNIT_MM, 100000001, NULL},      /* 100000001.49 */
         {"0.1", OST_UNIT_UM, 100000, NULL},
         {"0.5", OST_UNIT_UM, 500000, NULL},

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests computing a tool's grid from its bounds and moving vertices to the lattice: the thesis'
- * numbers, ties, limits, and a mesh moved by an integer number of voxels.
+ * Tests how a tool's grid is computed from the bounds of its mesh and how vertices are moved to
+ * the lattice. The tests include the thesis' numbers, ties, limits, and a mesh moved by an integer
+ * number of voxels.
  *
  * Covers: AR-TOOL-1, AR-TOOL-2, AR-TOOL-3, AR-MESH-3, AR-MESH-4, AR-DIG-7
  */
@@ -9,7 +10,8 @@
 
 static ost_pm mm(double value)
 {
-    return (ost_pm)(value * 1e6 + (value < 0 ? -0.5 : 0.5)) * 1000; /* rounded to the nearest nanometre; for literals */
+    /* rounds to the nearest nanometre; intended for literals */
+    return (ost_pm)(value * 1e6 + (value < 0 ? -0.5 : 0.5)) * 1000;
 }
 
 /* docs/spec/arithmetic.md, AR-TOOL-2, computes these numbers by hand. */
@@ -38,7 +40,10 @@ static void the_reamer_has_the_thesis_grids(void **state)
     }
 }
 
-/* At any position, each side must have one or two void voxels, and the grid must contain every point of the bounds. */
+/*
+ * On each side, a tool's grid must have a margin of one or two void voxels, wherever the mesh
+ * lies. The grid must contain every point of the mesh's bounds.
+ */
 static void every_grid_has_its_margin(void **state)
 {
     (void)state;
@@ -123,7 +128,7 @@ static void vertices_snap_to_even(void **state)
     ost_snapped_mesh_free(&out);
     assert_null(out.vertices);
 
-    mesh.vertices[2].y++; /* one picometre beyond the grid */
+    mesh.vertices[2].y++; /* the vertex is now one picometre outside the grid */
     assert_int_equal(ost_mesh_snap(&mesh, &grid, &out, &err), OST_ERR_RANGE);
     assert_non_null(strstr(err.text, "vertex 2"));
     mesh.triangles[0][1] = 4;
@@ -182,8 +187,9 @@ static void what_has_no_area_is_dropped(void **state)
 }
 
 /*
- * A mesh that is moved by an integer number of voxels must have the same solid voxels in the
- * world, also for points on surfaces. Only the grid's bounds may differ, where they are ties.
+ * If a mesh is moved by an integer number of voxels, its solid voxels must move by the same
+ * number, even if points of the mesh lie on surfaces of voxels. Only the bounds of the grid may
+ * differ, where a bound is a tie.
  */
 static void a_whole_voxel_shift_moves_the_grid(void **state)
 {
@@ -253,7 +259,8 @@ static void the_digest_is_of_these_bytes(void **state)
         3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0,      /* vertices, triangles, dropped */
         0, 4, 0, 0, 0, 8, 0, 0, 1, 0, 0, 0,                                          /* 1024 2048 1 */
         2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 7, 0, 0, 0,      /* the other two vertices */
-        2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0,                                          /* the triangle 2 0 1 */
+        /* the vertex numbers of the triangle: 2 0 1 */
+        2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0,
     };
     ost_error err = {0};
     ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 3, 1);

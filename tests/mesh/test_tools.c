@@ -56,8 +56,8 @@ static ost_snapped_mesh snap(const ost_mesh *mesh, ost_pm voxel)
 }
 
 /*
- * Returns the number of voxels that the bounding box of a triangle touches. The count of solid
- * voxels and the volume can differ only there.
+ * Returns the number of voxels that are touched by the bounding box of any triangle. Only in
+ * these voxels can the count of solid voxels differ from the volume.
  */
 static int64_t surface_voxels(const ost_snapped_mesh *mesh)
 {
@@ -144,8 +144,9 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
 }
 
 /*
- * Head and shaft must be closed, coincide at the seam, and together have the volume of the
- * complete tool. A burr's sphere is complete, and its shaft begins inside the sphere.
+ * Head and shaft of a tool must be closed and must coincide at the seam. Together they must have
+ * the volume of the complete tool. The sphere of a burr is complete, and the burr's shaft begins
+ * inside the sphere.
  */
 static void heads_and_shafts_are_the_tool(void **state)
 {
@@ -197,7 +198,7 @@ static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
         if (z <= dome + 1e-8)
             crests[(int)(r * 2 + 0.001)]++;
     }
-    for (int half_mm = 2; half_mm < 36; half_mm++) /* a ring is 18/28 mm wide, so every second bin has one */
+    for (int half_mm = 2; half_mm < 36; half_mm++) /* a ring is 18/28 mm wide, so one of two adjacent bins has a ring */
         assert_true(crests[half_mm] + crests[half_mm + 1] >= 24);
     ost_mesh_free(&mesh);
 }

@@ -356,7 +356,7 @@ static void two_closed_halves_make_the_whole(void **state)
                 *l = make_grid(&lower, OST_FILL_WINDING, NULL);
         for (int i = 0; i < 512; i++) {
             assert_int_equal(w[i], u[i] | l[i]);
-            assert_int_equal(u[i] & l[i], 0); /* a centre on the cut belongs to one half only */
+            assert_int_equal(u[i] & l[i], 0); /* a centre on the cut must belong to one half only */
         }
         free(w), free(u), free(l);
         ost_snapped_mesh_free(&complete), ost_snapped_mesh_free(&upper), ost_snapped_mesh_free(&lower);
