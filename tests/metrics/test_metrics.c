@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the metrics of a bone with known cuts: a block with a flat face, a sphere reamed into it
- * along a tilted axis, and a hole drilled along another axis, with the poses of the tools. Also
- * tests landmarks, a rim and a tool's path, each against a closed form.
+ * Tests the metrics of a bone with known cuts. The bone is a block with a flat face. A sphere is
+ * reamed into it along a tilted axis, and a hole is drilled along another axis; the poses of the
+ * tools are given too. Also tests landmarks, a rim and a tool's path, each against a closed form.
  * Covers: REQ-METRICS
  */
 #include "harness.h"
@@ -19,11 +19,15 @@
  * deep, 46 mm from front to back, and 50 mm high, up to the ends of the grid.
  */
 typedef struct cuts {
-    double radius, depth;       /* of the sphere; depth is along its axis through the face's centre */
-    double back_deg, up_deg;    /* tilt of its outward axis toward the back (+y) or the head (+z) */
-    double entry_y, entry_z;    /* position where its axis passes through the face */
+    /*
+     * Radius and depth of the reamed sphere. The depth is measured along the sphere's axis
+     * through the face's centre.
+     */
+    double radius, depth;
+    double back_deg, up_deg;    /* tilt of the sphere's outward axis toward the back (+y) or the head (+z) */
+    double entry_y, entry_z;    /* position where the sphere's axis passes through the face */
     double hole_radius, hole_depth, hole_y, hole_up_deg;
-    double planned;             /* planned depth; 0: the depth that was cut */
+    double planned;             /* planned depth; 0: equal to the depth that was cut */
 } cuts;
 
 enum { NX = 88, N = 100 };
@@ -123,7 +127,7 @@ static void a_straight_one(void **state)
     NEAR(m.floor_mm2, PI * rim - PI * 9, 0.1 * PI * rim); /* cuts shallower than half a voxel are not measured */
     NEAR(m.sphere_mm, 27, 1);
     NEAR(m.centre_depth_mm, 3, 0.25);
-    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* without the hole and the cells that touch it */
+    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* the hole and the cells that touch it are excluded */
     NEAR(m.depth_mean_mm, (cap - PI * 9 * 3) / (PI * rim - PI * 9), 0.2);
     assert_true(m.reamed);
     NEAR(m.tilt_deg, 0, 1e-6);
@@ -145,7 +149,7 @@ static void a_straight_one(void **state)
     assert_true(m.removed_by_class_mm3[0] > m.removed_by_class_mm3[2] && m.removed_by_class_mm3[1] > 0);
 }
 
-/* Tilt and entry must not affect each other: each must be measured as it was made. */
+/* The measured tilt and the measured entry position must be those of the cut. Neither may affect the other. */
 static void tilted_and_displaced_ones(void **state)
 {
     (void)state;
@@ -180,7 +184,7 @@ static void a_crooked_hole(void **state)
     NEAR(m.hole_entry_mm, 4, 0.1);
     NEAR(m.hole_depth_mm, 20, 0.01);
     assert_false(m.hole_breach);
-    /* The hole is near the block's side, then through it. */
+    /* The hole is first near the side of the block; then it breaks through the side. */
     const cuts near_side = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 18};
     NEAR(measure(&near_side, OST_OK).hole_wall_mm, 2, 0.75);
     const cuts through = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 21};
@@ -200,7 +204,7 @@ static void too_deep(void **state)
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
     NEAR(m.over_max_mm, 2.5, 0.3);
     NEAR(m.over_percent, 100 * (2 * 27 * 1.5 - 1.5 * 1.5) / (2 * 27 * 5.5 - 5.5 * 5.5), 4);
-    /* The part of the cap below plan and margin has a height of 1.5 mm. */
+    /* The part of the cap deeper than the planned depth and the margin has a height of 1.5 mm. */
     NEAR(m.over_mm3, PI * 1.5 * 1.5 * (27 - 0.5), 0.12 * PI * 1.5 * 1.5 * 26.5);
     NEAR(m.centre_depth_mm, 5.5, 0.25);
     assert_int_equal(ost_metrics_make(&before, &before, 120, &classes, &plan, NULL, &m, &err), OST_ERR_INPUT);
@@ -396,8 +400,8 @@ static void the_technique(void **state)
     assert_ok(ost_technique_make(m, ALL + 1, &plan, &t, &err));
     NEAR(t.seconds, ALL * 1e-3, 1e-9);
     /*
-     * Where the direction reverses between two positions 20 ms apart, up to the complete distance
-     * covered in these 20 ms is not measured.
+     * The path is measured between positions that are 20 ms apart. If the direction reverses
+     * between two positions, up to the complete distance covered in these 20 ms is not measured.
      */
     NEAR(t.path_mm, 8 + 3 + 2 * 2 * PI * 5 + 2 + 13, 0.8);
     NEAR(t.contact_s, (ADVANCE + TURNS + PLUNGE) * 1e-3, 1e-9);
@@ -415,8 +419,8 @@ static void the_technique(void **state)
     assert_int_equal(t.plunges, 1);
     NEAR(t.plunge_mm, 2, 0.05);
     /*
-     * The approach of the built-in paths: 20 mm/s in contact, along an axis on which no step is
-     * exact. This must not count as a plunge.
+     * The built-in paths approach at 20 mm/s in contact, along an axis on which no step is
+     * exact. Such an approach must not count as a plunge.
      */
     const ost_metrics_plan oblique = {.axis = {0.817462, 0.406924, -0.407639}};
     for (int i = 0; i <= ALL; i++) {
@@ -427,7 +431,10 @@ static void the_technique(void **state)
     assert_ok(ost_technique_make(m, ALL + 1, &oblique, &t, &err));
     NEAR(t.inward_max_mm_s, 20, 0.01);
     assert_int_equal(t.plunges, 0);
-    /* A faster approach for one second, with a speed that varies around the limit, must count as one plunge. */
+    /*
+     * For one second the approach is faster, with a speed that varies around the limit. This
+     * must count as one plunge.
+     */
     for (int i = 0; i <= ALL; i++)
         for (int a = 0; a < 3; a++)
             m[i].mm[a] = (fmin(i, 1000) * 0.025 + (i < 1000 ? 0.05 * sin(i * 0.5) : 0)) * oblique.axis[a];
@@ -437,8 +444,9 @@ static void the_technique(void **state)
         for (int a = 0; a < 3; a++)
             m[i].mm[a] = 0;
     /*
-     * The tool is lifted off for some time in the middle. 0.3 s give two contacts and one pass;
-     * 0.6 s give two contacts and two passes. No force is recorded.
+     * The tool is lifted off the bone for some time in the middle. A lift of 0.3 s gives two
+     * contacts and one pass; a lift of 0.6 s gives two contacts and two passes. No force is
+     * recorded.
      */
     for (int lift = 300; lift <= 600; lift += 300) {
         for (int i = 0; i <= ALL; i++) {
