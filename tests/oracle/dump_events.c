@@ -77,7 +77,10 @@ static void random_turn(int32_t q[4])
  */
 static void cube_turn(int32_t q[4])
 {
-    /* 2^30 over 1, sqrt 2 and 2, times 0.999 (up), 1, 1.001 (down) */
+    /*
+     * Magnitudes of components: 2^30 divided by 1, sqrt 2 and 2 (rows), each multiplied by 0.999
+     * (rounded up), 1, and 1.001 (rounded down).
+     */
     static const int32_t magnitude[3][3] = {
         {1072668083, OST_Q30_ONE, 1074815565}, {758490875, 759250125, 760009375}, {536334042, 536870912, 537407782}};
     int parts = (int)pick(0, 2), length = (int)pick(0, 2);
@@ -121,7 +124,10 @@ typedef struct sizes {
     ost_pm bone, tool;
 } sizes;
 
-/* Returns voxel sizes with the ratios 1, 2, 16 and the thesis', both for decimal and for binary sizes. */
+/*
+ * Returns the voxel sizes of bone and tool. Their ratios are 1, 2, 16 and the thesis' ratio,
+ * both for decimal and for binary sizes.
+ */
 static sizes make_sizes(void)
 {
     static const sizes some[] = {
@@ -199,10 +205,10 @@ static void dump_sweep(void)
         {pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, -s.tool * 3}};
     ost_pose a = make_pose((int)pick(0, 2), (ost_pm3){0, 0, 0}, OST_PM_PER_MM * 100, s.tool), b;
     switch (pick(0, 4)) {
-    case 0: /* any two poses, often with too large a rotation */
+    case 0: /* any two poses; the rotation between them is often too large */
         b = make_pose((int)pick(0, 2), a.t, s.bone * 40, s.tool);
         break;
-    case 1: /* a multiple of half a bone voxel along one axis, so that n is at a border */
+    case 1: /* the motion is a multiple of half a bone voxel along one axis, so that n is at a border */
         b = a;
         b.t.y += s.bone / 2 * pick(-5000, 5000) + pick(-1, 1);
         break;
@@ -271,7 +277,7 @@ static void dump_map(int style)
     ost_error err = {0};
     sizes s = make_sizes();
     ost_geometry g = {.dims = {256, 234, 428}, .spacing = {s.bone, s.bone, s.bone}};
-    if (s.bone > 10000 * UM) /* keeps the grid within 8 m */
+    if (s.bone > 10000 * UM) /* fewer voxels, so that the grid stays within 8 m */
         g.dims = (ost_dims){40, 35, 30};
     bool round_origin = style != 0 && pick(0, 1);
     ost_pm unit = round_origin ? s.bone : 1;
