@@ -154,8 +154,8 @@ static void test_seeds_keep_the_bone_whole(void **state)
 }
 
 /*
- * A block is skipped if its centre is far enough from the bone (ct.c). This requires that
- * distances are overestimated by at most half.
+ * A block is skipped if its centre is far enough from the bone (ct.c). Skipping is correct only
+ * if distances are overestimated by at most half.
  */
 static void test_distances_can_be_relied_on(void **state)
 {

@@ -143,8 +143,8 @@ static void test_densities(void **state)
 }
 
 /*
- * The bone is denser at the back (Frich et al.). Compares both sides of the axis, along the face
- * and at depths of 6 to 10 mm.
+ * The bone is denser at the back (Frich et al.). The test compares the two sides of the axis in
+ * positions along the face, at depths of 6 to 10 mm.
  */
 static void test_denser_posteriorly(void **state)
 {
