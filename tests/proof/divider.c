@@ -13,8 +13,9 @@ void divider_inverse(void)
 }
 
 /*
- * Proves on a copy of the expressions that h and h I do not overflow for |n| <= 2^46 D. n / 2^46
- * replaces the product, which may exceed 128 bits.
+ * Proves for |n| <= 2^46 D that h and h I do not overflow. The proof uses a copy of the
+ * expressions. In the copy, n / 2^46 is compared with D, because the product 2^46 D may exceed
+ * 128 bits.
  */
 void divider_estimate(void)
 {

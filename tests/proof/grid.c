@@ -4,7 +4,7 @@
 #include <osteon/grid.h>
 #include <osteon/tool.h>
 
-/* The checks themselves must not overflow for any input. With WIDE they would accept longer spacings. */
+/* The checks of a grid must not overflow for any input. If WIDE is defined, the checks accept longer spacings. */
 #ifdef WIDE
 #undef OST_SPACING_MAX
 #define OST_SPACING_MAX INT64_MAX

@@ -29,7 +29,10 @@ void map_coordinate(void)
     ASSERT(u > -(1 << 30));
 }
 
-/* For any quotient, a far block must give false, and the base of a near block must fit int32. */
+/*
+ * Proves for any quotient that the function returns false for a far block, and that the base of
+ * a near block fits int32.
+ */
 void map_base(void)
 {
     ost_map map;

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proof.h"
 
-/* Contract of ost_rhe_div: |n| <= 2^62, and the quotient is at most dims * 2^f for the given divisor. */
+/*
+ * Contract of ost_rhe_div. It requires |n| <= 2^62 and returns a quotient of at most dims * 2^f
+ * for the given divisor.
+ */
 static int64_t quotient_most;
 
 static int64_t snap_quotient(int64_t n, int64_t d)
@@ -41,8 +44,8 @@ void mesh_snap(void)
 }
 
 /*
- * Proves that has_area does not overflow for edges up to 2^20. Products are at most 2^40; the source
- * documents a spare bit.
+ * Proves that has_area does not overflow for edges up to 2^20. The products are at most 2^40,
+ * which leaves the spare bit that the source documents.
  */
 void mesh_area(void)
 {

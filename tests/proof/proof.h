@@ -52,7 +52,7 @@ static inline int32_t any32(int32_t low, int32_t high)
     return value;
 }
 
-/* Messages have no effect on results. */
+/* The text of the error is omitted, because it does not affect any result. */
 ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...)
 {
     (void)err, (void)format;

@@ -34,7 +34,10 @@ void sweep_between(void)
     (void)between(any64(LENGTH << 2 * WIDER), any64(LENGTH << 2 * WIDER), k, n);
 }
 
-/* Proves bounds of a copy of ost_sweep_count's comparisons, because the originals are in a loop of 4096 iterations. */
+/*
+ * Proves the bounds of the comparisons in ost_sweep_count. The proof uses a copy of these
+ * comparisons, because the originals are in a loop of 4096 iterations.
+ */
 void sweep_compared(void)
 {
     const ost_i128 d = nondet_int128(), p = nondet_int64(), n = any32(1, 4097),
