@@ -126,7 +126,7 @@ static inline ost_pose random_pose(test_rng *rng, ost_pm3 lo, ost_pm3 hi)
     return pose;
 }
 
-/* An event whose boxes cover the complete grid, as in the definition. */
+/* An event whose boxes cover the complete grid, as in the definition of removal. */
 enum { SCENE_POSES = 64 };
 typedef struct scene_event {
     ost_map maps[SCENE_POSES];

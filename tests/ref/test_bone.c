@@ -165,8 +165,8 @@ static void memory_follows_the_voxels(void **state)
 }
 
 /*
- * The figures above follow from the counts of active voxels. This test checks the chunks
- * themselves: memory is allocated for a chunk only if it has an active voxel.
+ * The memory figures of other tests follow from the counts of active voxels. This test examines
+ * the chunks themselves: memory may be allocated for a chunk only if it has an active voxel.
  */
 static void empty_chunks_have_no_memory(void **state)
 {
@@ -178,7 +178,8 @@ static void empty_chunks_have_no_memory(void **state)
     for (int s = 0; s < 3; s++) {
         ost_chunk_grid grid;
         assert_ok(ost_chunk_grid_init(&grid, g.dims, sizes[s], 120, &err));
-        for (int step = 0; step < 3; step++) { /* below the threshold, one voxel at the threshold, empty again */
+        /* step 0: below the threshold; 1: one voxel at the threshold; 2: empty again */
+        for (int step = 0; step < 3; step++) {
             int64_t allocated = 0;
             voxels[5] = (int16_t)(step == 1 ? 120 : step == 0 ? 119 : 0);
             assert_ok(ost_chunk_grid_upload(&grid, 20, 1, voxels, &err));

@@ -34,8 +34,9 @@ static int16_t voxel_at(const ost_grid *grid, int32_t x, int32_t y, int32_t z)
 static void the_documents_example(void **state)
 {
     /*
-     * docs/spec/arithmetic.md, AR-CT: the spacing is 0.47 and the minimum is -57.34. 4.0499 is
-     * off the lattice by 0.38319 of a voxel, 4.1799 by only 0.10659.
+     * The example of docs/spec/arithmetic.md, AR-CT: the spacing is 0.47 mm and the minimum is
+     * -57.34 mm. The position 4.0499 mm is off the lattice by 0.38319 of a voxel; 4.1799 mm is
+     * off by only 0.10659.
      */
     ost_error err = {0};
     ost_grid *grid = rect_grid(*state, 200, 1, 1, (ost_pm3){-57340000000, 0, 0});
@@ -122,7 +123,7 @@ static void a_voxel_met_again(void **state)
                                   {.density = 150, .line = 3}};
     ost_error err = {0};
     for (size_t i = 0; i < 4; i++)
-        for (size_t cut = 0; cut <= 4; cut++) { /* two batches, divided at every position */
+        for (size_t cut = 0; cut <= 4; cut++) { /* the samples are divided into two batches at every position */
             ost_grid *grid = rect_grid(*state, 2, 2, 2, (ost_pm3){0, 0, 0});
             ost_scatter_report report = {0};
             assert_ok(ost_ct_to_rect(grid, samples, cut, 1, cases[i].rule, &report, &err));
@@ -247,10 +248,11 @@ static void coarser_than_the_scan(void **state)
 {
     /*
      * Seven layers of 0.3 mm at 0.47 mm give ceil(2.1 / 0.47) = 5 layers, the first at (0.47 -
-     * 0.3) / 2 = 0.085 mm. For the rule `linear` the centres are at 0.2833, 1.85, 3.4167 and
-     * 4.9833 layers, and at 6.55, clamped to 6. For the rule `nearest` the boxes begin half a
-     * layer earlier, and the centres lie in 0 2 3 5 and 7.05, clamped to 6. The rule `thesis`
-     * divides 0, 0.47, 0.94, 1.41 and 1.88 by 0.3, which gives 0 1 3 4 6.
+     * 0.3) / 2 = 0.085 mm. For the rule `linear`, the centres are at 0.2833, 1.85, 3.4167,
+     * 4.9833 and 6.55 layers; the last is clamped to 6. For the rule `nearest`, the boxes begin
+     * half a layer earlier, and the centres lie in the layers 0 2 3 5 and 7.05; the last is
+     * clamped to 6. The rule `thesis` divides 0, 0.47, 0.94, 1.41 and 1.88 by 0.3, which gives 0
+     * 1 3 4 6.
      */
     static const int expected[3][5] = {
         [OST_RESAMPLE_LINEAR] = {383, 1950, 3517, 5083, 6100},
@@ -431,7 +433,7 @@ static void the_thesis_tables(void **state)
         {{49, 81, 41}, 470 * UM, 1000 * UM, {49, 81, 88}, {2, 3, 3}},
     };
     ost_error err = {0};
-    /* For the two largest models, only the dimensions are checked, below. */
+    /* For the two largest models, only the dimensions are checked, after this loop. */
     for (size_t i = 2; i < sizeof models / sizeof models[0]; i++) {
         ost_geometry g = {.dims = models[i].rect,
                           .spacing = {models[i].in_plane, models[i].in_plane, models[i].between}};

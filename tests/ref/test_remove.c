@@ -37,7 +37,8 @@ static void a_small_cube(void **state)
         {{{2000 * UM, 3000 * UM, 4000 * UM}, OST_Q30_ONE, 0, 0, 0}, {2, 3, 4}, {4, 5, 6}},
         {{{2500 * UM, 3500 * UM, 4500 * UM}, OST_Q30_ONE, 0, 0, 0}, {3, 4, 5}, {5, 6, 7}},
         {{{4000 * UM, 3000 * UM, 4000 * UM}, q, 0, 0, q}, {3, 3, 4}, {5, 5, 6}},
-        {{{-1000 * UM, 7000 * UM, 0}, OST_Q30_ONE, 0, 0, 0}, {0, 7, 0}, {1, 8, 2}}, /* across two borders of the bone */
+        /* the tool extends across two borders of the bone */
+        {{{-1000 * UM, 7000 * UM, 0}, OST_Q30_ONE, 0, 0, 0}, {0, 7, 0}, {1, 8, 2}},
         {{{8000 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
     };
     ost_geometry g = cubic_geometry(8, 8, 8, OST_PM_PER_MM, (ost_pm3){0, 0, 0});
@@ -425,7 +426,8 @@ static void moved_together_nothing_changes(void **state)
 static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
 {
     const int64_t q[4] = {p->qw, p->qx, p->qy, p->qz};
-    int64_t u[4] = {1, 0, 0, 0}, r[4]; /* (1 + k) / sqrt(2), not yet scaled; halved below */
+    /* 1 + k, which is the quarter turn (1 + k) / sqrt(2) not yet scaled; the result is scaled below */
+    int64_t u[4] = {1, 0, 0, 0}, r[4];
     u[1 + axis] = 1;
     r[0] = u[0] * q[0] - u[1] * q[1] - u[2] * q[2] - u[3] * q[3];
     r[1] = u[0] * q[1] + u[1] * q[0] + u[2] * q[3] - u[3] * q[2];
