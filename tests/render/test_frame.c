@@ -29,7 +29,7 @@ static void ball(ost_volume *v, const int at[3], int radius, int16_t value)
             }
 }
 
-/* Makes a body in the middle of its grid. Some positions of blocks therefore never have an active voxel. */
+/* Makes a body in the middle of its grid. Therefore some blocks of the grid never contain an active voxel. */
 static ost_volume make_bone(test_rng *rng)
 {
     ost_error err = {0};
@@ -73,7 +73,8 @@ static ost_camera camera_of(test_rng *rng, int width, int height)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = (int32_t)(1000 * width), .width = width, .height = height};
-    const double far = rng_range(rng, 0, 4) ? 1 : 0.3; /* sometimes so near that the voxels fill the frame */
+    /* sometimes the camera is so near that the voxels fill the frame */
+    const double far = rng_range(rng, 0, 4) ? 1 : 0.3;
     const double to[3] = {50, 35, 34};
     double from[3];
     do

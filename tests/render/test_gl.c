@@ -128,7 +128,7 @@ static void skip_without_gl(void)
 
 typedef struct place {
     const char *name;
-    double x, y, z, distance, aside; /* direction; distances as multiples of the body's side */
+    double x, y, z, distance, aside; /* direction; distances in multiples of the body's side */
 } place;
 
 static const place places[] = {
@@ -207,7 +207,7 @@ static void test_changes(void **state)
     assert_int_equal(ost_gl_counts_get(gl).uploaded, 0);
     for (int round = 0; round < 4; round++) {
         uint64_t was[27] = {0}, renewed = 0;
-        bool differs = false; /* some bodies have no voxel there */
+        bool differs = false; /* stays false if the body has no voxel in the region that is changed */
         assert_true(s.used <= 27);
         for (int32_t i = 0; i < s.used; i++)
             was[i] = s.slot[i]->version;
@@ -227,7 +227,7 @@ static void test_changes(void **state)
         assert_true((renewed > 0) == differs);
         check("after a change, as bricks", &bricks, &thing, 1, OST_STYLE_SMOOTH);
     }
-    /* Draws another surface at the same address. */
+    /* Draws another surface that is stored at the same address. */
     ost_surface_free(&s);
     ost_volume_free(&v);
     v = body(&rng, 50, OST_PM_PER_MM);
@@ -240,8 +240,8 @@ static void test_changes(void **state)
 }
 
 /*
- * The variants for comparison must draw the same voxels. The variants that do not clip points at
- * the frame's edge are tested where nothing is clipped.
+ * The variants that exist for comparison must draw the same voxels. Variants that do not clip
+ * points at the frame's edge are tested only where nothing is clipped.
  */
 static void test_variants(void **state)
 {

@@ -134,7 +134,10 @@ static void free_thing(thing *t)
     ost_volume_free(&t->volume);
 }
 
-/* Returns the nearer hit of two objects. `scale` is the side of the second object's voxels in voxels of the first. */
+/*
+ * Returns the hit of the nearer of two objects. `scale` is the side of a voxel of the second
+ * object, in voxels of the first.
+ */
 static hit nearest(const thing *t, int count, double scale, double x, double y)
 {
     hit h = walk(&t[0].volume, &t[0].eye, x, y);
@@ -148,9 +151,9 @@ static hit nearest(const thing *t, int count, double scale, double x, double y)
 }
 
 /*
- * The hit of each pixel. If rays at a distance of a thousandth of a pixel hit another voxel or
- * face, the ray passes so close to an edge that both results are correct. Such a pixel is not
- * `clear` and is not compared.
+ * The hit of each pixel. A ray may pass so close to an edge that rays at a distance of a
+ * thousandth of a pixel hit another voxel or face. Both results are then correct, so the pixel
+ * is not `clear` and is not compared.
  */
 typedef struct golden {
     hit pixel[H][W];
@@ -230,7 +233,7 @@ typedef struct view {
     double from[3], at[3];
     int32_t focal_milli;
     bool with_tool;
-    uint64_t hash; /* hash that the walk gave */
+    uint64_t hash; /* hash of the picture that walk() gave */
 } view;
 
 static const view views[] = {

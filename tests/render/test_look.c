@@ -117,8 +117,8 @@ static bool shown(const ost_clip *c, const int v[3])
 }
 
 /*
- * Voxels next to the clip plane must show the CT, each by its own density: -100 HU is black, and
- * 1300 HU is white, in 126 steps.
+ * A voxel next to the clip plane must have the grey of its own CT density, in 126 steps: -100 HU
+ * is black, and 1300 HU is white.
  */
 static void check_clip(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
@@ -158,8 +158,8 @@ static void a_plane_shows_the_ct(void **state)
         }
         assert_ok(ost_clip_make(&v.bone.geometry, middle, normal, &clip, &err));
         /*
-         * The plane must be at the requested position, to within 2^-14 in direction over 80
-         * voxels and one unit of rounding.
+         * The plane must be at the requested position. The allowed error is 2^-14 in direction
+         * over 80 voxels, plus one unit of rounding.
          */
         double away = 0, length = 0;
         for (int a = 0; a < 3; a++) {
@@ -273,8 +273,8 @@ static void check_depth(void *user, const int v[3], uint32_t point, uint32_t sha
     const int exact = distance(c->before, v), got = block->depth[point & 0x7fff];
     assert_int_equal(got, exact);
     /*
-     * Voxels are half a millimetre wide, and the scale ends at 10 mm. Half a voxel lies between
-     * the voxel's centre and its edge.
+     * Half a voxel is subtracted, because it lies between the voxel's centre and its edge.
+     * Voxels are half a millimetre wide, and the scale ends at 10 mm.
      */
     assert_int_equal(paint_of(shade), 1 + (int)floor((sqrt(got) - 0.5) * 0.5 / 10 * 126 + 0.5));
 }
@@ -421,7 +421,7 @@ static void what_went_just_now_is_shown(void **state)
         for_points(&v.bone, count_contact, &c);
         assert_true(aged < 2 ? c.painted > 400 : c.painted == 0);
         ost_surface_age(&v.bone);
-        /* Voxels that stay highlighted must not require new lists. */
+        /* Voxels that stay highlighted must not cause a block's list to be made again. */
         for (int32_t b = 0; b < v.bone.used && aged == 0; b++)
             assert_false(v.bone.slot[b]->dirty);
     }
@@ -510,7 +510,7 @@ static void only_what_changed_is_made_anew(void **state)
                 kept += v[0].bone.used - named;
             }
             assert_true(made > ROUNDS / 2 && kept > ROUNDS / 2 && looked_at >= made);
-            /* The result must not depend on the history of the bone. */
+            /* The result must not depend on how the bone was changed before. */
             ost_viewer fresh;
             set_bone(&fresh, &before, &now);
             if (!known)
@@ -593,8 +593,9 @@ static void see_through_and_lines(void **state)
     assert_memory_equal(v.frame.planes.colour, plain, count * sizeof *plain);
     int columns = 0, hidden = 0;
     /*
-     * A line across the picture adds, in every column at its position, as much colour as one
-     * complete row has. Behind the bone it adds a fifth of that.
+     * A line is drawn across the picture. In every column, at any position of the line, it adds
+     * as much colour as one row of pixels in the line's full colour. Behind the bone it adds a
+     * fifth of this.
      */
     for (int near = 0; near < 2; near++) {
         const ost_eye eye = ost_eye_make(&camera, &v.bone.geometry);
@@ -631,7 +632,7 @@ static void see_through_and_lines(void **state)
     for (int a = 0; a < 3; a++)
         assert_int_equal(hi[a] - lo[a], 0);
     ost_overlay_scene meets = scene;
-    meets.pose.t.z = 0; /* in the bone's voxels: x 12 to 20, y 16 to 24, z 0 to 38 */
+    meets.pose.t.z = 0; /* in bone voxels, the tool's box is x 12 to 20, y 16 to 24, z 0 to 38 */
     ost_overlay_hit_range(&meets, lo, hi);
     assert_int_equal(lo[0], 0);
     assert_int_equal(hi[0], 2);
@@ -722,7 +723,8 @@ static void all_sets_show_the_same(void **state)
 static void opengl_shows_the_same(void **state)
 {
     (void)state;
-    enum { W = 160, H = 120, MOST = 2 }; /* at most 30 pixels in 921,600, and one for each object drawn */
+    /* MOST: at most 30 pixels in 921,600 may differ, and one for each object drawn */
+    enum { W = 160, H = 120, MOST = 2 };
     ost_error err = {0};
     test_rng rng = rng_seeded("gl");
     ost_volume before, after;

@@ -14,8 +14,8 @@
 #include "render/views.h"
 
 /*
- * Returns a ball of 1000 HU with a radius of 8 mm, in a box of 24 x 20 x 16 mm with voxels of 0.5
- * x 0.5 x 1 mm. If `bitten`, its front (y < 10 mm) is removed.
+ * Returns a ball of 1000 HU with a radius of 8 mm, in a box of 24 x 20 x 16 mm with voxels of
+ * 0.5 x 0.5 x 1 mm. If `bitten`, its front (y < 8 mm) is removed.
  */
 static ost_volume ball_of_slices(bool bitten)
 {
@@ -109,7 +109,10 @@ static void test_scale_bar(void **state)
     ost_lettering_free(l);
 }
 
-/* Drawing across every edge must change nothing outside the sheet, which is 8 x 8 within 16 x 24 pixels. */
+/*
+ * The sheet has 8 x 8 pixels and is a part of 16 x 24 pixels. Drawing across each of its edges
+ * must not change any pixel outside the sheet.
+ */
 static void test_clipping(void **state)
 {
     (void)state;
@@ -165,7 +168,8 @@ static void test_slices(void **state)
 
     o.at[0] = 24, o.at[1] = 20, o.at[2] = 8;
     assert_ok(ost_picture_slices(&cut, &uncut, &o, &p, &err));
-    const uint8_t *gone = pixel(&p, 20, 10), *left = pixel(&p, 20, 26); /* in front of and behind the border at 8 mm */
+    /* one pixel in front of the cut at y = 8 mm, and one pixel behind it */
+    const uint8_t *gone = pixel(&p, 20, 10), *left = pixel(&p, 20, 26);
     assert_true(gone[0] > gone[2] + 60);
     assert_int_equal(left[0], left[2]);
     ost_picture_free(&p);
@@ -178,8 +182,8 @@ static void test_slices(void **state)
 }
 
 /*
- * Panels of 480 x 400, 480 x 320 and 400 x 320 pixels. Letters must be in the middle of the edges
- * unless the directions are unknown.
+ * Tests panels of 480 x 400, 480 x 320 and 400 x 320 pixels. Letters must be in the middle of
+ * the edges; if the directions are unknown, there must be no letters.
  */
 static void test_letters_of_slices(void **state)
 {
@@ -273,9 +277,9 @@ static void test_view_silhouette(void **state)
 }
 
 /*
- * Seen from the front: the bone in the middle has a warm colour and is lit from the upper left. A
- * cut front has the colour of its depth, but the back does not. Without an extent, the complete
- * bone is in the picture and fills most of it.
+ * Tests the view from the front. The bone is in the middle, has a warm colour and is lit from
+ * the upper left. A cut front has the colour of its depth; the uncut back does not. If no extent
+ * is given, the complete bone is in the picture and fills most of it.
  */
 static void test_view(void **state)
 {
@@ -292,7 +296,7 @@ static void test_view(void **state)
         assert_true(!is_bone(&p, i, 0) && !is_bone(&p, i, 199) && !is_bone(&p, 0, i) && !is_bone(&p, 199, i));
     ost_picture_free(&p);
 
-    /* On the scale of 10 mm, 3.75 mm below the pole is green. Uncut bone is never green. */
+    /* On the scale of 10 mm, a depth of 3.75 mm below the pole is green. Uncut bone is never green. */
     assert_ok(ost_picture_view(&cut, &ball, &o, &p, &err));
     const uint8_t *bared = pixel(&p, 100, 100);
     assert_true(bared[1] > bared[0] + 20 && bared[1] > bared[2]);
@@ -315,23 +319,26 @@ static void test_view(void **state)
 }
 
 /*
- * Tests the marks: a scale bar at the lower right, exact in the plane through the centre; letters
- * at the edges, which a tool and a file of unknown orientation do not have; and a legend, which
- * is drawn only with `before`.
+ * Tests the marks in a view. A scale bar at the lower right is exact in the plane through the
+ * centre. Letters are at the edges, except for a tool and for a file of unknown orientation. A
+ * legend is drawn only if `before` is given.
  */
 static void test_view_marks(void **state)
 {
     (void)state;
     ost_error err = {0};
     ost_volume ball = cubes(false), cut = cubes(true);
-    for (int k = 0; k < 4; k++) { /* a bone, a bone of unknown orientation, a tool, and a bone with the one before */
+    /* k: 0 a bone, 1 a bone of unknown orientation, 2 a tool, 3 a cut bone with the uncut bone */
+    for (int k = 0; k < 4; k++) {
         ost_view_options o = {.width = 600, .height = 600, .extent_mm = 60, .unoriented = k == 1, .tool = k == 2};
         ost_picture p;
         int bar = 0, letter = 0, legend = 0;
         assert_ok(ost_picture_view(k == 3 ? &cut : &ball, k == 3 ? &ball : NULL, &o, &p, &err));
-        for (int x = 300; x < 600; x++) /* the bar's foot is 10 pixels above the edge, 2 x 5 / 6 thick */
+        /* the lowest row of the bar is 10 pixels above the edge; the bar is 2 x 5 / 6 pixels thick */
+        for (int x = 300; x < 600; x++)
             bar += pixel(&p, x, 600 - 10 - 1)[0] > 0xe0;
-        assert_int_equal(bar, 100); /* 10 mm of 60 mm in 600 pixels; 20 mm would be longer than 150 x 5 / 6 */
+        /* the bar is 10 mm of the 60 mm in 600 pixels; 20 mm would be longer than 150 x 5 / 6 pixels */
+        assert_int_equal(bar, 100);
         for (int y = 280; y < 320; y++)
             for (int x = 0; x < 40; x++)
                 letter += pixel(&p, x, y)[0] > 0x50;
@@ -347,8 +354,8 @@ static void test_view_marks(void **state)
 }
 
 /*
- * The box of the ball's voxels. Their centres are at most 8 mm from the middle, which is 16
- * voxels of 0.5 mm on both sides.
+ * Tests the box of the ball's active voxels. Their centres are at most 8 mm, or 16 voxels of 0.5
+ * mm, from the middle on both sides.
  */
 static void test_active_box(void **state)
 {
@@ -369,7 +376,7 @@ static void test_active_box(void **state)
     ost_volume_free(&ball);
 }
 
-/* Without an active voxel there must be only background, in every direction of view. */
+/* If no voxel is active, the picture must contain only background, in every direction of view. */
 static void test_view_of_nothing(void **state)
 {
     (void)state;

@@ -21,7 +21,10 @@ static ost_geometry grid(int x, int y, int z)
         {x, y, z}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {-3 * OST_PM_PER_MM, 0, 7 * OST_PM_PER_MM}};
 }
 
-/* Makes a ball with holes. It has surfaces inside, and its blocks are adjacent in all ways. */
+/*
+ * Makes a ball with holes, which also has surfaces inside. Its blocks are adjacent to each other
+ * in all possible ways.
+ */
 static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
 {
     ost_error err = {0};
@@ -99,8 +102,8 @@ static int field_of_cells(const ost_volume *v, int i, int j, int k)
 }
 
 /*
- * Interpolates the field of cells at a voxel, first along z, then y, then x, rounding each time.
- * Returns a quarter of the field.
+ * Interpolates the field of cells at a voxel, first along z, then y, then x, and rounds after
+ * each axis. Returns a quarter of the interpolated value.
  */
 static int wide(const ost_volume *v, int i, int j, int k)
 {
@@ -327,7 +330,7 @@ static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
 
 enum { NO_VOXEL = 0x7fffffff };
 
-/* Keys are defined only where there is a face. */
+/* Returns the number of the voxel that the pixel `at` shows, or NO_VOXEL if the pixel shows no face. */
 static uint32_t id_at(const ost_frame *f, size_t at)
 {
     const ost_visible *v = &f->layer[0].visible;
@@ -379,7 +382,7 @@ static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e,
             assert_int_equal(32 * block[0] + (int)(id & 31), who[0][0]);
             assert_int_equal(32 * block[1] + (int)(id >> 5 & 31), who[0][1]);
             assert_int_equal(32 * block[2] + (int)(id >> 10 & 31), who[0][2]);
-            /* The face must border on air, and the depth must lie on it. */
+            /* The face must border on air, and the depth of the pixel must be a depth on this face. */
             const int face = f->planes.face[at];
             assert_in_range(face, 0, 5);
             if (clear_of_edges(e, x, y, who[0]))
@@ -547,7 +550,10 @@ static void assert_bone(test_rng *rng, const ost_smooth_kernels *k, words *w, bo
     }
 }
 
-/* Compares means of 2^3 words, lines of three blocks, and the interpolation between two slices. */
+/*
+ * Compares three kinds of results: means of 2^3 words, lines of three blocks, and interpolations
+ * between two slices.
+ */
 static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 {
     const int count = (int)rng_range(rng, 1, 26), odd = (int)rng_range(rng, 0, 1);
@@ -573,7 +579,7 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
     k->finer(both, odd, rows, &w->field[0]);
     for (int y = 0; y < OST_FIELD_ROWS; y++)
         for (int x = 0; x < OST_FIELD_ROWS; x++) {
-            int value[2][2][2]; /* x, y, z; the nearer cell is first */
+            int value[2][2][2]; /* indices x, y, z; the nearer cell is first */
             for (int i = 0; i < 8; i++)
                 value[i & 1][i >> 1 & 1][i >> 2] =
                     ((*both[(i >> 2) ^ odd])[y / 2 + ((i >> 1 & 1) ^ (y & 1))][x / 2 + ((i & 1) ^ (x & 1))] + 2) / 4;
@@ -588,8 +594,8 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 }
 
 /*
- * Compares shades for slopes of all sizes, including zero, that agree or do not agree, and for
- * every number of points per call.
+ * Compares shades for slopes of all sizes, including zero. The two slopes agree or disagree, and
+ * every number of points per call is tested.
  */
 static void assert_shades(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
 {
@@ -642,7 +648,7 @@ static void test_smooth(void **state)
     free(w);
 }
 
-/* Returns a bit of a block or of its neighbours. */
+/* Returns the bit at (x, y, z), which may lie in the block in the middle or in one of its neighbours. */
 static bool bit_at(uint32_t block[3][3][3][OST_BLOCK_ROWS], int x, int y, int z)
 {
     return block[(z + 32) / 32][(y + 32) / 32][(x + 32) / 32][(y & 31) + 32 * (z & 31)] >> (x & 31) & 1;
@@ -661,7 +667,8 @@ static void test_rows(void **state)
     test_rng rng = rng_seeded("rows");
     for (int round = 0; round < 4; round++) {
         for (int i = 0; i < 27; i++)
-            for (int row = 0; row < OST_BLOCK_ROWS; row++) { /* full of holes, nearly solid, or nearly empty */
+            /* the block is full of holes, nearly solid, or nearly empty */
+            for (int row = 0; row < OST_BLOCK_ROWS; row++) {
                 uint32_t w = (uint32_t)rng_range(&rng, 0, UINT32_MAX);
                 for (int more = 0; more < 4; more++)
                     w = round == 1  ? w | (uint32_t)rng_range(&rng, 0, UINT32_MAX)
@@ -696,7 +703,7 @@ static void test_rows(void **state)
                 assert_int_equal(behind[row], 0);
             }
             assert_int_equal(faces.begin[OST_BLOCK_ROWS], count);
-            /* The same bits must be found behind faces that all border on air. */
+            /* If all faces border on air, the same bits must be found behind them. */
             memset(faces.face, 0xff, sizeof faces.face);
             k.behind(&rim, &faces, behind);
             for (int cell = 0; cell < 32 * OST_BLOCK_ROWS; cell += 5) {

@@ -102,8 +102,8 @@ static void what_is_nearer_is_seen(void **state)
     const size_t before = steel_pixels(&v.frame);
     assert_in_range(before, 1350, 1650);
     /*
-     * The depth must be the tool's, in bone voxels. The tool's front is 58 mm away, although its
-     * own voxels are half as large.
+     * The depth of the pixel must be that of the tool, in units of bone voxels. The front of the
+     * tool is 58 mm away. The tool's own voxels are half as large as the bone's.
      */
     assert_true(is_steel(&v.frame, 150, 100));
     assert_true(fabsf(v.frame.planes.depth[100 * v.frame.planes.stride + 150] - 58) < 0.05f);
