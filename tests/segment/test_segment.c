@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares components, cuts and holes of random small volumes with an oracle, which uses a flood
- * fill, one voxel at a time, and computes distances as 128-bit integers.
+ * Compares components, cuts and holes of small random volumes with an oracle. The oracle uses a
+ * flood fill, visits one voxel at a time, and computes distances as 128-bit integers.
  *
  * Covers: AR-SEG-1, AR-SEG-2, AR-SEG-3, AR-SEG-4, AR-SEG-5
  */
@@ -34,7 +34,7 @@ static void make(scene *s, test_rng *rng)
         .origin = {rng_range(rng, -900, 900) * OST_PM_PER_MM, rng_range(rng, -900, 900) * 1000000, 7}};
     *s = (scene){.options = {.threshold = (int32_t)rng_range(rng, 2, 5)}};
     assert_ok(ost_volume_init(&s->ct, &g, &err));
-    const int64_t dense = rng_range(rng, 1, 6); /* from nearly void to nearly full */
+    const int64_t dense = rng_range(rng, 1, 6); /* density of the volume, from nearly void to nearly full */
     for (size_t i = 0; i < voxel_count(s); i++)
         s->ct.voxels[i] = (int16_t)(rng_range(rng, 0, 6) < dense ? rng_range(rng, 1, 6) : rng_range(rng, -3, 1));
     s->options.growth = (int32_t)rng_range(rng, 1, s->options.threshold);
@@ -120,7 +120,7 @@ static size_t expected_labels(const scene *s, int16_t *labels, uint64_t sizes[MO
             dense = dense || s->ct.voxels[members[m]] >= s->options.threshold;
         if (!dense || size < s->options.min_voxels)
             continue;
-        size_t rank = count++; /* after all components that are at least as large */
+        size_t rank = count++; /* the component is inserted after all components that are at least as large */
         for (; rank > 0 && sizes[rank - 1] < size; rank--) {
             sizes[rank] = sizes[rank - 1];
             starts[rank] = starts[rank - 1];
