@@ -14,7 +14,7 @@
 typedef struct twin {
     ost_geometry g;
     ost_bone *bone[2];
-    ost_world *world[2]; /* with the broad phase, and without */
+    ost_world *world[2]; /* [0] with the broad phase, [1] without it */
     int64_t t;
 } twin;
 
@@ -126,8 +126,9 @@ static void boxes_that_just_touch(void **state)
                 for (int32_t face = 0; face <= extent[axis]; face += extent[axis])
                     for (int64_t off = -30; off <= 30; off++) {
                         /*
-                         * The pose that puts the centre at `face` + `off` units along the tool's
-                         * axis, in the middle between its other faces.
+                         * This pose puts the centre of the voxel at `face` + `off` units along the
+                         * tool's axis. On the other axes, the centre is in the middle between the
+                         * tool's faces.
                          */
                         ost_pm p[3] = {v, 3 * v / 2, 2 * v};
                         p[axis] = face * v + sign * off * unit / 2;
@@ -219,7 +220,7 @@ static void separating_axes_separate(void **state)
     pose.t.x = pose.t.y = (ost_pm)(12.0722 * diagonal * 1e9);
     assert_false(ost_boxes_meet(&bone, &tool, &pose));
     ost_voxel_box box = ost_box_voxels(&g, &tool, &pose);
-    assert_true(ost_voxel_box_holds(&box)); /* the bounds alone do not skip this pose */
+    assert_true(ost_voxel_box_holds(&box)); /* the bounds alone would not skip this pose */
 
     /*
      * The cubes meet edge against edge: q = (2, 0, 1, -2) / 3 and t = k (-4, -11, 11) mm. Along

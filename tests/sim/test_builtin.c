@@ -57,7 +57,8 @@ static void it_runs_along_the_axis(void **state)
                 }
                 for (int a = 0; a < 3; a++)
                     off += fabs(t[a] - (double[]){-117.8, 196.5, -159}[a] - depth * u[a] / length);
-                assert_true(off < 1e-6); /* the tip is the frame's origin, so t itself lies on the axis */
+                /* the tip is the origin of the tool's frame, so the translation t lies on the axis */
+                assert_true(off < 1e-6);
                 if (k > 0) {
                     assert_true(fabs(depth - last) < 0.0201);
                     assert_memory_equal(q, before, sizeof q); /* the motor rotates the tool, not the path */
@@ -129,7 +130,7 @@ static void ticks_are_gentle(void **state)
         {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}},
         {{14, 14, 62}, OST_PM_PER_MM / 2, {-3500000000, -3500000000, -1000000000}},
         {{3, 3, 3}, OST_PM_PER_MM / 2, {-750000000, -750000000, 0}},
-        /* the frame's axis lies outside the grid */
+        /* In this grid the axis of the frame lies outside the grid. */
         {{40, 40, 10}, OST_PM_PER_MM / 2, {100 * OST_PM_PER_MM, 50 * OST_PM_PER_MM, 0}},
     };
     for (size_t i = 0; i < 4; i++)
@@ -173,7 +174,7 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         ost_tool_volume volume;
         assert_ok(ost_tool_volume_init(&volume, &tools[i].g, &err));
         int32_t nx = tools[i].g.dims.x, nz = tools[i].g.dims.z;
-        for (int32_t z = 2; z < nz; z++) /* from -0.75 + 2 * 0.5 = 0.25 mm up */
+        for (int32_t z = 2; z < nz; z++) /* the cutting part begins at -0.75 + 2 * 0.5 = 0.25 mm */
             memset(volume.voxels + (size_t)z * (size_t)nx * (size_t)nx, OST_TOOL_CUTTING, (size_t)nx * (size_t)nx);
         ost_tool *tool;
         assert_ok(ost_tool_upload(*state, &volume, &tool, &err));
@@ -184,10 +185,11 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         assert_ok(ost_world_add_tool(world, "tool", tool, NULL, &err));
         assert_ok(ost_builtin_path(tools[i].which, &glenoid, &tools[i].g, 0, &path, &err));
         ost_step_result r;
-        /* a tick of a device without a motor speed */
+        /* The tick is as made by a device and has no motor speed, so it must be refused. */
         assert_int_equal(ost_world_step(world, &path.ticks[0], &r, &err), OST_ERR_USAGE);
         assert_ok(ost_motor_path(&path, OST_RPM_REAMER, &(ost_motor){0}, &err));
-        for (size_t k = 0; k < path.count; k += 10) { /* one pose per hundredth of a second is sufficient here */
+        /* here it is sufficient to execute one pose per hundredth of a second */
+        for (size_t k = 0; k < path.count; k += 10) {
             assert_ok(ost_world_step(world, &path.ticks[k], &r, &err));
         }
         ost_world_totals totals;

@@ -81,7 +81,7 @@ static void move(stage *s, ost_backend *to)
     stage before = *s;
     ost_tool *moved[OST_WORLD_TOOLS_MAX];
     assert_ok(ost_world_failover(s->world, to, &s->bone, moved, &err));
-    /* Tools that have not been added to the world yet are moved separately. */
+    /* Tools that the world does not contain yet must be moved to the other backend separately. */
     for (int t = 0; t < TOOLS; t++) {
         s->tools[t] = moved[t];
         if (t >= s->count) {

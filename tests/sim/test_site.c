@@ -106,8 +106,8 @@ static void faces_heads_and_reversed_axes(void **state)
 }
 
 /*
- * A cube of 4 mm that cuts at its lower part and does not cut at its upper part, without
- * rotation. The voxels that it covers at a position form a box.
+ * The tool is a cube of 4 mm without rotation. Its lower part cuts, and its upper part does not.
+ * The voxels that it covers at any position form a box.
  */
 static void overlaps(void **state)
 {

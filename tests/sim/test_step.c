@@ -90,7 +90,7 @@ static void a_sweep_leaves_no_gap(void **state)
         density += totals.density_by_class[c];
     }
     assert_int_equal(by_class, totals.removed_voxels);
-    int64_t expected = 0; /* the densities are a function of the voxel's index */
+    int64_t expected = 0; /* the density of a voxel is a function of its index */
     for (int x = 4; x < 16; x++)
         for (int y = 9; y < 11; y++)
             for (int z = 5; z < 11; z++)
@@ -106,7 +106,10 @@ static void without_the_sweep_there_is_one(void **state)
     ost_step_result r = step(&l, tick_at(1, 0, 15000, 10000, 5000));
     assert_int_equal(r.pose_count, 1);
     assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
-    /* Although the tool is metres away and rotated by half a turn, neither limit applies. */
+    /*
+     * Without sweeps, neither of the limits of a sweep applies, although the tool is metres away
+     * and rotated by half a turn.
+     */
     step(&l, tick_at(2, 0, 7000000, 0, 0));
     ost_tick turned = tick_at(3, 0, 0, 0, 0);
     turned.pose.qw = 0;
@@ -122,8 +125,8 @@ static void a_tool_taken_up_does_not_sweep(void **state)
     assert_int_equal(step(&l, tick_at(1, 1, 30000, 10000, 5000)).pose_count, 1);
     assert_int_equal(step(&l, tick_at(2, 1, 31000, 10000, 5000)).pose_count, 2);
     /*
-     * The peg is selected again, far from its last position. The first event has one pose, and
-     * the next sweep begins there.
+     * The peg is selected again, far from its last position. The first event after the selection
+     * has one pose, and the next sweep begins at this pose.
      */
     assert_int_equal(step(&l, tick_at(3, 0, 35000, 10000, 5000)).pose_count, 1);
     assert_int_equal(step(&l, tick_at(4, 0, 35000, 13000, 5000)).pose_count, 6);
@@ -172,8 +175,8 @@ static void the_period_decides_which_ticks_remove(void **state)
         assert_int_equal(r.removal, removes[t]);
         assert_int_equal(r.report != NULL, removes[t]);
         /*
-         * Sweeps begin at the last event and not at the last tick: 3 ticks of 0.5 mm, with poses
-         * half a voxel (0.5 mm) apart.
+         * A sweep begins at the pose of the last event, not of the last tick. Three ticks of 0.5
+         * mm are covered by poses that are half a voxel (0.5 mm) apart.
          */
         assert_int_equal(r.pose_count, !removes[t] ? 0 : t == 1 || t == 10 ? 1 : t == 3 || t == 12 ? 2 : 3);
     }
@@ -205,7 +208,10 @@ static ost_tick motor_at(int64_t t_ms, int32_t rpm, int64_t x_um)
     return tick;
 }
 
-/* The peg moves through the complete bone in any rotation. The limits of sweeps must not apply either. */
+/*
+ * The peg moves through the complete bone, in any rotation, with the motor off. Nothing may be
+ * removed, and the limits of sweeps must not apply.
+ */
 static void a_motor_that_is_off_removes_nothing(void **state)
 {
     lab l = make_lab(*state, NULL);
@@ -243,7 +249,10 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
         /* The peg of 2 x 2 x 6 mm is at x = 30.5, 31, 31.5 and 32, and removes the centres with 29.5 <= x < 33. */
         assert_int_equal(r.report->total_voxels, 3 * 2 * 6);
         assert_int_equal(step(&l, motor_at(4, 200, 32000)).removal, !period);
-        /* If a tool is selected while its motor is off, its sweep also begins at that pose. */
+        /*
+         * If a tool is selected while its motor is off, the first sweep of the tool begins at
+         * the pose of the selection.
+         */
         ost_tick other = tick_at(5, 1, 20000, 10000, 5000);
         other.rpm = 0;
         assert_false(step(&l, other).removal);
@@ -276,7 +285,7 @@ static void a_motor_turns_a_quarter_at_most(void **state)
     tick.t_ns++;
     assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_USAGE);
     free_lab(&l);
-    /* The rotations of ticks between two events are added: 2 + 2 + 2 ms. */
+    /* The rotations of the ticks between two events are added: 2 + 2 + 2 ms. */
     l = make_lab(*state, &(ost_world_options){.removal_period_ns = 6000000});
     for (int t = 0; t < 6; t += 2)
         assert_int_equal(step(&l, motor_at(t, 3000, 20000)).removal, t == 0);
@@ -323,7 +332,7 @@ static void a_failed_step_changes_nothing(void **state)
         ost_digest after = digest_of(l.bone);
         assert_true(ost_digest_equal(&before, &after));
     }
-    /* The next sweep must begin at the last valid tick: 2 mm, 4 poses. */
+    /* The next sweep must begin at the pose of the last valid tick: a motion of 2 mm gives 4 poses. */
     assert_int_equal(step(&l, tick_at(6, 0, 7000, 10000, 5000)).pose_count, 4);
     free_lab(&l);
 }

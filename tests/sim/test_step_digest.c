@@ -54,7 +54,7 @@ static void whatever_differs_shows(void **state)
     SHOWS(chunks[1].density[0] = 400);
     /* One more voxel in one chunk and one less in another must change the digest. */
     SHOWS((chunks[0].voxels[0]++, chunks[1].voxels[0]--));
-    /* Array elements beyond the world's classes must not change the digest. */
+    /* Array elements beyond the number of classes of the world must not affect the digest. */
     make();
     chunks[0].voxels[2] = 77;
     assert_true(ost_step_digest(&result, 2) == before);
