@@ -24,7 +24,7 @@ static double now_ns(void)
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-/* Returns the time per call in ns. With `prepare`, each call is timed separately. */
+/* Returns the time per call in ns. If `prepare` is not NULL, each call is timed separately. */
 static double time_calls(check_call_fn *call, void (*prepare)(void *), check_fn *kernel, void *arguments, int calls)
 {
     double sum = 0;

@@ -111,7 +111,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
     return false;
 }
 
-/* Uses upper halves and leaves them in use, unless the compiler clears them. */
+/* Uses the upper halves of vector registers and leaves them in use, unless the compiler clears them. */
 static __attribute__((noinline, target("avx"))) void use_upper(float *eight)
 {
     const __m256 v = _mm256_loadu_ps(eight);
@@ -200,7 +200,8 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
 static sigjmp_buf landing;
 static volatile sig_atomic_t in_call, signal_caught;
 static void *volatile address_caught;
-static volatile sig_atomic_t call_number, call_seen; /* call_seen: the call during the watch's last tick */
+/* call_seen: number of the call that was running at the last tick of the watch */
+static volatile sig_atomic_t call_number, call_seen;
 
 static void land(int sig, siginfo_t *info, void *context)
 {

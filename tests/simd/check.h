@@ -36,7 +36,7 @@ typedef enum check_result {
 
 typedef struct check {
     test_rng rng;
-    int number;    /* number of the case, from 0; a test may use the first numbers to try values in order */
+    int number;    /* number of the case, from 0; a test may try certain values in the first cases */
     uint64_t seed; /* seed of the run */
     check_fn *scalar, *other;
     /* used by run.c */
@@ -104,8 +104,8 @@ typedef enum check_type { CHECK_I8, CHECK_U8, CHECK_I16, CHECK_I32, CHECK_U32, C
  */
 bool check_same(check *c, const char *what, check_type type, const void *expected, const void *got, size_t count);
 /*
- * Returns `holds`, or false after an earlier failure. If `holds` is false, the case fails with
- * the formatted sentence.
+ * Returns `holds`; after an earlier failure of the case, returns false. If `holds` is false, the
+ * case fails with the formatted sentence.
  */
 bool check_that(check *c, bool holds, const char *format, ...) __attribute__((format(printf, 3, 4)));
 

@@ -117,7 +117,7 @@ static void call_any_active(check_fn *kernel, void *with)
     a->any = ((ost_any_active_fn *)kernel)(a->base, a->row, a->count, a->width, a->threshold);
 }
 
-/* Elements that belong to no row are active, so that reading one element too many changes the result. */
+/* The elements between the rows are active, so that reading one element too many changes the result. */
 static void test_any_active(check *c)
 {
     const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64);
@@ -137,7 +137,8 @@ static void test_any_active(check *c)
     for (int r = 0; r < count; r++)
         for (int x = 0; x < width; x++)
             base[row[r] + (size_t)x] = some_density(c, threshold, 0);
-    const int active = (int)check_range(c, 0, 2); /* no voxel is active, one voxel is, or the last voxel is */
+    /* 0: no voxel is active; 1: one voxel is active; 2: the last voxel is active */
+    const int active = (int)check_range(c, 0, 2);
     const int r = active == 2 ? count - 1 : (int)check_range(c, 0, count - 1),
               x = active == 2 ? width - 1 : (int)check_range(c, 0, width - 1);
     if (active)

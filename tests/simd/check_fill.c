@@ -30,9 +30,9 @@ static void call_fill(check_fn *kernel, void *with)
 }
 
 /*
- * Makes the crossings of one row. The kinds are, from 0: none; alternately entering and leaving;
- * leaking; random; at every centre; of both signs at one centre. If the mesh is inside out, the
- * caller exchanges the planes.
+ * Makes the crossings of one row. `kind` selects them: 0 none; 1 alternately entering and
+ * leaving; 2 leaking; 3 random; 4 at every centre; 5 of both signs at one centre. If the mesh is
+ * inside out, the caller exchanges the planes.
  */
 static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)
 {
@@ -52,11 +52,12 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
         }
         inside = !inside;
     }
-    if (kind == 1 && inside) { /* the row must end outside */
+    if (kind == 1 && inside) { /* the row must end outside the mesh */
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
         minus[(nx - 1) / 64] ^= bit;
         plus[(nx - 1) / 64] &= ~bit;
-        if (!(minus[(nx - 1) / 64] & bit)) { /* the row already left at this centre, so it is cleared */
+        /* The row already leaves the mesh at this centre. Its crossings are deleted. */
+        if (!(minus[(nx - 1) / 64] & bit)) {
             memset(plus, 0, (size_t)(nx + 63) / 64 * sizeof *plus);
             memset(minus, 0, (size_t)(nx + 63) / 64 * sizeof *minus);
         }
@@ -73,7 +74,10 @@ static uint64_t bits_set(const fill_arguments *a, size_t words)
     return n;
 }
 
-/* Returns for a row whose crossings alternate: 1 if it enters first, 2 if it leaves first, 0 if it has no crossing. */
+/*
+ * Returns the kind of the first crossing of a row whose crossings alternate: 1 if it enters, 2
+ * if it leaves, 0 if there is no crossing.
+ */
 static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size_t words)
 {
     for (size_t w = 0; w < words; w++) {
@@ -85,8 +89,8 @@ static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size
 }
 
 /*
- * Returns true if the row's block may be reported as unproven: one of its rows is unproven, or
- * its rows begin differently.
+ * Returns true if the block that contains this row may be reported as unproven. This is allowed
+ * if a row of the block is unproven, or if the rows of the block begin differently.
  */
 static bool block_is_open(const ost_vox_tile *tile, size_t first_row, size_t rows, size_t row, const uint64_t *before,
                           size_t plane_words)
@@ -165,7 +169,8 @@ static void test_fill(check *c)
     memset(before, 0, 2 * plane_words * sizeof *before);
     memset(spill, 0, all * ((size_t)nx + 1) * sizeof *spill);
     memset(row_state[0], 0, all);
-    const int one_kind = (int)check_range(c, 0, 12); /* below 6: the kind of all rows; otherwise rows differ */
+    /* below 6: all rows are of this kind; from 6 on: the kinds of the rows differ */
+    const int one_kind = (int)check_range(c, 0, 12);
     for (size_t r = 0; r < all; r++) {
         const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;
         const bool swap = inside_out != check_chance(c, 8);

@@ -32,7 +32,7 @@ static void make_map(check *c, int32_t *map, int count, int32_t first)
         case 0: /* consecutive elements, or always the same element */
             at += step > 6;
             break;
-        case 1: /* at a constant ratio, as in resampling */
+        case 1: /* indices at a constant ratio, as in resampling */
             at = first + (int32_t)((i + 1) * step / 1000);
             break;
         case 2:
@@ -47,7 +47,7 @@ static void make_map(check *c, int32_t *map, int count, int32_t first)
         case 5: /* rare large steps */
             at += check_chance(c, 16) ? (int32_t)check_range(c, 25, 70) : 1;
             break;
-        default: /* rare small steps, so that the map spans about 32 or 64 elements */
+        default: /* a few small steps, so that the map spans about 32 or 64 elements */
             at += check_chance(c, 30) ? (int32_t)check_range(c, 1, 4) : 1;
             break;
         }

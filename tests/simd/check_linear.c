@@ -97,7 +97,10 @@ static void call_stretch_row(check_fn *kernel, void *with)
     ((ost_stretch_row_fn *)kernel)(a->from, a->at, a->minus, a->width, a->to);
 }
 
-/* Fills at[] at a constant ratio, as resampling does, or with steps of about the span of one or two registers. */
+/*
+ * Fills the array `at` with positions. They have a constant ratio, as in resampling, or steps of
+ * about the span of one or two registers.
+ */
 static void make_places(check *c, int32_t *at, int width)
 {
     const int64_t first = check_chance(c, 2) ? 0 : check_range(c, 0, 300),
@@ -170,8 +173,8 @@ static int32_t some_sum(check *c, int sign)
 }
 
 /*
- * Changes element i of the rows so that their sum becomes a tie or is within 2 of one, if this
- * keeps the elements in range.
+ * Changes element i of the rows so that the sum of the rows becomes a tie or differs from a tie by
+ * at most 2. An element that would leave its range is not changed.
  */
 static void make_tie(check *c, int32_t *const rows[4], const int32_t weight[4], int count, int i)
 {
@@ -192,7 +195,7 @@ static void make_tie(check *c, int32_t *const rows[4], const int32_t weight[4], 
 static void test_weigh_rows(check *c)
 {
     const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64), capacity = up_to_16(width);
-    const bool ties = check_chance(c, 2); /* the weights are small then, so that a sum can be close to a tie */
+    const bool ties = check_chance(c, 2); /* if a sum is to be close to a tie, the weights are small */
     const int count = 1 << check_range(c, 0, 2), sign = check_chance(c, 4) ? -1 : 1;
     const int y = ties ? (int)check_range(c, 1, 8) : some_weight(c, 0, ONE),
               z = ties ? (int)check_range(c, 1, 8) : some_weight(c, 0, ONE);

@@ -23,7 +23,7 @@
 
 static const int32_t extremes[] = {INT32_MIN, INT32_MAX, 0, -1};
 
-/* Fills the elements beyond a list; their content is unspecified. */
+/* Fills the unused elements after the end of a list with random data, because their content is unspecified. */
 static void garbage(check *c, ost_cubes *cubes)
 {
     for (size_t i = cubes->count; i < OST_UNIT_BRICKS + OST_CUBES_SLACK; i++) {
@@ -64,8 +64,9 @@ static void call_blocks(check_fn *kernel, void *with)
 }
 
 /*
- * Returns a sum of three parts without the half that is added later. The sum has any value within
- * the ranges of block_base.h, but is mostly near a border.
+ * Returns the sum of three parts of a block's base, without the half that is added later. The
+ * sum may have any value in the ranges of block_base.h, but is mostly near the border of a
+ * range.
  */
 static int64_t some_sum(check *c, const ost_block_reach *reach, int a)
 {
@@ -114,8 +115,9 @@ static void test_blocks(check *c)
         bases->part[b] = check_input(c, "part", 3 * (size_t)bases->count[b], sizeof(int64_t), sizeof(int64_t));
     }
     /*
-     * The map is used where the parts are not exact enough. It has the same steps, a divisor of
-     * 2^80, and an origin for which the first block is in reach.
+     * The kernel uses the map for blocks for which the parts are not exact enough. The map has
+     * the same steps as the parts, a divisor of 2^80, and an origin for which the first block is
+     * in reach.
      */
     const ost_i128 divisor = (ost_i128)1 << 80;
     *map = (ost_map){.divisor = ost_int128_of(divisor)};
@@ -205,7 +207,7 @@ static int by_value(const void *a, const void *b)
 static void place_cubes(check *c, const ost_cells *cells, const ost_split *split, bool near, ost_cubes *cubes)
 {
     for (int a = 0; a < 3; a++) {
-        int64_t least = 0, most = 0; /* range of the offsets that are added */
+        int64_t least = 0, most = 0; /* least and greatest offset that is added to u */
         for (int p = 0; p < 8; p++) {
             const int64_t lo = split->centre[a][p] < split->first[a][p] ? split->centre[a][p] : split->first[a][p];
             const int64_t hi = split->centre[a][p] > split->first[a][p] ? split->centre[a][p] : split->first[a][p];
@@ -324,7 +326,10 @@ static void call_match(check_fn *kernel, void *with)
     ((ost_match_fn *)kernel)(a->match, a->bricks, a->hits);
 }
 
-/* Chooses, by reservoir sampling, at most MIXED_MAX of the cells that are mixed for a split with this `least`. */
+/*
+ * Returns a random choice (reservoir sampling) of at most MIXED_MAX cells that count as mixed in
+ * a split with this `least`.
+ */
 enum { MIXED_MAX = 512 };
 static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32_t chosen[MIXED_MAX])
 {
@@ -341,8 +346,8 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
 }
 
 /*
- * Returns a coordinate of the brick on axis a, at or below u, for which one of the brick's voxels
- * lies on the border between two tool voxels or at most 200 units from it.
+ * Returns a coordinate for the brick on axis a, at or below u. At this coordinate, one of the
+ * brick's voxels lies on the border between two tool voxels or at most 200 units from it.
  */
 static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 {
@@ -352,7 +357,10 @@ static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
     return u - (int32_t)(sum & ((1u << OST_MAP_FRACTION) - 1));
 }
 
-/* Places bricks whose centres lie in mixed cells. Part 0 of the split has the same first voxel as its cube. */
+/*
+ * Places bricks so that their centres lie in mixed cells. Part 0 of the split is used, because
+ * it has the same first voxel as the cube that is split.
+ */
 static size_t place_mixed(check *c, const ost_match *match, const ost_split *split, ost_cubes *bricks, size_t count)
 {
     const ost_cells *cells = &match->shape->cells;
@@ -407,7 +415,7 @@ static void test_match(check *c)
     ost_match *match = check_input(c, "match", 1, sizeof *match, _Alignof(ost_match));
     ost_cubes *bricks = check_input(c, "bricks", 1, sizeof *bricks, _Alignof(ost_cubes));
     *shape = s.shape;
-    if (check_chance(c, 8)) /* a shape for larger bone voxels has no windows */
+    if (check_chance(c, 8)) /* a shape that was made for larger bone voxels has no windows */
         shape->windows = (ost_windows){0};
     ost_match_make(s.step, shape, match);
     ost_split split;
@@ -457,7 +465,7 @@ static void call_take(check_fn *kernel, void *with)
 static void some_borders(check *c, ost_take *take)
 {
     take->borders = (int)check_range(c, 0, check_chance(c, 2) ? 3 : OST_CLASS_MAX - 1);
-    const bool wide = check_chance(c, 4); /* some borders are outside the range of densities */
+    const bool wide = check_chance(c, 4); /* true if some borders are outside the range of densities */
     int64_t at = wide ? check_range(c, INT16_MIN, 10) : check_range(c, 0, take->highest / 2 + 1);
     for (int b = 0; b < take->borders; b++) {
         take->border[b] = (int16_t)at;
@@ -485,14 +493,14 @@ static void test_take(check *c)
     int32_t *number = check_input(c, "number", count, sizeof *number, sizeof *number);
     uint64_t *hits = check_input(c, "hits", count, sizeof *hits, sizeof *hits);
     some_numbers(c, number, count, bricks);
-    const int full = (int)check_range(c, 0, 2); /* hits: few, any number, all */
+    const int full = (int)check_range(c, 0, 2); /* hits in each brick: 0 one, 1 any number, 2 all */
     for (size_t i = 0; i < count; i++)
         hits[i] = full == 2 ? UINT64_MAX : full == 1 ? rng_next(&c->rng) | 1 : UINT64_C(1) << check_range(c, 0, 63);
     const size_t voxels = 64 * (size_t)bricks;
     void *density[2];
     check_outputs(c, "density", voxels, sizeof(int16_t), 64, density);
     int16_t *d = density[0];
-    const int dense = (int)check_range(c, 0, 2); /* densities: all at the maximum, near borders, any */
+    const int dense = (int)check_range(c, 0, 2); /* densities: 0 all at the maximum, 1 near borders, 2 any */
     for (size_t i = 0; i < voxels; i++) { /* voxels that are not hit may have any density */
         int64_t v = dense == 0 ? take->highest : check_range(c, 1, take->highest);
         if (dense == 1 && take->borders > 0)
@@ -510,7 +518,7 @@ static void test_take(check *c)
     }
     memcpy(density[1], density[0], voxels * sizeof *d);
     take_arguments a = {take, density[0], number, hits, count, {{0}, {0}}};
-    for (int i = 0; i < OST_CLASS_MAX; i++) { /* the kernel adds to the existing tally */
+    for (int i = 0; i < OST_CLASS_MAX; i++) { /* the kernel adds to the tally, which is therefore not zero at first */
         a.tally.voxels[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
         a.tally.density[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
     }

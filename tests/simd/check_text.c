@@ -2,10 +2,10 @@
 /*
  * Checks of text_match.
  *
- * Lines that match are followed at some point by a line that does not match, for one of many
+ * Lines that match are followed at some point by a line that does not match. There are many
  * reasons: a byte is changed, missing or added; a density is out of range, or has six digits, no
- * digits, a sign or a letter; or the line is empty. After the end of a part of the text its lines
- * continue, but these lines must not be matched.
+ * digits, a sign or a letter; or the line is empty. The text continues after the end of the part
+ * that is tested, but the lines there must not be matched.
  */
 #include <stdio.h>
 #include <string.h>

@@ -2,10 +2,10 @@
 /*
  * Checks of vox_mark and vox_keys: triangles of every kind in tiles.
  *
- * Meshes need not be closed, because a kernel marks triangles one by one. There are small
- * triangles, slivers, triangles with corners and edges on the centres of rows, triangles across
- * the entire grid, and flat triangles. At the grid's far end in x, a crossing has no bit and is
- * spilled. A crossing is also spilled if its bit is already set in the plane.
+ * Meshes need not be closed, because a kernel marks triangles one by one. The triangles tested are
+ * small triangles, slivers, triangles with corners and edges on the centres of rows, triangles
+ * across the entire grid, and flat triangles. At the grid's far end in x, a crossing has no bit
+ * and is spilled. A crossing is also spilled if its bit is already set in the plane.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -27,8 +27,8 @@ static int32_t within(int64_t v, int32_t end)
 }
 
 /*
- * Makes a triangle whose extents are the largest that vector lanes allow, or one unit more: (ex +
- * w) ey ez <= OST_VOX_SMALL.
+ * Makes a triangle whose extents are the largest that vector lanes allow, or one unit larger.
+ * The limit is (ex + w) ey ez <= OST_VOX_SMALL.
  */
 static void corners_at_the_limit(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
 {

@@ -29,7 +29,7 @@ typedef struct options {
     const char *function; /* NULL: all */
     int isa;              /* -1: all */
     int number;           /* -1: all */
-    int times;            /* factor for the number of cases */
+    int times;            /* the number of cases is multiplied by this factor */
     bool bench, list;
 } options;
 
@@ -146,7 +146,10 @@ static int bench_all(const options *o)
     return 0;
 }
 
-/* Fills one cell of the table of results. Returns false if the check failed. */
+/*
+ * Checks a kernel with an instruction set and fills its cell in the table of results. Returns
+ * false if the check failed.
+ */
 static bool check_one(const options *o, const check_kernel *kernel, int isa, char cell[24])
 {
     const int same = same_as(kernel, isa);

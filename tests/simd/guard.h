@@ -20,15 +20,15 @@
 typedef enum guard_kind { GUARD_INPUT, GUARD_OUTPUT } guard_kind;
 
 /*
- * Returns `size` bytes of poison. `align` is in bytes and a power of two up to 4096. The bytes
- * are valid until guard_reset, and `name` must remain valid as long.
+ * Returns a buffer of `size` bytes, filled with poison. The alignment `align` is in bytes and a
+ * power of two up to 4096. The buffer and the text `name` must remain valid until guard_reset.
  */
 void *guard_take(const char *name, size_t size, size_t align, guard_kind kind, bool at_end);
 /* Makes the inputs read-only. */
 void guard_freeze(void);
 /* Returns true if all canaries are intact. Otherwise `text` names the buffer and the distance from it. */
 bool guard_intact(char *text, size_t size);
-/* Writes to `text` the name of the buffer in or next to which an address lies. */
+/* Writes to `text` the name of the buffer that contains the address or is adjacent to it. */
 void guard_describe(const void *address, char *text, size_t size);
 /* Releases every buffer. The pages are reused. */
 void guard_reset(void);

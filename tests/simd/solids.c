@@ -10,7 +10,7 @@ typedef enum form { BALL, HALF_SHELL, PLATE_X, PLATE_Z, NOISE, FULL, EMPTY, ONE,
 static const char *const form_names[] = {"ball",  "half shell", "plate across x", "plate across z",
                                          "noise", "full",       "empty",          "one voxel"};
 
-/* Returns the square of twice the distance from the middle. */
+/* Returns the square of twice the distance of the voxel `at` from the middle of the grid. */
 static int64_t distance(const int32_t d[3], const int32_t at[3])
 {
     int64_t sum = 0;
@@ -46,7 +46,7 @@ static bool is_solid(form f, test_rng *rng, const int32_t d[3], const int32_t at
     return false;
 }
 
-/* Sizes of bone voxels in tool voxels, times 2^20. They include all steps of windows and all sizes of granules. */
+/* Sizes of bone voxels in units of 2^-20 tool voxels. They include all steps of windows and all sizes of granules. */
 static const int32_t ratios[] = {65536,   300000,  493000,  524288,  524289,  985000,  986000,   1000000,
                                  1048576, 1048577, 1113000, 1209000, 1211000, 1300000, 1412000,  1413000,
                                  2097152, 2228224, 4194304, 5000000, 8388608, 8388609, 12345678, 16777216};

@@ -10,9 +10,9 @@
 #include "simd/check.h"
 
 /*
- * The shape of a case, which is the same for eight consecutive cases. Its cells (with the 64
- * bytes on either side that may be read), windows and voxels are inputs of the case. `step`
- * belongs to a pose with the voxel ratio for which the shape was made.
+ * The shape of a case. Eight consecutive cases have the same shape. The cells of the shape (with
+ * the 64 bytes on either side that may be read), its windows and its voxels are inputs of the
+ * case. `step` belongs to a pose. The pose has the voxel ratio for which the shape was made.
  */
 typedef struct solid {
     ost_shape shape;

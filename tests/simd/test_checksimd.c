@@ -321,7 +321,10 @@ static void match_one_voxel(const ost_match *match, const ost_cubes *bricks, uin
         hits[bricks->count - 1] ^= UINT64_C(1) << 63;
 }
 
-/* Computes the tie described in remove.h wrongly: truncates coordinates and offsets before adding them. */
+/*
+ * Simulates a kernel that computes the tie described in remove.h wrongly: it truncates
+ * coordinates and offsets before it adds them.
+ */
 static void match_without_carries(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     const int32_t cut = ~((1 << (OST_MAP_FRACTION - OST_TIE_BITS)) - 1);
@@ -399,7 +402,7 @@ static void mark_not_the_last(ost_vox_tile *tile, const uint32_t *list, size_t c
     ost_vox_mark_scalar(tile, list, count - (count > 0));
 }
 
-/* Simulates a load of four numbers instead of three. */
+/* Simulates a kernel that loads four numbers of a vertex instead of three. */
 static void mark_reads_beyond(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
     ost_vox_mark_scalar(tile, list, count);
@@ -497,7 +500,7 @@ static size_t match_stops_early(const ost_text_pattern *pattern, const ost_text_
     return n == lines && lines % 8 == 7 ? n - 1 : n;
 }
 
-/* Stores densities modulo 2^16, as narrowing without a range check would. */
+/* Simulates a kernel that stores densities modulo 2^16, because it narrows them without a range check. */
 static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                           const char *text, const char *end, size_t lines, int16_t *density, const char **next)
 {
@@ -512,7 +515,7 @@ static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column
     return n;
 }
 
-/* Continues into the line that begins at the end. Another thread reads this line. */
+/* Simulates a kernel that also matches the line that begins at `end`, although another thread reads this line. */
 static size_t match_goes_on_behind_the_end(const ost_text_pattern *pattern, const ost_text_column *columns,
                                            const uint8_t *lengths, const char *text, const char *end, size_t lines,
                                            int16_t *density, const char **next)
