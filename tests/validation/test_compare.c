@@ -37,7 +37,7 @@ static void put_case(bone_trace *b)
     assert_ok(trace_end(b->w, &err));
 }
 
-/* Adds a tick that reports `word` in position 0 and stores the leaf at lo. */
+/* Adds a tick to the trace. Word 0 of the tick's report is `word`, and the leaf at lo is stored. */
 static void put_tick(bone_trace *b, uint32_t item, uint64_t word, const int32_t lo[3])
 {
     ost_error err = {0};
@@ -118,8 +118,8 @@ static void equal_and_not(void **state)
     assert_int_equal(compared(ref, got).kind, COMPARE_EQUAL);
 
     /*
-     * Two voxels too many are removed. The least one in the complete grid must be named, not the
-     * first one in its leaf.
+     * Two voxels too many are removed. The comparison must name the voxel with the least number
+     * in the complete grid, not the first one in its leaf.
      */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
@@ -138,7 +138,7 @@ static void equal_and_not(void **state)
     assert_int_equal(d.voxel_ref, (9 + SIDE * (9 + SIDE * 9)) % 1000);
     assert_int_equal(d.voxel_got, -3);
 
-    /* Here only the report differs. */
+    /* In this trace only the report differs. */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 2, first_leaf);
@@ -150,7 +150,10 @@ static void equal_and_not(void **state)
     assert_int_equal(d.word_got, 2);
 }
 
-/* A leaf that only one side changed must be compared with its previous state on the other side. */
+/*
+ * A leaf that only one of the two traces stores must be compared with the previous state of this
+ * leaf in the other trace.
+ */
 static void lone_leaves(void **state)
 {
     (void)state;
@@ -175,7 +178,11 @@ static void lone_leaves(void **state)
     assert_int_equal(d.voxel_ref, 0);
     assert_int_equal(d.voxel_got, (34 + SIDE * (35 + SIDE * 36)) % 1000);
 
-    begin(&b, got); /* another leaf than the reference's; the reference removed its voxel one tick earlier */
+    /*
+     * Tick 1 of `got` stores one more leaf than tick 1 of the reference. The reference removed
+     * the voxel of this leaf one tick earlier.
+     */
+    begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 1, first_leaf);
     *voxel(&b, 5, 6, 7) = 9;
@@ -201,7 +208,10 @@ static void lone_leaves(void **state)
     assert_int_equal(d.voxel_got, 9);
 }
 
-/* Writes a tick's report of two chunks with three classes each; the second chunk has `voxels` of class 2. */
+/*
+ * Writes the report of a tick with two chunks of three classes each. The second chunk has
+ * `voxels` voxels of class 2.
+ */
 static void write_report(const char *path, uint64_t voxels)
 {
     static bone_trace b;

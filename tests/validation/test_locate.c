@@ -85,7 +85,7 @@ static void by_hand(void **state)
     looks_like(&v, PATTERN_AXIS_SWAP, "x and y exchanged");
 
     p = made();
-    for (int z = 10; z < 20; z++) /* only in part of the grid */
+    for (int z = 10; z < 20; z++) /* the layers are shifted only in a part of the grid */
         for (int y = 8; y < 20; y++)
             for (int x = 8; x < 20; x++)
                 p->b[at(x, y, z)] = p->a[at(x, y, z - 1)];
@@ -188,7 +188,7 @@ static void of_tools(void **state)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
     looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
-    for (int x = 0; x < N; x++) /* by parity: where both rows are solid, the result is void */
+    for (int x = 0; x < N; x++) /* tests the parity rule: where both rows are solid, the result is void */
         p->b[at(x, 16, 16)] = (int16_t)(p->a[at(x, 16, 16)] ^ p->b[at(x, 15, 16)]);
     for (int y = 17; y < N; y++)
         for (int x = 0; x < N; x++)
@@ -197,7 +197,7 @@ static void of_tools(void **state)
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 12; z < 16; z++)
         for (int y = 12; y < 16; y++)
-            for (int x = 12; x < 20; x++) { /* a part that does not cut and is too long in b */
+            for (int x = 12; x < 20; x++) { /* the non-cutting part, from x = 16 on in a, extends too far in b */
                 p->b[at(x, y, z)] = 2;
                 p->a[at(x, y, z)] = x < 16 ? 1 : 2;
             }
@@ -472,11 +472,7 @@ static void confusion(void **state)
     }
 }
 
-/*
- * Tests the table of causes: every kind must exist, the parts must not exceed the sum, and no
- * sentence may state a cause as certain.
- */
-/* Returns the kind with this name; NONE if there is none. */
+/* Returns the kind of deviation with this name, or DEVIATION_NONE if there is none. */
 static deviation_kind kind_by_name(const char *name)
 {
     for (int kind = DEVIATION_NONE + 1; kind < DEVIATION_KINDS; kind++)
@@ -485,6 +481,10 @@ static deviation_kind kind_by_name(const char *name)
     return DEVIATION_NONE;
 }
 
+/*
+ * Tests the table of causes. Every kind of deviation in it must exist, the parts must not exceed
+ * the sum, and no sentence may state a cause as certain.
+ */
 static void causes_are_possibilities(void **state)
 {
     (void)state;
@@ -518,7 +518,7 @@ static void causes_are_possibilities(void **state)
     assert_string_equal(text, "");
     if (!getenv("OST_TEST_LONG"))
         return;
-    /* Computes the table again. Small changes of the scenes may change it by 3 percentage points. */
+    /* Computes the table again. Small changes of the scenes may change an entry by 3 percentage points. */
     static sensitivity s;
     ost_error err = {0};
     assert_ok(sensitivity_run(1, sensitivity_injections(PLAN_STANDARD), 2, NULL, NULL, &s, &err));

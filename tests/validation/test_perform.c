@@ -12,7 +12,7 @@
 #include "validation/compare.h"
 #include "validation/perform.h"
 
-/* A lost device returns the same status as a missing function. */
+/* Fails because the device is lost. The status is the same as that of a missing function. */
 static ost_status lost_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err)
 {
     (void)bone, (void)z0, (void)count, (void)voxels;
@@ -33,7 +33,7 @@ static ost_status lost_occupancy(const ost_bone *bone, size_t count, const int32
     return ost_fail(err, OST_ERR_UNAVAILABLE, "the device was lost");
 }
 
-/* Performs the case on the reference with these slots, and opens its trace. */
+/* Performs the case on the reference with the functions of `ops`, and opens the trace that was written. */
 static void perform_with(const ost_backend_ops *ops, const scene *s, const char *name, trace *out)
 {
     ost_error err = {0}, why = {0};
@@ -111,7 +111,8 @@ static void a_failure_is_no_absence(void **state)
  */
 static void the_finest_tools_are_performed(void **state)
 {
-    static const int numbers[] = {9, 17, 27, 36}; /* with seed 1 their tools have voxels below 4 * OST_SPACING_MIN */
+    /* with seed 1, the tools of these cases have voxels smaller than 4 * OST_SPACING_MIN */
+    static const int numbers[] = {9, 17, 27, 36};
     (void)state;
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         plan_case c = {.family = PLAN_SMALL, .number = numbers[i], .tier = PLAN_SMOKE, .seed = 1};

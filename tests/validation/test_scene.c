@@ -46,11 +46,14 @@ static void campaigns(void **state)
         const char *digest;
     } rows[] = {
         {PLAN_SMOKE, "import", 7, "c9d4686acb5fe3b5bc6a0f3a3f20916c4367f84cbc48e1f6981b157eed100c81"},
-        /* computed by a separate program from draw.h, the description of the case and the order of scene_digest */
+        /*
+         * The following digest was computed by a separate program from draw.h, the description
+         * of the case and the order of scene_digest.
+         */
         {PLAN_SMOKE, "import/7", 99, "dd2f0af38ef77641aa8732c2118c60c104c4f61c4ad7f1bc6aca6b3853c0427c"},
         {PLAN_SMOKE, "mesh", 99, "e0382851553eae28b444416d254a92e9df2c634bd5451522f75894491442f8f9"},
         {PLAN_SMOKE, "poses", 4, "ad7a3bd54a76aad6b31ce578bafb8733b38caf68e4538eecdc58ee251fc1a69a"},
-        /* computed in the same way */
+        /* The digest of poses/4 was computed in the same way as that of import/7. */
         {PLAN_SMOKE, "poses/4", 99, "140b34ba992cc48acf44abc5c197276580ba6f0736613133e7aae15a3f9ea323"},
         {PLAN_SMOKE, "sweep", 99, "f5c208fdd136cb588c8cf49a5fd0726ca00d9e9ca261eb4a1d184e8f44bff8e7"},
         {PLAN_SMOKE, "session", 99, "869b5fd0f6dc9f6579817553a869f01e8173bfade50f9b44db01916d0dea6d9e"},
@@ -73,7 +76,7 @@ static void campaigns(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Tests the scenes of the sensitivity proof. */
+/* Tests the scenes that the sensitivity proof uses. */
 static void small_scenes(void **state)
 {
     static const char *const digests[] = {"b989fb0af4513d73", "2523469b8e032ca3", "e6a459417cda61eb",
@@ -103,13 +106,13 @@ static void small_scenes(void **state)
 }
 
 /*
- * Small bones are fetched completely, so that a difference is located in its tick even if the
- * random voxels are very thin.
+ * Small bones are downloaded completely. A difference is therefore located in its tick even if
+ * the random voxels are very thin.
  */
 static void small_bones_are_fetched_whole(void **state)
 {
     (void)state;
-    for (int number = 170; number < 190; number++) { /* 182: voxels of 32 um in layers of 1 mm */
+    for (int number = 170; number < 190; number++) { /* case 182 has voxels of 32 um in layers of 1 mm */
         plan_case c = {.family = PLAN_SMALL, .number = number, .seed = 1};
         ost_error err = {0};
         ost_map map;
@@ -174,8 +177,9 @@ static void ratios_decide_a_voxel(void **state)
 }
 
 /*
- * Tests import/7: only y is interpolated; the bone has dims of 32 or 31 voxels; the offsets
- * increase through odd and even ppm of an odd spacing and stay below 2.2 um.
+ * Tests the case import/7. Only y is interpolated, and the bone has 32 or 31 voxels along each
+ * axis. The offsets of the samples increase through odd and even ppm of an odd spacing and stay
+ * below 2.2 um.
  */
 static void drifting_samples(void **state)
 {
@@ -223,9 +227,10 @@ static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], doub
 }
 
 /*
- * poses/4: a corner of the cube [8, 16)^3 is the last voxel of the cube's diagonal in a tool of one
- * voxel. Let D be the distance from the tool to the cell of 2^3 tool voxels that contains the
- * cube's middle. The cube's radius R is above D, and below D rounded up to eighths.
+ * Tests the case poses/4, whose tools consist of one voxel. One corner of the cube [8, 16)^3 of
+ * bone voxels lies in the tool; this corner is the last voxel of the cube's diagonal. Let D be
+ * the distance from the tool to the cell of 2^3 tool voxels that contains the cube's middle. The
+ * cube's radius R is above D, and below D rounded up to eighths.
  */
 static void corners_of_cubes(void **state)
 {
@@ -250,7 +255,7 @@ static void corners_of_cubes(void **state)
                 (const ost_pm[]){o.x + s.cubic * 23 / 2, o.y + s.cubic * 23 / 2, o.z + s.cubic * 23 / 2}, middle);
         int64_t square = 0;
         for (int a = 0; a < 3; a++) {
-            int64_t cell = 2 * (int64_t)(middle[a] / 2); /* the cell's first tool voxel */
+            int64_t cell = 2 * (int64_t)(middle[a] / 2); /* first tool voxel of the cell */
             cell -= middle[a] < (double)cell ? 2 : 0;
             const int64_t gap = cell > 0 ? cell - 1 : cell < 0 ? -(cell + 2) : 0;
             square += gap * gap;
@@ -276,7 +281,10 @@ static void corners_of_cubes(void **state)
     scene_free(&s);
 }
 
-/* Tests that each case of the family `reach` serves its purpose. The numbers are those of its description. */
+/*
+ * Tests that each case of the family `reach` has the properties for which it was made. The
+ * expected numbers are those of the description of the case.
+ */
 static void reach_has_what_it_is_for(void **state)
 {
     ost_error err = {0};
@@ -332,7 +340,8 @@ static void reach_has_what_it_is_for(void **state)
             size_t on_a_line = 0;
             assert_int_equal((d.x * s.rect.spacing.x + s.cubic - 1) / s.cubic % 8, 1);
             assert_int_equal(d.x * s.rect.spacing.x % s.cubic, 0);
-            for (size_t t = 0; t < m->triangle_count; t++) { /* triangles of distinct corners without an area */
+            /* counts triangles whose corners are distinct but lie on a line */
+            for (size_t t = 0; t < m->triangle_count; t++) {
                 int64_t e[2][3];
                 for (int k = 0; k < 2; k++) {
                     const ost_pm3 a = m->vertices[m->triangles[t][0]], b = m->vertices[m->triangles[t][k + 1]];
@@ -343,7 +352,7 @@ static void reach_has_what_it_is_for(void **state)
                 on_a_line += e[0][0] && e[1][0] && e[0][0] != e[1][0] && e[0][0] * e[1][1] == e[0][1] * e[1][0] &&
                              e[0][1] * e[1][2] == e[0][2] * e[1][1] && e[0][0] * e[1][2] == e[0][2] * e[1][0];
             }
-            /* these triangles are dropped when the mesh is snapped */
+            /* These triangles without area are dropped when the mesh is snapped. */
             assert_int_equal(m->triangle_count - plates->cutting.triangle_count, 4);
             assert_int_equal(on_a_line, 4);
             assert_int_equal(plates->noncutting.triangle_count, 10); /* a box without one face */
@@ -355,7 +364,7 @@ static void reach_has_what_it_is_for(void **state)
                 assert_int_equal(s.path.ticks[5].pose.t.x - tick->pose.t.x,
                                  s.tools[tick->tool].cutting.grid.voxel << (n + 8));
             }
-            /* The turned bar ends within a block whose first voxel has a coordinate beyond 2^30. */
+            /* The rotated bar ends within a block. The first voxel of this block has a coordinate beyond 2^30. */
             const ost_tool_geometry *bar = &s.tools[3].cutting.grid;
             const ost_pm end = s.path.ticks[6].pose.t.x + bar->corner.x - s.rect.origin.x;
             assert_int_equal(bar->dims.x, OST_TOOL_DIM_REMOVE_MAX);
@@ -373,7 +382,7 @@ static void reach_has_what_it_is_for(void **state)
             for (int c = 0; c < 64; c++)
                 assert_int_equal(places[c], 1 + (c == d.x % 64 - 1));
             /*
-             * More than 2^16 triangles contain the centre of a row in their bounds along y and z.
+             * For more than 2^16 triangles, the bounds along y and z contain the centre of a row.
              * Half a voxel is 2^9 units.
              */
             const ost_snapped_mesh *fine = &s.tools[0].cutting;

@@ -27,14 +27,18 @@ static void proved(void **state)
     assert_ok(sensitivity_run(seed, DEVIATION_KINDS - 1, 2, NULL, NULL, &s, &err));
     if (s.first_problem[0])
         fail_msg("%s", s.first_problem);
-    /* In the smoke tier each kind is tried once; a kind that changed nothing is tried in four more scenes. */
+    /*
+     * In the smoke tier, each kind of mistake is tried once. A kind that changed no result is
+     * tried in four more scenes.
+     */
     assert_int_equal(sensitivity_injections(PLAN_SMOKE), DEVIATION_KINDS - 1);
     assert_true(s.all.injected >= DEVIATION_KINDS - 1);
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS; k++)
         assert_true(s.of[k].changed ? s.of[k].injected >= 1 : s.of[k].injected == 5);
     assert_int_equal(s.false_alarms, 0);
     assert_true(s.clean_runs >= 4);
-    assert_true(s.kinds_changed >= 50); /* 58 to 61 kinds for seven seeds; the others need a rare scene */
+    /* for seven seeds, 58 to 61 kinds changed a result; the other kinds need a rare scene */
+    assert_true(s.kinds_changed >= 50);
     assert_int_equal(s.kinds_noticed, s.kinds_changed);
     assert_int_equal(s.all.detected, s.all.changed);
     assert_int_equal(s.all.located, s.all.changed);
@@ -49,7 +53,10 @@ static void proved(void **state)
     assert_string_equal(one.first_problem, two.first_problem);
 }
 
-/* Some kinds need a special scene. The scenes must include it and trigger the kind, and the changes must be found. */
+/*
+ * Some kinds of mistakes change a result only in a special scene. The scenes must include such a
+ * scene, the mistake must be made there, and the changed results must be found.
+ */
 static void rare_kinds_are_triggered(void **state)
 {
     static const deviation_kind rare[] = {DEVIATION_CONTRACTED_MULTIPLY_ADD,
@@ -118,7 +125,10 @@ static void trace_of(ost_backend *backend, const scene *s, int fd, trace *out)
     assert_ok(trace_open(name, out, &err));
 }
 
-/* For any seed, a resampling that is wrong only at exact multiples must change a case of the smoke tier. */
+/*
+ * For any seed, the smoke tier must have a case whose result changes if the resampling is wrong
+ * only at exact multiples.
+ */
 static void smoke_sees_exact_multiples(void **state)
 {
     (void)state;
@@ -186,7 +196,7 @@ static void workers(void **state)
     assert_int_equal(r.code, 11);
     r = result_of("exec sleep 60", 0.2);
     assert_int_equal(r.end, WORKER_LATE);
-    /* An endless line must not use more memory. */
+    /* A worker that prints an endless line must not increase the memory use. */
     r = result_of("head -c 100000 /dev/zero | tr '\\0' x >&2; exit 2", 60);
     assert_int_equal(r.end, WORKER_FAILED);
     assert_int_equal(strlen(r.text), sizeof r.text - 1);

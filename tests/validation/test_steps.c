@@ -59,7 +59,7 @@ static ost_i128 decimal(const char *text)
     return negative ? -v : v;
 }
 
-/* Tests the example of section 12. */
+/* Tests the example of docs/spec/arithmetic.md, section 12. */
 static void map_of_the_text(void **state)
 {
     (void)state;
@@ -88,7 +88,10 @@ static void map_of_the_text(void **state)
     assert_int_equal(base[0], 38164811);
     assert_int_equal(base[1], 34319892);
     assert_int_equal(base[2], -2393270);
-    /* The voxel of the example is inside the tool's grid, so it is within the bounds. */
+    /*
+     * The voxel of the example is inside the tool's grid. Therefore it is also within the bounds
+     * that are computed here.
+     */
     ost_voxel_box box;
     assert_true(steps_bounds(&pose, &bone, &tool, &box) && steps_reaches(&map, &bone, &tool, &box));
     const int32_t voxel[3] = {149, 103, 75};
@@ -96,7 +99,7 @@ static void map_of_the_text(void **state)
         assert_true(box.lo[a] <= voxel[a] && voxel[a] < box.hi[a]);
 }
 
-/* Tests the examples of section 11. */
+/* Tests the examples of docs/spec/arithmetic.md, section 11. */
 static void sweep_and_motor_of_the_text(void **state)
 {
     (void)state;
@@ -107,7 +110,10 @@ static void sweep_and_motor_of_the_text(void **state)
     const ost_pose first = steps_sweep_pose(&a, &b, 1, 3);
     assert_int_equal(first.t.x, 100000000);
     assert_int_equal(first.t.y, 133333333);
-    /* 2 |d| = n s exactly is sufficient, but one picometre more is not. */
+    /*
+     * If 2 |d| equals n s exactly, n poses are sufficient. If d is one picometre longer, one
+     * more pose is necessary.
+     */
     const ost_pose exact = {{2 * 470 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0},
                    more = {{2 * 470 * UM + 1, 0, 0}, OST_Q30_ONE, 0, 0, 0};
     assert_int_equal(steps_sweep_count(&a, &exact, &tool, 470 * UM), 4);
@@ -198,7 +204,8 @@ static void events_by_hand(void **state)
         {.t_ns = 3500000, .rpm = 200, .pose = at},   /* the first tick after the motor was off */
         {.t_ns = 3600000, .rpm = 200, .pose = at, .lifted = true},
         {.t_ns = 6000000, .rpm = 200, .pose = at},   /* the next period */
-        {.t_ns = 106000000, .rpm = 200, .pose = at}, /* after a third of a revolution: refused */
+        /* the tool has turned by a third of a revolution: the tick is refused */
+        {.t_ns = 106000000, .rpm = 200, .pose = at},
         {.t_ns = 46000000, .rpm = 200, .pose = at, .tool = 1},
     };
     static const int events[] = {1, 0, 0, 1, 1, 1, 2, 1};
@@ -231,7 +238,8 @@ static void a_difference_is_named(void **state)
     for (int second = 0; second < 2; second++) {
         assert_ok(trace_create(paths[second], &w, &err));
         if (second)
-            s.path.ticks[5].pose.t.x++; /* not used by the second implementation, which rotates the path's rows */
+            /* the second implementation does not use this tick, because it rotates the rows of the path itself */
+            s.path.ticks[5].pose.t.x++;
         assert_ok(second ? perform_second(dense, &s, 0, w, &why, &err)
                          : perform(dense, &s, 0, w, NULL, NULL, &why, &err));
         assert_ok(trace_close(w, &err));
@@ -244,7 +252,7 @@ static void a_difference_is_named(void **state)
 
     assert_ok(trace_create(paths[0], &w, &err));
     trace_free(&t[0]);
-    /* performed with the changed tick, as if src/core had rotated the row in that way */
+    /* The case is performed with the changed tick, as if src/core had rotated the row of the path in this way. */
     assert_ok(perform(dense, &s, 0, w, NULL, NULL, &why, &err));
     assert_ok(trace_close(w, &err));
     assert_ok(trace_open(paths[0], &t[0], &err));
@@ -260,7 +268,7 @@ static void a_difference_is_named(void **state)
     ost_backend_close(dense);
 }
 
-/* A box may be larger than necessary, and no box is needed if no voxel is reached. */
+/* The box of a pose may be larger than necessary. If no voxel is reached, no box is needed. */
 static void boxes_are_bounds(void **state)
 {
     (void)state;
@@ -278,17 +286,17 @@ static void boxes_are_bounds(void **state)
     least[REACHES + 1] = 3;
     least[REACHES + 4] = 9;
     assert_true(trace_word_holds(TRACE_STEPS, REACHES + 1, a, b) && trace_word_holds(TRACE_STEPS, REACHES + 4, a, b));
-    is[REACHES + 1] = 4; /* begins one voxel too late */
-    is[REACHES + 4] = 8; /* ends one voxel too early */
+    is[REACHES + 1] = 4; /* the box begins one voxel too late */
+    is[REACHES + 4] = 8; /* the box ends one voxel too early */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES + 1, a, b) || trace_word_holds(TRACE_STEPS, REACHES + 4, a, b));
-    is[REACHES] = 0; /* omitted although voxels are reached */
+    is[REACHES] = 0; /* the box is omitted although voxels are reached */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES, a, b));
 
-    /* Words of a tick: a flag that boxes meet, then the first and end chunk of each axis. */
+    /* The words of a tick: a flag that states whether boxes meet, then the first and the end chunk of each axis. */
     enum { MEET = 2, FIRST_Y = 6, END_Y = 7 };
     uint64_t has[13] = {0}, needs[13] = {0};
     const uint8_t *x = (const uint8_t *)has, *y = (const uint8_t *)needs;
-    needs[FIRST_Y] = INT32_MAX; /* the event of the second implementation reaches nothing */
+    needs[FIRST_Y] = INT32_MAX; /* in the second implementation the event reaches no chunk */
     assert_true(trace_word_holds(TRACE_TICK, MEET, x, y) && trace_word_holds(TRACE_TICK, FIRST_Y, x, y) &&
                 trace_word_holds(TRACE_TICK, END_Y, x, y));
     has[MEET] = needs[MEET] = 1;

@@ -68,7 +68,7 @@ static inline void differ_reports(difference *f, const ost_removal_report *a, co
         f->report = true;
 }
 
-/* Sets stage and call, and returns true, if a part of the finding differs. */
+/* Stores the stage and the call in the finding. Returns true if any part of the finding differs. */
 static inline bool is_here(difference *f, deviation_stage stage, uint64_t call)
 {
     f->stage = stage;
@@ -102,7 +102,7 @@ static inline difference first_difference(const scene *s, const outcome *a, cons
         if (is_here(&f, DEVIATION_REMOVE, (uint64_t)e))
             return f;
     }
-    /* Occupancy affects no density; it affects only the count after the last event. */
+    /* A different occupancy changes no density. It changes only the number of active voxels after the last event. */
     f.report = a->info[1].active_voxels != b->info[1].active_voxels;
     is_here(&f, DEVIATION_REMOVE, EVENTS - 1);
     return f;

@@ -19,13 +19,13 @@ typedef struct scene {
     /* import */
     ost_geometry rect;
     ost_sample *samples;
-    size_t count, first_batch; /* samples from first_batch on are the second batch */
+    size_t count, first_batch; /* the second batch begins at sample first_batch */
     int64_t first_line;
     ost_duplicates duplicates;
     ost_pm cubic;
     ost_resample rule;
     int chunk_size;
-    /* tools: one voxelized from meshes, one with random classes */
+    /* the meshes of one tool, and the random classes of another tool */
     ost_snapped_mesh cutting, noncutting;
     bool two_meshes;
     ost_fill_rule fill;
@@ -133,7 +133,7 @@ static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *
     *hi = middle + half;
 }
 
-/* Adds a box or a tetrahedron of either orientation; with `leaks`, one face is missing. */
+/* Adds a box or a tetrahedron of either orientation to m. If `leaks` is true, one face is missing. */
 static inline void add_body(ost_snapped_mesh *m, test_rng *rng, bool leaks)
 {
     static const uint8_t faces[12][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
@@ -304,7 +304,7 @@ static inline void free_scene(scene *s)
 typedef struct outcome {
     int16_t *rect, *cubic, *chunks, *after[EVENTS];
     ost_scatter_report scatter;
-    ost_bone_info info[2]; /* before and after the events */
+    ost_bone_info info[2]; /* [0] before the events, [1] after the events */
     ost_digest root;
     ost_tool_volume tool;
     ost_voxelize_report voxelize;

@@ -51,7 +51,7 @@ static void equals_the_reference(void **state)
         free_outcome(a);
         free_scene(s);
     }
-    assert_true(hit > 0 && touched > 0 && leaks > 0); /* the scenes are not trivial */
+    assert_true(hit > 0 && touched > 0 && leaks > 0); /* the scenes must contain hits, touched voxels and leaks */
     const deviation_record record = dense_record(dense);
     assert_int_equal(record.acted, 0);
     assert_int_equal(record.changed, 0);
@@ -59,7 +59,10 @@ static void equals_the_reference(void **state)
     ost_backend_close(ref);
 }
 
-/* Tests positions off the lattice, outside the grid and beyond all valid lengths; conflicts; and lines out of order. */
+/*
+ * Tests invalid samples: positions off the lattice, outside the grid and beyond all valid
+ * lengths; conflicting densities; and line numbers out of order.
+ */
 static void reports_what_is_wrong_with_samples(void **state)
 {
     (void)state;

@@ -33,7 +33,7 @@ static void table_is_complete(void **state)
     assert_null(backend);
 }
 
-/* Number of scenes per outcome, for one kind of mistake. */
+/* Numbers of scenes with each outcome, for one kind of mistake. */
 typedef struct tally {
     int quiet, survived, changed;
     int harmless; /* scenes without a difference although the mistake was made wherever possible */

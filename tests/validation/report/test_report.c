@@ -86,8 +86,9 @@ static void put_text_file(bundle *b, const char *name, const char *text)
 }
 
 /*
- * Writes one of two traces of a case. The chunks of both are equal. In the tick that follows, the
- * trace with `other` removes one voxel less in one leaf and leaves another leaf unchanged.
+ * Writes one of two traces of a case. The chunks are equal in both traces. In the tick that
+ * follows, the trace with `other` removes one voxel less in one leaf and does not change another
+ * leaf.
  */
 static void write_trace(const char *path, bool other)
 {
@@ -216,8 +217,8 @@ static void remember(void *user, bundle_problem_kind what, const char *file, con
 }
 
 /*
- * Returns the number of problems that the check reports for the page and its pictures, and
- * appends them to `all`, one per line.
+ * Returns the number of problems that the check of the bundle reports for the page and its
+ * pictures. Appends the problems to `all`, one per line.
  */
 static int problems_of(const char *folder, char all[4096])
 {
@@ -269,7 +270,7 @@ static void clear(const char *folder)
 
 /* ----------------------------------------------------------------- tests */
 
-/* Removes the time from a page. It is the only difference between two pages of equal results here. */
+/* Removes the time from a page. The time is the only difference between two pages of equal results. */
 static void without_time(char *html)
 {
     static const char row[] = "<tr><th>Begun</th><td>";
@@ -322,7 +323,7 @@ static void says_the_verdict_first(void **state)
                    *compared = strstr(html, "<h2>Comparison of the backends");
         assert_non_null(not_shown);
         assert_non_null(compared);
-        assert_true(not_shown < compared); /* it is on the first page */
+        assert_true(not_shown < compared); /* the section `not-shown` must be on the first page */
         free(html);
     }
 }
@@ -447,7 +448,7 @@ static void a_changed_byte_is_noticed(void **state)
         assert_int_equal(stat(path, &info), 0);
         const long at = (long)(rng_next(&rng) % (uint64_t)info.st_size);
         flip(folder, name, at);
-        /* one problem for the manifest, and one for the page, which no longer follows from the bundle */
+        /* one problem concerns the manifest, another the page, which no longer follows from the bundle */
         assert_true(problems_of(folder, all) >= 2);
         assert_non_null(strstr(all, name));
         assert_non_null(strstr(all, REPORT_FILE " does not follow"));
@@ -488,7 +489,10 @@ typedef struct written {
     char verdict[16], junit[2048], tap[2048];
 } written;
 
-/* Checks that no file with the verdict, whether for people or for programs, says that anything is equal. */
+/*
+ * Checks one file that contains the verdict: it must not state that anything is equal. This
+ * applies to files for people and to files for programs.
+ */
 static ost_status says_nothing_equal(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
     written *w = user;
