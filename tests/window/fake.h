@@ -20,7 +20,7 @@ typedef struct fake {
     bool no_init, no_compile, no_texture_memory, no_monitor, khr, arb;
     const char *why;             /* reason of a failure */
     int version;                 /* newest context of the core profile: 33 for 3.3 */
-    int plain_version;           /* version of a context without requirements; 0: none */
+    int plain_version;           /* version of a context that was requested without a version; 0: no such context */
     bool no_next;                /* no further windows can be opened */
     int texture_side;
     GLenum reset;                /* reset status that the driver reports until a new context is made */

@@ -84,7 +84,7 @@ static void the_screen_shows_the_picture(void **state)
                     change(&p);
                 copied(&p, false);
             }
-            /* The screen has lost its contents. */
+            /* Simulates a screen that has lost its contents. */
             memset(screen, 0, sizeof screen);
             memset(cells, 0, sizeof cells);
             assert_int_equal(copied(&p, true), width * height);

@@ -267,7 +267,7 @@ static void dense_displays(void **state)
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1.5);
     assert_true(ost_window_damaged(w));
-    fake_rescale(0); /* the scale that some systems report if they cannot determine it */
+    fake_rescale(0); /* some systems report the scale 0 if they cannot determine it */
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1);
     closed(w);
@@ -360,7 +360,8 @@ static void nothing_stays_down(void **state)
     fake_key(GLFW_KEY_W, GLFW_REPEAT, 0);
     fake_key(GLFW_KEY_KP_3, GLFW_PRESS, 0);
     fake_key(GLFW_KEY_F12, GLFW_RELEASE, 0);
-    fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0); /* the event has the modifiers from before the key */
+    /* the event contains the modifiers from before the key was pressed */
+    fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0);
     assert_true(ost_window_next(w, &e) && e.key == 'W' && e.pressed);
     assert_true(ost_window_next(w, &e) && e.key == '3');
     assert_true(ost_window_next(w, &e) && e.key == OST_KEY_F1 + 11 && !e.pressed);
@@ -372,8 +373,8 @@ static void nothing_stays_down(void **state)
     assert_true(ost_window_next(w, &e) && e.kind == OST_WINDOW_WHEEL && e.y == 2);
     assert_false(ost_window_next(w, &e));
     /*
-     * There are more events than the queue holds. The last one, a key's release, is lost, and the
-     * loss must be reported.
+     * More events arrive than the queue can hold. The last event, the release of a key, is lost.
+     * The loss must be reported.
      */
     int count = 0;
     fake_key(GLFW_KEY_SPACE, GLFW_PRESS, 0);
