@@ -40,7 +40,7 @@ static inline int close_test_backend(void **state)
     return 0;
 }
 
-/* Skips a test that needs a force if voxels cannot be read during a tick on this backend. */
+/* Skips the test if the backend cannot read voxels during a tick. Tests that need a force call this function. */
 static inline void skip_without_samples(ost_backend *backend)
 {
     const ost_geometry one = {{1, 1, 1}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {0, 0, 0}};
