@@ -24,7 +24,7 @@
 enum { HELLO_MS = 100, FORGET_MS = 1000, FLIGHTS = 1024, FAREWELLS = 3, DRAIN = 64 };
 #define MS INT64_C(1000000)
 #define PERIOD_S 1e-3
-#define SPEED_SHARE 0.27 /* weight of a new speed in the running mean, for a bandwidth of 50 Hz */
+#define SPEED_SHARE 0.27 /* weight of a new speed in the moving average, for a bandwidth of 50 Hz */
 
 typedef struct heard {
     link_packet state;
@@ -56,11 +56,11 @@ typedef struct bridge {
     haptic_clutch clutch;
     ost_safety safety;
     double most_n, most_stiffness;
-    heard last;              /* newest state and time of its arrival */
+    heard last;              /* newest state, and the time at which it arrived */
     bool has_state, limp, engaged_once;
     int64_t begin_ns, patience_ns;
     ost_pose given;          /* the tool's last pose */
-    double at[3], speed[3];  /* position and speed of `given` */
+    double at[3], speed[3];  /* position and speed of the pose `given` */
     bool has_at;
 } bridge;
 
@@ -70,7 +70,7 @@ static void send_packet(bridge *b, const link_packet *p)
 {
     uint8_t bytes[LINK_STATE_BYTES];
     const size_t size = link_seal(b->key, p, bytes);
-    /* Fails at once if no program listens. A simulation that starts later receives a later packet. */
+    /* The call fails at once if no program listens. A simulation that starts later receives a later packet. */
     if (size && send(b->socket, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL) == (ssize_t)size)
         b->report->sent++;
 }
@@ -114,10 +114,8 @@ static void take_state(bridge *b, const link_packet *p)
         return;
     }
     if (!b->simulation) {
-        /*
-         * The numbering of this simulation begins here. All packets sent before this run have
-         * smaller numbers than those that follow.
-         */
+        /* The sequence numbers of this simulation begin at this packet. All packets sent before
+           this run have smaller numbers than the packets that follow. */
         b->simulation = p->simulation;
         b->sequence = p->answers;
         b->window = (link_window){.last = p->sequence - 1};
@@ -170,7 +168,7 @@ static void *run_network(void *user)
         uint64_t ignored;
         if (read(b->wake, &ignored, sizeof ignored) < 0 && errno != EAGAIN)
             break;
-        /* A restarted simulation has a new random number, so the bridge sends hello again. */
+        /* A restarted simulation has a new random number, so the bridge sends a hello packet again. */
         if (b->simulation && ost_clock_ns() - b->heard_ns > FORGET_MS * MS)
             b->simulation = 0;
         const bool fresh = newest_take(&b->out);

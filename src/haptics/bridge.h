@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The remote end of the device udp: a device on this machine drives a simulation on another
- * machine.
+ * The bridge is the remote end of the driver udp: a device on this machine drives a simulation on
+ * another machine.
  *
  *   device --read--> tick --newest--> thread --pose--> simulation
  *     ^               |  ^--newest--- thread <-state--    |
@@ -9,9 +9,9 @@
  *
  * The coupling is computed on this machine. A state contains a force, the pose at which it was
  * computed, and the stiffness at that pose. Together they define a plane, which stays fixed until
- * the next state arrives. A spring and a damper on this side push the device out of the plane. They
- * are limited by the rules of safety.c, which include passivity. Therefore no feedback loop
- * contains the delay of the link, however long the delay is.
+ * the next state arrives. A spring and a damper on this machine push the device out of the plane.
+ * Their force is limited by the rules of safety.c, which include passivity. Therefore no feedback
+ * loop contains the delay of the link, however long the delay is.
  *
  *   force = f + K (p - x) . n - B v . n, never pulling    f, n, p, K, B: from the state; x, v: position and speed now
  *
@@ -31,32 +31,31 @@ typedef struct bridge_options {
     const char *key;       /* path of the file that contains the key */
     /* number of ticks; 0: until the device or the simulation ends, or stop_requested() returns true */
     uint64_t ticks;
-    int64_t patience_ms;   /* timeout for the first answer; 0: BRIDGE_PATIENCE_MS */
+    int64_t patience_ms;   /* timeout for the first answer in ms; 0: BRIDGE_PATIENCE_MS */
     bool no_realtime;
-    bool (*stop_requested)(void); /* returns true to end the run; called once per tick; may be NULL */
+    bool (*stop_requested)(void); /* called once per tick; returns true to end the run; may be NULL */
 } bridge_options;
 
 typedef struct bridge_report {
     ost_servo_report loop;
     char to[BRIDGE_ADDRESS];        /* numeric address and port */
-    /* counts of packets: sent; accepted states; dropped as invalid, as late, or as received before */
+    /* numbers of packets: sent; accepted states; states dropped because they were invalid, late, or already received */
     uint64_t sent, states, bad, late, replayed;
-    /*
-     * number of times that the device was released after it had been held; ticks without force
-     * since it was first held
-     */
+    /* limps: number of times that the device was released after it had been held; limp_ticks:
+       number of ticks without force since the device was first held */
     uint64_t limps, limp_ticks;
     uint64_t fault_ticks;           /* number of ticks in which the device returned no valid pose */
     bool met;                       /* set if a simulation has answered */
     bool busy;                      /* set if the simulation already has another bridge */
     bool ended;                     /* set if the simulation has sent its last packet */
     double peak_n;
-    ost_times round_trip;           /* time from sending a pose to receiving the state that answers it */
+    ost_times round_trip;           /* time from sending a pose to receiving the state that answers this pose */
 } bridge_report;
 
 /*
- * Computes the force of the plane in *state on a device at `at` (m) that moves with `speed` (m/s),
- * all in the bone's frame. The stiffness is limited to most_stiffness (N/m).
+ * Computes the force that the plane in *state exerts on a device at the position `at` (m) that
+ * moves with `speed` (m/s). All vectors are in the bone's frame. The stiffness is limited to
+ * most_stiffness (N/m).
  */
 void bridge_press(const link_packet *state, const double at[3], const double speed[3], double most_stiffness,
                   double force_n[3]);

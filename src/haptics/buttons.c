@@ -16,7 +16,8 @@ typedef struct choice {
     ost_action *of;
 } choice;
 
-/* Returns the index of the button that has this name, or this number counted from 1; -1 if there is none. */
+/* Returns the index of the button with this name, or with this number (counted from 1). Returns -1
+   if there is no such button. */
 static int button_of(const ost_haptic_info *info, const char *key)
 {
     for (int i = 0; i < info->button_count; i++)

@@ -18,7 +18,7 @@ typedef struct haptic_clutch {
     double scale;                    /* metres of tool motion per metre of body motion */
     double given_at[3], given_q[4];  /* latest pose of the tool: m and w x y z, in the bone's frame */
     double base_at[3], base_q[4];    /* pose of the tool when the clutch engaged */
-    double from_at[3], from_q[4];    /* pose of the body at the same moment */
+    double from_at[3], from_q[4];    /* pose of the body when the clutch engaged */
     double world[4];                 /* rotates the body's frame into the bone's frame */
     bool engaged, laid;
 } haptic_clutch;
@@ -29,7 +29,7 @@ void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
 haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
 /*
  * Aligns the body's frame with the tool's start pose, independently of the body's first
- * orientation. For devices that define right and up.
+ * orientation. Called for devices that define right and up.
  */
 void haptic_clutch_lay(haptic_clutch *clutch);
 /* Disengages the clutch. The next pose engages it with the tool at its current position. */
@@ -37,11 +37,12 @@ void haptic_clutch_release(haptic_clutch *clutch);
 /* Disengages the clutch and sets the tool's pose. */
 void haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);
 /*
- * Returns the tool's pose for a body at `at` (m) with the orientation q (length 1). Engages the
- * clutch if necessary. Returns an invalid pose if a value is not finite or is too large.
+ * Returns the tool's pose for a body at the position `at` (m) with the orientation q (length 1).
+ * Engages the clutch if it is not engaged. Returns an invalid pose if a value is not finite or is
+ * too large.
  */
 ost_pose haptic_clutch_pose(haptic_clutch *clutch, const double at[3], const double q[4]);
-/* Does the same as haptic_clutch_pose for a body's pose in the bone's frame. */
+/* Returns the tool's pose, like haptic_clutch_pose, for a body whose pose is given in the bone's frame. */
 ost_pose haptic_clutch_follow(haptic_clutch *clutch, const ost_pose *body);
 /* Rotates a vector, for example a force, from the bone's frame to the body's frame. */
 void haptic_clutch_vector(const haptic_clutch *clutch, const double bone[3], double body[3]);

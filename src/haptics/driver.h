@@ -24,17 +24,18 @@ typedef struct haptic_driver {
     const char *name, *description;
     uint32_t caps;
     double max_force_n, max_stiffness_n_m;
-    ost_button buttons[OST_BUTTONS_MAX]; /* indexed by bit; the list ends before the first entry without a name */
+    /* indexed by the bit of the button; the list ends before the first entry without a name */
+    ost_button buttons[OST_BUTTONS_MAX];
     bool (*usable)(char reason[256]); /* NULL: always usable */
-    bool (*answers)(char reason[256]); /* NULL: the device always answers */
+    bool (*answers)(char reason[256]); /* may be NULL: the device then always counts as answering */
     ost_status (*open)(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err);
     void (*close)(haptic_instance *instance);
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);
     void (*write)(haptic_instance *instance, const ost_wrench *wrench); /* NULL without OST_HAPTIC_FORCE */
     void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL: no text */
-    /* NULL: the device reports no limits; *out is zero before the call */
+    /* may be NULL: the device then reports no limits; *out is zero before the call */
     void (*limits)(haptic_instance *instance, ost_haptic_limits *out);
-    /* NULL: the driver counts nothing */
+    /* may be NULL: the driver then counts nothing */
     int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]);
     /* only with OST_HAPTIC_OWN_CLOCK */
     ost_status (*run)(haptic_instance *instance, haptic_beat *beat, void *user, ost_error *err);
@@ -45,22 +46,22 @@ struct ost_haptic {
     haptic_instance *instance;
 };
 
-/* Does the same as ost_haptic_open with the given driver; tests pass drivers of their own. */
+/* Opens a device like ost_haptic_open, but with the given driver. Tests pass drivers of their own. */
 ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *options, const ost_haptic_setup *setup,
                                   ost_haptic **out, ost_error *err);
 
 /* ---------------------------------------------------------------- options.c */
 
-/* Handles one key=value of the options. Returns OST_ERR_USAGE for a key that it does not support. */
+/* Handles one key=value of the options. Returns OST_ERR_USAGE if the driver does not support the key. */
 typedef ost_status haptic_option(void *user, const char *key, const char *value, ost_error *err);
 ost_status haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err);
 /*
- * Parses a number with lo <= number <= hi. For any other text, returns OST_ERR_USAGE with a message
- * that names device and key.
+ * Parses a number in the range lo <= number <= hi. For any other text, returns OST_ERR_USAGE with a
+ * message that names the device and the key.
  */
 ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out,
                          ost_error *err);
-/* Parses an integer with lo <= number <= hi. Returns the same error for any other text. */
+/* Parses an integer in the range lo <= number <= hi. For any other text, returns the same error as haptic_number. */
 ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out,
                           ost_error *err);
 

@@ -41,7 +41,8 @@ static const char *const names[] = {"libdhd.so.3", "libdhd.so", NULL};
 static const vendor_library library = {"OSTEON_DHD_LIBRARY", names, "Force Dimension's SDK", symbols,
                                        sizeof symbols / sizeof symbols[0]};
 
-/* The library reports a device's type but not its maximum forces. These are from the vendors' data sheets. */
+/* The library reports the type of a device but not its maximum forces. These forces are taken from
+   the vendors' data sheets. */
 static const struct {
     int type;
     const char *name;
@@ -75,7 +76,8 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 
 static ost_status dhd_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
-    static const int axes[3] = {1, 2, 0}; /* right is y, up is z, and toward the operator is x */
+    /* the device's axis y points right, z points up, and x points toward the operator */
+    static const int axes[3] = {1, 2, 0};
     int64_t percent = 100;
     char reason[256];
     ost_status status = haptic_options("dhd", options, take, &percent, err);
@@ -148,7 +150,7 @@ const haptic_driver haptic_dhd = {
     .name = "dhd",
     .description = "Force Dimension's delta, omega, sigma and lambda, and Novint's Falcon",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_TORQUE | OST_HAPTIC_ORIENTATION,
-    .max_force_n = 8, /* force of the weakest of these devices, a Falcon */
+    .max_force_n = 8, /* maximum force of the Falcon, the weakest of these devices */
     .max_stiffness_n_m = 3000,
     .buttons = {{"button1", OST_ACTION_MOTOR},
                 {"button2", OST_ACTION_TOOL},

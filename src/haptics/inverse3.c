@@ -44,29 +44,31 @@
 
 enum {
     PORT = 10001,
-    MESSAGE_MOST = 65536,  /* maximum size of a state in bytes; the service sends some hundreds */
+    MESSAGE_MOST = 65536,  /* maximum size of a state in bytes; the service sends a few hundred bytes */
     OPEN_MS = 3000,        /* timeout for the first state in ms */
     CLOSE_MS = 500,        /* timeout for the last force in ms */
     PATIENT_TICKS = 4,
     LOST_TICKS = 500,
-    GARBAGE_MOST = 100,    /* consecutive invalid messages before the device fails */
+    GARBAGE_MOST = 100,    /* number of consecutive invalid messages after which the device fails */
     ID = 33
 };
 #define PACE_NS INT64_C(1000000)
 #define FAR_M 10.0
 
 typedef struct came {
-    double at[3], q[4]; /* in a frame with y up and z toward the operator */
+    double at[3], q[4]; /* in a frame in which y points up and z toward the operator */
     uint32_t buttons;
 } came;
 
 struct haptic_instance {
     struct lws_context *context;
     pthread_t thread;
-    sem_t met, over; /* each is posted once: met at the first state or a failure, over at the end of the thread */
+    /* each semaphore is posted once: met at the first state or a failure, over at the end of the
+       thread */
+    sem_t met, over;
     newest in, out;
     came came[NEWEST_SLOTS];
-    double force[NEWEST_SLOTS][3]; /* in the frame of `came` */
+    double force[NEWEST_SLOTS][3]; /* in the same frame as the positions in `came` */
     _Atomic bool stop, lost;
     _Atomic uint64_t states, garbage;
     char wanted[ID];      /* value of the option id=; "" selects the first device */
@@ -119,7 +121,8 @@ static bool numbers(const json_t *object, const char *const *names, int count, d
     return true;
 }
 
-/* Returns a property, which the service stores either in the object's "state" or in the object itself. */
+/* Returns a property. The service stores a property either in the object "state" inside the given
+   object or in the given object itself. */
 static const json_t *member(const json_t *thing, const char *name)
 {
     const json_t *within = json_object_get(json_object_get(thing, "state"), name);
@@ -199,20 +202,19 @@ static void take_message(haptic_instance *h)
         fail(h, "the service reports no Inverse3");
 }
 
-/* Writes a command. Numbers are written as integers with an exponent, so that they do not depend on the locale. */
+/* Writes a command. Each number is written as an integer with an exponent, so that the text does
+   not depend on the locale. */
 static int write_command(haptic_instance *h, bool nothing, char *text, size_t capacity)
 {
     long long f[3];
     if (newest_take(&h->out)) {
-        /* There is no newer force, so the slot still contains the previous one. */
+        /* If no newer force was written, the slot still contains the previous force. */
     }
     const double *force = h->force[h->out.front];
     for (int a = 0; a < 3; a++)
         f[a] = nothing ? 0 : llrint(force[a] * 1e6);
-    /*
-     * The first message selects the form of the answers. No force can be sent before a device's id
-     * is known.
-     */
+    /* The first message selects the form of the answers. A force cannot be sent before a device's
+       id has been received. */
     if (!h->has_greeted || !h->id[0])
         return snprintf(text, capacity, "{\"session\":{\"force_render_full_state\":{}}}");
     return snprintf(text, capacity,
@@ -391,7 +393,8 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: cannot create a thread for its connection: %s",
                         strerror(error));
-    /* The device also opens if the service fails after its first state. The next read then reports the loss. */
+    /* The device is also opened if the service fails after its first state. The next read then
+       reports that the device is lost. */
     if (wait_for(&h->met, OPEN_MS) && atomic_load(&h->states) > 0)
         return OST_OK;
     stop_thread(h);

@@ -19,8 +19,8 @@
 static const uint8_t magic[4] = {'O', 'S', 'T', 'L'};
 enum {
     AT_VERSION = 4, AT_TYPE = 5, AT_FLAGS = 6, AT_BRIDGE = 8, AT_SIMULATION = 16, AT_SEQUENCE = 24,
-    AT_BODY = 32,   /* i64 t_ns, or u64 answers */
-    AT_POSE = 40,   /* i64 x 3, i32 x 4 */
+    AT_BODY = 32,   /* t_ns as a signed 64-bit integer, or answers as an unsigned one */
+    AT_POSE = 40,   /* three 64-bit and four 32-bit signed integers */
     AT_BUTTONS = 80, AT_TOOL = 84,
     AT_FORCE = 80, AT_TORQUE = 92, AT_STIFFNESS = 104, AT_DAMPING = 108
 };
@@ -191,7 +191,7 @@ ost_status link_key_read(const char *path, link_key **out, ost_error *err)
 static bool sign(link_key *key, const uint8_t *bytes, size_t size, uint8_t mac[LINK_MAC])
 {
     size_t length = 0;
-    /* If the key is NULL, EVP_MAC_init starts again with the key of link_key_make. */
+    /* If the key is NULL, EVP_MAC_init starts again with the key that was set in link_key_make. */
     return EVP_MAC_init(key->context, NULL, 0, NULL) == 1 && EVP_MAC_update(key->context, bytes, size) == 1 &&
            EVP_MAC_final(key->context, mac, &length, LINK_MAC) == 1 && length == LINK_MAC;
 }

@@ -18,7 +18,7 @@
 enum {
     LINK_VERSION = 1,
     LINK_MAC = 32,
-    LINK_POSE_BYTES = 120,  /* size of a hello or a pose */
+    LINK_POSE_BYTES = 120,  /* size of a hello packet or a pose packet */
     LINK_STATE_BYTES = 144,
     LINK_BUFFER_BYTES = 256, /* size of the receive buffer; any longer packet is invalid */
     LINK_KEY_MIN = 16,
@@ -30,8 +30,8 @@ typedef enum link_type { LINK_HELLO = 1, LINK_POSE = 2, LINK_STATE = 3 } link_ty
 enum {
     LINK_SEEN = 1,   /* pose: the device holds the tool */
     LINK_ENDED = 2,  /* pose or state: this is the last packet */
-    /* state: the pose was too far away; the clutch must be released and engaged again at the tool's
-       position */
+    /* state: the pose was too far away; the bridge must release its clutch and engage it again at
+       the tool's position */
     LINK_AGAIN = 4,
     LINK_BUSY = 8    /* state: the simulation already has another bridge */
 };
@@ -39,18 +39,20 @@ enum {
 typedef struct link_packet {
     uint8_t type;
     uint16_t flags;
-    uint64_t bridge, simulation; /* random number of each side for this run; simulation is 0 in a hello */
+    uint64_t bridge, simulation; /* random number of each side for this run; simulation is 0 in a hello packet */
     uint64_t sequence;           /* number of this packet, counted by the sender */
-    uint64_t answers;            /* state: the greatest sequence number of a pose that the simulation accepted */
+    /* state: the greatest sequence number among the poses that the simulation has accepted */
+    uint64_t answers;
     int64_t t_ns;                /* hello, pose: time on the sender's clock, only for diagnosis */
-    ost_pose pose;               /* pose of the device; in a state, the pose that it answers */
+    /* hello, pose: pose of the device; state: pose for which the simulation computed the answer */
+    ost_pose pose;
     uint32_t buttons;
-    int32_t tool;                /* -1: the device does not select one */
+    int32_t tool;                /* -1 if the device does not select a tool */
     int32_t force_un[3], torque_unm[3];
-    uint32_t stiffness, damping; /* mN/m and mN s/m, along the force */
+    uint32_t stiffness, damping; /* along the force, in mN/m and mN s/m */
 } link_packet;
 
-/* The result of checking received bytes. */
+/* Result of checking received bytes. */
 typedef enum link_verdict { LINK_GOOD, LINK_MALFORMED, LINK_WRONG_KEY } link_verdict;
 
 /*
@@ -83,15 +85,16 @@ link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_
 
 /* Records which packets of a sender have arrived: the newest one and the 63 before it. */
 typedef struct link_window {
-    uint64_t last, seen; /* bit i: packet last - i has arrived */
+    uint64_t last, seen; /* bit i of seen: packet last - i has arrived */
 } link_window;
 
 typedef enum link_order { LINK_NEW, LINK_LATE, LINK_REPLAYED } link_order;
 
 /*
- * Adds a packet to the window. Returns LINK_NEW if the packet is newer than all previous ones;
- * *lost is then the number of skipped sequence numbers. Returns LINK_LATE if it arrived after newer
- * packets, and LINK_REPLAYED if it was received before or is too old to be checked.
+ * Adds a packet to the window. Returns LINK_NEW if the packet is newer than all previous packets;
+ * *lost is then the number of skipped sequence numbers. Returns LINK_LATE if the packet arrived
+ * after newer packets, and LINK_REPLAYED if the packet was received before or is too old to be
+ * checked.
  */
 link_order link_window_add(link_window *window, uint64_t sequence, uint64_t *lost);
 

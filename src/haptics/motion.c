@@ -26,7 +26,7 @@ enum { TICK_NS = 1000000, FILE_NAME = 4096 };
 
 struct haptic_instance {
     ost_path path;   /* owned */
-    size_t row;      /* index of the last row at or before t_ns, or of the first row */
+    size_t row;      /* index of the last row whose time is at most t_ns; 0 if there is no such row */
     int64_t t_ns, end_ns;
     haptic_clutch clutch;
 };
@@ -92,14 +92,14 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
     return OST_OK;
 }
 
-/* Interpolates along the shorter arc from a to b (spherical linear interpolation). */
+/* Interpolates from a to b along the shorter arc (spherical linear interpolation). */
 static void slerp(const double a[4], const double b[4], double share, double out[4])
 {
     double dot = 0, length = 0;
     for (int i = 0; i < 4; i++)
         dot += a[i] * b[i];
     const double side = dot < 0 ? -1 : 1, angle = acos(fmin(1, fabs(dot)));
-    /* Below one milliradian, arc and chord agree to 1e-7. */
+    /* For angles below one milliradian, the arc and the chord agree to 1e-7. */
     const double wa = angle < 1e-3 ? 1 - share : sin((1 - share) * angle) / sin(angle);
     const double wb = angle < 1e-3 ? share : sin(share * angle) / sin(angle);
     for (int i = 0; i < 4; i++) {

@@ -21,13 +21,13 @@
 #include "haptics/workspace.h"
 
 static const double FOLLOW = 0.0645;          /* fraction of the remaining distance per tick: 1 - exp(-1 ms / 15 ms) */
-static const double STEP_M = 0.25e-3;         /* largest step per tick, m */
-static const double TURN = 0.0188;            /* largest turn per tick, radians; three turns per second */
+static const double STEP_M = 0.25e-3;         /* greatest motion per tick, in m */
+static const double TURN = 0.0188;            /* greatest rotation per tick, in radians: three turns per second */
 
 struct ost_mouse_input {
     newest newest; /* passes states from the window to the device */
     ost_haptic_state state[NEWEST_SLOTS];
-    uint32_t lifts[NEWEST_SLOTS], lifted; /* number of lifts before each state; total number of lifts */
+    uint32_t lifts[NEWEST_SLOTS], lifted; /* lifts: number of lifts before each state; lifted: total number of lifts */
 };
 
 ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err)
@@ -72,7 +72,7 @@ struct haptic_instance {
     double at[3];   /* position in m */
     double q[4];    /* unit quaternion */
     int32_t tool;
-    uint32_t lifts; /* number of lifts at the last read */
+    uint32_t lifts; /* number of lifts counted up to the last read */
 };
 
 static void take_pose(const ost_pose *pose, double at[3], double q[4])
@@ -129,8 +129,8 @@ static void approach_position(haptic_instance *m, const double to[3])
         m->at[a] += length > STEP_M ? d[a] * STEP_M / length : d[a];
 }
 
-/* Rotates the tool toward `to` by the fraction FOLLOW of the angle, at most by TURN, along the
-   shorter arc. q and -q are the same orientation. */
+/* Rotates the tool toward `to` along the shorter arc, by the fraction FOLLOW of the angle but by at
+   most TURN. q and -q are the same orientation. */
 static void approach_turn(haptic_instance *m, const double to[4])
 {
     double cosine = 0, n = 0;
@@ -154,7 +154,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     double to[3], toward[4];
     take_pose(&input->pose, to, toward);
     if (input->tool != m->tool || lifted) {
-        /* When a tool is exchanged or lifted, it is at its new pose at once, without intermediate steps. */
+        /* When a tool is exchanged or lifted, it takes its new pose at once, without intermediate steps. */
         memcpy(m->at, to, sizeof m->at);
         memcpy(m->q, toward, sizeof m->q);
         m->tool = input->tool;

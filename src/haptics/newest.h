@@ -28,7 +28,7 @@ static inline void newest_begin(newest *n)
     n->front = 2;
 }
 
-/* Publishes slot n->back, which the writer has filled, and sets n->back to another slot. */
+/* Publishes the slot n->back, which the writer has filled. Sets n->back to another slot. */
 static inline void newest_put(newest *n)
 {
     n->back = atomic_exchange_explicit(&n->middle, (unsigned char)(n->back | NEWEST_FRESH), memory_order_acq_rel) & 3;

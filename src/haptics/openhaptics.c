@@ -129,8 +129,8 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 }
 
 /*
- * Reads a parameter of the current device. If the device does not have it, removes the error from
- * the queue and returns NaN.
+ * Reads a parameter of the current device. If the device does not have this parameter, removes the
+ * error from the queue and returns NaN.
  */
 static double nominal(const haptic_instance *h, unsigned what)
 {
@@ -206,8 +206,8 @@ static void openhaptics_write(haptic_instance *h, const ost_wrench *wrench)
 }
 
 /*
- * Handles the device's errors. If the motors are warm, the device renders no force for a second.
- * Any other error, except an exceeded force, means that the device is lost.
+ * Handles errors of the device. If the motors are too warm, the device renders no force for a
+ * second. An error "exceeded force" is ignored. Any other error means that the device is lost.
  */
 static void judge(haptic_instance *h)
 {
@@ -248,7 +248,8 @@ static unsigned frame(void *user)
     return more ? HD_CONTINUE : HD_DONE;
 }
 
-/* Waits for the last frame. Returns false if the vendor's thread has stopped calling. */
+/* Waits until the vendor's thread has run its last frame. Returns false if this thread has stopped
+   calling the function `frame`. */
 static bool wait_for(haptic_instance *h)
 {
     for (uint64_t before = 0, now;; before = now) {

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Requests real-time scheduling. It tries SCHED_FIFO 80, then SCHED_FIFO at the highest priority
- * that the limit allows, then nice -11, then the default, always with the shortest timer slack.
- * Processes and threads created meanwhile get default scheduling (SCHED_RESET_ON_FORK), because
- * OpenMP's workers and drivers must not have a higher priority than the loop that uses them.
+ * Requests real-time scheduling. The code tries SCHED_FIFO 80, then SCHED_FIFO at the highest
+ * priority that the limit allows, then nice -11, then the default. In each case it sets the
+ * shortest timer slack. Processes and threads that are created in the meantime get default
+ * scheduling (SCHED_RESET_ON_FORK), because OpenMP's workers and drivers must not have a higher
+ * priority than the loop that uses them.
  *
- * Memory is locked so that no tick waits for a page. Later allocations are locked only if the limit
- * on locked memory cannot make them fail.
+ * Memory is locked so that no tick waits for a page. Later allocations are locked only if they
+ * cannot fail because of the limit on locked memory.
  *
  * The loop runs on the last core, because most interrupts are handled by the first cores.
  */
@@ -74,7 +75,7 @@ static void lock_memory(realtime_before *before, ost_realtime *out)
         snprintf(out->memory, sizeof out->memory, "not locked: %s (limits.d: memlock unlimited)", strerror(errno));
 }
 
-/* Maps the pages of the stack before the first tick. */
+/* Accesses the stack, so that its pages are mapped before the first tick. */
 static void touch_stack(void)
 {
     volatile unsigned char stack[STACK];

@@ -42,10 +42,10 @@ typedef struct servo {
     ost_servo_report *report;
     ost_servo_sample sample;
     int64_t due, wake_ns;
-    /* ready: read at the end of the sleep before a tick; begin: read at the tick's beginning */
+    /* ready: time at the end of the sleep before a tick; begin: time at the beginning of the tick */
     thread_time ready, begin;
     bool has_pose;
-    int ticks_without_sample; /* consecutive ticks without a new pose */
+    int ticks_without_sample; /* number of consecutive ticks without a new pose */
 } servo;
 
 static void sleep_until(int64_t ns)
@@ -110,7 +110,7 @@ static bool run_loop(servo *s)
     s->sample.wake_ns = ns32(s->wake_ns);
     if (!take_pose(s))
         return false;
-    /* No tick runs before the device returns its first pose; the watchdog limits this time. */
+    /* No tick runs before the device returns its first pose. The watchdog limits the time without a pose. */
     if (!s->has_pose && !s->sample.tracking_lost)
         return true;
     const bool more = s->tick(s->user, &s->sample, &wrench);
@@ -133,8 +133,8 @@ static bool run_loop(servo *s)
 }
 
 /*
- * Classifies the misses. The rehearsals and the wait after them count as work only as far as they
- * exceed lead_ns.
+ * Classifies the missed deadlines. Of the time spent on rehearsals and on the wait after them, only
+ * the part beyond lead_ns counts as work.
  */
 static void count_missed(servo *s, uint64_t missed)
 {
@@ -149,7 +149,7 @@ static void count_missed(servo *s, uint64_t missed)
     r->missed += missed;
 }
 
-/* Counts the misses of the tick that was just executed and was due at s->due. Then advances s->due. */
+/* Counts the missed deadlines of the tick that was due at s->due and has just been executed. Then advances s->due. */
 static void go_on(servo *s)
 {
     const int64_t skipped = skipped_after(s->due, ost_clock_ns(), s->options.period_ns);
@@ -164,8 +164,8 @@ static void go_on(servo *s)
 /*
  * After most of a period without work, caches contain less of the tick's data, wide registers are
  * powered down, and a sleeping core has to wake up. Together these effects cost about as much time
- * as the tick's work itself. The time lead_ns before the tick is therefore spent on as many
- * rehearsals as fit, and on a wait without sleep.
+ * as the tick's work itself. Therefore the loop wakes lead_ns before the tick is due. It runs as
+ * many rehearsals as fit into this time and then waits without sleep.
  */
 static void get_ready(servo *s)
 {
@@ -203,8 +203,8 @@ static void run_without_clock(servo *s)
 }
 
 /*
- * Called on the thread of a device with its own clock. The device determines when ticks run, and
- * ost_clock_ns measures their delay.
+ * Called on the thread of a device with its own clock. The device determines when a tick runs, and
+ * the delay of a tick is measured with ost_clock_ns.
  */
 static bool beat(void *user)
 {
@@ -214,7 +214,7 @@ static bool beat(void *user)
         s->due = begin;
     if (!run_loop(s))
         return false;
-    /* If a device runs early, the schedule is reset: its next tick is due one period after this one. */
+    /* If a device runs early, the schedule is reset: the device's next tick is due one period after this tick. */
     if (begin < s->due)
         s->due = begin;
     go_on(s);
@@ -242,7 +242,7 @@ static int64_t stolen_ms(void)
         }
     }
     fclose(file);
-    return count == 8 ? field[7] * 10 : -1; /* the field is in hundredths of a second */
+    return count == 8 ? field[7] * 10 : -1; /* the field counts hundredths of a second */
 }
 
 ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
@@ -277,7 +277,7 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
         run_without_clock(&s);
     else
         run_clock(&s);
-    /* When the loop has ended, for whatever reason, the device must render no force. */
+    /* When the loop has ended for any reason, the device must render no force. */
     const ost_wrench nothing = {{0}, {0}};
     ost_haptic_write(device, &nothing);
     const int64_t after = stolen_ms();

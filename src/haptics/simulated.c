@@ -132,8 +132,8 @@ static double noise(haptic_instance *s)
 }
 
 /*
- * Adds a tremor: noise filtered by a low pass of about 10 Hz. The factor 5 brings its amplitude
- * near the requested one.
+ * Adds a tremor: noise filtered by a low pass of about 10 Hz. The factor 5 compensates the loss of
+ * amplitude in the filter approximately.
  */
 static void shake(haptic_instance *s)
 {
@@ -168,11 +168,11 @@ static ost_pm encoded(double metres)
 
 static ost_haptic_answer sim_read(haptic_instance *s, ost_haptic_state *state)
 {
-    /* After the end of its plan, the hand does not move. */
+    /* After the end of the planned motion, the hand stays still. */
     const size_t last = s->path.count - 1, from = s->next < last ? s->next : last, to = from < last ? from + 1 : last;
     const ost_tick *tick = &s->path.ticks[from];
     double a[3], b[3];
-    /* When a tool is exchanged, hand and device move to the new tool's position at once. */
+    /* When a tool is exchanged, the hand and the device move to the position of the new tool at once. */
     const bool taken_up = from > 0 && s->next <= last && tick->tool != s->path.ticks[from - 1].tool;
     position_of(&tick->pose, a);
     position_of(&s->path.ticks[s->path.ticks[to].tool == tick->tool ? to : from].pose, b);
@@ -200,7 +200,7 @@ static void sim_write(haptic_instance *s, const ost_wrench *wrench)
 {
     const double *f = wrench->force_n;
     const double size = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-    /* The force is limited to the maximum of the motors. A force that is not finite is replaced by zero. */
+    /* The force is limited to the maximum force of the motors. A force that is not finite is replaced by zero. */
     const double share = size > FORCE_MAX_N ? FORCE_MAX_N / size : 1;
     for (int a = 0; a < 3; a++)
         s->force[a] = isfinite(size) ? f[a] * share : 0;

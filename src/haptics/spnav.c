@@ -23,7 +23,7 @@
 #include "haptics/vendor.h"
 #include "haptics/workspace.h"
 
-/* These definitions are those of libspnav. Its largest event has 40 bytes. */
+/* These definitions are copied from libspnav. Its largest event has 40 bytes. */
 enum { EVENT_MOTION = 1, EVENT_BUTTON = 2, EVENT_DEVICE = 3, DEVICE_REMOVED = 1 };
 typedef union spnav_event {
     int type;
@@ -38,7 +38,7 @@ typedef union spnav_event {
     struct {
         int type, operation, id, kind, usb[2];
     } device;
-    char unused[128]; /* space for events of later versions */
+    char unused[128]; /* reserved space for larger events of later versions */
 } spnav_event;
 
 typedef struct spnav_calls {
@@ -70,8 +70,9 @@ struct haptic_instance {
     spnav_calls spnav;
     haptic_workspace workspace;
     choice how;
-    int push[6];             /* values of the last event: translation x y z, rotation about x y z */
-    double at[3], q[4];      /* relative to the start pose, in the frame of that pose */
+    /* values of the last event: translations along x, y and z, and rotations about x, y and z */
+    int push[6];
+    double at[3], q[4];      /* pose relative to the start pose, in the frame of the start pose */
     uint32_t buttons;
     bool lost;
 };
@@ -85,7 +86,7 @@ static bool spnav_usable(char reason[256])
 /* Number of open instances. libspnav supports only one connection. */
 static _Atomic int in_use;
 
-/* Checks that the daemon answers. Without the daemon, the library has no device. */
+/* Checks that the daemon answers. Without the daemon, the library finds no device. */
 static bool spnav_answers(char reason[256])
 {
     spnav_calls calls;

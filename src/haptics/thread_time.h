@@ -49,9 +49,10 @@ static inline int64_t thread_time_between(const thread_time *from, const thread_
 typedef enum missed_deadline { MISSED_BY_WORK, MISSED_WOKEN_LATE, MISSED_PREEMPTED } missed_deadline;
 
 /*
- * Returns the cause of a missed deadline. The cause is the tick's own work if this took more than
- * half a period. Otherwise it is late wake-up if the loop was woken at least a period late; an idle
- * loop would then have missed the deadline too. In all other cases, the thread was preempted.
+ * Returns the cause of a missed deadline. If the tick's own work took more than half a period, this
+ * work is the cause. Otherwise, if the loop was woken at least a period late, the late wake-up is
+ * the cause; an idle loop would then have missed the deadline too. In all other cases, the cause is
+ * that the thread was preempted.
  */
 static inline missed_deadline classify_missed_deadline(int64_t own_ns, int64_t wake_ns, int64_t period_ns)
 {

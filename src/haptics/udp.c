@@ -5,14 +5,15 @@
  *   bridge --pose--> thread --newest--> read, in the tick
  *   bridge <--state- thread <--newest-- write, in the tick
  *
- * A separate thread owns the socket. It checks received packets and answers each valid one with the
- * newest state, so the bridge's clock drives the link. The tick takes no lock, makes no system call
- * and allocates no memory.
+ * A separate thread owns the socket. It checks received packets and answers each valid packet with
+ * the newest state, so the bridge's clock drives the link. The tick takes no lock, makes no system
+ * call and allocates no memory.
  *
- * The bridge computes the force on the device from the pose that was answered, the force at that
- * pose, and the stiffness along this force (bridge.c). Therefore no feedback loop contains the
- * delay of the link. Poses are checked in this driver. A pose is rejected if it is farther from the
- * last one than a hand could have moved; the bridge is then requested to engage its clutch again.
+ * The bridge computes the force on the device from the contents of the newest state: a pose that
+ * the bridge sent before, the force at that pose, and the stiffness along this force (bridge.c).
+ * Therefore no feedback loop contains the delay of the link. This driver checks each pose. A pose
+ * is rejected if a hand could not have moved that far since the last pose. The bridge is then
+ * requested to engage its clutch again.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -41,14 +42,14 @@
 enum {
     PORT = 4707,
     LOST_MS = 5000,
-    OWNER_MS = 1000,     /* ms of silence after which another bridge may take over */
+    OWNER_MS = 1000,     /* time without packets, in ms, after which another bridge may take over */
     PATIENT_TICKS = 4,   /* number of ticks without a packet during which the last pose is used */
-    BRIDGED_TICKS = 50,  /* longest gap in ticks after which a sufficiently near pose is accepted */
-    DRAIN = 64,          /* maximum number of packets received between two checks whether the thread must end */
+    BRIDGED_TICKS = 50,  /* if more ticks than this pass without a packet, even a near pose is rejected */
+    DRAIN = 64,          /* maximum number of packets received before the thread checks again if it must end */
     NAME = 512,
     FAREWELLS = 3
 };
-#define FAR_M 0.004     /* maximum motion per tick in m; less than the jump that an operation treats as a fault */
+#define FAR_M 0.004     /* greatest motion per tick in m; less than the jump that an operation treats as a fault */
 #define FAR_RAD 0.7
 
 enum { GOOD, MALFORMED, WRONG_KEY, REPLAYED, LATE, MISSING, OTHERS, AGAIN, COUNTS };
@@ -135,7 +136,7 @@ static bool take_pose(haptic_instance *u, const link_packet *p)
 {
     uint64_t missing;
     if (p->simulation != u->simulation) {
-        count(u, REPLAYED, 1); /* the packet was sent during another run */
+        count(u, REPLAYED, 1); /* this packet was sent during another run */
         return false;
     }
     const int64_t now = ost_clock_ns();
@@ -321,8 +322,8 @@ static void udp_close(haptic_instance *u)
 /* --------------------------------------------------------------- the tick */
 
 /*
- * Moves u->given toward *to, by at most the distance allowed in one tick. Returns false if no hand
- * could have reached *to in the time since the last packet.
+ * Moves u->given toward *to, by at most the distance and angle allowed in one tick. Returns false
+ * if no hand could have reached *to in the time since the last packet.
  */
 static bool follow(haptic_instance *u, const ost_pose *to)
 {
@@ -380,7 +381,8 @@ static ost_haptic_answer udp_read(haptic_instance *u, ost_haptic_state *state)
     if (c->flags & LINK_ENDED)
         return OST_HAPTIC_ENDED;
     if (!(c->flags & LINK_SEEN)) {
-        /* The bridge has released the tool. The tool follows the next pose with LINK_SEEN from its current position. */
+        /* The bridge has released the tool. When a pose with LINK_SEEN arrives, the tool follows
+           the device again from the tool's current position. */
         u->again = false;
         u->ticks_without_sample = 0;
         return tracking_lost(u);

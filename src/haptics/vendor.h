@@ -17,13 +17,13 @@ typedef void vendor_function(void);
 
 typedef struct vendor_symbol {
     const char *name;
-    size_t offset; /* offset of the pointer in the driver's table of functions */
+    size_t offset; /* offset of the function pointer in the driver's table of functions */
 } vendor_symbol;
 
 typedef struct vendor_library {
-    const char *variable;        /* environment variable that names a file to load instead */
+    const char *variable;        /* environment variable that names another file to load instead */
     const char *const *names;    /* names passed to dlopen, in this order; ends with NULL */
-    const char *product;         /* product to install, named in messages */
+    const char *product;         /* product that the user must install; named in messages */
     const vendor_symbol *symbols;
     size_t count;
 } vendor_library;

@@ -16,7 +16,7 @@
 typedef struct haptic_workspace {
     double at[3];          /* position of start, m */
     double turn[3][3];     /* [row][column]: rotates the device's frame into the bone's frame */
-    /* inverse of the rotation from the device's frame to the tool's frame when the handle is upright */
+    /* rotation from the tool's frame to the device's frame while the handle is upright */
     double identity[3][3];
     double scale;          /* metres in the bone's frame per metre of the device */
 } haptic_workspace;
@@ -28,13 +28,13 @@ typedef struct haptic_workspace {
 haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale);
 
 /*
- * Returns the tool's pose for a handle at `position` (m) whose frame[row][column] rotates the
- * handle's frame into the device's frame. Returns an invalid pose if a value is not finite or is
- * too large.
+ * Returns the tool's pose for a handle at `position` (m). frame[row][column] rotates the handle's
+ * frame into the device's frame. Returns an invalid pose if a value is not finite or is too large.
  */
 ost_pose haptic_workspace_pose(const haptic_workspace *workspace, const double position[3], const double frame[3][3]);
 
-/* Converts metres and w x y z to an integer pose. The result is invalid if a value is not finite or is too large. */
+/* Converts a position in metres and a quaternion w x y z to an integer pose. The result is invalid
+   if a value is not finite or is too large. */
 ost_pose haptic_pose_quantise(const double at[3], const double q[4]);
 
 /* Rotates a vector, for example a force or torque, from the bone's frame to the device's frame. */
