@@ -5,7 +5,7 @@
 
 #include "core/bits_run.h"
 
-/* SLACK: number of pixels that may be added to avoid a further box */
+/* SLACK: number of unchanged pixels that a box may include if this avoids a further box */
 enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 };
 
 typedef uint32_t four __attribute__((vector_size(16)));
@@ -20,7 +20,7 @@ static uint32_t turned(uint32_t v)
 }
 
 /*
- * Copies the pixels from begin, a multiple of RUN, to end, and extends *r to include those that
+ * Copies the pixels from begin, a multiple of RUN, to end. Extends *r to include the pixels that
  * differ. All pixels are written, and no branch depends on a comparison, so that memory latency
  * does not stall the loop.
  */

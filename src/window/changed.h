@@ -3,11 +3,12 @@
  * Copies a picture to memory that contains the previous picture, and finds boxes around the pixels
  * that differ.
  *
- *   picture --red and blue swapped--> equal to what is stored? --no--> shared memory, boxes --> X server
+ *   picture --red and blue swapped--> equal to the stored pixels? --no--> shared memory, boxes --> X server
  *
- * Little of a picture changes from frame to frame, usually the tool and its surroundings. Only
- * cells that may have changed are compared. A comparison costs as much as a write. The cost of
- * later steps, such as the server's copy, is proportional to the size of the boxes.
+ * From frame to frame, only a small part of a picture changes, usually the tool and its
+ * surroundings. Only cells that may have changed are compared. A comparison costs as much as a
+ * write. The cost of later steps, such as the server's copy, is proportional to the size of the
+ * boxes.
  */
 #ifndef OST_WINDOW_CHANGED_H
 #define OST_WINDOW_CHANGED_H
@@ -23,9 +24,9 @@ typedef struct ost_changed_box {
 } ost_changed_box;
 
 /*
- * Copies the picture and returns the number of boxes, which do not overlap. shared: 0x00RRGGBB, in
- * rows of the picture's width. everything: shared does not contain the previous picture, so
- * everything is written.
+ * Copies the picture and returns the number of boxes, which do not overlap. shared: pixels
+ * 0x00RRGGBB, in rows of the picture's width. everything: true if `shared` does not contain the
+ * previous picture; all pixels are then written.
  */
 int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared,
                      ost_changed_box box[OST_CHANGED_BOXES]);

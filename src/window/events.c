@@ -58,7 +58,8 @@ static void on_key(GLFWwindow *handle, int key, int scancode, int action, int mo
     ost_window *w = glfwGetWindowUserPointer(handle);
     (void)scancode;
     w->mods = mods_of(mods);
-    /* The event of a modifier key contains the modifiers from before the key was pressed or released. */
+    /* In the event of a modifier key, GLFW reports the modifiers that were active before the key
+       was pressed or released. */
     if (key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT)
         w->mods = action == GLFW_RELEASE ? w->mods & ~(unsigned)OST_WINDOW_SHIFT : w->mods | OST_WINDOW_SHIFT;
     if (key == GLFW_KEY_LEFT_CONTROL || key == GLFW_KEY_RIGHT_CONTROL)
@@ -76,7 +77,7 @@ static void on_button(GLFWwindow *handle, int button, int action, int mods)
                .kind = OST_WINDOW_BUTTON, .button = button, .pressed = action == GLFW_PRESS, .mods = w->mods});
 }
 
-/* Reduces the picture's size to the maximum of OpenGL and the renderer, with the same aspect ratio. */
+/* Limits the picture's size to the maximum of OpenGL and of the renderer. The aspect ratio does not change. */
 static void picture_size(const ost_window *w, int *width, int *height)
 {
     const int most = w->side < OST_WINDOW_SIDE ? w->side : OST_WINDOW_SIDE;
@@ -91,7 +92,7 @@ static void picture_size(const ost_window *w, int *width, int *height)
     *height = *height > 0 ? *height : 1;
 }
 
-/* On some systems, a window's coordinates differ from its frame's pixels. */
+/* On some systems, the coordinates of a window differ from the pixels of its framebuffer. */
 static void on_move(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
@@ -104,7 +105,7 @@ static void on_move(GLFWwindow *handle, double x, double y)
 static void on_wheel(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
-    /* Some systems report a sideways wheel while Shift is down. */
+    /* Some systems report a horizontal wheel while Shift is pressed. */
     add(w, (ost_window_event){.kind = OST_WINDOW_WHEEL, .y = y != 0 ? y : x, .mods = w->mods});
 }
 
@@ -150,7 +151,7 @@ static void on_damage(GLFWwindow *handle)
     w->hidden = false;
 }
 
-/* Not every system reports that a window is hidden, so the state is queried. */
+/* Not every system reports that a window is hidden, so this function queries the state. */
 static void check_display(ost_window *w)
 {
     const int64_t now = ost_clock_ns();

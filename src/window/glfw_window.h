@@ -23,14 +23,14 @@ struct ost_window {
     bool spilt; /* set if the ring overflowed */
     unsigned mods;
     int normal[4]; /* position and size before full screen */
-    /* The following fields contain the values of the last callbacks. */
+    /* The following fields contain the values that the callbacks reported last. */
     int width, height, frame_width, frame_height;
     double scale;
     bool minimised, hidden, damaged;
     int64_t looked_ns;
-    /* The following fields depend on the OpenGL context. */
+    /* The following fields belong to the OpenGL context. */
     int side; /* side length of the largest texture, in pixels */
-    /* extension that reports a driver's reset */
+    /* name of the extension that reports resets of the driver */
     enum { NO_NOTIFICATION, BY_KHR, BY_ARB } reset_notification;
     int64_t reset_ns[OST_WINDOW_RESETS];
     int resets;
@@ -42,7 +42,7 @@ static inline bool ost_window_lives(const ost_window *window)
 {
     return window->handle && ost_x11_state_get() == OST_X11_FINE;
 }
-/* Registers the callbacks, and reads the state that they have not yet reported. */
+/* Registers the callbacks. Also reads the present state of the window, because the callbacks report only changes. */
 void ost_window_listen(ost_window *window);
 
 #endif

@@ -11,7 +11,7 @@
 #include "window/changed.h"
 #include "window/x11.h"
 
-/* constants of the binary interfaces of libX11 and libxcb */
+/* constants of the ABIs of libX11 and libxcb */
 
 enum { Z_PIXMAP = 2, TRUE_COLOR = 4, VISUAL_ID_MASK = 1 };
 
@@ -28,7 +28,7 @@ typedef struct visual_info {
     int colormap_size, bits_per_rgb;
 } visual_info;
 
-/* The first fields of xcb_get_window_attributes_reply_t. */
+/* Has the layout of the first fields of xcb_get_window_attributes_reply_t. */
 typedef struct attributes {
     uint8_t type, backing_store;
     uint16_t sequence;
@@ -56,8 +56,9 @@ typedef struct calls {
 } calls;
 
 /*
- * Finds a function. Returns false if there is none. The handle of a missing library is NULL, which
- * equals RTLD_DEFAULT. dlsym then searches the program, which does not contain the function either.
+ * Finds a function by name. Returns false if there is no such function. The handle of a missing
+ * library is NULL, which is equal to RTLD_DEFAULT. With this handle, dlsym searches the program,
+ * which does not contain the function either.
  */
 static bool find(void *library, const char *name, void *function)
 {
@@ -76,7 +77,7 @@ struct ost_shm {
     uint8_t depth;
     uint32_t *pixels; /* owned; shared with the server */
     size_t capacity;  /* capacity in pixels */
-    int width, height; /* size of the picture in the memory and in the window; 0 if unknown */
+    int width, height; /* size of the picture in the memory and in the window; 0 if the size is unknown */
     bool pending;     /* set while the last picture is being copied */
     xcb_cookie copied;
 };
@@ -117,8 +118,8 @@ static bool went_well(ost_shm *s, xcb_cookie checked)
 }
 
 /*
- * Returns true if pixels have eight bits per colour, with red in the highest of three bytes, in
- * this machine's byte order. Sets the depth.
+ * Returns true if pixels have eight bits per colour in the byte order of this machine, with red in
+ * the highest of the three bytes. Sets the depth.
  */
 static bool learn_pixels(ost_shm *s)
 {
@@ -150,8 +151,8 @@ static void give_back(ost_shm *s)
 }
 
 /*
- * Reserves memory for count pixels. The segment is marked for removal at once, so it is freed with
- * its last user even if this process is killed.
+ * Reserves memory for count pixels. The segment is marked for removal at once. It is therefore
+ * freed when its last user detaches, even if this process is killed.
  */
 static bool reserve_memory(ost_shm *s, size_t count)
 {
@@ -233,7 +234,8 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
         shm->pending = false;
         if (!a) {
             lost(shm);
-            ost_x11_lost(OST_X11_NO_WINDOW); /* has no effect if the server is already recorded as lost */
+            /* this call has no effect if the loss of the server has already been recorded */
+            ost_x11_lost(OST_X11_NO_WINDOW);
             return false;
         }
         free(a);

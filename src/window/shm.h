@@ -5,9 +5,9 @@
  *   colours --differences (changed.h)--> shared memory --server copies the boxes--> window
  *
  * A software OpenGL would draw the finished picture again, pixel by pixel, which takes a third of a
- * frame's time on one core. The program does not link the X libraries, which GLFW and the driver
- * load. Their functions are looked up by name. If a precondition does not hold, OpenGL shows the
- * picture instead.
+ * frame's time on one core. The program is not linked with the X libraries. GLFW and the driver
+ * load these libraries, and their functions are looked up by name. If a precondition does not hold,
+ * OpenGL shows the picture instead.
  *
  * All functions must be called on the window's thread.
  */
@@ -28,7 +28,7 @@ typedef struct ost_shm ost_shm;
 ost_shm *ost_shm_open(void *glfw_window);
 /* Frees shm. The window may already be destroyed. shm may be NULL. */
 void ost_shm_close(ost_shm *shm);
-/* Marks the window's contents as unknown, so that the next picture is copied completely. shm may be NULL. */
+/* Marks the contents of the window as unknown, so that the next picture is copied completely. shm may be NULL. */
 void ost_shm_forget(ost_shm *shm);
 /* Shows the picture. Returns false on failure; all later calls then fail as well. */
 bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture);

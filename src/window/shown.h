@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shows pixels in a window, as a texture on a triangle that covers the window, with the current OpenGL context. */
+/* Shows pixels in a window with the current OpenGL context. The pixels are a texture on a triangle
+   that covers the window. */
 #ifndef OST_WINDOW_SHOWN_H
 #define OST_WINDOW_SHOWN_H
 
@@ -9,11 +10,11 @@
 #include <epoxy/gl.h>
 
 typedef struct ost_shown {
-    GLuint program, texture, nothing; /* nothing: an empty vertex array, which a core profile requires */
+    GLuint program, texture, nothing; /* nothing: an empty vertex array object, because a core profile requires one */
     int width, height;                /* size of the texture */
 } ost_shown;
 
-/* Returns false if the driver rejects the program. */
+/* Creates the OpenGL objects. Returns false if the driver rejects the program. */
 bool ost_shown_make(ost_shown *shown);
 /* Frees the OpenGL objects. Accepts a zero-initialized struct. */
 void ost_shown_free(ost_shown *shown);

@@ -2,9 +2,10 @@
 /*
  * Manages GLFW's window: opens it, presents pictures, and recreates it.
  *
- * Three events end a window during an operation, and none of them may end the program: a driver's
- * reset, after which all OpenGL objects and therefore, with GLFW, the window must be recreated; the
- * loss of the X server; and the destruction of the window by another program (x11.h).
+ * Three events can end a window during an operation, but they must not end the program. The first
+ * is a reset of the driver: all OpenGL objects must then be recreated, and with GLFW this requires
+ * a new window. The other two are the loss of the X server and the destruction of the window by
+ * another program (x11.h).
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,8 +93,9 @@ static bool create(ost_window *w, int width, int height, int major, int minor)
 }
 
 /*
- * Creates a window with the newest supported context. If the driver supports no version from 3.3
- * on, a window without requirements is opened, and the error message reports its version.
+ * Creates a window whose context has the newest supported version. If the driver supports no
+ * version from 3.3 on, a window without a version requirement is opened, and the error message
+ * reports the version of its context.
  */
 static ost_status create_newest(ost_window *w, int width, int height, ost_error *err)
 {
@@ -104,7 +106,7 @@ static ost_status create_newest(ost_window *w, int width, int height, ost_error 
         ost_fail(err, OST_ERR_UNAVAILABLE, "cannot open a window: %.300s; pass --headless to run without a window",
                  why);
         if (!create(w, 64, 64, 0, 0) || epoxy_gl_version() >= 33)
-            return OST_ERR_UNAVAILABLE; /* the version is not the cause */
+            return OST_ERR_UNAVAILABLE; /* the window failed for a reason other than the OpenGL version */
         return too_old(w, err);
     }
     create(w, 64, 64, 0, 0);
@@ -115,7 +117,7 @@ static void learn(ost_window *w)
 {
     GLint side = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-    w->side = side >= 1024 ? side : 1024; /* 1024 is the least value that OpenGL 3.3 allows */
+    w->side = side >= 1024 ? side : 1024; /* OpenGL 3.3 guarantees at least 1024 */
     w->reset_notification = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness") ? BY_KHR
                      : epoxy_has_gl_extension("GL_ARB_robustness")                         ? BY_ARB
                                                                                            : NO_NOTIFICATION;
@@ -157,7 +159,7 @@ ost_status ost_window_open(const char *title, int width, int height, ost_window 
     return OST_OK;
 }
 
-/* If the display is gone, no function of GLFW is called. */
+/* If the display is gone, no function of GLFW may be called. */
 void ost_window_close(ost_window *window)
 {
     if (!window)
@@ -267,7 +269,7 @@ static ost_status restart(ost_window *w, ost_error *err)
     glfwDestroyWindow(w->handle);
     w->handle = NULL;
     w->shown = (ost_shown){0};
-    w->spilt = true; /* releases of keys and buttons may have been missed */
+    w->spilt = true; /* events of released keys and buttons may have been missed */
     ost_status status = make(w, width > 0 ? width : 640, height > 0 ? height : 360, err);
     if (status != OST_OK)
         return ost_fail_context(err, "the graphics driver was reset");
@@ -295,8 +297,8 @@ static bool was_reset(const ost_window *w)
 }
 
 /*
- * Presents the picture through shared memory. Returns false if OpenGL must present it, for example
- * because its size differs from the frame's size and it must be scaled.
+ * Presents the picture through shared memory. Returns false if OpenGL must present the picture, for
+ * example because it must be scaled to a frame of another size.
  */
 static bool show_by_shm(ost_window *w, const ost_window_picture *picture, bool damaged)
 {

@@ -23,15 +23,15 @@ typedef struct ost_window ost_window;
 
 typedef enum ost_window_event_kind {
     OST_WINDOW_KEY,    /* key, pressed, mods */
-    OST_WINDOW_BUTTON, /* button 0 left, 1 right, 2 middle; pressed, mods */
+    OST_WINDOW_BUTTON, /* button: 0 left, 1 right, 2 middle; pressed, mods */
     OST_WINDOW_MOVE,   /* x, y: position of the pointer in pixels of the picture */
-    OST_WINDOW_WHEEL,  /* y: steps, positive away from the user; mods */
+    OST_WINDOW_WHEEL,  /* y: number of steps, positive if the wheel is turned away from the user; mods */
     OST_WINDOW_RELEASE /* events were lost; all keys and buttons count as released */
 } ost_window_event_kind;
 
 enum { OST_WINDOW_SHIFT = 1, OST_WINDOW_CONTROL = 2, OST_WINDOW_ALT = 4 };
 
-/* The code of a printable key is that of its capital letter or digit on a US layout. Other keys have these codes: */
+/* A printable key has the code of its capital letter or digit on a US layout. The other keys have these codes: */
 enum {
     OST_KEY_ESCAPE = 256,
     OST_KEY_ENTER,
@@ -57,11 +57,11 @@ typedef struct ost_window_event {
 } ost_window_event;
 
 typedef struct ost_window_info {
-    const char *renderer; /* OpenGL's renderer as text, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
+    const char *renderer; /* name of OpenGL's renderer, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
     const char *version;
     bool software;        /* OpenGL is executed by the processor */
     bool robust;          /* set if the driver reports resets */
-    int resets;           /* number of resets after which the window continued with a new context */
+    int resets;           /* number of resets of the driver after which the window continued with a new context */
 } ost_window_info;
 
 /* Returns NULL if this build supports windows; otherwise the reason why it does not, and a remedy. */
@@ -77,9 +77,9 @@ void ost_window_close(ost_window *window); /* NULL is allowed */
 ost_window_info ost_window_info_get(const ost_window *window);
 
 /*
- * Returns the size in pixels of the picture to present. This is the framebuffer's size, limited to
- * the greatest size that can be shown; 0 x 0 while the window is not visible. scale: ratio of the
- * display's resolution to 96 pixels per inch.
+ * Returns the size in pixels of the picture to present. This is the size of the framebuffer,
+ * limited to the greatest size that can be shown. The size is 0 x 0 while the window is not
+ * visible. scale: ratio of the display's resolution to 96 pixels per inch.
  */
 enum { OST_WINDOW_SIDE = 8192 }; /* greatest width and height */
 void ost_window_size(const ost_window *window, int *width, int *height, double *scale);
@@ -87,7 +87,8 @@ void ost_window_size(const ost_window *window, int *width, int *height, double *
 bool ost_window_closing(const ost_window *window);
 /* Returns OST_ERR_UNAVAILABLE, with the reason in err, if the window or its display is gone. */
 ost_status ost_window_check(const ost_window *window, ost_error *err);
-/* Switches full screen on or off, on the screen that contains most of the window. Does nothing without a screen. */
+/* Switches full screen on or off. Uses the screen that contains most of the window; does nothing if
+   there is no screen. */
 void ost_window_full_screen(ost_window *window, bool on);
 bool ost_window_is_full_screen(const ost_window *window);
 void ost_window_title(ost_window *window, const char *title);
@@ -95,20 +96,21 @@ void ost_window_title(ost_window *window, const char *title);
 bool ost_window_damaged(const ost_window *window);
 
 /*
- * ost_window_poll waits at most timeout_s seconds for an event; with 0 it does not wait.
- * Afterwards, ost_window_next returns the events in their order, and returns false when there are
- * no more.
+ * ost_window_poll waits at most timeout_s seconds for an event; if timeout_s is 0, it does not
+ * wait. Afterwards, ost_window_next returns the events in the order of their arrival. It returns
+ * false when there are no more events.
  */
 void ost_window_poll(ost_window *window, double timeout_s);
 bool ost_window_next(ost_window *window, ost_window_event *out);
 
 enum { OST_WINDOW_CELL_WIDTH = 16, OST_WINDOW_CELL_HEIGHT = 8 };
 typedef struct ost_window_picture {
-    const uint32_t *pixels; /* 0x..BBGGRR, in rows of stride pixels, from the top */
+    const uint32_t *pixels; /* pixels 0x..BBGGRR, from the top row on; a row has stride pixels */
     int stride, width, height;
     /*
-     * The cells that may differ from the last presented picture, which had the same size: one bit
-     * for each cell of 16 x 8 pixels, in rows of changed_words words. NULL if any pixel may differ.
+     * The cells that may differ from the last presented picture: one bit for each cell of 16 x 8
+     * pixels, in rows of changed_words words. The last picture must have had the same size. NULL if
+     * any pixel may differ.
      */
     const uint64_t *changed;
     int changed_words;
@@ -116,9 +118,10 @@ typedef struct ost_window_picture {
 
 /*
  * Shows a picture of the size that ost_window_size returned last. If sync is true and the screen
- * has vertical sync, waits for it. After a driver's reset, a new context is made, and the picture
- * appears with the next call. Returns OST_ERR_UNAVAILABLE if no new context can be made, if resets
- * recur, or if the display is gone. The caller must then close the window.
+ * has vertical sync, waits for the vertical sync. After a reset of the driver, a new context is
+ * made, and the picture appears with the next call. Returns OST_ERR_UNAVAILABLE if no new context
+ * can be made, if resets happen repeatedly, or if the display is gone. The caller must then close
+ * the window.
  */
 ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err);
 
