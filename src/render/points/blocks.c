@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Greatest distance from the eye, in voxels. Up to this distance, squared distances distinguish
-   adjacent voxels near the eye's axis. */
+/* Greatest distance of the eye, in voxels. Up to this distance, the squared distances of adjacent
+   voxels near the eye's axis can be distinguished. */
 static const float FARTHEST = 32768.0f;
 
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err)
@@ -20,7 +20,8 @@ ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_
     return OST_OK;
 }
 
-/* Computes the half-open range of pixels among 0 .. count - 1 that the interval p - h to p + h intersects. */
+/* Computes the half-open range of those pixels among 0 .. count - 1 that the interval from p - h to
+   p + h intersects. */
 static void range(float p, float h, int count, int *from, int *to)
 {
     *from = p - h > 0 ? (int)(p - h) : 0;
@@ -34,7 +35,7 @@ static void range(float p, float h, int count, int *from, int *to)
 bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_extent *out)
 {
     const ost_eye *e = &s->eye;
-    const float half = (float)side; /* reach is already that of half a voxel */
+    const float half = (float)side; /* `side` is not halved, because reach is half the width of a voxel */
     const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
     const float reach = half * s->reach[2], far = z + reach, nearest = z - reach;
     if (!(far > e->near))
@@ -58,8 +59,8 @@ bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_e
 }
 
 /*
- * Returns a lower bound of the keys of a block's voxels, with a margin for rounding. base: position
- * of the block's voxel (0, 0, 0) relative to the eye.
+ * Returns a lower bound of the keys of a block's voxels, with a margin for rounding. base: vector
+ * from the eye to the block's voxel (0, 0, 0).
  */
 static uint64_t nearest_key(const float base[3])
 {

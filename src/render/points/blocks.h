@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Selects the blocks of a surface that are in view of an eye, near ones first. All renderers use
- * it.
+ * Selects the blocks of a surface that are in view of an eye, in the order of increasing distance.
+ * All renderers use this file.
  *
  *   blocks of the surface --frustum--> those that may be visible --by distance--> order
  */
@@ -12,7 +12,7 @@
 
 typedef struct ost_frame_block {
     int32_t slot;
-    float distance;      /* squared distance of the block's centre, by which blocks are sorted */
+    float distance;      /* squared distance of the block's centre from the eye; blocks are sorted by this distance */
     uint64_t nearest;    /* lower bound of the keys of the block's voxels (splat.h) */
     ost_extent pixels;   /* pixels that the block may cover */
     uint32_t count;      /* number of points of the block */
@@ -22,7 +22,7 @@ typedef struct ost_frame_block {
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
 /*
- * Selects and sorts the blocks that may be visible, and computes bases for all slots. blocks must
+ * Selects and sorts the blocks that may be visible, and computes `bases` for all slots. blocks must
  * have space for surface->used entries, and bases for 4 floats per slot. Stores in *y0 and *y1 the
  * half-open range of rows that the selected blocks may cover.
  */
@@ -31,13 +31,13 @@ void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost
 
 /*
  * Computes the half-open range of pixels that a cube with edges of `side` voxels may cover. middle:
- * centre of the cube relative to the eye. Returns false if the cube is not visible.
+ * vector from the eye to the cube's centre. Returns false if the cube is not visible.
  */
 bool ost_blocks_pixels(const ost_splat_eye *eye, const float middle[3], int side, ost_extent *out);
 
 /*
- * Computes, for each coordinate i on an axis, which faces are turned to the eye, as bits of
- * ost_face. base: coordinate of voxel 0 minus that of the eye.
+ * Computes which faces are turned to the eye, for each coordinate i on an axis, as bits of
+ * ost_face. base: coordinate of voxel 0 minus coordinate of the eye.
  */
 void ost_blocks_turned(float base, int axis, uint8_t turned[OST_BLOCK]);
 

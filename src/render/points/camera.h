@@ -20,12 +20,13 @@ typedef struct ost_eye {
     float right[3], up[3], forward[3];     /* unit vectors, to the accuracy of a float */
     float focal;                           /* pixels */
     float half_w, half_h;                  /* pixels */
-    /* in voxels; a voxel is not drawn if one of its corners is nearer than this along forward */
+    /* distance of the near plane in voxels; a voxel is not drawn if one of its corners is nearer
+       than this along the forward axis */
     float near;
     int width, height;
 } ost_eye;
 
-/* Returns the scalar product. The order of rounding is the same on every machine. */
+/* Returns the scalar product. The additions are rounded in the same order on every machine. */
 static inline float ost_eye_dot(const float a[3], const float b[3])
 {
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
@@ -33,8 +34,8 @@ static inline float ost_eye_dot(const float a[3], const float b[3])
 
 /* Returns the eye of a camera in the bone's voxels. The camera must have passed ost_camera_check. */
 ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone);
-/* Does the same for an object at a pose. The object's grid has its own frame, which the pose maps
-   to the bone's frame. */
+/* Returns the eye of a camera in the voxels of an object at a pose. The object's grid has its own
+   frame, which the pose maps to the bone's frame. The camera must have passed ost_camera_check. */
 ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, const ost_pose *pose);
 
 #endif

@@ -11,11 +11,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* OST_CELL_WORDS: maximum per row, for 8192 pixels */
+/* OST_CELL_WORDS: maximum number of words per row, for 8192 pixels */
 enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 };
 
 typedef struct ost_cells {
-    uint64_t *bit; /* owned; `words` for each row of cells */
+    uint64_t *bit; /* owned; each row of cells has `words` words */
     int words, across, rows;
     int width, height; /* size of the picture in pixels */
 } ost_cells;
@@ -27,9 +27,9 @@ void ost_cells_free(ost_cells *cells);
 
 void ost_cells_clear(const ost_cells *cells);
 void ost_cells_fill(const ost_cells *cells);
-/* Adds all cells that contain a pixel with x0 <= x < x1 and y0 <= y < y1. Ignores pixels outside the picture. */
+/* Adds all cells that contain a pixel with x0 <= x < x1 and y0 <= y < y1. Pixels outside the picture are ignored. */
 void ost_cells_add(const ost_cells *cells, int x0, int x1, int y0, int y1);
-/* Adds the cells of another set for a picture of the same size. */
+/* Adds the cells of another set. Both sets must be for pictures of the same size. */
 void ost_cells_join(const ost_cells *cells, const ost_cells *other);
 
 static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)

@@ -167,10 +167,11 @@ static void find_cells(ost_frame_layer *layer)
 
 /*
  * Returns true if a ray may enter a voxel through a face that does not adjoin air. This is possible
- * if the ray begins inside a voxel, or if it has passed through a voxel that the near plane
- * removes. The middle of such a voxel is within near + sqrt(3) of the eye along forward, so its
- * corners are within near + 2 sqrt(3). Along a ray, the distance is up to c times greater, where c
- * = 1 / cosine of the angle to the frame's corner.
+ * if the ray begins inside a voxel, or if the ray has passed through a voxel that the near plane
+ * removes. Along the forward axis, the middle of a removed voxel is at most near + sqrt(3) from the
+ * eye, and its corners are at most near + 2 sqrt(3) from the eye. Along a ray, the distance is up
+ * to c times greater, where c = 1 / cosine of the angle between the forward axis and the ray to the
+ * frame's corner.
  */
 static bool is_within(const ost_surface *surface, const ost_eye *e)
 {
@@ -187,7 +188,7 @@ static bool is_within(const ost_surface *surface, const ost_eye *e)
     return !ost_surface_is_empty(surface, lo, hi);
 }
 
-/* Computes the light. Returns true if it is equal to the previous one. */
+/* Computes the light. Returns true if the light is equal to that of the previous frame. */
 static bool make_light(const ost_frame *frame, ost_frame_layer *layer, const ost_frame_thing *thing)
 {
     uint32_t colour[OST_PAINTS], face[8];
@@ -242,7 +243,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
         status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
     if (status != OST_OK) {
         for (int i = 0; i < count; i++)
-            frame->layer[i].surface = NULL; /* the present contents of the surfaces were not drawn */
+            /* the present contents of the surfaces have not been drawn, so they cannot be reused */
+            frame->layer[i].surface = NULL;
         return status;
     }
     frame->layers = count;
@@ -250,10 +252,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
-        /*
-         * With one thread, a block's list is made when the first band draws the block, so that no
-         * lists are made for hidden blocks.
-         */
+        /* With one thread, the list of a block is made when the first band draws the block, so that
+           no lists are made for hidden blocks. */
         for (int l = 0; l < count && frame->threads > 1; l++)
             ost_layer_make_lists(frame, &frame->layer[l]);
 #pragma omp for schedule(dynamic, 1)

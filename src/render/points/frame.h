@@ -6,11 +6,12 @@
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
  * A second object, such as a tool whose voxels have another orientation, is drawn in the same way
- * into separate planes of a band. Then the nearer of the two objects is taken for each pixel.
+ * into separate planes of a band. Each pixel then shows the nearer of the two objects.
  *
  * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test,
- * the farthest key of each tile of 8 x 8 pixels is stored. It is recomputed only if it is needed
- * and the tile was drawn to since the last computation. The test does not change the picture.
+ * the farthest key of each tile of 8 x 8 pixels is stored. A farthest key is recomputed only if it
+ * is needed and the tile has been drawn to since the last computation. The test does not change the
+ * picture.
  *
  * After ost_frame_store, unchanged parts are reused. While the eye and the light do not change:
  *
@@ -34,11 +35,12 @@
 #include "render/points/light.h"
 
 enum {
-    /* rows that a thread draws at once; their keys, at 1280 pixels per row, fit into a second-level cache */
+    /* number of rows that a thread draws at a time; their keys, at 1280 pixels per row, fit into a
+       second-level cache */
     OST_BAND = 64,
 };
 
-/* The farthest key of a tile; if stale is true, an upper bound of this key. */
+/* The farthest key of a tile. If stale is true, `farthest` is only an upper bound of this key. */
 typedef struct ost_frame_tile {
     uint64_t farthest;
     bool stale;
@@ -49,37 +51,42 @@ _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TI
 
 /* A thread's scratch for drawing a band. It is small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
-    ost_planes over;        /* owned; planes of a layer other than the first; the first layer uses its keys too */
+    /* owned; planes of any layer except the first; the first layer uses only the keys of these
+       planes */
+    ost_planes over;
     ost_frame_tile *tiles;  /* owned; rows of tiles_across */
     struct ost_frame_lists *lists; /* owned; scratch for making lists */
 } ost_frame_bench;
 
-/* The list of a block for the layer's eye. */
+/* The list of the points of one block that face the layer's eye. */
 typedef struct ost_frame_list {
     uint64_t version;       /* version of the block from which the list was made */
-    uint32_t count, capacity; /* number of entries; capacity */
-    uint32_t visible_first; /* index at which the next list will be stored; the present list is at visible.begin */
-    int32_t at[3];          /* the block's position, in blocks */
+    uint32_t count, capacity; /* number of entries; number of entries for which memory is reserved */
+    /* index of the memory reserved for the block's next list; the present list begins at
+       visible.begin */
+    uint32_t visible_first;
+    int32_t at[3];          /* position of the block, in blocks */
     bool listed;            /* set if the list is made; otherwise no voxel of the block is drawn */
-    bool there;             /* set if the block was in the last frame's view, even if hidden */
+    bool there;             /* set if the block was in view in the last frame, even if it was hidden */
 } ost_frame_list;
 
 /* An object to draw, and the lists of its blocks. */
 typedef struct ost_frame_layer {
     const ost_surface *surface; /* borrowed while a frame is drawn */
-    ost_frame_block *blocks; /* owned; `count` blocks after culling */
+    ost_frame_block *blocks; /* owned; after culling, the first `count` entries are valid */
     int32_t count;
     ost_visible visible;    /* the lists */
     size_t visible_capacity, visible_used;
     ost_frame_list *list;   /* owned; one for each slot */
-    int32_t slots, slot_capacity; /* number of slots in the last frame; capacity */
+    /* number of slots in the last frame; capacity of the arrays with one entry per slot */
+    int32_t slots, slot_capacity;
     float *bases;           /* owned; 4 for each slot */
     ost_splat_eye eye;
     ost_light light;
     float scale;            /* side of this layer's voxels in units of the first object's voxels */
-    /* the eye is inside or close to the object, so that faces that do not adjoin air may be visible */
+    /* set if the eye is inside or close to the object, so that faces that do not adjoin air may be visible */
     bool within;
-    bool same;              /* eye and light are those of the previous frame, and frames are stored */
+    bool same;              /* set if the eye and the light are those of the previous frame and frames are stored */
     int y0, y1;             /* half-open range of rows that the layer may cover */
     ost_cells cells;        /* cells that the layer may cover */
 } ost_frame_layer;
@@ -93,8 +100,10 @@ typedef struct ost_frame {
     ost_planes stored;      /* owned; planes of the first layer alone, without keys; NULL before ost_frame_store */
     bool is_stored;         /* set if `stored` contains the first layer of the last frame */
     ost_cells part;         /* cells of the first layer that this frame draws again */
-    ost_cells stale;        /* cells to be copied from `stored`: drawn again, or covered in the previous frame */
-    /* cells whose colours may differ from `stored`; drawing on the frame adds to it (ost_frame_sheet) */
+    /* cells to be copied from `stored`, because they are drawn again or were covered in the
+       previous frame */
+    ost_cells stale;
+    /* cells whose colours may differ from those in `stored`; drawing on the frame adds cells (ost_frame_sheet) */
     ost_cells over;
     ost_frame_bench *bench; /* owned; one scratch per thread */
     int tiles_across;
@@ -102,7 +111,7 @@ typedef struct ost_frame {
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;
     int threads;
-    int band;               /* rows that a thread draws at once, a multiple of OST_TILE */
+    int band;               /* number of rows that a thread draws at a time, a multiple of OST_TILE */
     ost_frame_layer layer[OST_FRAME_LAYERS];
     int layers;             /* number of layers of the last frame */
     ost_style style;
@@ -112,7 +121,7 @@ typedef struct ost_frame {
 /* An object in front of the camera. */
 typedef struct ost_frame_thing {
     const ost_surface *surface;
-    ost_eye eye;            /* in the object's voxels; its picture size is that of the frame */
+    ost_eye eye;            /* in the object's voxels; the picture size of the eye must be that of the frame */
     ost_paint paint;
     const uint32_t *palette; /* borrowed; if NULL, every voxel has the paint of the object */
 } ost_frame_thing;
@@ -123,11 +132,12 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
 /* Frees the frame's memory. Accepts a zero-initialized frame. */
 void ost_frame_free(ost_frame *frame);
 
-/* Enables keys of the first layer in the planes of later frames. They identify the voxel of each pixel. */
+/* Enables keys for later frames: the planes then contain the keys of the first layer, which
+   identify the voxel of each pixel. */
 ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
-/* Enables redrawing only the parts that differ. Used for frames in which only some blocks have
-   changed since the last frame. */
+/* Enables partial redrawing: later frames draw only the parts that differ from the previous frame.
+   Used if only some blocks change from frame to frame. */
 ost_status ost_frame_store(ost_frame *frame, ost_error *err);
 /* Marks all pixels as overwritten by another renderer. */
 void ost_frame_overwritten(ost_frame *frame);
@@ -141,18 +151,19 @@ ost_sheet ost_frame_sheet(const ost_frame *frame);
  */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
 /*
- * Blends one more object over a frame that any renderer has drawn. Its weight is `share` / 256
- * where it is in front of other objects, and half of that where it is behind them. Only colours
- * change. spacing: spacing of the first object's voxels, which is the unit of depth.
+ * Blends one more object over a frame that any renderer has drawn. The weight of the object is
+ * `share` / 256 where it is in front of other objects, and half of that where it is behind other
+ * objects. Only colours change. spacing: spacing of the first object's voxels, which is the unit of
+ * depth.
  */
 ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing,
                                 ost_error *err);
 /* Draws a frame that contains only the bone. */
 ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
-/* Copies the colours of the last frame to the picture, which must have the frame's size. */
+/* Copies the colours of the last frame to the picture. The picture must have the frame's size. */
 void ost_frame_copy(const ost_frame *frame, ost_picture *picture);
-/* Does the same for colours in a frame's format: red in the lowest byte, stride pixels per row. */
+/* Copies colours in a frame's format to the picture: red in the lowest byte, stride pixels per row. */
 void ost_colours_copy(const uint32_t *colours, int stride, ost_picture *picture);
 
 #endif

@@ -12,7 +12,8 @@ typedef struct band {
     ost_frame_bench *bench;
 } band;
 
-/* The half-open range of a band's tiles that a block may cover. Rows are counted from the band's first row. */
+/* The half-open range of tiles in a band that a block may cover. Rows of tiles are counted from the
+   first row of the band. */
 typedef struct tile_range {
     int x0, x1, y0, y1;
 } tile_range;
@@ -25,7 +26,7 @@ static tile_range tiles_of(const ost_frame_block *b, const band *at)
                         (end - at->y0 + OST_TILE - 1) / OST_TILE};
 }
 
-/* Returns true if voxels nearer than key cover all tiles of the range. */
+/* Returns true if all tiles of the range are covered by voxels nearer than `key`. */
 static bool hidden(const ost_frame *f, const band *at, const ost_planes *planes, tile_range r, uint64_t key)
 {
     for (int y = r.y0; y < r.y1; y++)
@@ -52,13 +53,14 @@ static void drawn(const ost_frame *f, const band *at, tile_range r)
         }
 }
 
-/* A row of cells in a band. */
+/* One row of cells in a band. */
 typedef struct cell_row {
     uint64_t bit[OST_CELL_WORDS];
-    int words, y0, y1; /* its rows of pixels: y0 <= y < y1 */
+    int words, y0, y1; /* rows of pixels that the row of cells contains: y0 <= y < y1 */
 } cell_row;
 
-/* Returns the cells of a row that are in both a and b; if `without` is true, those in a but not in b. */
+/* Returns the cells of a row that are in both a and b. If `without` is true, returns those that are
+   in a but not in b. */
 static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, const band *at, int y)
 {
     const uint64_t *x = ost_cells_row(a, y / OST_CELL_HEIGHT), *z = ost_cells_row(b, y / OST_CELL_HEIGHT);
@@ -68,7 +70,8 @@ static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, con
     return row;
 }
 
-/* Finds the next run of columns, in pixels. *to must be 0 or the end of the previous run. */
+/* Finds the next run of consecutive cells in a row. Stores the run's half-open range of columns, in
+   pixels, in *from and *to. *to must be 0 or the end of the previous run. */
 static bool next_run(const cell_row *row, int *from, int *to)
 {
     int a, b = *to / OST_CELL_WIDTH;
@@ -78,7 +81,7 @@ static bool next_run(const cell_row *row, int *from, int *to)
     return found;
 }
 
-/* Clears the keys of pixels that are drawn anew, and marks all other tiles as complete. Returns the extent to draw. */
+/* Clears the keys of pixels that are drawn again, and marks all other tiles as complete. Returns the extent to draw. */
 static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
                         const ost_planes *planes)
 {
@@ -169,7 +172,7 @@ static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, in
     return ost_cells_has(&layer->cells, x, y) && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
 }
 
-/* Blends a ghost with its outline into row y, columns first to end - 1. Only colours change. */
+/* Blends a ghost with its outline into the columns first to end - 1 of row y. Only colours change. */
 static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y, int first, int end)
 {
     enum { LINE = 100 };
@@ -197,7 +200,7 @@ void ost_frame_merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer,
         merge_ghost(f, layer, ghost, y, from, to);
 }
 
-/* Returns a band of rows. Planes without keys use the keys of the thread's scratch. */
+/* Returns a band of rows. If the planes have no keys, they use the keys of the thread's scratch. */
 static band band_of(const ost_frame *f, int number, ost_planes *planes)
 {
     const int y0 = number * f->band;

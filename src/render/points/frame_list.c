@@ -52,13 +52,13 @@ static ost_status make_slots(ost_frame_layer *layer, ost_error *err)
     return OST_OK;
 }
 
-/* Returns a capacity of complete vectors, with one eighth in reserve for growth. */
+/* Returns the capacity for count entries: one eighth more for growth, rounded up to a multiple of OST_LANES. */
 static uint32_t padded(uint32_t count)
 {
     return (count + count / 8 + OST_LANES - 1) / OST_LANES * OST_LANES;
 }
 
-/* Reallocates the lists' memory. All lists are lost. */
+/* Reallocates the memory of all lists. The contents of the lists are lost. */
 static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
 {
     const ost_surface *s = layer->surface;
@@ -83,7 +83,7 @@ static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
     return out_of_memory(layer, err);
 }
 
-/* Assigns positions to the lists of all blocks. Returns false if the capacity is not sufficient. */
+/* Assigns positions in memory to the lists of all blocks. Returns false if the capacity is not sufficient. */
 static bool place_lists(ost_frame_layer *layer)
 {
     const ost_surface *s = layer->surface;
@@ -150,11 +150,11 @@ void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, i
     list->listed = true;
 }
 
-/* Parts of a block that look different: cubes of 4 voxels per side, with one bit for each. */
+/* The parts of a block that look different. A part is a cube of 4 voxels per side and has one bit. */
 enum { PART = 4, PARTS = OST_BLOCK / PART };
 
 typedef struct parts {
-    uint64_t bit[PARTS]; /* bit x + 8 y, for each z */
+    uint64_t bit[PARTS]; /* for each z, bit x + 8 y stands for one part */
 } parts;
 
 static void differs(parts *p, uint32_t id)
@@ -162,7 +162,8 @@ static void differs(parts *p, uint32_t id)
     p->bit[(id >> 10 & 31) / PART] |= UINT64_C(1) << ((id & 31) / PART + PARTS * ((id >> 5 & 31) / PART));
 }
 
-/* Makes a list again and marks the parts in which the old and the new list differ. Both lists are sorted. */
+/* Makes the list of a block again, and marks the parts of the block in which the old and the new
+   list differ. Both lists are sorted. */
 static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *old,
                          parts *out)
 {
@@ -203,9 +204,9 @@ static void add_parts(const ost_cells *cells, const ost_frame_layer *layer, int3
 }
 
 /*
- * Sets frame->part to the cells that changed blocks may cover, before or after the change. A block
- * that was hidden has no list and adds no cells: the voxels that hid it either still hide it, or
- * have changed, and then frame->part contains their cells.
+ * Sets frame->part to the cells that changed blocks may cover before or after the change. A block
+ * that was hidden has no list and adds no cells. This is correct: either the voxels that hid this
+ * block still hide it, or they have changed, and then frame->part contains their cells.
  */
 static void find_part(ost_frame *frame, const ost_frame_layer *layer)
 {

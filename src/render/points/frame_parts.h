@@ -15,7 +15,7 @@
 #include <omp.h>
 #endif
 
-/* A thread's scratch for making a list, and the list that the new one replaces. */
+/* A thread's scratch for making a list. It also contains a copy of the list that the new list replaces. */
 typedef struct ost_frame_lists {
     ost_chosen chosen;
     uint32_t tint[OST_BLOCK_POINTS + OST_LANES];
@@ -23,7 +23,7 @@ typedef struct ost_frame_lists {
     uint8_t only[OST_BLOCK_POINTS];
 } ost_frame_lists;
 
-/* Returns the calling thread's number in its team, which is the index of its scratch. */
+/* Returns the number of the calling thread in its team, which is also the index of the thread's scratch. */
 static inline int ost_frame_thread(void)
 {
 #ifdef _OPENMP
@@ -37,28 +37,30 @@ static inline int ost_frame_thread(void)
 
 /*
  * Reserves memory for the lists of layer->surface, and sets layer->slots to the surface's number of
- * slots. Sets layer->same to false if lists were lost or belong to other blocks.
+ * slots. Sets layer->same to false if the reallocation discarded lists or if the lists belong to
+ * other blocks.
  */
 ost_status ost_layer_reserve(ost_frame_layer *layer, ost_error *err);
 void ost_layer_free(ost_frame_layer *layer);
-/* Makes the list of the block in this slot. */
+/* Makes the list of the block in the given slot. */
 void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *with);
 /* Makes the missing lists. Must be called by all threads of a team. */
 void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer);
 /* Drops the lists that are not valid for this frame. */
 void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
- * Sets frame->part to the cells of the first layer to draw, and frame->stale to the cells to copy
- * from the stored planes. Returns the planes to draw into. The stored planes are drawn completely
- * only in the second of two equal frames, so that frames with a moving eye do not have this cost.
- * Because voxel numbers change with a list, a frame with keys draws all cells again.
+ * Sets frame->part to the cells of the first layer that must be drawn. Sets frame->stale to the
+ * cells that must be copied from the stored planes. Returns the planes to draw into. The stored
+ * planes are drawn completely only in the second of two equal frames, so that frames with a moving
+ * eye do not have this cost. The numbers of voxels change with a list, so a frame with keys draws
+ * all cells again.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 
 /* ---- frame_band.c */
 
-/* Draws a band of all layers. base: planes of the first layer alone; these are the frame's own
-   planes unless they are stored. */
+/* Draws a band of all layers. base: planes that contain only the first layer. If frames are not
+   stored, base is the frame's own planes. */
 void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base);
 /* Draws a band of one layer into the ghost's planes. */
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number);

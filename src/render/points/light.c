@@ -6,7 +6,8 @@
 
 #include "render/points/surface.h"
 
-/* Computes a unit vector from its components r, u and f along the picture's right, up and inward directions. */
+/* Computes a unit vector from components along the picture's directions: r to the right, u up, and
+   f into the picture. */
 static void toward(const ost_eye *eye, float r, float u, float f, float out[3])
 {
     float square = 0;
@@ -44,7 +45,7 @@ static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d
         mirror *= mirror;
         mirror *= mirror;
         mirror *= mirror;
-        mirror *= mirror; /* the last squaring gives the 16th power */
+        mirror *= mirror; /* the last squaring yields the 16th power */
         const float bright = ((0.20f + 0.17f * sky) + (0.74f * key + 0.20f * fill)) + 0.10f * back;
         const int scaled_bright = (int)(256.0f * bright + 0.5f), added = (int)(gloss * mirror + 0.5f);
         shade[i] = (uint16_t)((scaled_bright < 320 ? scaled_bright : 320) | added << OST_BRIGHT_BITS);

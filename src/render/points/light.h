@@ -16,13 +16,15 @@
 #include "render/points/octahedral.h"
 #include "render/points/palette.h"
 
-#define OST_CONTACT 0x30a0ffu /* 0xBBGGRR; blended in where bone was just removed */
+#define OST_CONTACT 0x30a0ffu /* 0xBBGGRR; this colour is blended in where bone was just removed */
 #define OST_BACKGROUND 0x1c1816u /* 0xBBGGRR */
 
 /* The paint of an object: its colour and gloss. */
 typedef struct ost_paint {
     uint8_t red, green, blue;
-    uint8_t gloss; /* at most 127; added to each channel in the mirror direction of the key light */
+    /* at most 127; added to each channel where the mirror direction of the key light points to the
+       eye */
+    uint8_t gloss;
 } ost_paint;
 
 #define OST_PAINT_BONE ((ost_paint){0xe3, 0xda, 0xc9, 26}) /* thesis 3.3.2 */
@@ -32,18 +34,20 @@ typedef struct ost_paint {
 enum { OST_BRIGHT_BITS = 9 };
 
 typedef struct ost_light {
-    /* per direction: brightness in 256ths, at most 320; above OST_BRIGHT_BITS the amount added to each channel */
+    /* for each direction: brightness in 256ths, at most 320; the bits from OST_BRIGHT_BITS on are
+       the amount added to each channel */
     uint16_t shade[OST_OCTAHEDRAL_COUNT];
     uint32_t face[8];                     /* light of each face, in 256ths; entries 6 and 7 are not used */
     uint32_t colour[OST_PAINTS];          /* colour of each paint, 0xBBGGRR */
     ost_style style;
-    /* The inputs from which shade was computed. shade is reused while they do not change. */
+    /* The inputs from which `shade` was computed. The contents of shade are reused while these inputs do not change. */
     float right[3], up[3], forward[3];
     uint8_t gloss;
     bool made;
 } ost_light;
 
-/* Directions of the lights, as unit vectors. half: half-way between the key light and the eye. */
+/* Directions of the lights, as unit vectors. half: halfway between the direction of the key light
+   and that of the eye. */
 typedef struct ost_lamps {
     float key[3], fill[3], half[3], back[3], up[3];
 } ost_lamps;
@@ -53,8 +57,8 @@ typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *di
                                 float gloss);
 
 /*
- * Unit vectors of all directions, and the loop that shades them. shade is the loop in light.c
- * unless it is set to ost_light_shade_for.
+ * Unit vectors of all directions, and the function shade, which computes the shades of all
+ * directions. It is the function in light.c unless it is set to the result of ost_light_shade_for.
  */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];
@@ -64,12 +68,13 @@ void ost_directions_make(ost_directions *directions);
 ost_light_shade_of *ost_light_shade_for(ost_isa isa);
 
 /*
- * Computes a frame's light. palette: made by ost_palette_make; if NULL, every paint is that of the
- * object. The light must be zero-initialized before its first use.
+ * Computes the light of a frame. palette: made by ost_palette_make; if palette is NULL, every paint
+ * is the object's own paint. The light must be zero-initialized before its first use.
  */
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style,
                     ost_paint paint, const uint32_t *palette);
-/* Computes the colours of fully lit faces. Both arrays must have space for count rounded up to a multiple of 16. */
+/* Computes the colours of fully lit faces. Both arrays must have space for count entries, rounded
+   up to a multiple of 16. */
 void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 typedef void ost_light_tint_of(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 ost_light_tint_of *ost_light_tint_for(ost_isa isa);

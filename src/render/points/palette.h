@@ -23,12 +23,13 @@ typedef enum ost_colouring {
 
 enum {
     OST_PAINTS = 256,
-    OST_PAINT_LIT = 1,      /* first lit colour; the next constant is the first flat colour */
+    OST_PAINT_LIT = 1,      /* first lit colour; OST_PAINT_FLAT is the first flat colour */
     OST_PAINT_FLAT = 128,
-    OST_SCALE = 127,        /* number of steps of a scale, 0 .. 126 */
+    OST_SCALE = 127,        /* number of steps of a scale; the steps are 0 .. 126 */
 };
 
-/* A tissue of the bone, by density and position. The first three are the default density classes, from soft to hard. */
+/* A tissue of the bone, determined by density and position. The first three tissues are the default
+   density classes, from soft to hard. */
 typedef enum ost_tissue {
     OST_TISSUE_CARTILAGE,
     OST_TISSUE_CANCELLOUS,
@@ -42,10 +43,11 @@ extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
 /* Densities in HU that the CT's window shows as black and as white. They are also the ends of the density scale. */
 enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };
 
-/* Return the colour of a step, 0 .. 126, of the scale and of the grey window, respectively. */
+/* ost_scale_colour returns the colour of a step of the scale, and ost_window_grey that of a step of
+   the grey window. A step is 0 .. 126. */
 uint32_t ost_scale_colour(int step);
 uint32_t ost_window_grey(int step);
-/* Returns the step of a density in HU, 0 .. 126. */
+/* Returns the step, 0 .. 126, for a density in HU. */
 int ost_window_step(int density);
 
 /* Fills the palette of a colouring. Colour 0 is not used, because it means the object's own paint. */

@@ -4,7 +4,7 @@
  * blocks. A shade depends on voxels at most OST_SHADING_REACH away, so most rows of points keep
  * their shades:
  *
- *   bits shown --faces--> rows of points; another list? --.
+ *   bits shown --faces--> rows whose list changed --------.
  *   bits that changed --> rows within reach --------------+--> stale rows --shade--> shades
  *   previous shades ------------------------ other rows --'                        '--> contact
  *
@@ -57,7 +57,7 @@ static bool same_points(const ost_surface_block *b, const uint32_t *points, cons
     return true;
 }
 
-/* Finds the rows whose points or shades may have changed. Returns false if there are none. */
+/* Finds the rows whose points or shades may have changed. Returns false if there are no such rows. */
 static bool find_changed(const ost_surface *s, const ost_surface_block *b, const uint32_t *points,
                          ost_shading_scratch *k)
 {
@@ -81,7 +81,7 @@ static bool find_changed(const ost_surface *s, const ost_surface_block *b, const
     return any != 0;
 }
 
-/* Copies the previous shades of all rows that are not stale. */
+/* Copies the previous shades of those rows that are not stale. */
 static void copy_shading(const ost_surface_block *b, ost_shading_scratch *k)
 {
     const uint16_t *begin = k->faces.begin;
@@ -125,8 +125,8 @@ static bool reserve_points(ost_surface_block *b, uint32_t count)
     return points && shades;
 }
 
-/* Renderers identify their copies of lists by this version. An address would not suffice, because
-   another surface could reuse it. */
+/* Renderers identify their copies of a list by its version. The address of a block would not
+   suffice, because another surface could reuse it. */
 static _Atomic uint64_t versions;
 
 static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k,
@@ -174,7 +174,9 @@ ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
     if (find_changed(surface, b, points, k))
         status = ost_surface_shade(surface, b, points, k, err);
     if (status == OST_OK) {
-        copy_shading(b, k); /* this must be last, because computing stale rows may overwrite words after their ends */
+        /* must be called last, because computing the stale rows may overwrite words after the ends
+           of these rows */
+        copy_shading(b, k);
         mark_contact(b, points, k);
         status = take(surface, slot, points, k, err);
     }

@@ -6,14 +6,15 @@
 #include "core/isa.h"
 #include "render/points/surface.h"
 
-/* Selects the loops for an instruction set. The default is the best set that OSTEON_ISA allows. */
+/* Selects the loops for an instruction set. By default, the best instruction set that OSTEON_ISA allows is used. */
 ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err);
 
-/* Recomputes the cells of all blocks that need it. Must be called before the first renewal, which
-   reads cells of neighbours. */
+/* Recomputes the cells of all blocks in which cells may have changed. Must be called before the
+   first renewal, because a renewal reads the cells of neighbours. */
 ost_status ost_surface_measure_all(ost_surface *surface, ost_error *err);
 
-/* Updates a dirty block. Its record of changes is not cleared, because its neighbours read it. */
+/* Updates a block that is marked as dirty. The block's record of changes is not cleared, because
+   its neighbours read it. */
 ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err);
 
 #endif

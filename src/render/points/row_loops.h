@@ -16,8 +16,9 @@ static inline void join_rows(const uint32_t *restrict left, const uint32_t *rest
 }
 
 /*
- * Returns the next step of a spread. Bits have already been spread by c = covered. OR-ing with
- * copies shifted by step leaves no gap if step <= 2 c + 1.
+ * Returns the distance of the next shift when bits are spread. `covered` is the distance over which
+ * the bits have already been spread. After an OR with copies shifted by at most 2 covered + 1, no
+ * gap remains.
  */
 static inline int next_step(int covered, int reach)
 {
@@ -73,7 +74,7 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     }
 }
 
-/* Computes, for each of the six faces, which voxels of a row have a set bit behind this face. */
+/* Computes, for each of the six faces, the voxels of a row that have a set bit behind this face. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
     const uint32_t own = rim->row[z + 1][y + 1];

@@ -11,9 +11,10 @@
  *
  * Only the rows on which stale points depend are computed. The wide field is computed in the same
  * way for cells of 2^3 voxels, from -5 to 20, and then interpolated to voxels with the weights 3 :
- * 1 (smooth.c). A block stores its cells, so the neighbours of a block need not be measured again.
+ * 1 (smooth.c). A block stores its cells, so they need not be computed again when a neighbour is
+ * shaded.
  *
- *    reach: a slope 1, to a cell's middle and on to the next 2, four cells 8
+ *    reach in voxels: 1 for the slope, 2 for the interpolation between cells, 8 for four cells of the sum
  *
  * If only the bits are known, a voxel contains either no bone or 100 % of it. If the CT is known, a
  * bone voxel contains from a quarter to 100 % of bone, depending on its density: a voxel at the
@@ -33,10 +34,10 @@ enum {
     REACH = OST_FIELD_REACH,
     NEAR = OST_NEAR_REACH,
     INNER = OST_FIELD_ROWS,     /* number of rows of the field */
-    LINE = OST_FIELD_LINE, LEFT = 8, /* x coordinate of the first entry of a row is -LEFT */
+    LINE = OST_FIELD_LINE, LEFT = 8, /* the first entry of a line is at x = -LEFT */
     NINE = 9, THREE = 3,
     CELLS = OST_CELLS,
-    ROWS_BEFORE = OST_SHADING_REACH, /* number of rows of ost_rows before voxel 0 */
+    ROWS_BEFORE = OST_SHADING_REACH, /* index in ost_rows of row 0 of the block */
 };
 
 _Static_assert((int)OST_WIDE_REACH + (int)NEAR == (int)OST_SHADING_REACH, "blocks so far from a change are made anew");
@@ -48,7 +49,7 @@ static const uint32_t *recent_of(const ost_surface_block *b) { return b->recent;
 
 /* ------------------------------------------------------------------- field */
 
-/* Computes k->near, the voxels near removed ones. Returns false if no voxel was removed; near is then undefined. */
+/* Computes k->near, the voxels near removed ones. Returns false if no voxel was removed; k->near is then undefined. */
 static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k)
 {
     uint64_t any = 0;
@@ -62,8 +63,8 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shad
     return any != 0;
 }
 
-/* Returns voxels first to first + LINE - 1 of a row of `size`. Values beyond the row are never
-   used, because there is no bone. */
+/* Returns the LINE voxels of a row from index `first` on. size: number of voxels in the row. Values
+   beyond the row are never used, because there is no bone. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)
@@ -74,8 +75,9 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
 }
 
 /*
- * Computes the amounts of bone in rows first to last of slice z, both counted from -REACH. Reads
- * densities only if they are needed, because the rows are far apart in memory.
+ * Computes the amounts of bone in the rows first to last of slice z. Rows and slices are counted
+ * from -REACH. Densities are read only if they are needed, because the rows are far apart in
+ * memory.
  */
 static void measure(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z,
                     int first, int last, uint16_t (*out)[LINE])
@@ -101,7 +103,7 @@ static void measure(const ost_surface *s, const ost_surface_block *b, ost_shadin
 
 /* ------------------------------------------------------------------- cells */
 
-/* Finds the rows of cells that may have changed: bit y of word z. */
+/* Finds the rows of cells that may have changed. Row y of slice z is bit y of rows[z]. */
 static void find_unmeasured(const ost_surface *s, const ost_surface_block *b, uint32_t rows[CELLS])
 {
     uint64_t changes[OST_SEEN];
@@ -146,7 +148,8 @@ static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_a
     }
 }
 
-/* Finds the rows of the field of cells on both sides of each needed row of the field. */
+/* Finds the rows of cells from which the needed rows of the wide field are interpolated: for each
+   needed row, the two adjacent rows of cells. */
 static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER])
 {
     memset(cells, 0, INNER * sizeof *cells);
@@ -158,7 +161,8 @@ static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER
         }
 }
 
-/* Finds the rows of the field that stale rows need: bits y + 1 of words z + 1. */
+/* Finds the rows of the field that are needed for the stale rows of the block. Row y of slice z is
+   bit y + 1 of needed[z + 1]. */
 static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 {
     memset(needed, 0, INNER * sizeof *needed);
@@ -170,7 +174,11 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
     }
 }
 
-/* Finds the range of rows of sums along y that the field needs in slice z. All are counted from -REACH. */
+/*
+ * Finds the first and the last row of sums along y that the field needs in slice z. Slices of bone
+ * are counted from z = -REACH. Sum i begins at the row of bone with index i, counted from y =
+ * -REACH.
+ */
 static void rows_needed(int z, const uint64_t needed[INNER], int *first, int *last)
 {
     uint64_t rows = 0;
@@ -189,7 +197,7 @@ static void add_slice(const ost_surface *s, const ost_surface_block *b, ost_shad
     k->smooth.down((const uint16_t(*)[LINE])k->bone + first, k->y[z % NINE] + first, last - first + 1);
 }
 
-/* Does the same as add_slice, for cells. */
+/* Computes slice z of the sums along y for cells, as add_slice does for voxels. */
 static void add_cells(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER])
 {
     int first, last;
@@ -210,8 +218,9 @@ static void add_cells(cells_about about, ost_shading_scratch *k, int z, const ui
 }
 
 /*
- * Computes slice z of the wide field. *made and *smoothed: all needed slices of cells, and of the
- * field of cells, with a smaller index have already been computed.
+ * Computes slice z of the wide field. *made is the number of slices of cells that have been
+ * processed, and *smoothed the number of slices of the field of cells. Slices that are not needed
+ * are included in these numbers.
  */
 static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER],
                   const uint64_t cells[INNER], int *made, int *smoothed)
@@ -229,7 +238,7 @@ static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64
     k->smooth.finer(both, z % 2, needed[z], &k->wide[z % THREE]);
 }
 
-/* Computes the shades of the points in stale rows of slice z. */
+/* Computes the shades of those points of slice z that are in stale rows. */
 static void select_slices(const uint32_t *points, ost_shading_scratch *k, int z)
 {
     const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE],
@@ -248,7 +257,8 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 {
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
-    int made = 0, cells_made = 0, cells_smoothed = 0; /* all needed slices with a smaller index have been computed */
+    /* all needed slices with an index less than this number have been computed */
+    int made = 0, cells_made = 0, cells_smoothed = 0;
     ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
     const bool cut = s->reference && find_near(s, b, k);
     find_needed(k->stale, needed);
@@ -271,7 +281,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 
 /* ------------------------------------------------------------------- paint */
 
-/* Finds the voxels that have a face to the air and behind this face a voxel of the given set of bits. */
+/* Finds the voxels that have a face to the air and, behind this face, a voxel of the set that `which` returns. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
                         uint32_t out[OST_BLOCK_ROWS])
 {
@@ -303,13 +313,13 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
     if (s->any_recent && find_beyond(s, b, recent_of, k, recent))
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] |= recent[row];
-    if (s->clipped) /* a clip plane bares voxels without removing bone */
+    if (s->clipped) /* a voxel bared by the clip plane is not in contact, because no bone was removed there */
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] &= ~k->cap[row];
 }
 
-/* Computes k->bared, the voxels that a tool has bared. The depth is needed only if a voxel was
-   removed next to the block's points. */
+/* Computes k->bared, the voxels that a tool has bared. The depths of the block are computed only if
+   a voxel next to its points was removed. */
 static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_shading_scratch *k, ost_error *err)
 {
     if (!s->reference || s->colouring == OST_COLOUR_BONE) {

@@ -22,27 +22,33 @@
 typedef struct ost_shading_scratch {
     ost_row_kernels rows;
     ost_smooth_kernels smooth;
-    ost_faces faces;             /* faces to the air of the block's shown voxels */
+    ost_faces faces;             /* faces to the air of those voxels of the block that are shown */
     uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed: bit y of word z */
     uint32_t points[OST_BLOCK_POINTS + OST_POINT_SLACK], shades[OST_BLOCK_POINTS + OST_SHADING_SLACK];
-    /* voxels bared by the clip plane; bared by a tool; in contact at present */
+    /* cap: voxels that the clip plane bares; bared: voxels that a tool has bared; contact: voxels
+       next to which bone was just removed */
     uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS];
     ost_rim rim;
-    ost_rows occupied, near, other; /* active voxels; voxels near removed ones; scratch of spread */
-    uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE]; /* a slice; or two slices of the block without its neighbours */
-    ost_field_slice y[9], field[3];                    /* slice z is at index z modulo nine, or z modulo three */
+    /* occupied: active voxels; near: voxels near removed ones; other: scratch of the function
+       spread */
+    ost_rows occupied, near, other;
+    /* one slice with the neighbours' voxels, or two slices of the block alone */
+    uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE];
+    /* y: slice z is stored at index z % 9; field: slice z is stored at index z % 3 */
+    ost_field_slice y[9], field[3];
     uint16_t cells[OST_CELLS + 10 + 2][OST_FIELD_LINE];  /* a slice */
     ost_field_slice cells_y[9], cells_field[3], wide[3];
 } ost_shading_scratch;
 
-/* Recomputes the block's cells near changes. Must be called for all blocks before the first one is shaded. */
+/* Recomputes those cells of the block that are near changes. Must be called for all blocks before
+   the first block is shaded. */
 void ost_surface_measure(const ost_surface *surface, ost_surface_block *block, ost_shading_scratch *scratch);
 
-/* Computes the shades of all points in stale rows. The scratch must contain the block's faces, and
-   the shades are written to the scratch. */
+/* Computes the shades of all points in stale rows and writes them to the scratch. The scratch must
+   already contain the faces of the block. */
 ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points,
                              ost_shading_scratch *scratch, ost_error *err);
-/* Computes cap and contact of the scratch for all rows of the block. */
+/* Computes scratch->cap and scratch->contact for all rows of the block. */
 void ost_surface_find_marked(const ost_surface *surface, const ost_surface_block *block, ost_shading_scratch *scratch);
 
 #endif

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes shades from fields. Slopes are fetched point by point and then converted to words,
- * sixteen points at once if the registers are wide enough. The arithmetic uses floats; each
- * operation is rounded separately and in a fixed order:
+ * Computes shades from fields. Slopes are read point by point and then converted to shades, sixteen
+ * points at a time if the registers are wide enough. The arithmetic uses floats. The operations
+ * have a fixed order, and each one is rounded separately:
  *
  *   fine, wide slope --their angle--> share t of the wide one
  *   (1 - t) fine / |fine| + t wide / |wide| --> normal
  *   fine, wide value --> openness by the fine one, by both --t--> openness
  *
  * The value of a field depends both on a voxel's distance from the smooth surface and on its
- * openness. Across a plane, the wide value rises half as fast as the fine value, so 2 wide - fine
- * does not depend on that distance: on a plane it is half of the maximum, on an edge less, in a
- * hollow more.
+ * openness. Across a plane, the wide value rises half as fast as the fine value. Therefore 2 wide -
+ * fine does not depend on the voxel's distance. It is half of the maximum on a plane, less on an
+ * edge, and more in a hollow.
  */
 #ifndef OST_RENDER_SLOPES_H
 #define OST_RENDER_SLOPES_H
@@ -20,20 +20,25 @@
 #include "render/points/smooth.h"
 
 enum {
-    OST_LINE_SHIFT = 8,  /* bit of a row at which a line begins */
-    OST_LINE_SKIP = 3,   /* x is -1 at the beginning of a field's row, and -5 at the beginning of the sums */
+    OST_LINE_SHIFT = 8,  /* bit of a row at which a line begins: a row begins at x = -16 and a line at x = -8 */
+    /* a sum for x = -1, the first entry of a field's row, begins at x = -5, which is entry 3 of a
+       line */
+    OST_LINE_SKIP = 3,
     OST_SLOPES = 16,
-    /* openness of a plane, and least openness; rates at which openness falls in a pit and rises on an edge */
+    /* openness of a plane; least openness; rate at which openness falls in a pit; rate at which it rises on an edge */
     OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120,
-    OST_WIDE_PART = 4,   /* wide values are values of the field divided by this */
-    OST_WIDE_LEAST = 120, /* smaller wide slopes are ignored */
-    OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of the field's maximum */
+    OST_WIDE_PART = 4,   /* the values of the wide field are divided by this number */
+    OST_WIDE_LEAST = 120, /* a wide slope smaller than this is ignored */
+    OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of OST_FIELD_FULL */
 };
-/* Least cosine of the angle between the slopes at which the wide slope is used. If the cosine is 1
-   / 10 greater, only the wide slope is used. */
+/*
+ * The wide slope is used if the cosine of the angle between the fine and the wide slope is at least
+ * OST_AGREE_LEAST. Its weight rises with the cosine. From OST_AGREE_LEAST + 1 / OST_AGREE_STEEP on,
+ * only the wide slope is used.
+ */
 static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10;
 
-/* Returns the openness for a field value from 0 to slightly more than OST_FIELD_FULL. */
+/* Returns the openness for a value of the field, which is between 0 and slightly more than OST_FIELD_FULL. */
 static inline int ost_openness(int field)
 {
     const int beyond = field - OST_FIELD_FLAT;
@@ -41,7 +46,7 @@ static inline int ost_openness(int field)
     return open < OST_OPEN_LEAST ? OST_OPEN_LEAST : open > 255 ? 255 : open;
 }
 
-/* Data of up to OST_SLOPES points: the slope of each field along each axis, the values of the
+/* Data of up to OST_SLOPES points: the slope of both fields along each axis, the values of both
    fields, and the faces to the air. */
 typedef struct ost_slopes {
     int32_t fine[3][OST_SLOPES], wide[3][OST_SLOPES], value[2][OST_SLOPES], faces[OST_SLOPES];
@@ -66,13 +71,14 @@ static inline void ost_slope_at(uint32_t point, const ost_field_slice *const fin
     out->faces[i] = (int32_t)(point >> OST_FACES_SHIFT);
 }
 
-/* Adds the faces to the air to a slope, because in the middle of a plate of one voxel the field has no slope. */
+/* Adds to a slope the contribution of the faces to the air. Without it, the slope would be zero in
+   the middle of a plate that is one voxel thick. */
 static inline int32_t ost_slope_with_faces(int32_t slope, int32_t faces, int axis)
 {
     return slope + OST_FIELD_BY_FACES * ((faces >> (2 * axis + 1) & 1) - (faces >> (2 * axis) & 1));
 }
 
-/* Fetches the slopes of up to OST_SLOPES points. */
+/* Computes the slopes of up to OST_SLOPES points. */
 static inline void ost_slopes_at(const uint32_t *points, int count, const ost_field_slice *const fine[3],
                                  const ost_field_slice *const wide[3], ost_slopes *out)
 {

@@ -56,15 +56,16 @@ void ost_field_slice_scalar(const ost_field_slice *const y[9], uint64_t rows, os
 
 OST_CELLS_DEFINE(scalar)
 
-/* Returns three quarters of near and one quarter of far, for words below 2^14. */
+/* Returns three quarters of near plus one quarter of far, for words less than 2^14. */
 static inline uint16_t between(uint16_t near, uint16_t far)
 {
     return (uint16_t)((3 * near + far + 2) >> 2);
 }
 
 /*
- * Positions 2 m and 2 m + 1 of a field are one quarter and three quarters of the way from cell m to
- * cell m + 1 (counted from -1, as are all rows of a field):
+ * Position 2 m of a field is one quarter of the way from cell m to cell m + 1, and position 2 m + 1
+ * is three quarters of the way. Positions and cells are counted from -1, like all rows
+ * of a field:
  *
  *    cell m - 1  |    cell m     |  cell m + 1
  *                    o   |   o
@@ -95,7 +96,7 @@ static inline float size_of(const float v[3])
     return sqrtf((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
 }
 
-/* Returns the weight of the wide slope, from 0 to 1. */
+/* Returns the weight of the wide slope in the normal, from 0 to 1. */
 static inline float share_of(const float fine[3], const float wide[3], float fine_size, float wide_size)
 {
     const float both = fine_size * wide_size, dot = (fine[0] * wide[0] + fine[1] * wide[1]) + fine[2] * wide[2];

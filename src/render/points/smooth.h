@@ -24,48 +24,48 @@
 #include "render/points/surface.h"
 
 enum {
-    OST_FIELD_REACH = 5,   /* reach of a sum, 4, plus one for a gradient, in voxels */
-    OST_WIDE_REACH = 11,   /* reach of the wide field's gradient, in voxels */
-    /* up to this distance from a cut, a voxel's density is ignored and the voxel counts as 100 %
-       bone */
+    OST_FIELD_REACH = 5,   /* in voxels: the sum reaches 4 voxels, and the gradient adds one */
+    OST_WIDE_REACH = 11,   /* in voxels; the gradient of the wide field depends on voxels up to this distance */
+    /* within this distance of a cut, the density of a bone voxel is ignored, and the voxel counts as 100 % bone */
     OST_NEAR_REACH = 3,
-    OST_FIELD_LINE = 48,   /* number of voxels of a row; x begins at -8 */
-    OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH, /* number of rows of a slice of bone, and number of slices */
-    OST_FIELD_ROWS = OST_BLOCK + 2, /* number of rows after a sum: the block and one voxel on each side */
+    OST_FIELD_LINE = 48,   /* number of voxels in a line; the first one is at x = -8 */
+    OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH, /* number of rows in a slice of bone, and number of slices */
+    /* number of rows after a sum was computed: the block's rows and one more on each side */
+    OST_FIELD_ROWS = OST_BLOCK + 2,
     OST_FIELD_ALL = 63,    /* value of a voxel that is 100 % bone */
     OST_FIELD_LEAST = 15,  /* least value of a bone voxel */
-    OST_FIELD_DENSE = 768, /* least density in HU of a voxel that is 100 % bone: LEAST + 768 / 16 = ALL */
+    /* a voxel with at least this density in HU is 100 % bone: OST_FIELD_LEAST + 768 / 16 =
+       OST_FIELD_ALL */
+    OST_FIELD_DENSE = 768,
     OST_FIELD_FULL = 61525, /* approximate value of the field inside bone */
-    OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field on a plane */
-    OST_FIELD_BY_FACES = 160, /* amount that a face to the air adds to a slope */
+    OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field at a plane surface */
+    OST_FIELD_BY_FACES = 160, /* amount by which a face to the air increases a slope */
     OST_CELLS = OST_BLOCK / 2, /* number of cells per side of a block */
-    OST_SHADING_SLACK = 16, /* number of words after the last look that may be overwritten */
+    OST_SHADING_SLACK = 16, /* number of words after the last look that a kernel may overwrite */
 };
 
 typedef uint16_t ost_field_slice[OST_FIELD_ROWS][OST_FIELD_LINE];
 
 typedef struct ost_smooth_kernels {
-    /* Writes OST_FIELD_ALL or 0 for each of the bits x = -8 .. 39 of count rows (rows.h). */
+    /* Writes OST_FIELD_ALL for each set bit and 0 for each other bit, for x = -8 .. 39 of count rows (rows.h). */
     void (*bits)(const uint64_t *rows, int count, uint16_t (*out)[OST_FIELD_LINE]);
-    /* Writes the values of one row, computed from the densities. Bone voxels near a cut count as 100 % bone. */
+    /* Writes the values of one row, computed from the densities. A bone voxel near a cut counts as 100 % bone. */
     void (*densities)(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]);
-    /* Computes sums along y: out[i] = 1 in[i] + 2 in[i + 1] + ... + 1 in[i + 8], for count rows i. */
+    /* Computes sums along y for count rows i: out[i] = 1 in[i] + 2 in[i + 1] + ... + 1 in[i + 8]. */
     void (*down)(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);
-    /* Computes sums along z and x for the rows whose bit is set. Entry i of a row is x = i - 1. Entries
-       from OST_FIELD_ROWS on are undefined. */
+    /* Computes sums along z and x for the rows whose bit in `rows` is set. Entry i of a row is at x
+       = i - 1. Entries from OST_FIELD_ROWS on are undefined. */
     void (*slice)(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);
     /* Computes a row of cells from two rows in each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
                   uint8_t out[OST_CELLS]);
-    /* Joins `count` rows of cells of three blocks to lines. A line begins at x = -8, like a line of bone. */
+    /* Joins `count` rows of cells of three blocks to lines. Like a line of bone, a line of cells begins at x = -8. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
-    /*
-     * Interpolates a slice between two slices of cells, for the rows whose bit is set (at least
-     * one). If odd is true, the slice is nearer to the second slice of cells.
-     */
+    /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set. At
+       least one bit must be set. If odd is true, the slice is nearer to the second slice of cells. */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
-    /* Computes the shades of points of one slice. fine[1] is the field of this slice. */
+    /* Computes the shades of the points of one slice. fine[1] is the field in this slice. */
     void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3],
                    const ost_field_slice *const wide[3], uint32_t *shades);
 } ost_smooth_kernels;

@@ -32,8 +32,8 @@
 #include "render/points/camera.h"
 #include "render/points/surface.h"
 
-/* Each byte of the key of a pixel without a voxel is OST_EMPTY_BYTE. Read as a distance, this is
-   greater than all others. */
+/* The key of a pixel without a voxel consists of bytes equal to OST_EMPTY_BYTE. Interpreted as a
+   distance, this key is greater than all others. */
 #define OST_EMPTY_BYTE 0x7f
 #define OST_NO_DISTANCE UINT32_C(0x7f7f7f7f)
 enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_SEVERAL = 3 };
@@ -44,9 +44,11 @@ enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_S
  * row is row `top` of the frame, and the first row of the keys is row key_top.
  */
 typedef struct ost_planes {
-    uint64_t *key;    /* distance << 32 | number; valid where something may have been drawn */
-    float *depth;     /* along forward, in voxels; valid for pixels with a face */
-    uint8_t *face;    /* an ost_face; OST_NO_FACE if there is no voxel */
+    /* squared distance << 32 | number of the voxel; valid for pixels to which something may have
+       been drawn */
+    uint64_t *key;
+    float *depth;     /* depth along the forward axis, in voxels; valid for pixels with a face */
+    uint8_t *face;    /* a value of ost_face; OST_NO_FACE if the pixel shows no voxel */
     uint32_t *colour; /* 0xBBGGRR */
     int stride;
     int top, key_top;
@@ -65,57 +67,62 @@ static inline uint64_t *ost_key_row(const ost_planes *planes, int y)
 /* Values that are constant during a frame, computed by ost_splat_prepare. */
 typedef struct ost_splat_eye {
     ost_eye eye;
-    float axis[3][3];     /* focal * forward, right, up; the ray of a pixel is [0] + u [1] + v [2] */
+    float axis[3][3];     /* focal * forward, right, up; the ray of a pixel is axis[0] + u axis[1] + v axis[2] */
     float wide[3][3];     /* axis multiplied by OST_HALF_WIDE */
-    float reach[3];       /* half the width of a voxel along right, up, forward */
+    float reach[3];       /* half the width of a voxel along each of the directions right, up and forward */
 } ost_splat_eye;
 
 /* Half of a voxel's side. OST_HALF_WIDE is slightly wider, to close the cracks that rounding would
    leave between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* If the eye is no farther than this from a voxel's middle along an axis, the rays to the voxel can
-   have both signs on that axis. */
+/* If the distance of the eye from a voxel's middle along an axis is at most this value, the rays to
+   the voxel can have both signs on this axis. */
 #define OST_FACE_HALF 0.501f
 
-/* The pixels with x0 <= x < x1 and y0 <= y < y1. */
+/* A range of pixels: x0 <= x < x1 and y0 <= y < y1. */
 typedef struct ost_extent {
     int x0, x1, y0, y1;
 } ost_extent;
 
-/* Special values of an extent stored in a word (ost_extent_word). */
+/* Special values of the word in which an extent is stored (ost_extent_word). */
 #define OST_EXTENT_UNKNOWN UINT64_C(0)
 #define OST_EXTENT_NONE UINT64_C(0xffff0000ffff0000)
 
-/* The points of a block that have a face toward the eye. Scratch of a thread that makes lists. */
+/* The points of a block that have a face toward the eye. Each thread that makes lists has one such
+   struct as scratch. */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
-    /* axis of the only face that is to the air and turned to the eye; OST_SEVERAL if there are several */
+    /* axis of the face, if only one face is both to the air and turned to the eye; OST_SEVERAL if
+       there are several such faces */
     uint8_t only[OST_BLOCK_POINTS + OST_LANES];
 } ost_chosen;
 
 /* The lists of voxels that have a face toward the eye, with their colours. */
 typedef struct ost_visible {
-    /* owned by the frame; tint << 32 | id, so that one load reads both; tint: colour of the face in full light */
+    /* owned by the frame; each entry is tint << 32 | id, so that one load reads both; tint: colour
+       of the face in full light */
     uint64_t *seen;
-    uint8_t *only;              /* owned by the frame; as in ost_chosen */
+    uint8_t *only;              /* owned by the frame; the same values as in ost_chosen */
     /*
-     * The pixels that each group of OST_LANES entries covers, computed by ost_extent_word;
-     * OST_EXTENT_UNKNOWN until the group has been drawn once. Every thread computes the same value, so threads need not
-     * wait for each other.
+     * The pixels that each group of OST_LANES entries covers, as computed by ost_extent_word. The
+     * value is OST_EXTENT_UNKNOWN until the group has been drawn once. Every thread computes the
+     * same value, so threads need not wait for each other.
      */
     _Atomic uint64_t *extent;
-    uint32_t *begin;            /* owned by the frame; index at which the list of each slot's block begins */
-    const float *bases;         /* 4 * slot + a: component a of the block's voxel (0, 0, 0) relative to the eye */
-    uint32_t light[8];          /* light of a face, in 256ths, at most 256 */
+    /* owned by the frame; for each slot, the index at which the list of the slot's block begins */
+    uint32_t *begin;
+    /* entry 4 * slot + a: component a of the vector from the eye to the block's voxel (0, 0, 0) */
+    const float *bases;
+    uint32_t light[8];          /* light of each face, in 256ths, at most 256 */
     uint32_t background;
 } ost_visible;
 
 typedef struct ost_splat_kernels {
     /*
-     * Selects the points that have a face toward the eye, and keeps their order. turned[a][i]: the
-     * faces of axis a that are turned to the eye at coordinate i, as bits of ost_face. Returns the
-     * number of selected points.
+     * Selects the points that have a face toward the eye. The order of the points is kept.
+     * turned[a][i]: those faces of axis a that are turned to the eye at coordinate i, as bits of
+     * ost_face. Returns the number of selected points.
      */
     uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
                        ost_chosen *out);
@@ -125,11 +132,12 @@ typedef struct ost_splat_kernels {
      */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
                   const ost_planes *planes, const ost_extent *part);
-    /* Computes face, depth and colour of the pixels x0 <= x < x1 of a row. x0 and x1 are multiples of OST_LANES. */
+    /* Computes face, depth and colour of the pixels of a row with x0 <= x < x1. x0 and x1 must be
+       multiples of OST_LANES. */
     void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
                     int x1);
-    /* Returns the greatest key in up to OST_TILE rows from y on and OST_TILE columns from x on. x is a
-       multiple of OST_TILE. */
+    /* Returns the greatest key in up to OST_TILE rows, from row y on, and OST_TILE columns, from
+       column x on. x must be a multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
      * Copies those pixels of `from` that are nearer than the pixels of `to`, for x0 <= x < x1 of
@@ -155,7 +163,7 @@ ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
     void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1,             \
                          uint64_t *taken);
 OST_SPLAT_DECLARE(scalar)
-OST_SPLAT_DECLARE(avx2) /* its facing is the scalar function */
+OST_SPLAT_DECLARE(avx2) /* the function for facing is the scalar function */
 OST_SPLAT_DECLARE(avx512)
 
 static inline uint64_t ost_key(float distance, uint32_t number)
@@ -175,13 +183,14 @@ static inline uint32_t ost_number(uint32_t slot, uint32_t local)
     return slot << OST_LOCAL_BITS | local;
 }
 
-/* Returns the index in the lists of the entry that has this number. */
+/* Returns the index in the lists of the entry whose voxel has this number. */
 static inline uint32_t ost_visible_index(const ost_visible *visible, uint32_t number)
 {
     return visible->begin[number >> OST_LOCAL_BITS] + (number & ((1u << OST_LOCAL_BITS) - 1));
 }
 
-/* Returns the extent as a word. 16 bits per coordinate suffice, because frames have at most 2^13 pixels per side. */
+/* Returns the extent as one word. 16 bits per coordinate are sufficient, because frames have at
+   most 2^13 pixels per side. */
 static inline uint64_t ost_extent_word(int x0, int x1, int y0, int y1)
 {
     return (uint64_t)(uint32_t)x0 << 48 | (uint64_t)(uint32_t)x1 << 32 | (uint64_t)(uint32_t)y0 << 16 |

@@ -24,8 +24,9 @@
  * face. A ray that enters by another face turned to the eye comes from the neighbour at that face,
  * and this neighbour or a voxel in front of it is nearer (frame.c draws the entire voxel if the eye
  * is so close that this does not hold). The rectangle is then that of the face. Two of the edges of
- * face a lie along its borders within the outline. Let j be the other axis in an edge's sum; these
- * two edges then follow by reversing the sign of h s_j d_j in one of the two edges that contain it.
+ * face a are borders of the face that lie within the voxel's outline. Let j be the other axis in an
+ * edge's sum. Each of these two edges is obtained from one of the two edges that contain h s_j d_j,
+ * by reversing the sign of this term.
  *
  * A voxel with a corner that is not beyond the near plane is not drawn, so every line in the test
  * is a ray.
@@ -67,7 +68,7 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
 }
 
 typedef struct rectangle {
-    int x0, x1, y0, y1; /* in pixels; x1 and y1 are inclusive */
+    int x0, x1, y0, y1; /* pixels; the range includes x1 and y1 */
 } rectangle;
 
 static int within(float v, int lo, int hi)
@@ -77,7 +78,7 @@ static int within(float v, int lo, int hi)
     return (int)v;
 }
 
-/* Returns 1/2 sum |axis - t forward| without the component along `only`. */
+/* Returns half of the sum of |axis[a] - t forward[a]| over the axes a. The term of the axis `only` is omitted. */
 static float spread(const float axis[3], float t, const float forward[3], unsigned only)
 {
     float part[3];
@@ -86,7 +87,8 @@ static float spread(const float axis[3], float t, const float forward[3], unsign
     return OST_HALF * ((part[0] + part[1]) + part[2]);
 }
 
-/* Computes the pixels that a voxel, or its only face, may cover. Returns false if there are none. */
+/* Computes the pixels that a voxel may cover or, if only one face is drawn, that this face may
+   cover. Returns false if there are no such pixels. */
 static bool rectangle_of(const ost_splat_eye *s, const float o[3], unsigned only, rectangle *r)
 {
     static const float origin[3];
@@ -114,18 +116,19 @@ static void cross(const float a[3], const float b[3], float out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* An edge of the outline: a + v c + u b is positive inside the outline. */
+/* An edge of the outline. The value a + v c + u b is positive inside the outline. */
 typedef struct edge {
     float a, b, c;
 } edge;
 
 /*
  * Computes the edges of a voxel's outline. negative: bit a is set if rays run in the negative
- * direction of axis a. only: the axis of the only face to draw, or OST_SEVERAL.
+ * direction of axis a. only: axis of the face if only one face is drawn, otherwise OST_SEVERAL.
  */
 static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
-    float n[3][3], m[3][3]; /* for each component vector v of d: the product o x v, and h s v */
+    /* for each component vector v of the ray d: n contains the product o x v, and m contains h s v */
+    float n[3][3], m[3][3];
     for (int i = 0; i < 3; i++) {
         cross(o, s->axis[i], n[i]);
         for (int a = 0; a < 3; a++)
@@ -199,7 +202,7 @@ static void widen(ost_extent *e, const rectangle *r)
     e->y1 = r->y1 + 1 > e->y1 ? r->y1 + 1 : e->y1;
 }
 
-/* Draws the entries from .. to - 1 of a list, which share an extent word. Returns that word. */
+/* Draws the entries from .. to - 1 of a list, which share one extent word. Returns this extent word. */
 static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from,
                            uint32_t to, const ost_planes *planes, const ost_extent *part)
 {

@@ -58,8 +58,8 @@ static int32_t *slot_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
     return s->slot_of + (x + (size_t)s->blocks[0] * ((size_t)y + (size_t)s->blocks[1] * (size_t)z));
 }
 
-/* Returns true if the block shows none of the voxels lo to hi. lo and hi are relative to the block
-   and may lie outside it. */
+/* Returns true if no voxel of the block from lo to hi is shown. lo and hi are relative to the block
+   and may lie outside the block. */
 static bool block_is_empty(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
 {
     int32_t from[3], to[3];
@@ -136,8 +136,8 @@ static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_blo
     return remember(s, b, err);
 }
 
-/* Computes the smallest box, in local coordinates, that contains all bits that differ. Returns
-   false if there are none. */
+/* Computes the smallest box, in coordinates within the block, that contains all differing bits.
+   Returns false if no bits differ. */
 static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int hi[3])
 {
     uint32_t x = 0, y = 0, z = 0;
@@ -155,7 +155,7 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
     return x != 0;
 }
 
-/* The data of a block that a change in another block may affect. */
+/* The data of a block that may be affected by a change in another block. */
 typedef enum sees { SEES_SHADES, SEES_POINTS, SEES_CELLS, SEES_UNCUT } sees;
 
 /* Marks the blocks within `reach` voxels of the changed box, including the changed block itself. */
@@ -219,7 +219,7 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     if (!b) {
         static const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, SIDE - 1};
         status = new_block(surface, at, &b, err);
-        /* from now on, the block records which of its voxels were cut */
+        /* from now on, the block records which of its voxels have been cut */
         mark(surface, at, first, last, 1, SEES_UNCUT);
     }
     if (status == OST_OK)
@@ -287,7 +287,8 @@ void ost_surface_age(ost_surface *surface)
     for (int32_t i = 0; i < surface->used; i++) {
         ost_surface_block *b = surface->slot[i];
         int lo[3], hi[3];
-        /* Fresh and recent voxels look the same, so a shade changes only where the two sets differ. */
+        /* Fresh and recent voxels look the same, so a shade changes only where the sets of fresh
+           and recent voxels differ. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
             mark(surface, b->at, lo, hi, 1, SEES_SHADES);
         free(b->recent);
@@ -298,7 +299,7 @@ void ost_surface_age(ost_surface *surface)
     surface->any_fresh = false;
 }
 
-/* Sets one of the eight chunks of 16^3 voxels in a block. A word contains two rows. */
+/* Sets a chunk of 16^3 voxels, which is one eighth of a block. A word contains two rows. */
 static ost_status set_eighth(ost_surface *surface, const int32_t at[3], const uint32_t *words, ost_error *err)
 {
     enum { HALF = SIDE / 2 };
@@ -354,7 +355,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
             status = ost_surface_renew(surface, i, err);
         surface->points += surface->slot[i]->count;
     }
-    /* cleared after all renewals, because neighbours read it */
+    /* these fields are cleared after all renewals, because the renewal of a neighbour reads them */
     for (int32_t i = 0; i < surface->used && status == OST_OK; i++) {
         free(surface->slot[i]->changed);
         surface->slot[i]->changed = NULL;
@@ -364,7 +365,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
 
 /* ------------------------------------------------------------ from volumes */
 
-/* Returns the active voxels among the first count voxels of a row as bits; count <= 32. */
+/* Returns the active voxels among the first count voxels of a row, one bit for each. count must be at most 32. */
 static uint32_t row_word(const int16_t *voxels, int count, int32_t threshold)
 {
     uint32_t word = 0;

@@ -35,14 +35,15 @@
 enum {
     OST_BLOCK = 32, /* voxels per side */
     OST_BLOCK_ROWS = 32 * 32, /* rows per block: bit x of row y + 32 z is voxel (x, y, z) */
-    OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points in a block */
-    /* maximum number of blocks with a slot: an id has 17 bits for the slot, and one value means
-       "none" */
+    OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points of a block */
+    /* maximum number of blocks with a slot: the slot in an id has 17 bits, and one value means "none" */
     OST_BLOCKS_MAX = (1 << 17) - 1,
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    OST_SHADING_REACH = 14, /* greatest distance, in voxels, of a voxel on which a shade depends (renew.c) */
+    /* greatest distance, in voxels, between a point and a voxel on which the point's shade depends
+       (renew.c) */
+    OST_SHADING_REACH = 14,
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
 
@@ -50,19 +51,22 @@ typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_
 
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
-    bool dirty;                /* set if the next update must process the block, for the reasons in the next fields */
-    bool unlisted;             /* set if its list of points may have changed */
-    bool remade;               /* set if all its shades may have changed */
-    bool unmeasured;           /* set if its cells may have changed */
-    bool contact;              /* set if at least one look has OST_SHADE_CONTACT */
-    uint64_t version;          /* version of its lists, unique within the process; 0 before the first */
+    bool dirty;                /* set if the next update must process the block; the following fields state why */
+    bool unlisted;             /* set if the block's list of points may have changed */
+    bool remade;               /* set if all shades of the block may have changed */
+    bool unmeasured;           /* set if the block's cells may have changed */
+    bool contact;              /* set if at least one look of the block has OST_SHADE_CONTACT */
+    /* version of the lists of points and shades, unique within the process; 0 before the first list */
+    uint64_t version;
     uint32_t occupancy[OST_BLOCK_ROWS]; /* active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
-    uint32_t *changed;         /* owned; voxels of `occupied` that changed since the last update; NULL if none */
+    /* owned; voxels of `occupied` that changed since the last update; NULL if no voxels changed */
+    uint32_t *changed;
     uint32_t *before;          /* owned; bone voxels of the uncut bone; NULL if the surface has no reference */
-    /* owned; voxels removed since the last ost_surface_age, and in the interval before it; NULL if none */
+    /* owned; fresh: voxels removed since the last call of ost_surface_age; recent: voxels removed
+       in the interval before that call; NULL if there are no such voxels */
     uint32_t *fresh, *recent;
-    uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until the first is needed */
+    uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until a depth is needed for the first time */
     uint32_t count, capacity;  /* number of points; capacity */
     /* amount of bone in each cube of 2^3 voxels, indexed by x, y, z (shading.h) */
     uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8];
@@ -84,7 +88,8 @@ typedef struct ost_surface {
     ost_surface_block **slot;  /* owned; `used` entries */
     int32_t used, capacity;
     uint64_t points;           /* total number of points of all blocks; valid after an update */
-    int32_t renewals, *renewed; /* owned; the number of slots whose lists the last update changed, and these slots */
+    /* owned; renewals: number of slots whose lists the last update changed; renewed: these slots */
+    int32_t renewals, *renewed;
     struct ost_uncut *reference; /* borrowed; NULL if the uncut bone is not known */
     int colouring;             /* an ost_colouring (palette.h) */
     ost_clip clip;
@@ -106,22 +111,24 @@ void ost_surface_free(ost_surface *surface);
 ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS],
                            ost_error *err);
 /*
- * Does the same for a chunk of n^3 voxels, at[] in chunks. n is 16, 32 or 64, and bit v % 32 of
- * word v / 32 is voxel v = x + n (y + n z). Allocates no memory for blocks that never contained an
- * active voxel.
+ * Replaces the active voxels of a chunk of n^3 voxels, like ost_surface_set; at[] is in chunks. n
+ * is 16, 32 or 64, and bit v % 32 of word v / 32 is voxel v = x + n (y + n z). Allocates no memory
+ * for blocks that never contained an active voxel.
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);
-/* Does the same for all blocks of a volume. A voxel is active if its density is at least the threshold. */
+/* Sets the active voxels of all blocks from a volume. A voxel is active if its density is at least the threshold. */
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 
 /*
- * Set the uncut bone, which must have the same grid, and the colouring. If one of them changes, the
- * next update recomputes all shades. The reference is borrowed.
+ * ost_surface_set_uncut sets the uncut bone, whose grid must be equal, and borrows it.
+ * ost_surface_set_colouring sets the colouring. If the uncut bone or the colouring changes, the
+ * next update recomputes all shades.
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
-/* Ages the removed voxels that shows_contact records: fresh ones become recent, and recent ones are dropped. */
+/* Starts a new interval for highlighting removed voxels: fresh voxels become recent, and recent
+   voxels are no longer highlighted. Used if shows_contact is set. */
 void ost_surface_age(ost_surface *surface);
 
 /* Recomputes the points and shades that have changed since the last update, and lists the changed blocks in renewed. */

@@ -89,8 +89,8 @@ void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_
 }
 
 /*
- * Returns true if a voxel is in the subchondral plate: it is close to the face, and there is no
- * bone from PLATE_MM to PLATE_CLEAR_MM outward of it.
+ * Returns true if a voxel is in the subchondral plate: the voxel is close to the face, and there is
+ * no bone at distances from PLATE_MM to PLATE_CLEAR_MM outward of the voxel.
  */
 static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {
@@ -115,7 +115,7 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if a voxel at most two steps away along one of the axes has a density d with from <= d < to. */
+/* Returns true if the density d of a voxel at most two steps away along one of the axes satisfies from <= d < to. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
@@ -129,10 +129,10 @@ static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 }
 
 /*
- * Returns the tissue of a voxel by its class, with two corrections for the partial volume effect. A
- * voxel of medium density between hard bone and a soft voxel or air is the edge of hard bone, not
- * cancellous bone. A voxel as dense as cartilage is cartilage only at the face, if the face's
- * position is known.
+ * Returns the tissue of a voxel by its density class, with two corrections for the partial volume
+ * effect. First, a voxel of medium density between hard bone and a soft voxel or air is the edge of
+ * hard bone, not cancellous bone. Second, if the position of the face is known, a voxel as dense as
+ * cartilage is cartilage only at the face.
  */
 static uint32_t tissue_at(const ost_uncut *g, const int32_t at[3], int density)
 {
@@ -151,7 +151,7 @@ uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, co
     switch (colouring) {
     case OST_COLOUR_CLASS: return OST_PAINT_LIT + tissue_at(reference, at, density);
     case OST_COLOUR_DEPTH: return reference->level[depth];
-    /* dense voxels are drawn light */
+    /* dense voxels are drawn in light colours */
     case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density));
     case OST_COLOUR_BONE:
     case OST_COLOUR_COUNT: break;
@@ -239,7 +239,8 @@ static bool flood(const ost_uncut *g, uint8_t *mark)
     return stack != NULL;
 }
 
-/* Marks the neighbours of marked cells in a line of `size` cells, which are `step` elements apart. */
+/* Marks the neighbours of marked cells in a line. The line has `size` cells, which are `step`
+   elements apart in memory. */
 static void widen(uint8_t *mark, int64_t begin, int64_t step, int32_t size)
 {
     uint8_t before = 0;
@@ -303,7 +304,8 @@ static void outside_words(const ost_uncut *g, const int32_t block[3], uint32_t w
         }
 }
 
-/* Computes the squared distance of each voxel of a row to the nearest set bit in three words. */
+/* Computes, for each voxel of a row, the squared distance to the nearest set bit in three words.
+   The result is at most FAR. */
 static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[SIDE])
 {
     int since = left ? __builtin_clz(left) : SIDE;
@@ -319,8 +321,8 @@ static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[S
     }
 }
 
-/* Computes the minimum of line[i + k] + k^2 over all |k| < 32. A line has `count` numbers, and
-   lines are `count` apart. */
+/* Computes, for each i, the minimum of line[i + k count] + k^2 over all |k| < 32. A line has
+   `count` numbers, and the lines follow each other in memory. */
 static inline void least(const int16_t *restrict line, int16_t *restrict out, int count)
 {
     for (int i = 0; i < count; i++)

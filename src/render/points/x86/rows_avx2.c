@@ -7,8 +7,8 @@
 OST_ROWS_DEFINE(avx2)
 
 /*
- * Returns the positions of the set bits among eight bits, in ascending order. Each position has
- * three bits, as in the digits of an octal number.
+ * Returns the positions of the set bits of an 8-bit number, in ascending order. Each position takes
+ * three bits of the result, like a digit of an octal number.
  */
 static inline uint32_t order_of(uint32_t bits)
 {
@@ -16,7 +16,7 @@ static inline uint32_t order_of(uint32_t bits)
     return four[bits & 15] | (four[bits >> 4] | 04444u) << (3 * _mm_popcnt_u32(bits & 15));
 }
 
-/* Processes eight voxels, a quarter of a row. Voxels that have a face to the air are packed. */
+/* Processes eight voxels, which are a quarter of a row. Packs the voxels that have a face to the air. */
 static inline uint32_t *quarter(const ost_faces *faces, uint32_t row, int shift, uint32_t *points)
 {
     const uint32_t any = faces->any[row] >> shift & 255;

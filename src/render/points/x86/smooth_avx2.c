@@ -23,7 +23,7 @@ static inline __m256i plus(__m256i a, __m256i b)
     return _mm256_add_epi16(a, b);
 }
 
-/* Returns all ones in the lanes whose bit in row is set. */
+/* Returns lanes of all ones where the bit of the row is set, otherwise zero. */
 static inline __m256i lanes_of(uint64_t row)
 {
     const __m256i bit = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384,
@@ -110,7 +110,7 @@ void ost_field_slice_avx2(const ost_field_slice *const y[9], uint64_t rows, ost_
 
 OST_CELLS_DEFINE(avx2)
 
-/* Returns three quarters of a plus one quarter of b, for words below 2^14. */
+/* Returns three quarters of a plus one quarter of b, for words less than 2^14. */
 static inline __m256i between(__m256i a, __m256i b)
 {
     return _mm256_srli_epi16(plus(plus(plus(a, a), plus(a, b)), _mm256_set1_epi16(2)), 2);
@@ -146,7 +146,7 @@ void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint6
     }
 }
 
-/* The method is that of x86/smooth_avx512.c, where the reasons are given. */
+/* This code uses the method of x86/smooth_avx512.c. The reasons are given in that file. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)
@@ -205,7 +205,7 @@ static inline __m256i cell(__m256 p)
                             all(OST_OCTAHEDRAL_SIDE - 1));
 }
 
-/* blendv selects by the sign of v[2], which is never -0. */
+/* blendv selects by the sign of v[2]. This is correct, because v[2] is never -0. */
 static inline __m256i octahedral(const __m256 v[3])
 {
     const __m256 sum = _mm256_add_ps(_mm256_add_ps(abs_of(v[0]), abs_of(v[1])), abs_of(v[2])),

@@ -33,7 +33,8 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm256_add_ps(xy, _mm256_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Does not add the component along axis a in the lanes single[a]. */
+/* Returns, in each lane, half of the sum of |axis[a] - t forward[a]| over the axes a. In the lanes
+   single[a], the term of axis a is omitted. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const lanes single[3])
 {
     lanes part[3];
@@ -69,7 +70,7 @@ static inline unsigned greater(__m256i a, __m256i b)
     return bits(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b)));
 }
 
-/* Finds which of eight voxels may be visible, and their rectangles. */
+/* Finds out which of eight voxels may be visible, and computes their rectangles. */
 static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes single[3], unsigned live, eight *out)
 {
     static const float origin[3];
@@ -113,7 +114,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_first[a] = _mm256_or_ps(_mm256_and_ps(single[c], same), _mm256_andnot_ps(same, single[b]));
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
-    for (int i = 0; i < 3; i++) { /* i = 0, 1, 2: focal, u, v, which give a, b, c of an edge */
+    for (int i = 0; i < 3; i++) { /* i = 0, 1, 2 stands for focal, u, v, from which a, b, c of an edge are computed */
         lanes m[3];
         for (int a = 0; a < 3; a++)
             m[a] = _mm256_xor_ps(all(s->wide[i][a]), negative[a]);
@@ -129,7 +130,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
     }
 }
 
-/* Returns the lanes in which all of the six values are nonnegative. */
+/* Returns the lanes in which all six values are nonnegative. */
 static inline unsigned none_negative(const lanes f[6])
 {
     const lanes first = _mm256_or_ps(_mm256_or_ps(f[0], f[1]), f[2]),
@@ -137,7 +138,8 @@ static inline unsigned none_negative(const lanes f[6])
     return ~bits(_mm256_or_ps(first, second)) & 0xff;
 }
 
-/* Return the distances from the middle of the frame to the middles of the pixels of columns, and of a row. */
+/* The function across returns the horizontal distances of pixels from the middle of the frame, and
+   the function upward the vertical ones. The distances are those of the pixels' middles. */
 static inline lanes across(const ost_splat_eye *s, __m256i x)
 {
     return _mm256_sub_ps(_mm256_add_ps(_mm256_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -153,8 +155,8 @@ static inline unsigned at_least(__m256i a, int b)
     return greater(a, _mm256_set1_epi32(b - 1));
 }
 
-/* Finds the pixels of the voxels in `which`, whose rectangles have at most SMALL x SMALL pixels. A
-   pixel is stored as index << 3 | lane. */
+/* Finds the pixels covered by the voxels in `which`. The rectangles of these voxels have at most
+   SMALL x SMALL pixels. A pixel is stored as index << 3 | lane. */
 static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
 {
     uint32_t covered[EIGHT * SMALL * SMALL], n = 0;
@@ -202,14 +204,15 @@ static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned w
     }
 }
 
-/* Updates four pixels of a row. A pixel is covered if its lane of `in` has the sign bit set. */
+/* Updates four pixels of a row. A pixel is covered if the sign bit of its lane in `in` is set. */
 static inline void write_nearest(uint64_t *row, __m128i in, __m256i key)
 {
     const __m256i mask = _mm256_cvtepi32_epi64(in), was = _mm256_maskload_epi64((const long long *)row, mask);
     _mm256_maskstore_epi64((long long *)row, _mm256_and_si256(mask, _mm256_cmpgt_epi64(was, key)), key);
 }
 
-/* Fills a larger rectangle, eight pixels of a row at a time. Keys are positive as signed words too. */
+/* Fills a larger rectangle, eight pixels of a row at a time. The keys are compared as signed words,
+   because they are positive as signed words too. */
 static inline void fill(const ost_splat_eye *s, const eight *r, int k, const ost_planes *planes)
 {
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), key = _mm256_set1_epi64x((long long)r->key[k]);
@@ -265,7 +268,8 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* Draws voxels next to the eye again, for each other combination of signs that their rays may have. */
+/* Draws again those voxels that are so close to the eye that their rays can have both signs on an
+   axis. Each iteration handles one further combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
                                unsigned live, eight *r, const ost_planes *planes)
 {
@@ -285,7 +289,8 @@ static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned 
     }
 }
 
-/* Clips rectangles to the rows of part. Returns those that contain pixels in these rows and in part's columns. */
+/* Clips rectangles to the rows of part. Returns the lanes whose rectangles contain pixels in these
+   rows and in the columns of part. */
 static inline unsigned into_part(eight *r, unsigned live, const ost_extent *part)
 {
     const __m256i top = _mm256_max_epi32(_mm256_load_si256((const void *)r->y0), _mm256_set1_epi32(part->y0));
@@ -297,7 +302,7 @@ static inline unsigned into_part(eight *r, unsigned live, const ost_extent *part
     return live & ~greater(top, bottom);
 }
 
-/* Extends *e by the rectangles of the live lanes. */
+/* Extends *e to contain the rectangles of the live lanes. */
 static inline void widen(const eight *r, unsigned live, ost_extent *e)
 {
     for (; live; live &= live - 1) {
@@ -309,7 +314,7 @@ static inline void widen(const eight *r, unsigned live, ost_extent *e)
     }
 }
 
-/* Draws up to eight entries of a list from offset on, and extends *extent by their rectangles. */
+/* Draws up to eight entries of a list, from offset on. Extends *extent to contain the rectangles of these entries. */
 static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t offset,
                               int count, const ost_planes *planes, const ost_extent *part, ost_extent *extent)
 {
@@ -370,7 +375,8 @@ static inline __m256i lit(__m256i colour, __m256i light)
     return _mm256_or_si256(a, b);
 }
 
-/* Computes the vectors from the eye to the blocks that contain the pixels' voxels, and the voxels' list indices. */
+/* For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the
+   voxel's index in the lists. */
 static inline __m256i lookup(const ost_visible *visible, __m256i number, __m256i any, lanes3 *o)
 {
     const __m256i slot = _mm256_srli_epi32(number, OST_LOCAL_BITS);

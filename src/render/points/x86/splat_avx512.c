@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes rectangles and outline edges for sixteen voxels at a time. Then the voxels that are
- * small on the screen are tested sixteen at once, pixel by pixel of their rectangles. The covered
- * pixels are stored in a list, and their keys are updated one by one: loading a single word that
- * was just stored causes no stall, whereas overlapping register-wide accesses do. The other voxels
- * are filled sixteen pixels at a time, in two rows or in one.
+ * Computes rectangles and outline edges for sixteen voxels at a time. Voxels that are small on the
+ * screen are then tested sixteen at a time, pixel by pixel of their rectangles. The covered pixels
+ * are stored in a list, and their keys are updated one by one. Loading a single word that was just
+ * stored causes no stall, but overlapping register-wide accesses cause stalls. For larger voxels,
+ * sixteen pixels are filled at a time, in one row or in two.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -29,7 +29,8 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm512_add_ps(xy, _mm512_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Does not add the component along axis a in the lanes single[a]. */
+/* Returns, in each lane, half of the sum of |axis[a] - t forward[a]| over the axes a. In the lanes
+   single[a], the term of axis a is omitted. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const __mmask16 single[3])
 {
     lanes part[3];
@@ -100,7 +101,7 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
     return n;
 }
 
-/* greatest side of a small rectangle in pixels; number of rows whose edges are computed at once */
+/* greatest side of a small rectangle, in pixels; number of rows whose edges are computed at the same time */
 enum { SMALL = 4, TALL = 16 };
 
 typedef struct sixteen {
@@ -123,7 +124,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_first[a] = (__mmask16)((single[c] & same) | (single[b] & ~same));
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
-    for (int i = 0; i < 3; i++) { /* i = 0, 1, 2: focal, u, v, which give a, b, c of an edge */
+    for (int i = 0; i < 3; i++) { /* i = 0, 1, 2 stands for focal, u, v, from which a, b, c of an edge are computed */
         lanes m[3];
         for (int a = 0; a < 3; a++)
             m[a] = _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(all(s->wide[i][a])), negative[a]));
@@ -151,7 +152,8 @@ static inline __m512i any_negative(const lanes f[6])
     return _mm512_or_si512(first, second);
 }
 
-/* Return the distances from the middle of the frame to the middles of the pixels of columns, and of a row. */
+/* The function across returns the horizontal distances of pixels from the middle of the frame, and
+   the function upward the vertical ones. The distances are those of the pixels' middles. */
 static inline lanes across(const ost_splat_eye *s, __m512i x)
 {
     return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -163,8 +165,9 @@ static inline lanes upward(const ost_splat_eye *s, __m512i y)
 }
 
 /*
- * Finds the pixels of the voxels in `which`, whose rectangles have at most SMALL x SMALL pixels. A
- * pixel is stored as index << 4 | lane; this fits, because frames have at most 2^26 pixels.
+ * Finds the pixels covered by the voxels in `which`. The rectangles of these voxels have at most
+ * SMALL x SMALL pixels. A pixel is stored as index << 4 | lane; this fits, because frames have at
+ * most 2^26 pixels.
  */
 static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which,
                                                  const ost_planes *planes)
@@ -221,7 +224,8 @@ static inline void write_nearest(uint64_t *row, __mmask8 in, __m512i key)
     _mm512_mask_storeu_epi64(row, nearer, key);
 }
 
-/* Fills a rectangle of up to eight columns, two rows at a time: one in the even lanes and one in the odd lanes. */
+/* Fills a rectangle of up to eight columns, two rows at a time. One row is in the even lanes and
+   the other in the odd lanes. */
 static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows,
                                                  float start[6][TALL], const ost_planes *planes)
 {
@@ -300,7 +304,7 @@ static inline void fill_all(const ost_splat_eye *s, const sixteen *r, __mmask16 
         fill(s, r, __builtin_ctz(left), planes);
 }
 
-/* Finds which of sixteen voxels may be visible, and their rectangles. */
+/* Finds out which of sixteen voxels may be visible, and computes their rectangles. */
 static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, const __mmask16 single[3], __mmask16 live,
                                    sixteen *out)
 {
@@ -344,7 +348,8 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* Draws voxels next to the eye again, for each other combination of signs that their rays may have. */
+/* Draws again those voxels that are so close to the eye that their rays can have both signs on an
+   axis. Each iteration handles one further combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
                                __mmask16 live, sixteen *r, const ost_planes *planes)
 {
@@ -365,7 +370,8 @@ static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16
     }
 }
 
-/* Clips rectangles to the rows of part. Returns those that contain pixels in these rows and in part's columns. */
+/* Clips rectangles to the rows of part. Returns the lanes whose rectangles contain pixels in these
+   rows and in the columns of part. */
 static inline __mmask16 into_part(sixteen *r, __mmask16 live, const ost_extent *part)
 {
     const __m512i top = _mm512_max_epi32(_mm512_load_si512(r->y0), _mm512_set1_epi32(part->y0));
@@ -439,8 +445,9 @@ static inline __m512i lit(__m512i colour, __m512i light)
 }
 
 /*
- * Computes the vectors from the eye to the blocks that contain the pixels' voxels, and the voxels'
- * list indices. The voxels of a register are in few blocks, so both are computed block by block.
+ * For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the
+ * voxel's index in the lists. The voxels of a register are in few blocks, so both values are
+ * computed block by block.
  */
 static inline __m512i lookup(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
 {
@@ -527,10 +534,8 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
             const lanes u = across(eye, _mm512_add_epi32(_mm512_set1_epi32(x), step));
             lanes3 o;
             const __m512i index = lookup(visible, _mm512_permutex2var_epi32(low, even, high), any, &o);
-            /*
-             * Single loads are faster than a gather. The asm statement prevents the compiler from
-             * extracting the indices from the register again.
-             */
+            /* Single loads are faster than a gather. The asm statement prevents the compiler from
+               extracting the indices from the register a second time. */
             _Alignas(64) uint32_t at_list[OST_LANES];
             _mm512_store_si512(at_list, _mm512_maskz_mov_epi32(any, index));
             __asm__("" : "+m"(at_list));
