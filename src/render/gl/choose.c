@@ -72,7 +72,8 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
         gl->wanted[i] = UINT64_MAX;
 }
 
-/* Lists the numbers of those points of a block that are in wanted cells and have a face toward the eye. */
+/* Lists those points of a block that are in wanted cells and have a face toward the eye. A point is
+   listed by its number. */
 static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first,
                             uint32_t *out)
 {
@@ -90,7 +91,8 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Lists the numbers of a block's bricks in wanted cells. A run stores its bricks in the order of their bits. */
+/* Lists the numbers of those bricks of a block that are in wanted cells. A run stores its bricks in
+   the order of their bits. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;
@@ -143,7 +145,7 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     }
 }
 
-/* Width of a voxel, in pixels, below which bricks are cheaper than points. */
+/* Bricks are cheaper than points if a voxel is narrower than this number of pixels. */
 static const float SMALL_VOXEL = 3.0f;
 
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)

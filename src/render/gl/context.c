@@ -56,7 +56,7 @@ ost_status ost_gl_context_check(ost_gl_context *c, const char *doing, ost_error 
                           "OpenGL (%s) fails as it %s: %s%s%s", c->info.driver, doing,
                           error != GL_NO_ERROR ? error_name(error) : "",
                           error != GL_NO_ERROR && c->complaint[0] ? "; " : "", c->complaint);
-    /* Errors are queued. The number of reads is limited, because a lost context reports an error at every call. */
+    /* OpenGL queues errors. The number of reads is limited, because a lost context reports an error at every call. */
     for (int i = 0; i < 8 && glGetError() != GL_NO_ERROR; i++)
         ;
     c->complaint[0] = '\0';
@@ -222,8 +222,9 @@ static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_e
 }
 
 /*
- * The display is not closed, because it belongs to the process and others may use it. Besides, a
- * driver that is unloaded with the last display leaks this thread's data.
+ * The display is not closed, because it belongs to the process and other threads may use it. In
+ * addition, a driver that is unloaded when the last display is closed leaks the data of this
+ * thread.
  */
 static void drop(ost_gl_context *c)
 {
@@ -238,8 +239,8 @@ static void drop(ost_gl_context *c)
 }
 
 /*
- * Opens the first candidate that is not a software renderer, or else the first one that works. On
- * failure, err contains the reason for which the first candidate failed.
+ * Opens the first candidate that is not a software renderer. If there is none, opens the first
+ * candidate that works. On failure, err contains the reason for which the first candidate failed.
  */
 static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
 {

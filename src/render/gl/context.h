@@ -4,7 +4,7 @@
  * are reported as errors.
  *
  *   EGL:  the platform without a surface (Mesa), each device that EGL lists
- *         (NVIDIA, Mesa); the first one that is not software, else the first one
+ *         (NVIDIA, Mesa); the first hardware device, else the first device
  */
 #ifndef OST_RENDER_GL_CONTEXT_H
 #define OST_RENDER_GL_CONTEXT_H
@@ -17,19 +17,19 @@
 typedef struct ost_gl_context {
     EGLDisplay display;
     EGLContext context;
-    int version;         /* ten times the version; not more than the version in the options */
+    int version;         /* version of the context, times ten; at most the version in the options */
     bool persistent;     /* buffers can stay mapped (4.4) */
-    bool zero_to_one;    /* clip space depth can range from 0 to 1, so it is stored unchanged (4.5) */
+    bool zero_to_one;    /* the depth in clip space can range from 0 to 1, so the depth is stored unchanged (4.5) */
     ost_gl_info info;
-    char complaint[256]; /* the driver's first message since the last check */
+    char complaint[256]; /* first message of the driver since the last check */
 } ost_gl_context;
 
 /* Opens a context. The struct must not be moved, because the driver's messages are written to it. */
 ost_status ost_gl_context_open(ost_gl_context *context, const ost_gl_options *options, ost_error *err);
 void ost_gl_context_close(ost_gl_context *context); /* accepts a zero-initialized context */
 
-/* Returns OST_OK if no error has occurred since the last check. doing: the action named in the
-   message: "draws 3 things". */
+/* Returns OST_OK if no error has occurred since the last check. doing: name of the action for the
+   message, for example "draws 3 things". */
 ost_status ost_gl_context_check(ost_gl_context *context, const char *doing, ost_error *err);
 
 #endif

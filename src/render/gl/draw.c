@@ -130,7 +130,7 @@ ost_gl_counts ost_gl_counts_get(const ost_gl *gl)
     return gl->did;
 }
 
-/* Waits for the last frame. Afterwards, the data that the frame used may be overwritten. */
+/* Waits until the last frame is drawn. Afterwards, the data that this frame used may be overwritten. */
 static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 {
     if (!gl->fence)
@@ -146,7 +146,7 @@ static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 
 /* ------------------------------------------------------------------ layers */
 
-/* Draws the cells that were not in the first guess but may be visible. */
+/* Draws the cells that have not been drawn yet although they may be visible. */
 static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];
@@ -161,7 +161,8 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
     return ost_gl_draw_points(gl, v, l, err);
 }
 
-/* Draws a layer separately, then copies those of its pixels that are nearer than the picture's. */
+/* Draws a layer into the G-buffer, then copies to the picture those pixels of the layer that are
+   nearer than the picture's pixels. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];
@@ -226,8 +227,8 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
 }
 
 /*
- * Makes the layers' lists and draws the layers, one after the other. gl->blocks contains the blocks
- * of the layer prepared last.
+ * Makes the lists of the layers and draws the layers, one after the other. gl->blocks contains the
+ * blocks of the layer that was prepared last.
  */
 static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_style style, ost_error *err)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Provides the uniforms for an object's camera and light, which every stage uses: the block of
-   eye.glsl and the palette. */
+/* Provides the uniforms of an object's camera and light, which every shader stage uses: the uniform
+   block of eye.glsl and the palette. */
 #ifndef OST_RENDER_GL_EYE_H
 #define OST_RENDER_GL_EYE_H
 
@@ -12,7 +12,7 @@ typedef struct ost_gl_eye_block {
     uint32_t light_0[4], light_4[4], paint[4];
 } ost_gl_eye_block;
 
-/* Writes the uniforms of layer `number`. The layer's blocks must have been selected. */
+/* Writes the uniforms of layer `number`. The blocks of the layer must have been selected before. */
 void ost_gl_put_eye(ost_gl *gl, int number, ost_style style);
 
 #endif

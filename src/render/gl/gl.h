@@ -17,7 +17,7 @@
 
 typedef struct ost_gl ost_gl;
 
-/* The format of the target to which a fragment of a voxel is written. */
+/* The format of the render target to which the fragments of voxels are written. */
 typedef enum ost_gl_target {
     OST_GL_COMPACT, /* colour, face and depth in 64 bits per pixel */
     OST_GL_WIDE,    /* normal and colour as 32-bit floats, as in the thesis */
@@ -25,41 +25,43 @@ typedef enum ost_gl_target {
     OST_GL_FORWARD  /* the lit colour; there is no G-buffer */
 } ost_gl_target;
 
-/* A way of drawing. All variants except ost_gl_ours and ost_gl_thesis exist for comparisons only. */
+/* A way of drawing. All variants except ost_gl_ours and ost_gl_thesis exist only for comparisons. */
 typedef struct ost_gl_variant {
-    /* draws a point for every voxel of every used block, active or not, as in the thesis; needs OST_GL_WIDE */
+    /* as in the thesis, draws a point for every voxel of every used block, even if the voxel is not
+       active; needs OST_GL_WIDE */
     bool every_voxel;
     bool frustum;     /* draws only blocks in view */
     bool facing;      /* draws only points that have a face toward the eye */
     bool order;       /* draws near blocks first */
-    /* draws only cells of 8^3 voxels that are not hidden; needs frustum, no true_depth,
-       OST_GL_COMPACT */
+    /* draws only cells of 8^3 voxels that are not hidden; requires frustum and OST_GL_COMPACT, excludes true_depth */
     bool occlusion;
-    /* for occlusion, OpenGL computes the depths of tiles even if it is a software renderer, as on a graphics card */
+    /* for occlusion: a shader computes the depths of tiles, as on a graphics card, even with a software renderer */
     bool tiles;
-    /* a point covers its cube's bounding rectangle, clipped to the frame; else the square around its
-       sphere */
+    /* if true, a point covers the bounding rectangle of its cube, clipped to the frame; otherwise
+       the square around the bounding sphere of the cube */
     bool tight;
-    /* three linear inequalities determine if a pixel is covered; else the slab test of the thesis
-       does */
+    /* if true, three linear inequalities determine whether a pixel is covered; otherwise the slab
+       test of the thesis is used */
     bool lines;
-    /* the fragment shader writes the depth; else the depth is the squared distance of the voxel's
-       centre */
+    /* if true, the fragment shader writes the depth; otherwise the depth is the squared distance of
+       the voxel's centre */
     bool true_depth;
-    /* a point represents 4^3 voxels that the shader traverses; needs tight, no facing, OST_GL_COMPACT
-       or OST_GL_FORWARD */
+    /* a point represents 4^3 voxels, which the shader traverses; requires tight and either
+       OST_GL_COMPACT or OST_GL_FORWARD, excludes facing */
     bool bricks;
-    bool choose;      /* draws bricks if voxels are small on the screen, else single voxels */
+    bool choose;      /* draws bricks if voxels are small on the screen, otherwise single voxels */
     ost_gl_target target;
 } ost_gl_variant;
 
 extern const ost_gl_variant ost_gl_ours;
-/* Draws tools as triangles, with flat faces in every style. */
+/* This variant draws tools as triangles, with flat faces in every style. */
 extern const ost_gl_variant ost_gl_thesis;
 
 typedef struct ost_gl_options {
     bool debug;  /* enables the driver's messages, which are reported as errors */
-    int version; /* ten times the newest version to use, 0: any; the driver may support only an older one */
+    /* newest OpenGL version to use, times ten; 0: no limit; the driver may support only an older
+       version */
+    int version;
 } ost_gl_options;
 
 typedef struct ost_gl_info {
@@ -71,7 +73,7 @@ typedef struct ost_gl_info {
     float largest;     /* greatest size of a point, in pixels */
 } ost_gl_info;
 
-/* Returns NULL if this build supports OpenGL; otherwise the reason why it does not. */
+/* Returns NULL if this build supports OpenGL, otherwise the reason why it does not support OpenGL. */
 const char *ost_gl_missing(void);
 /* Opens OpenGL. Returns OST_ERR_UNAVAILABLE and names the missing part in err: support in this
    build, EGL, a driver, or OpenGL 3.3. */
@@ -81,23 +83,24 @@ ost_gl_info ost_gl_info_get(const ost_gl *gl);
 
 /*
  * Draws the same picture as ost_frame_draw_things. First uploads the blocks that changed since the
- * last call. Returns OST_ERR_RANGE under the same conditions, and OST_ERR_UNAVAILABLE if OpenGL
- * fails or has lost its context.
+ * last call. Returns OST_ERR_RANGE under the same conditions as ost_frame_draw_things. Returns
+ * OST_ERR_UNAVAILABLE if OpenGL fails or has lost its context.
  */
 ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
                        ost_style style, ost_error *err);
 /* Waits until drawing is complete. */
 ost_status ost_gl_finish(ost_gl *gl, ost_error *err);
-/* Copies the last picture to a frame of the same size: colour, face and, if requested, depth. Does not change keys. */
+/* Copies the last picture to a frame of the same size: colour, face and, if requested, depth. The
+   keys of the frame do not change. */
 ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err);
 
-/* Counts for the last draw. */
+/* Counts of the last draw. */
 typedef struct ost_gl_counts {
     uint64_t points;   /* vertices passed to OpenGL */
     uint64_t uploaded; /* bytes of surface data uploaded */
     bool bricks;       /* set if the first object was drawn as bricks */
-    /* cells of 8^3 voxels of the first object that are in blocks in view and were skipped because
-       they are hidden */
+    /* number of hidden cells of 8^3 voxels that were skipped, counted for the first object in
+       blocks that are in view */
     uint32_t hidden;
 } ost_gl_counts;
 ost_gl_counts ost_gl_counts_get(const ost_gl *gl);

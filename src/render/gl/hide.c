@@ -9,8 +9,8 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* the search is worth its cost if at least one of WORTH cells is hidden */
-    PAUSE = 8, /* frames until the next search if the last one was not worth its cost */
+    WORTH = 8,  /* the search is worth its cost if at least one of every WORTH cells is hidden */
+    PAUSE = 8, /* number of frames until the next search if the last search was not worth its cost */
 };
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)
@@ -45,8 +45,9 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Returns true if a cube with edges of `side` voxels about o (relative to the eye) is behind
- * everything that its pixels show. The slopes are derived in splat_scalar.c.
+ * Returns true if a cube with edges of `side` voxels is hidden: it is farther than everything that
+ * is drawn in its pixels. o: centre of the cube relative to the eye. The slopes are derived in
+ * splat_scalar.c.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {
@@ -79,7 +80,7 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     return true;
 }
 
-/* Returns the hidden cells of a block. base: the position of its first voxel relative to the eye. */
+/* Returns the hidden cells of a block. base: position of the block's first voxel relative to the eye. */
 static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_gl_run *run, const float base[3])
 {
     enum { CELL = 8 };

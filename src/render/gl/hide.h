@@ -4,7 +4,7 @@
  *
  *   cells visible in the last frame --drawn--> depth --the farthest of each 8 x 8 pixels--> tiles, read back
  *   every cell: its pixels and nearest depth --compared with the tiles--> cells that may be visible in this frame
- *   those of them that were not drawn --drawn--> depth
+ *   cells of these that were not drawn yet --drawn--> depth
  *
  * The cells visible in the last frame are a guess at those that hide the others. A wrong guess
  * costs time but does not change the picture. A cell is skipped if all tiles that it may cover are
@@ -13,7 +13,7 @@
  * nearest to the eye, with a margin for rounding.
  *
  * The unit is a cell and not a block of 32^3 voxels, because bone is thin: a small box around a
- * piece of a block can be hidden even if the block's box is not.
+ * part of a block can be hidden even if the box of the complete block is not hidden.
  *
  * A shader computes the tiles, and a few kilobytes are read back. With a software renderer, all
  * depths are read back, which is faster than the shader.

@@ -16,19 +16,19 @@ typedef struct ost_gl_layer {
     ost_gl_form form;
     bool mesh;
     GLuint palette, palette_texture;
-    /* in the list: index of the first entry, number of entries drawn as quads, total number of entries */
+    /* begin: index of the layer's first entry in the list; near: number of entries drawn as quads;
+       count: number of all entries */
     uint32_t begin, near, count;
     int32_t blocks;              /* number of selected blocks */
-    /* set if the list contains the points to draw; otherwise all points of the blocks are drawn */
+    /* true if the list contains the points to draw; otherwise all points of the blocks are drawn */
     bool listed;
-    /* scale of a squared distance in the depth buffer, and a bound of its rounding error */
+    /* factor from a squared distance to the value in the depth buffer; upper bound of the rounding error */
     float depth_scale, depth_slack;
     int y0, y1;
 } ost_gl_layer;
 
 struct ost_gl {
-    /* all following fields belong to the worker's thread; other threads read them only while it is
-       idle */
+    /* the following fields belong to the worker's thread; other threads read them only while the worker is idle */
     ost_gl_worker *worker;
     ost_gl_context context;
     ost_gl_store store;
@@ -42,17 +42,18 @@ struct ost_gl {
     uint32_t *numbers;      /* owned; list_capacity entries */
     ost_gl_layer layer[OST_FRAME_LAYERS];
     ost_frame_block *blocks; /* owned; block_capacity entries */
-    float *bases;           /* owned; 4 for each block */
-    GLint *firsts;          /* owned; block_capacity entries, as are counts and wanted */
+    float *bases;           /* owned; 4 values for each block */
+    GLint *firsts;          /* owned; firsts, counts and wanted have block_capacity entries each */
     GLsizei *counts;        /* owned */
-    uint64_t *wanted;       /* owned; for each block the cells to list next, with the bits of ost_gl_run.cells */
+    /* owned; for each block, the cells whose points are listed next, as bits in the order of
+       ost_gl_run.cells */
+    uint64_t *wanted;
     int32_t block_capacity;
     bool tests_depth;       /* set if this frame searches for hidden cells (hide.c) */
     ost_light light;
     ost_directions directions;
     uint32_t palette[OST_OCTAHEDRAL_COUNT + OST_PAINTS];
-    /* signalled when the last frame has been drawn; NULL if there is none or it has already been
-       waited for */
+    /* signalled when the last frame is complete; NULL if there is no frame or a thread has already waited for it */
     GLsync fence;
     ost_gl_counts did;
 };

@@ -5,7 +5,7 @@
 
 #include "render/gl/insides.h"
 
-/* Sets the OpenGL state that applies to a complete frame. */
+/* Sets the OpenGL state that stays the same for the complete frame. */
 void ost_gl_set_state(const ost_gl *gl);
 void ost_gl_clear_gbuffer(ost_gl_target kind);
 /* Binds the uniforms and textures of layer `number` for the following draw calls. */
@@ -19,8 +19,8 @@ ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer 
 ost_status ost_gl_read_tiles(ost_gl *gl, ost_error *err);
 /* Reads the depth of each pixel of the G-buffer, which must be the bound framebuffer. */
 ost_status ost_gl_read_depths(ost_gl *gl, float *depths, ost_error *err);
-/* Lights the G-buffer and writes it to the picture: all pixels if first is true, otherwise only
-   those that are nearer. */
+/* Lights the G-buffer and writes it to the picture. If first is true, all pixels are written,
+   otherwise only those that are nearer than the picture's pixels. */
 ost_status ost_gl_composite(ost_gl *gl, const ost_gl_program_key *key, bool first, ost_error *err);
 
 #endif

@@ -95,7 +95,7 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
         free_buffers(&new);
         return status;
     }
-    glFinish(); /* the copy must be complete before the next write */
+    glFinish(); /* the copy must be complete before the buffer is written again */
     free_buffers(p);
     *p = new;
     p->next = p->granules;

@@ -16,35 +16,37 @@
 #include "render/gl/context.h"
 
 typedef struct ost_gl_pool {
-    const char *what;    /* name of the elements, for messages */
+    const char *what;    /* name of the elements, used in messages */
     size_t element;      /* size of an element in bytes */
     unsigned bits;
     GLenum format;       /* format of the texture; 0: no texture */
-    uint32_t granules, next; /* number of granules; granule at which the next search for a free run begins */
+    /* number of granules; index of the granule at which the next search for a free run begins */
+    uint32_t granules, next;
     uint8_t *used;       /* owned; one entry for each granule */
     GLuint buffer, texture, page_buffer, page_texture;
     void *mapped, *page_mapped;
 } ost_gl_pool;
 
 /*
- * Initializes an empty pool. The first ost_gl_pool_take creates the OpenGL objects. format: format
- * of the texture by which shaders read the buffer; 0: no texture.
+ * Initializes an empty pool. The first call of ost_gl_pool_take creates the OpenGL objects. format:
+ * format of the texture through which shaders read the buffer, or 0 for no texture.
  */
 void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsigned bits, GLenum format);
 /* Frees the pool's memory and OpenGL objects. Accepts a zero-initialized pool. */
 void ost_gl_pool_free(ost_gl_pool *pool);
 
-/* Reserves a run for count elements, and stores the number of its first element and its number of granules. */
+/* Reserves a run for count elements. Stores the index of the run's first element and the number of its granules. */
 ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first,
                             uint32_t *granules, ost_error *err);
 void ost_gl_pool_give(ost_gl_pool *pool, uint32_t first, uint32_t granules);
 void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data, uint32_t count);
-/* Stores the position of the block's first voxel in all pages of a run. */
+/* Stores the position of the block's first voxel in all pages of the block's run. */
 void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3]);
 
-/* Creates a buffer that the processor writes. It is mapped if OpenGL supports that; otherwise *mapped is NULL. */
+/* Creates a buffer that the processor writes. If OpenGL supports mapped buffers, the buffer is
+   mapped; otherwise *mapped is NULL. */
 GLuint ost_gl_buffer_make(const ost_gl_context *context, GLenum target, size_t bytes, void **mapped);
-/* Creates a texture by which shaders read a buffer. */
+/* Creates a texture through which shaders read a buffer. */
 GLuint ost_gl_buffer_texture(GLuint buffer, GLenum format);
 
 #endif

@@ -15,7 +15,7 @@ enum { OST_GL_EYE = 0 }; /* binding of the uniform block */
 
 /*
  * Compiles and links a program. defines: lines of #define. The samplers in the list, which ends
- * with NULL, get the texture units 0, 1, ...; the inputs get the locations 0, 1, ...
+ * with NULL, get the texture units 0, 1, and so on. The inputs get the locations 0, 1, and so on.
  */
 ost_status ost_gl_program_make(ost_gl_context *context, const ost_gl_source *vertex, const ost_gl_source *fragment,
                                const char *defines, const char *const *inputs, const char *const *samplers, GLuint *out,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The programs that a variant needs. Each one is compiled at its first use. */
+/* The programs that a variant needs. Each program is compiled when it is first used. */
 #ifndef OST_RENDER_GL_PROGRAMS_H
 #define OST_RENDER_GL_PROGRAMS_H
 
@@ -27,7 +27,7 @@ typedef enum ost_gl_unit {
     OST_GL_UNIT_DEPTHS
 } ost_gl_unit;
 
-/* The settings that become macros of a stage's shaders. */
+/* The settings that become macros in the shaders of a stage. */
 typedef struct ost_gl_program_key {
     ost_gl_stage stage;
     ost_gl_target target;
@@ -42,13 +42,15 @@ typedef struct ost_gl_programs {
     struct {
         ost_gl_program_key key;
         GLuint program;
-        GLint first; /* location of the uniform for quads; -1 if the program has none */
+        /* location of the uniform `first`, which is used for quads; -1 if the program does not have
+           this uniform */
+        GLint first;
     } made[OST_GL_PROGRAMS];
 } ost_gl_programs;
 
 void ost_gl_programs_free(ost_gl_programs *programs);
-/* Makes a program the current one and compiles it if necessary. Stores its field `first` in *first,
-   which may be NULL. */
+/* Makes a program the current program and compiles it if necessary. Stores the location of its
+   uniform `first` in *first. The pointer may be NULL. */
 ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key,
                                GLint *first, ost_error *err);
 

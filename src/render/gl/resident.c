@@ -51,7 +51,7 @@ ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form)
     return form == OST_GL_POINTS ? &store->points : form == OST_GL_BRICKS ? &store->bricks : &store->voxels;
 }
 
-/* Returns the surface's entry if there is one, else a free entry, else the least recently used one. */
+/* Returns the entry of the surface if there is one, otherwise a free entry, otherwise the least recently used entry. */
 static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surface)
 {
     ost_gl_resident *oldest = &store->resident[0];
@@ -72,7 +72,7 @@ static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surf
 
 /* ------------------------------------------------------------------- forms */
 
-/* Reserves a run for count elements. Keeps the present run if it is large enough. */
+/* Reserves a run for count elements. The present run is kept if it is large enough. */
 static ost_status reserve(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules,
                           ost_error *err)
 {
@@ -216,7 +216,7 @@ typedef struct vertex {
     float at[3], out[3];
 } vertex;
 
-/* Appends the two triangles of one face of the voxel about (x, y, z). */
+/* Appends the two triangles of one face of the voxel whose centre is (x, y, z). */
 static void add_face(vertex *v, const float at[3], unsigned face)
 {
     static const int corner[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};

@@ -20,20 +20,20 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_F
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    uint32_t shade_first, shade_granules; /* position and size of the shades; used by bricks only */
+    uint32_t shade_first, shade_granules; /* position and size of the run of shades; used only by bricks */
     uint64_t bricks[8];   /* bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
     uint64_t cells;       /* cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
-    uint64_t hidden;      /* cells that were hidden at the last search (hide.h) */
+    uint64_t hidden;      /* cells that the last search found to be hidden (hide.h) */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
-    const ost_surface *surface; /* compared only, never dereferenced; the versions identify the contents */
+    const ost_surface *surface; /* only compared, never dereferenced; the versions identify the contents */
     uint64_t last;              /* number of the last frame that used this entry */
     ost_gl_run *run[OST_GL_FORMS]; /* owned; one run for every slot */
     int32_t runs[OST_GL_FORMS];
     int pause;                  /* number of frames until the next search for hidden cells (hide.c) */
     GLuint mesh;
-    uint64_t mesh_version;      /* sum of the versions of its blocks */
+    uint64_t mesh_version;      /* sum of the versions of the surface's blocks */
     uint32_t mesh_vertices;
 } ost_gl_resident;
 
@@ -43,7 +43,7 @@ typedef struct ost_gl_store {
     ost_gl_pool points, bricks, shades, voxels;
     ost_gl_resident resident[OST_GL_RESIDENTS];
     uint64_t frame;
-    uint64_t uploaded; /* bytes uploaded since the start of the frame */
+    uint64_t uploaded; /* number of bytes uploaded since the start of the frame */
 } ost_gl_store;
 
 /* Returns the cell that contains brick x | y << 3 | z << 6 of a block. */

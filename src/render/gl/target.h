@@ -16,7 +16,7 @@
 typedef struct ost_gl_targets {
     int width, height;   /* 0 if the textures do not exist yet */
     ost_gl_target kind;  /* format of the G-buffer */
-    /* gbuffer is 0 for OST_GL_FORWARD, which draws directly into the picture */
+    /* gbuffer is 0 for OST_GL_FORWARD, which draws into the picture without a G-buffer */
     GLuint gbuffer, gbuffer_depth, gbuffer_0, gbuffer_1;
     GLuint tiles, tiles_depth; /* only with OST_GL_COMPACT */
     int across, down;    /* size in tiles */

@@ -44,7 +44,8 @@ ost_status ost_gl_worker_start(ost_gl_worker **out, ost_error *err)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for OpenGL's thread");
     pthread_mutex_init(&w->mutex, NULL);
     pthread_cond_init(&w->changed, NULL);
-    /* The worker blocks all signals, so that other threads handle them. A driver's threads inherit the mask. */
+    /* The worker thread blocks all signals, so that other threads handle them. Threads that a
+       driver starts inherit this signal mask. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = pthread_create(&w->thread, NULL, run_jobs, w);
