@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Draws a legend of a frame's colours over the frame. */
+/* Draws a legend over a frame. The legend explains the frame's colours. */
 #ifndef OST_RENDER_LEGEND_H
 #define OST_RENDER_LEGEND_H
 
@@ -8,12 +8,12 @@
 
 typedef struct ost_legend {
     ost_colouring colouring;
-    double scale_mm;   /* depth of the last colour, in mm; used with OST_COLOUR_DEPTH */
-    bool plate;        /* the subchondral plate has its own colour; used with OST_COLOUR_CLASS */
+    double scale_mm;   /* depth of the last colour, in mm; used only with OST_COLOUR_DEPTH */
+    bool plate;        /* true if the subchondral plate has its own colour; used only with OST_COLOUR_CLASS */
     bool window;       /* set if a clip plane shows the CT's greys */
 } ost_legend;
 
-/* Computes the legend's size in pixels. It is 0 x 0 for plain bone without a clip plane. */
+/* Computes the legend's size in pixels. The size is 0 x 0 for plain bone without a clip plane. */
 void ost_legend_size(const ost_legend *legend, double unit, int *width, int *height);
 /*
  * Draws the legend with its lower left corner at x, y. unit: number of pixels per 1/96 inch. Draws

@@ -28,7 +28,7 @@ enum {
     PIECES = 6,
     CAPITAL = 9
 };
-/* distance between letters, and half of a stroke's width, both in units of the grid */
+/* distance between two letters; half of the width of a stroke; both in units of the grid */
 static const double GAP = 2.7, WEIGHT = 0.62;
 
 typedef struct drawing {
@@ -130,8 +130,7 @@ static const drawing drawings[] = {
 };
 
 typedef struct glyph {
-    /* position and size of its picture, relative to the letter's position on the baseline; y points
-       down */
+    /* position and size of the letter's picture, relative to the letter's position on the baseline; y points down */
     int x, y, width, height;
     double advance;
     uint8_t *cover; /* owned; coverage of each pixel, 0 to 255 */
@@ -249,7 +248,7 @@ static bool draw_glyph(const drawing *d, double unit, glyph *g)
     g->cover = calloc((size_t)g->width, (size_t)g->height);
     if (!g->cover)
         return false;
-    /* The distance is computed only for pixels that a segment can reach. */
+    /* The distance is computed only for those pixels that a segment can reach. */
     for (int i = 0; i < o.count; i++) {
         const segment *e = &o.segment[i];
         const int x0 = (int)floor(fmin(e->ax, e->bx) - r - 1) - g->x, x1 = (int)ceil(fmax(e->ax, e->bx) + r + 1) - g->x;
@@ -317,8 +316,8 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 }
 
 /*
- * Mixes four pixels at once, bit-identical to mixing them one by one. A colour's product fits into
- * 16 bits, because it is at most 255 x 256.
+ * Mixes four pixels at once. The result is bit-identical to mixing them one by one. A product of a
+ * colour channel and a weight is at most 255 x 256, so it fits into 16 bits.
  */
 typedef uint32_t four __attribute__((vector_size(16)));
 typedef uint16_t eight __attribute__((vector_size(16)));

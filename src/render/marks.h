@@ -20,17 +20,18 @@ enum { OST_MARKS_MARGIN = 12 };
 /* Returns the size of a unit in pixels for a picture of the given height. */
 double ost_marks_unit(int height);
 
-/* Returns the greatest number of the form 1, 2 or 5 times a power of ten that is at most `most`; at least 0.001. */
+/* Returns the greatest number of the form 1, 2 or 5 times a power of ten that is not greater than
+   `most`. The result is at least 0.001. */
 double ost_round_down(double most);
 
 /*
- * Writes the letters of a direction in the patient: first the axis with the greatest component,
- * then the others whose components are large enough. The frame is LPS+; "S" and "I" mean superior
- * and inferior. A zero vector gives "".
+ * Writes the letters of a direction in the patient: first the letter of the axis with the greatest
+ * component, then those of the other axes whose components are large enough. The frame is LPS+; "S"
+ * and "I" mean superior and inferior. For a zero vector, writes "".
  */
 void ost_orientation_letters(const double direction[3], char letters[4]);
-/* Writes these letters for an edge of a picture: 0 left, 1 right, 2 upper, 3 lower. right and up
-   are the picture's axes in the patient. */
+/* Writes the letters of the direction in the patient toward an edge of a picture. edge: 0 left, 1
+   right, 2 upper, 3 lower. right and up: the picture's axes in the patient. */
 void ost_edge_letters(const double right[3], const double up[3], int edge, char letters[4]);
 
 /*
@@ -42,12 +43,12 @@ void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, 
                    double mm_per_pixel, double unit, uint32_t colour);
 
 typedef struct ost_marks {
-    double right[3], up[3]; /* axes of the picture in the patient, unit vectors; zero if not known */
+    double right[3], up[3]; /* axes of the picture in the patient as unit vectors; zero if the axes are not known */
     double mm_per_pixel;    /* 0 if there is no scale bar */
     ost_legend legend;
 } ost_marks;
 
-/* Draws all marks that fit. letters must be OST_MARKS_LETTER units high. */
+/* Draws all marks for which there is space. letters must be OST_MARKS_LETTER units high. */
 void ost_marks_draw(const ost_marks *marks, const ost_lettering *letters, const ost_sheet *sheet, double unit);
 
 #endif

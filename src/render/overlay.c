@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a line pixel by pixel along its longer side. The reciprocal of a line's depth is linear in
- * the picture, so the depth is known at every pixel. Each step blends the colour into the pixels
- * across the line, in proportion to their coverage.
+ * Draws a line pixel by pixel along its longer side in the picture. The reciprocal of the line's
+ * depth is linear in the picture, so the depth is known at every pixel. Each step blends the line's
+ * colour into the pixels across the line, in proportion to their coverage.
  */
 #include "render/overlay.h"
 
@@ -24,7 +24,7 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/* greatest depth in voxels below a surface at which a line is still drawn as in front of the surface */
+/* in voxels; a line that is at most this far behind a surface is still drawn as in front of the surface */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {
@@ -53,8 +53,8 @@ static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, 
 }
 
 /*
- * Reduces the range from .. to (0 .. 1) to the part in which v0 + t dv lies within lo .. hi.
- * Returns false if there is no such part.
+ * Reduces the interval from *from to *to, within 0 to 1, to the values t for which v0 + t dv lies
+ * between lo and hi. Returns false if there are no such values.
  */
 static bool narrow(float v0, float dv, float lo, float hi, float *from, float *to)
 {
@@ -67,8 +67,8 @@ static bool narrow(float v0, float dv, float lo, float hi, float *from, float *t
 }
 
 /*
- * Computes the picture's x and y and the reciprocal of the depth for both ends. Returns false if
- * both ends are in front of the near plane.
+ * Computes x, y and the reciprocal of the depth in the picture for both ends of a line. Returns
+ * false if both ends are in front of the near plane.
  */
 static bool project(const ost_eye *e, const float from[3], const float to[3], float out[2][3])
 {
@@ -299,8 +299,8 @@ static void draw_hits(const ost_frame *f, const ost_eye *e, const ost_overlay_sc
 /* ------------------------------------------------------------------ voxels */
 
 /*
- * Maps a grid of any orientation to the bone's voxels. Used to draw the edges of those faces of its
- * voxels that face the eye.
+ * A map from a grid of any orientation to the bone's voxels. Used to draw a grid's voxels: the
+ * edges of the faces that face the eye.
  */
 typedef struct turned_grid {
     double origin[3], column[3][3]; /* position of the grid's origin and directions of its axes, in the bone's voxels */

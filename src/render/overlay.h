@@ -25,12 +25,12 @@ typedef enum ost_overlay {
     OST_OVERLAY_AXIS,
     OST_OVERLAY_COUNT
 } ost_overlay;
-extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* "chunks", "boxes" and so on */
+extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* the names "chunks", "boxes" and so on */
 
 enum { OST_OVERLAY_CHANGED = 64 };
 
 typedef struct ost_overlay_scene {
-    const ost_surface *bone, *tool; /* borrowed; tool is NULL if there is no tool */
+    const ost_surface *bone, *tool; /* borrowed; tool is NULL if there is no tool to draw */
     ost_tool_geometry tool_grid;
     ost_pose pose;                  /* pose of the tool */
     int chunk;                      /* voxels per side of a chunk */
@@ -43,7 +43,8 @@ typedef struct ost_overlay_scene {
 /* Draws overlays on the frame. which: one bit for each overlay. eye: the frame's eye, in the bone's voxels. */
 void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *scene);
 
-/* Computes the half-open range of chunks that may intersect the tool's box; empty if there are none. */
+/* Computes the half-open range of chunks that may intersect the tool's box. The range is empty if
+   there are no such chunks. */
 void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
 
 /* Draws a line between two positions, in the bone's voxel coordinates. strength: opacity in 256ths; width: in

@@ -29,7 +29,8 @@ static void sink_write(png_structp png, png_bytep data, size_t size)
 {
     sink *s = png_get_io_ptr(png);
     if (size > s->capacity - s->size) {
-        size_t capacity = 2 * s->capacity + size; /* a picture has at most 3 * 2^28 bytes, so this does not overflow */
+        /* a picture has at most 3 * 2^28 bytes, so this sum does not overflow */
+        size_t capacity = 2 * s->capacity + size;
         uint8_t *bytes = realloc(s->bytes, capacity);
         if (!bytes)
             png_error(png, "no memory");
@@ -46,8 +47,8 @@ static void sink_flush(png_structp png)
 }
 
 /*
- * If a call fails, libpng leaves it by longjmp. Everything that is accessed afterwards is in *s or
- * in the caller's frame.
+ * If a call fails, libpng returns to setjmp by longjmp. Therefore everything that is accessed
+ * afterwards is in *s or in the caller's stack frame.
  */
 static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s,
                          ost_error *err)

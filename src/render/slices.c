@@ -20,7 +20,7 @@
 
 typedef struct plane {
     int across, down, through; /* axes of the grid */
-    bool down_is_minus;        /* coordinates decrease from row to row */
+    bool down_is_minus;        /* true if coordinates decrease from row to row */
 } plane;
 
 static const plane PLANES[3] = {{0, 1, 2, false}, {0, 2, 1, true}, {1, 2, 0, true}};
@@ -31,11 +31,12 @@ typedef struct source {
     double spacing[3];
 } source;
 
-enum { GAP = 8, OVER = 2 }; /* GAP: pixels between panels; OVER: samples per pixel and axis */
-enum { LEAST_SIDE = 120 };  /* shorter side of a panel, in pixels, below which letters do not fit */
+/* GAP: number of pixels between panels; OVER: number of samples per pixel along each axis */
+enum { GAP = 8, OVER = 2 };
+enum { LEAST_SIDE = 120 };  /* in pixels; letters do not fit if the shorter side of a panel is less than this */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
-/* Adds the colour at (a, b) voxels in the plane to sum. Outside the grid it is black. */
+/* Adds to sum the colour at the position (a, b) in the plane, in voxels. Outside the grid, the colour is black. */
 static void add_sample(const source *s, const plane *p, int through, double a, double b, double sum[3])
 {
     const int na = s->n[p->across], nb = s->n[p->down];
@@ -83,7 +84,7 @@ static void panel(const source *s, const plane *p, int through, double mm_per_pi
         }
 }
 
-/* Draws a word on a darker background, so that it is legible on bone. y: baseline. */
+/* Draws a word on a darker background, so that the word is legible on bone. y: position of the baseline. */
 static void word(const ost_sheet *sheet, const ost_lettering *letters, int x, int y, double unit, const char *text)
 {
     const int edge = (int)(3 * unit + 0.5), high = (int)(OST_MARKS_LETTER * unit);
@@ -110,7 +111,7 @@ static void annotate(const plane *p, const ost_lettering *letters, const char *t
     }
 }
 
-/* Draws short ticks at the panel's edges where the other two planes intersect it. */
+/* Draws short ticks at the edges of the panel, where the other two planes intersect the panel. */
 static void ticks(const source *s, const plane *p, const int at[3], double mm_per_pixel, int x0, int width, int height,
                   const ost_sheet *sheet)
 {
@@ -192,7 +193,8 @@ static bool is_removed(const densities *d, size_t v)
     return d->before && d->now->voxels[v] < d->threshold && d->before->voxels[v] >= d->threshold;
 }
 
-/* Computes the grey of a density. A removed voxel is tinted, and its earlier density is visible through the tint. */
+/* Computes the grey of a density. A removed voxel is tinted, but the density that it had before its
+   removal stays visible. */
 static void colour_of(const void *user, size_t voxel, double rgb[3])
 {
     static const double tint[3] = {0xe8, 0x4a, 0x27};
@@ -204,7 +206,7 @@ static void colour_of(const void *user, size_t voxel, double rgb[3])
         rgb[c] = removed ? 0.35 * grey + 0.65 * tint[c] : grey;
 }
 
-/* Computes the middle of the removed voxels; if there are none, the middle of the grid. */
+/* Computes the middle of the removed voxels, or the middle of the grid if no voxel was removed. */
 static void middle(const densities *d, int32_t at[3])
 {
     const ost_dims n = d->now->geometry.dims;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Draws three slices in any colours, with scale bar and directions, for ost_picture_slices and for differences. */
+/* Draws three slices in any colours, with a scale bar and directions. Used by ost_picture_slices
+   and for pictures of differences. */
 #ifndef OST_RENDER_SLICES_H
 #define OST_RENDER_SLICES_H
 
@@ -11,10 +12,10 @@ typedef void ost_slices_colour(const void *user, size_t voxel, double rgb[3]);
 typedef struct ost_slices_paint {
     ost_slices_colour *colour;
     const void *user;
-    /* if true, each pixel has the colour of one voxel; otherwise colours are interpolated between
-       centres */
+    /* if true, each pixel has the colour of one voxel; otherwise the colours are interpolated
+       between the centres of voxels */
     bool by_voxel;
-    bool unoriented; /* if true, the directions of the axes are not known, and none are drawn */
+    bool unoriented; /* true if the directions of the axes are not known; no directions are then drawn */
 } ost_slices_paint;
 
 /* Draws the slices through the voxel at[]. pixels: longest side of a slice; 0 means 480. Returns

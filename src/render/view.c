@@ -17,7 +17,7 @@
 #include "render/views.h"
 
 enum { THRESHOLD = 120, SIDE = 800 };
-/* fraction of the picture's height or width that the box of the active voxels fills */
+/* fraction of the picture's height or width that is filled by the box of the active voxels */
 static const double FILLED = 0.94;
 
 /* The camera's axes as unit vectors in the patient, and the point at which the camera is directed. */
@@ -43,7 +43,7 @@ static ost_status find_axes(const ost_view_options *o, aim *a, ost_error *err)
     return OST_OK;
 }
 
-/* Directs the camera at the middle of the active voxels' box, from the distance at which the
+/* Directs the camera at the middle of the active voxels' box. The distance is chosen such that the
    picture contains the complete box. */
 static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim *a)
 {
@@ -67,8 +67,8 @@ static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim 
     }
 }
 
-/* Replaces the frame's colours by means of 2 x 2 pixels, in place. Each mean is written to a
-   position that has already been read. */
+/* Replaces the colours of the frame by means of 2 x 2 pixels, in place. The position to which a
+   mean is written has already been read. */
 static void halve(ost_sheet *sheet)
 {
     sheet->width /= 2;
@@ -77,7 +77,7 @@ static void halve(ost_sheet *sheet)
         for (int x = 0; x < sheet->width; x++) {
             const uint32_t *from = sheet->pixels + (size_t)(2 * y) * (size_t)sheet->stride + 2 * x;
             const uint32_t four[4] = {from[0], from[1], from[sheet->stride], from[sheet->stride + 1]};
-            uint32_t odd = 0x020002, green = 0x0200; /* for rounding: half of the divisor 4 in each channel */
+            uint32_t odd = 0x020002, green = 0x0200; /* added for rounding: half of the divisor 4, in each channel */
             for (int i = 0; i < 4; i++) {
                 odd += four[i] & 0xff00ff;
                 green += four[i] & 0x00ff00;
@@ -135,7 +135,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
         status = ost_viewer_set_uncut(&viewer, &uncut, threshold, &classes, NULL, NULL, err);
     if (status == OST_OK && before)
         ost_viewer_set_colouring(&viewer, OST_COLOUR_DEPTH);
-    /* The box is that of the uncut bone, so that pictures before and after removal show the same part. */
+    /* The box of the uncut bone is used, so that pictures before and after a removal show the same part of the bone. */
     if (status == OST_OK)
         status = find_axes(o, &a, err);
     if (o->extent_mm > 0) {
@@ -162,7 +162,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
         status = ost_picture_init(out, width, height, err);
     if (status == OST_OK) {
         ost_sheet sheet = ost_frame_sheet(&viewer.frame);
-        sheet.written = NULL; /* no cells are recorded, because the frame is not drawn again */
+        sheet.written = NULL; /* no cells are recorded, because this frame is not drawn again */
         if (samples == 2)
             halve(&sheet);
         if (!o->no_legend)

@@ -35,8 +35,9 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 }
 
 /*
- * Returns the tool's grid as the geometry of a bone. Its origin is the middle of the first voxel,
- * not the grid's corner. Half a voxel is rounded down to picometres, which is not visible.
+ * Returns the tool's grid as a geometry of the type that describes a bone. Its origin is the middle
+ * of the first voxel, not the corner of the grid. Half a voxel is rounded down to picometres, which
+ * is not visible.
  */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {
@@ -44,7 +45,7 @@ static ost_geometry grid_of(const ost_tool_geometry *t)
     return (ost_geometry){t->dims, {s, s, s}, {t->corner.x + half, t->corner.y + half, t->corner.z + half}};
 }
 
-/* Makes a tool's surface. If this fails, the surface is empty. */
+/* Makes the surface of a tool. On failure, the surface is empty. */
 static ost_status surface_of(const ost_tool_volume *volume, ost_surface *surface, ost_error *err)
 {
     const ost_geometry g = grid_of(&volume->geometry);
@@ -146,7 +147,7 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
 
 /*
  * Draws with OpenGL. Returns false if the processor must draw instead. If the camera is out of
- * range, both report the error.
+ * range, OpenGL and the processor report the same error.
  */
 static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
 {

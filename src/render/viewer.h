@@ -38,10 +38,10 @@ typedef struct ost_viewer {
     int threads;
     ost_style style;
     ost_paint paint;     /* paint of the bone; OST_PAINT_BONE after ost_viewer_init */
-    ost_frame frame;     /* has the size of the last draw */
+    ost_frame frame;     /* has the size that was used in the last draw */
     ost_live_state state;
     bool has_state;      /* set if the tool is drawn at the pose in state */
-    uint64_t changed;    /* number of chunks taken from live */
+    uint64_t changed;    /* number of changed chunks taken from live so far */
     ost_uncut reference; /* valid if has_uncut */
     bool has_uncut;
     uint32_t palette[OST_PAINTS];
@@ -53,17 +53,19 @@ typedef struct ost_viewer {
     int64_t aged_ns;
     ost_gl *gl;          /* owned; NULL if the processor draws */
     const ost_gl_variant *variant;
-    char lost[OST_ERROR_TEXT]; /* reason for which the processor draws again; "" if there is none */
+    /* reason for which the processor draws instead of OpenGL; "" if there is no such reason */
+    char lost[OST_ERROR_TEXT];
 } ost_viewer;
 
-/* Makes a viewer with an empty bone. isa and threads: see ost_points_options. */
+/* Makes a viewer with an empty bone. The parameters isa and threads are those of ost_points_options. */
 ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads,
                            ost_error *err);
 void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer */
 
 /*
- * Draws with OpenGL from the next frame on. If OpenGL fails, the processor draws again, and `lost`
- * contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions of ost_gl_open.
+ * Draws with OpenGL from the next frame on. If OpenGL fails later, the processor draws again, and
+ * viewer->lost contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions of
+ * ost_gl_open.
  */
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
 
@@ -71,7 +73,7 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
  * Sets the uncut bone. Takes ownership of the volume, as ost_uncut_init does. Must be called before
- * the bone's surface is first set or taken from live.
+ * the surface of the bone is first set or updated from live.
  */
 ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold,
                                 const ost_density_classes *classes, const ost_pm3 *at, const double *axis,
@@ -86,11 +88,12 @@ ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volum
 /* Enables highlighting of places where bone was just removed. */
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown);
 
-/* Makes the viewer show the bone of live, which is borrowed. */
+/* Makes the viewer show the bone of the operation whose live state is `live`. The channel is borrowed. */
 void ost_viewer_follow(ost_viewer *viewer, ost_live_channel *live);
-/* Takes the changes since the last call from live. */
+/* Applies the changes that viewer->live has published since the last call. */
 ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
-/* Draws into viewer->frame and gives it the camera's size. The camera must have passed ost_camera_check. */
+/* Draws into viewer->frame and sets the size of the frame to that of the camera's picture. The
+   camera must have passed ost_camera_check. */
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err);
 
 #endif

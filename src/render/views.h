@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes camera positions, by the names that surgeons use, and cameras moved by hand.
+ * Computes the camera positions of named views, with the names that surgeons use, and cameras that
+ * the user moves.
  *
  *   operator    over the surgeon's shoulder: the face, seen past the tool
  *   en-face     onto the glenoid's face, along its axis
@@ -9,8 +10,9 @@
  *   tool        along the tool, from behind
  *   whole       the entire bone, obliquely
  *
- * A camera moved by hand orbits a point. Its position is given by azimuth and elevation over the
- * horizon (the plane across the body), and by its distance. The point can be moved sideways.
+ * A camera that the user moves orbits a point. The position of the camera is given by its azimuth,
+ * its elevation over the horizon (the plane across the body), and its distance. The point can be
+ * moved sideways.
  */
 #ifndef OST_RENDER_VIEWS_H
 #define OST_RENDER_VIEWS_H
@@ -34,14 +36,14 @@ typedef enum ost_view_name {
     OST_VIEW_COUNT
 } ost_view_name;
 
-/* The names of the views, in the order of the enumeration, as the choices of an option. */
+/* The names of the views, as the choices of an option. They are in the order of the enumeration. */
 #define OST_VIEW_NAMES "operator|en-face|lateral|medial|anterior|posterior|superior|inferior|tool|whole"
 
-/* The objects in view, in the bone's frame and millimetres. */
+/* The objects in view. All positions are in the bone's frame, in millimetres. */
 typedef struct ost_view_subject {
-    double middle[3], size;  /* middle and longest side of the bone, or of its grid */
+    double middle[3], size;  /* of the bone's grid or, after ost_view_subject_fit, of the bone: middle, longest side */
     bool has_face;           /* set if face and inward are known */
-    double face[3], inward[3]; /* centre of the glenoid; direction into the bone, a unit vector */
+    double face[3], inward[3]; /* centre of the glenoid; unit vector from there into the bone */
     bool left;               /* set if the bone is from the left side of the body */
 } ost_view_subject;
 
@@ -51,22 +53,24 @@ typedef struct ost_orbit {
     double distance;         /* mm */
 } ost_orbit;
 
-/* Makes a subject. at and axis: position and axis of the glenoid; axis is NULL if they are not known. */
+/* Makes a subject. at and axis: position and axis of the glenoid; axis is NULL if position and axis are not known. */
 ost_view_subject ost_view_subject_make(const ost_geometry *bone, const ost_pm3 *at, const double *axis, bool left);
 
-/* Computes the box lo <= v < hi of the voxels at or above the threshold. If there are none, lo and
-   hi are the middle of the grid. */
+/* Computes the box lo <= v < hi of the voxels whose density is at least the threshold. If there are
+   no such voxels, lo and hi are the middle of the grid. */
 void ost_active_box(const ost_volume *volume, int32_t threshold, int32_t lo[3], int32_t hi[3]);
-/* Sets middle and size from this box, so that views of the entire bone do not depend on the surrounding air. */
+/* Sets subject->middle and subject->size from the box that ost_active_box computes, so that views
+   of the entire bone do not depend on the surrounding air. */
 void ost_view_subject_fit(ost_view_subject *subject, const ost_volume *volume, int32_t threshold);
 
-/* Returns the orbit of a view. tool: pose of the tool for the view along it; if NULL, the operator's view is used. */
+/* Returns the orbit of a view. tool: pose of the tool, for the view along the tool. If tool is
+   NULL, the operator's view is used instead. */
 ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, const ost_pose *tool);
 
 /* Turns or moves the orbit by dx, dy pixels of a picture that is `height` pixels high. */
 void ost_orbit_turn(ost_orbit *orbit, double dx, double dy, int height);
 void ost_orbit_shift(ost_orbit *orbit, double dx, double dy, int height);
-void ost_orbit_near(ost_orbit *orbit, double steps); /* one step of a wheel changes the distance by one eighth */
+void ost_orbit_near(ost_orbit *orbit, double steps); /* one step of the wheel changes the distance by one eighth */
 
 /* Computes unit vectors that point right, up, and out of the picture toward the viewer. */
 void ost_orbit_frame(const ost_orbit *orbit, double right[3], double up[3], double back[3]);
