@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Steps from cell to cell of a brick to the first one with a face to the air (Amanatides and Woo
- * 1987).  In a regular grid, bricks are ordered by the distance of their middles, as voxels are.
+ * Steps along the ray from cell to cell of a brick, up to the first cell with a face to the air
+ * (Amanatides and Woo 1987).  In a regular grid, bricks are ordered by the distances of their
+ * middles, as voxels are.
  *
- * A voxel drawn separately is a little wider than a cell.  So where the ray passes close to an
- * edge of the cells, and only there, every voxel of the brick is tested as in point.frag, and
- * the nearest is used.
+ * A voxel that is drawn separately is slightly wider than a cell.  If the ray passes close to an
+ * edge of a cell, the shader therefore tests every voxel of the brick as in point.frag and uses
+ * the nearest one.
  */
 flat in uvec4 what;
 flat in vec3 o;
@@ -17,7 +18,7 @@ out vec4 kept;
 out uvec2 kept; /* colour, face << 24; depth */
 #endif
 
-const float CLOSE = 4e-4; /* in voxels: more than the excess width of a voxel, and rounding */
+const float CLOSE = 4e-4; /* in voxels; greater than the enlargement of a voxel plus the rounding error */
 
 uint ones(uint v)
 {
@@ -66,7 +67,7 @@ void main()
     float t = max(max(near.x, near.y), near.z);
     if (t > min(min(far.x, far.y), far.z))
         discard;
-    /* Cells are 0 to 3 on each axis; the next plane on an axis is a cell's width farther. */
+    /* A brick has cells 0 to 3 on each axis. On each axis, the next plane is one cell width farther. */
     vec3 at = d * t - o + 2.0;
     ivec3 direction = ivec3(sign(d));
     ivec3 cell = clamp(ivec3(floor(at)), ivec3(0), ivec3(3));
@@ -84,8 +85,8 @@ void main()
         float first = min(min(next.x, next.y), next.z);
         bvec3 least = equal(next, vec3(first));
         /*
-         * Detects two planes at almost the same distance: `apart` is the distance between them,
-         * divided by the width on the slower axis.
+         * Detects two planes that the ray crosses at almost the same distance. `apart` is the
+         * difference of the two distances, divided by the longer of the two step widths.
          */
         float slow = max(max(least.x ? width.x : 0.0, least.y ? width.y : 0.0), least.z ? width.z : 0.0);
         vec3 apart = (next - first) / max(width, vec3(slow));

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws 4^3 voxels as one point: their position in the block, the voxels with a face to the air,
- * the index of their first look.
+ * Draws a brick of 4^3 voxels as one point. The inputs are the position of the brick in its
+ * block, the set of voxels with a face to the air, and the index of their first look.
  */
 uniform isamplerBuffer pages;
 in uvec4 brick;
 flat out uvec4 what;
-flat out vec3 o;    /* from the eye to the brick's middle */
-flat out vec3 base; /* from the eye to the block's first voxel */
+flat out vec3 o;    /* vector from the eye to the middle of the brick */
+flat out vec3 base; /* vector from the eye to the first voxel of the block */
 
 void main()
 {

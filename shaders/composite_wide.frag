@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The thesis' composite: lights depth, normal and colour of each pixel from one direction. */
+/*
+ * Lights each pixel from one direction, using the pixel's depth, normal and colour. This is
+ * the thesis' compositing pass.
+ */
 uniform sampler2D normals, colours, depths;
 out vec4 colour;
 
@@ -17,7 +20,7 @@ void main()
     normal = normalize(2.0 * normal - 1.0);
 #endif
     vec4 c = texelFetch(colours, at, 0);
-    /* From over the left shoulder, as in points/light.c. */
+    /* direction of the light: over the viewer's left shoulder, as in points/light.c */
     float light = 0.32 + 0.68 * max(dot(normal, normalize(vec3(-0.40, 0.55, 0.73))), 0.0);
     light = layer.y > 0.5 ? light : 1.0;
     colour = vec4(floor(c.rgb * 255.0 + 0.5) * floor(min(256.0 * light + 0.5, 256.0)) / 256.0 / 255.0, c.a);

@@ -1,32 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The camera's values for all stages; ost_gl_eye_block in eye.h has the same layout.  All
- * positions are in voxels of the object that is drawn, relative to its grid's first voxel.
+ * The camera's values for all shader stages. ost_gl_eye_block in eye.h has the same layout.  All
+ * positions are in voxels of the object that is drawn, relative to the first voxel of its grid.
  *
- * PRECISE is `precise` where the language supports it: products and sums are then rounded one by
- * one, as in the processor's renderer.  Names and orders of operations are those of
- * points/splat_scalar.c.
+ * PRECISE is `precise` if the language version supports this keyword.  Products and sums are
+ * then rounded one by one, as in the processor's renderer.  The names and the order of
+ * operations are those of points/splat_scalar.c.
  */
 layout(std140) uniform Eye {
     vec4 eye_at;      /* w: focal length in pixels */
-    vec4 eye_right;   /* w: half the width of a voxel along it; the same in the next two */
+    vec4 eye_right;   /* w: half the width of a voxel along this vector; eye_up.w and eye_forward.w correspondingly */
     vec4 eye_up;
     vec4 eye_forward;
     vec4 axis_0;      /* w: half the frame's width */
     vec4 axis_1;      /* w: half its height */
     vec4 axis_2;      /* w: near plane */
-    vec4 frame;       /* width, height; depth = squared distance * z + w */
+    vec4 frame;       /* x, y: width and height; z, w: depth = squared distance * z + w */
     /*
-     * x: voxel size relative to the first object; y: 1 if faces have one colour; z: half a
-     * voxel, widened
+     * x: size of a voxel in voxels of the first object; y: 1 if each face has one colour;
+     * z: half of a voxel's side, slightly enlarged
      */
     vec4 layer;
-    uvec4 light_0;    /* of faces 0 to 3, in 256ths */
-    uvec4 light_4;    /* of faces 4 and 5; z: the background, 0xBBGGRR */
+    uvec4 light_0;    /* light of faces 0 to 3, in 256ths */
+    uvec4 light_4;    /* x, y: light of faces 4 and 5; z: background, 0xBBGGRR */
     uvec4 paint;      /* red, green, blue */
 };
 
-/* Scale from a depth along forward, in voxels of the first object, to 0..1: nothing is farther than 2^16. */
+/*
+ * Converts a depth along the view direction, in voxels of the first object, to the range 0 to 1.
+ * The depth is at most 2^16 voxels.
+ */
 const float DEPTH_SCALE = 1.0 / 65536.0;
 
 float dot3(vec3 a, vec3 b)
@@ -41,7 +44,10 @@ vec3 cross3(vec3 a, vec3 b)
     return c;
 }
 
-/* Returns the vector from the eye to the centre of a voxel of a block; page: the block's first voxel. */
+/*
+ * Returns the vector from the eye to the centre of a voxel. word: the voxel's position in its
+ * block; page: the position of the block's first voxel.
+ */
 vec3 place(uint word, ivec4 page)
 {
     PRECISE vec3 base = vec3(page.xyz) - eye_at.xyz;
@@ -49,7 +55,7 @@ vec3 place(uint word, ivec4 page)
     return o;
 }
 
-/* Returns the fragment's offset from the picture's middle, to the right and down; rows count from the top. */
+/* Returns the fragment's offset from the middle of the picture, to the right and down. The top row is row 0. */
 vec2 slope(vec2 fragment)
 {
     PRECISE vec2 s = fragment - vec2(axis_0.w, axis_1.w);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A tool's triangles, for the thesis' G-buffer. */
+/* Draws the triangles of a tool into the thesis' G-buffer. */
 in vec3 corner;
 in vec3 out_of_it;
 out vec3 normal;

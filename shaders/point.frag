@@ -25,7 +25,10 @@ bool slabs(vec3 d, out uint face, out float t)
     vec3 p = abs(d.yzx * near - o.yzx), q = abs(d.zxy * near - o.zxy);
     bvec3 hit = bvec3(p.x <= layer.z && q.x <= layer.z, p.y <= layer.z && q.y <= layer.z,
                       p.z <= layer.z && q.z <= layer.z);
-    /* A ray parallel to a plane divides by zero there; it can still hit the planes of the other two axes. */
+    /*
+     * If a ray is parallel to a plane, the division by zero is harmless: the ray can still hit the
+     * planes of the other two axes.
+     */
     t = hit.x ? near.x : hit.y ? near.y : near.z;
     face = hit.x ? (s.x > 0.0 ? 1u : 0u) : hit.y ? (s.y > 0.0 ? 3u : 2u) : s.z > 0.0 ? 5u : 4u;
     return hit.x || hit.y || hit.z;

@@ -6,7 +6,7 @@
  *   EVERY_VOXEL   a density for each vertex, positioned by the vertex's number (thesis 2.6)
  *   else          a surface point of points/surface.h
  */
-uniform isamplerBuffer pages; /* the position of the block's first voxel, one entry for every 2^PAGE_BITS vertices */
+uniform isamplerBuffer pages; /* positions of the blocks' first voxels; one entry for every 2^PAGE_BITS vertices */
 #if QUADS
 uniform usamplerBuffer list, points;
 uniform int first;
@@ -20,8 +20,9 @@ flat out uint tint;
 flat out vec3 o;
 
 /*
- * Places a vertex where it is not visible.  Without TRUE_DEPTH it is at the far plane, where it
- * fails every depth test and needs no clipping, which is slow in software.
+ * Places a vertex where it is not visible.  Without TRUE_DEPTH, this position is on the far
+ * plane.  There the vertex fails every depth test and needs no clipping.  Clipping would be
+ * slow in software.
  */
 void nowhere()
 {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The pixels that a cube may cover.
+ * Computes the pixels that a cube may cover.
  *
- * rectangle_of: the cube's own rectangle, by the slopes of its corners (derived in
- * splat_scalar.c), in whole pixels and cut to the frame.  The point is placed in the middle of
- * the cut rectangle: OpenGL drops a point whose middle is outside the frame, so it drops no
- * visible one.
+ * rectangle_of: the bounding rectangle of the cube, computed from the slopes of its corners
+ * (derived in splat_scalar.c), in complete pixels and clipped to the frame.  The point is
+ * placed in the middle of the clipped rectangle.  OpenGL drops a point whose middle is outside
+ * the frame, so a visible point is never dropped.
  *
- * square_of: the square about the cube's bounding sphere, as in the thesis (Sigg et al. 2006).
+ * square_of: the square around the cube's bounding sphere, as in the thesis (Sigg et al. 2006).
  * With the camera's rows as planes, t_i = (R m_i, m_i . c), and <a, b> = a.xyz b.xyz - a.w b.w,
- * a plane touches the sphere where <t_x - X t_w, t_x - X t_w> = 0.  This is a quadratic in X,
- * whose solutions lie about <t_x, t_w> / <t_w, t_w>.
+ * a plane touches the sphere where <t_x - X t_w, t_x - X t_w> = 0.  This is a quadratic
+ * equation in X.  The mean of its two solutions is <t_x, t_w> / <t_w, t_w>.
  */
 float spread(vec3 axis, float t)
 {
@@ -19,8 +19,8 @@ float spread(vec3 axis, float t)
 }
 
 /*
- * Computes first and last column, first and last row; returns false if the cube covers none.
- * side: of the cube, in voxels.
+ * Computes the first and last column and the first and last row of the pixels that a cube
+ * covers. side: side of the cube in voxels. Returns false if the cube covers no pixel.
  */
 bool rectangle_of(vec3 o, float side, out vec4 r)
 {
@@ -44,8 +44,8 @@ float sphere(vec4 a, vec4 b)
 }
 
 /*
- * Computes the middle and size in pixels; returns false if the sphere is not completely in front
- * of the near plane.
+ * Computes the middle and the size of the square in pixels. Returns false if the sphere is not
+ * completely in front of the near plane.
  */
 bool square_of(vec3 o, out vec2 middle, out float size)
 {

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes a voxel's colour in full light, 0xBBGGRR, by the same integer operations as points/light.c. */
-/* For each direction, its brightness in 256ths and its gloss << 9; then the colour of each paint. */
+/* Computes the colour of a fully lit voxel, 0xBBGGRR, by the same integer operations as points/light.c. */
+/*
+ * The palette contains one entry for each direction (brightness in 256ths, and gloss << 9),
+ * followed by the colour of each paint.
+ */
 uniform usamplerBuffer palette;
 
 uint tint_of(uint shade)
