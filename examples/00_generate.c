@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 00: generates a scan and a tool, so that the other examples need no data.
+ * Example 00: generates a scan and a tool, so that the other examples need no other
+ * data.
  *
  *   00_generate CT.nrrd TOOL.stl
  *
- * Writes the CT of a generated glenoid (the joint's socket on the shoulder
- * blade) and the mesh of a cylinder that drills the hole for an implant's peg.
+ * Writes the CT of a generated glenoid (the joint's socket on the shoulder blade)
+ * and the mesh of a cylinder that drills the hole for an implant's peg.
  */
 #include <osteon/osteon.h>
 
@@ -26,7 +27,7 @@ int main(int argc, char **argv)
     memset(&ct, 0, sizeof ct);
     memset(&mesh, 0, sizeof mesh);
 
-    /* NULL for options selects the defaults: the thesis' sizes, seed 1, a right shoulder. */
+    /* If options is NULL, the defaults are used: the thesis' sizes, seed 1, a right shoulder. */
     status = ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err);
     if (!status)
         status = ost_volume_write(argv[1], &ct, NULL, &err);

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 01: converts a CT to a bone.
+ * Example 01: converts a CT to a bone.
  *
  *   01_import CT BONE.nrrd
  *
- * CT is a text of "x y z density" lines, an NRRD or a NIfTI.  The bone is a
- * grid of equal spacing on all axes with the voxels of at least 120 HU.
+ * CT is a text file with lines "x y z density", an NRRD file or a NIfTI file.  The
+ * bone is a grid with equal spacing on all axes.  It contains the voxels of at
+ * least 120 HU.
  */
 #include <osteon/osteon.h>
 
@@ -33,13 +34,13 @@ int main(int argc, char **argv)
     if (!status) /* result.meta: the glenoid's position and other facts, copied to the output file */
         status = ost_bone_write(argv[2], bone, &result.meta, NULL, &err);
 
-    if (status) /* one line: the file, the position in it, the value, what was expected */
+    if (status) /* one line of text: the file, the position in the file, the value, and what was expected */
         fprintf(stderr, "01_import: %s\n", err.text);
     else
         printf("%lld active voxels in %lld of %lld chunks\n", (long long)info.active_voxels,
                (long long)info.active_chunks, (long long)info.chunks);
 
-    /* Free the objects first, then their backend. NULL is allowed everywhere. */
+    /* Free the objects first, then their backend. All these functions accept NULL. */
     ost_bone_free(bone);
     ost_backend_close(backend);
     return ost_status_exit(status);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 02: converts a mesh to a tool grid.
+ * Example 02: converts a mesh to a tool grid.
  *
  *   02_voxelize MESH VOXEL_MM TOOL.nrrd
  *
  *   file --read--> mesh --bounds--> grid --snap--> integer mesh --voxelize--> tool
  *
- * The snapped mesh has integer coordinates on a fine lattice: from there on every
- * backend gives bit-identical voxels.
+ * The snapped mesh has integer coordinates on a fine lattice. From this mesh, every
+ * backend computes bit-identical voxels.
  */
 #include <osteon/osteon.h>
 
@@ -36,7 +36,8 @@ int main(int argc, char **argv)
     memset(&snapped, 0, sizeof snapped);
     memset(&volume, 0, sizeof volume);
 
-    status = ost_pm_parse(argv[2], &voxel, &err); /* "0.5" exactly, without a binary float in between */
+    /* the text "0.5" is converted exactly, without an intermediate binary float */
+    status = ost_pm_parse(argv[2], &voxel, &err);
     if (!status)
         status = ost_mesh_read(argv[1], OST_UNIT_MM, &mesh, NULL, &err);
     if (!status)
@@ -47,7 +48,7 @@ int main(int argc, char **argv)
         status = ost_mesh_snap(&mesh, &grid, &snapped, &err);
     if (!status)
         status = ost_backend_open("cpu", &backend, &err);
-    if (!status) /* this mesh cuts; a shaft that does not cut would be the second argument */
+    if (!status) /* this mesh cuts; the second argument would be a mesh of a shaft that does not cut */
         status = ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, &report, &tool, &err);
     if (!status)
         status = ost_tool_download(tool, &volume, &err);

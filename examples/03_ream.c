@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 03: moves a tool along a path and removes bone.
+ * Example 03: moves a tool along a path and removes bone.
  *
  *   03_ream BONE.nrrd TOOL.nrrd OUT.nrrd
  *
  * The built-in path drills a peg's hole into the middle of the glenoid; its
- * position is a fact in the bone's file.  ost_path_read_csv reads other paths, one
- * tick a row.  A program with poses of its own calls ost_world_step for each: it
- * is the only function that advances the world.
+ * position is a fact in the bone's file. ost_path_read_csv reads other paths from
+ * files with one tick per row.  A program that computes poses itself calls
+ * ost_world_step for each pose.  Only this function advances the world.
  */
 #include <osteon/osteon.h>
 
@@ -48,18 +48,18 @@ int main(int argc, char **argv)
     if (!status)
         status = ost_tool_upload(backend, &volume, &tool, &err);
 
-    /* Create a world with the bone and the tool; it borrows both. */
+    /* Create a world with the bone and the tool. The world borrows both. */
     if (!status)
         status = ost_world_create(bone, NULL, &world, &err);
     if (!status)
         status = ost_world_add_tool(world, "peg", tool, &index, &err);
 
-    /* The tool's motion, a thousand ticks a second. */
+    /* Make the tool's path, with a thousand ticks per second. */
     if (!status)
         status = ost_glenoid_from_meta(&source.meta, &glenoid, &err);
     if (!status)
         status = ost_builtin_path(OST_BUILTIN_PEG_HOLE, &glenoid, &volume.geometry, index, &path, &err);
-    /* Its poses are the hand's; the motor turns the tool. */
+    /* The path contains the poses of the hand. The motor adds the rotation of the tool. */
     if (!status)
         status = ost_motor_path(&path, OST_RPM_REAMER, &motor, &err);
     for (size_t i = 0; !status && i < path.count; i++)

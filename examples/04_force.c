@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 04: computes the force on the hand of a tool that is pressed into bone.
+ * Example 04: computes the force on the hand while a tool is pressed into bone.
  *
  *   04_force BONE.nrrd TOOL.nrrd
  *
  *   pose of the hand --ost_force_step--> pose of the tool, hand force --ost_safety_step--> force for a device
  *
- * The motor is off, so the tool stops at the bone while the hand advances, and the
- * spring between them is stretched.  No bone is removed.  A program that removes bone
- * as well passes the tool's pose of each step to ost_world_step (03).
+ * The motor is off.  Therefore the tool stops at the bone while the hand advances, and the spring
+ * between tool and hand is stretched.  No bone is removed.  A program that also removes bone passes
+ * the tool's pose of each step to ost_world_step (example 03).
  */
 #include <osteon/osteon.h>
 
@@ -39,7 +39,7 @@ int main(int argc, char **argv)
     ost_glenoid glenoid;
     ost_force_result result;
     ost_safety safety;
-    double hand_n = 0, device_n = 0; /* greatest component of the force in newtons, before and after the safety layer */
+    double hand_n = 0, device_n = 0; /* greatest component of the force before and after the safety layer, in newtons */
     int ticks_in_contact = 0;
     ost_status status;
 
@@ -58,14 +58,17 @@ int main(int argc, char **argv)
     if (!status)
         status = ost_tool_upload(backend, &volume, &tool, &err);
 
-    /* NULL selects the default parameters (docs/reference/force.md). The force reads single voxels of the bone. */
+    /*
+     * If the parameters are NULL, the defaults are used (docs/reference/force.md). ost_force_step
+     * reads single voxels of the bone.
+     */
     if (!status)
         status = ost_force_create(bone, NULL, &force, &err);
     if (!status)
         status = ost_force_add_tool(force, tool, &err);
     ost_safety_begin(&safety, NULL);
 
-    /* The hand follows the path of a drill: from outside along the glenoid's axis into the bone, and back. */
+    /* The hand follows the path of a drill: from outside, along the axis of the glenoid, into the bone and back. */
     if (!status)
         status = ost_glenoid_from_meta(&source.meta, &glenoid, &err);
     if (!status)
@@ -79,7 +82,10 @@ int main(int argc, char **argv)
             break;
         ticks_in_contact += result.touching > 0;
         raise_to(&hand_n, result.force_n);
-        /* The safety layer limits force and torque in place; only these may be written to a device. */
+        /*
+         * The safety layer limits the force and the torque in place. A program must write only
+         * these limited values to a device.
+         */
         ost_safety_step(&safety, hand, true, 0, period_s, result.force_n, result.torque_nm);
         raise_to(&device_n, result.force_n);
     }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 05: removes the same bone on two backends and compares the digests.
+ * Example 05: removes the same bone on two backends and compares the digests.
  *
  *   05_compare BONE.nrrd TOOL.nrrd BACKEND BACKEND
  *
  * A backend is given as for `osteon --backend`: ref, cpu, cpu:isa=avx2,threads=2, cl.
- * All backends give bit-identical grids, so the digests are equal; the exit status is
- * 1 if they are not.
+ * All backends compute bit-identical grids, so the digests are equal. The exit status
+ * is 1 if the digests differ.
  */
 #include <osteon/osteon.h>
 
@@ -52,7 +52,7 @@ static ost_status drill(const char *spec, const char *bone_file, const char *too
         status = ost_motor_path(&path, OST_RPM_REAMER, &motor, err);
     for (size_t i = 0; !status && i < path.count; i++)
         status = ost_world_step(world, &path.ticks[i], &step, err);
-    if (!status) /* NULL: the digests of the 32^3 leaves are not needed; they would show where two bones differ */
+    if (!status) /* NULL: the digests of the 32^3 leaves are not needed. They would show where two bones differ. */
         status = ost_bone_digest(bone, NULL, out, err);
 
     ost_path_free(&path);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 06: records an operation, then replays it and compares every tick.
+ * Example 06: records an operation, then replays it and compares every tick.
  *
  *   06_session record BONE.nrrd TOOL.nrrd SESSION
  *   06_session replay BONE.nrrd TOOL.nrrd SESSION
  *
- * A session contains the ticks and a digest of the result of each, not voxels
- * (docs/spec/session.md).  The replay needs the same bone and tool; it may use any backend.
+ * A session contains the ticks and a digest of the result of each tick, but no voxels
+ * (docs/spec/session.md).  The replay needs the same bone and the same tool.  It may use
+ * any backend.
  */
 #include <osteon/osteon.h>
 
@@ -44,7 +45,7 @@ static ost_status record(ost_world *world, const ost_bone *bone, const ost_path 
             entry.as.tick.removed = (uint32_t)step.report->total_voxels;
             entry.as.tick.touched = (uint32_t)step.report->touched_voxels;
         }
-        /* Waits for space. A servo loop calls ost_recorder_put, which never waits. */
+        /* This call waits for space in the buffer. A servo loop calls ost_recorder_put instead, which never waits. */
         if (!ost_recorder_put_waiting(recorder, &entry))
             status = ost_fail(err, OST_ERR_IO, "%s: tick %zu could not be recorded", file, i);
     }
@@ -56,7 +57,7 @@ static ost_status record(ost_world *world, const ost_bone *bone, const ost_path 
     end.has_root = true;
     if (!status)
         status = ost_bone_digest(bone, NULL, &end.root, err);
-    /* The recorder is closed in any case; a session without an end record is one that was interrupted. */
+    /* The recorder is closed in any case. A session without an end record was interrupted. */
     if (recorder) {
         const ost_status closed = ost_recorder_close(recorder, status ? NULL : &end, status ? NULL : err);
         status = status ? status : closed;
@@ -81,7 +82,10 @@ static ost_status replay(ost_world *world, const ost_bone *bone, const char *fil
 
     while (!status && !(status = ost_session_next(session, &entry, &more, err)) && more) {
         if (entry.kind == OST_RECORD_TICK) {
-            /* A missing number is a tick that was lost by damage; the ticks after it cannot be replayed. */
+            /*
+             * If a number is missing, a tick was lost because the file is damaged. The later
+             * ticks cannot be replayed.
+             */
             if (entry.as.tick.number != ticks)
                 status = ost_fail(err, OST_ERR_INPUT, "%s: tick %llu is missing", file, ticks);
             if (!status)

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 07: draws a picture of a bone, with what was removed from it coloured by depth.
+ * Example 07: draws a picture of a bone on which the surface of the cut is coloured
+ * by depth.
  *
  *   07_picture BEFORE.nrrd AFTER.nrrd OUT.png
  *
- * The processor draws; neither a display nor a driver is needed.
+ * The processor draws the picture, so neither a display nor a graphics driver is
+ * needed.
  */
 #include <osteon/osteon.h>
 
@@ -27,12 +29,12 @@ int main(int argc, char **argv)
     memset(&before, 0, sizeof before);
     memset(&after, 0, sizeof after);
     memset(&picture, 0, sizeof picture);
-    memset(&options, 0, sizeof options); /* 0 selects the default of every option */
+    memset(&options, 0, sizeof options); /* 0 selects the default value of every option */
 
     status = ost_volume_read(argv[1], NULL, &before, NULL, &err);
     if (!status)
         status = ost_volume_read(argv[2], NULL, &after, NULL, &err);
-    /* View the glenoid en face: along its axis, which is a fact in the bone's file. */
+    /* View the glenoid en face: along the axis of the glenoid, which is stored in the header of the bone's file. */
     if (!status)
         status = ost_glenoid_from_meta(&before.meta, &glenoid, &err);
     if (!status) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 08: measures the outcome of an operation: the bone before and after, and a plan.
+ * Example 08: measures the outcome of an operation from the bone before and after
+ * it and from a plan.
  *
  *   08_metrics BEFORE.nrrd AFTER.nrrd DEPTH_MM
  *
@@ -14,7 +15,7 @@
 
 int main(int argc, char **argv)
 {
-    static ost_metrics metrics; /* contains maps of 81 x 81 cells, too large for some stacks */
+    static ost_metrics metrics; /* contains maps of 81 x 81 cells, which are too large for some stacks */
     ost_error err = {OST_OK, ""};
     ost_volume before, after;
     ost_glenoid glenoid;
@@ -45,7 +46,7 @@ int main(int argc, char **argv)
         plan.left = glenoid.left;
         plan.depth_mm = ost_pm_to_mm(depth);
         threshold = ost_meta_get(&before.meta, OST_META_THRESHOLD);
-        /* NULL: no motion of tools is given, so the values that follow from their poses are absent. */
+        /* NULL: no motion of tools is given, so the metrics that are computed from poses are absent. */
         status = ost_metrics_make(&before, &after, threshold ? atoi(threshold) : 120, &classes, &plan, NULL, &metrics,
                                   &err);
     }

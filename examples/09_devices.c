@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 09: lists the backends, the devices on which they run, and the haptic devices.
+ * Example 09: lists the backends, the devices on which they run, and the haptic
+ * devices.
  *
  *   09_devices
  *
- * What cannot be used on this machine is listed with the reason and what to install.
+ * If an entry cannot be used on this machine, the reason and the package to install
+ * are listed with it.
  */
 #include <osteon/osteon.h>
 
 #include <stdio.h>
 
-/* Called for each device of a backend; the texts are valid until it returns. */
+/* This function is called for each device of a backend. The texts are valid until the function returns. */
 static void show_device(const ost_device_info *device, void *user)
 {
     (void)user;
@@ -25,7 +27,7 @@ int main(void)
     ost_haptic_info haptic;
     ost_status status = OST_OK;
 
-    /* The headers that compiled this program and the library that runs may differ. */
+    /* The version of the headers that compiled this program may differ from the version of the library that runs. */
     printf("osteon %s, arithmetic %d\n", ost_version(), OST_ARITHMETIC_VERSION);
 
     for (int i = 0; !status && i < ost_backend_count(); i++) {

@@ -11,7 +11,7 @@
 
 #ifndef THESIS_TYPES
 #define THESIS_TYPES
-/* The same structs as in thesis_f32.cl, which documents them. */
+/* These structs have the layouts of those in thesis_f32.cl, which documents their fields. */
 typedef struct thesis_axis {
     float minimum, size;
     int dims;
@@ -46,23 +46,32 @@ extern const char engine_name[], engine_about[];
 int32_t engine_open(const char *options, engine **out, ost_plugin_error *error);
 void engine_close(engine *e);
 
-/* samples: x, y, z, density of each; index: the voxel of each by the dims of *rect, or -1. */
+/*
+ * Computes the voxel of each sample. samples: four floats x, y, z, density for each sample.
+ * index: receives for each sample the voxel's index in the grid *rect, or -1.
+ */
 int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect,
                      int *index, ost_plugin_error *error);
 int32_t engine_layers(engine *e, float cubic, float rect, size_t count, int *layer, ost_plugin_error *error);
 int32_t engine_minimum(engine *e, const float least[3], float size, float minimum[3], ost_plugin_error *error);
-/* Sets voxels inside the mesh to `mark`. corners: nine floats per triangle. */
+/* Sets the voxels inside the mesh to the value `mark`. corners: nine floats per triangle. */
 int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid,
                      ost_plugin_error *error);
-/* Processes one pose: sets the chunk range in *x, and the pose's marks in an array of the bone's size. */
+/*
+ * Processes one pose. Stores the chunk range in *x and the marks of the pose in `marks`, an array
+ * with one element per bone voxel.
+ */
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error);
 
-/* Writes the error's text and returns status. */
+/* Writes the error's text and returns the parameter status. */
 #if defined __GNUC__
 __attribute__((format(printf, 3, 4)))
 #endif
 int32_t plugin_fail(ost_plugin_error *error, int32_t status, const char *format, ...);
-/* Copies the value of key= in options, "" if it is absent. Returns false if it does not fit. */
+/*
+ * Copies the value of the option key to a buffer; copies "" if the option is absent. Returns
+ * false if the buffer is too small.
+ */
 int option(const char *options, const char *key, char *value, size_t size);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arithmetic in C, twice: with products and sums rounded separately, and with
- * every MUL_ADD rounded once, as by a compiler that contracts.
+ * Contains the arithmetic in C in two variants. In one variant, products and sums
+ * are rounded separately. In the other, every MUL_ADD is rounded once, as by a
+ * compiler that contracts.
  *
  *   plugin:thesis_f32.so                 contract=off
  *   plugin:thesis_f32.so,contract=on     fmaf
@@ -21,7 +22,7 @@
 #define LEAST fminf
 #define MOST fmaxf
 
-/* The functions of thesis_f32.cl, under different names for each variant. */
+/* The functions of thesis_f32.cl are included once for each variant, under different names. */
 #include "engine_c_names.h"
 
 #define WAY(name) name##_apart
@@ -64,7 +65,7 @@ void engine_close(engine *e)
 int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect,
                      int *index, ost_plugin_error *error)
 {
-    (void)e; /* no operation here can be contracted */
+    (void)e; /* no operation in this function can be contracted */
     (void)error;
     for (int a = 0; a < 3; a++)
         rect->axis[a] = thesis_rect_axis_apart(first_last_size[3 * a], first_last_size[3 * a + 1],

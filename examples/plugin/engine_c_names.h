@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Renames the functions of thesis_f32.cl by WAY, so that C can include it twice. */
+/* Renames the functions of thesis_f32.cl with the macro WAY, so that a C file can include thesis_f32.cl twice. */
 #define thesis_floor_multiple WAY(thesis_floor_multiple)
 #define thesis_ceil_multiple WAY(thesis_ceil_multiple)
 #define thesis_rect_axis WAY(thesis_rect_axis)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arithmetic on an OpenCL device, as translated by the device's compiler.
+ * Runs the arithmetic on an OpenCL device, as translated by the device's compiler.
  *
  *   plugin:thesis_f32_cl.so                      OpenCL's default: the compiler may contract
  *   plugin:thesis_f32_cl.so,contract=off         #pragma OPENCL FP_CONTRACT OFF
@@ -8,7 +8,8 @@
  *   plugin:thesis_f32_cl.so,fast=relaxed         -cl-fast-relaxed-math
  *   plugin:thesis_f32_cl.so,platform=1,device=0  indices of clGetPlatformIDs and clGetDeviceIDs
  *
- * Every call creates its buffers, runs and reads the results: simple, not fast.
+ * Every call creates its buffers, runs the kernels and reads the results. This is simple but
+ * not fast.
  */
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -29,7 +30,7 @@ struct engine {
     cl_program program;
 };
 
-/* A launch: its buffers in the order of the arguments, released together. */
+/* A kernel launch. Its buffers are stored in the order of the kernel's arguments and are released together. */
 enum { ARGS = 6 };
 typedef struct launch {
     engine *e;
@@ -262,7 +263,7 @@ int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, i
     return end(&l, "tool_rows", error);
 }
 
-/* Alg. 2.10: launches a kernel for every chunk of the range. */
+/* Alg. 2.10: launches one kernel for every chunk in the range. */
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error)
 {
     const size_t n = (size_t)x->chunk_size,

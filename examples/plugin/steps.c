@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sections 9, 11 and 12 of docs/spec/arithmetic.md: snapping, sweep and map.  A plugin
- * without these slots uses the host's results; with them, `osteon validate`
- * compares the plugin's results with the host's.
+ * Implements snapping, sweep and map: sections 9, 11 and 12 of
+ * docs/spec/arithmetic.md.  A plugin without these slots uses the host's results.  If
+ * a plugin has the slots, `osteon validate` compares the plugin's results with the
+ * host's.
  */
 #include "steps.h"
 
@@ -23,7 +24,7 @@ static wide nearest(wide n, wide d)
 
 /* ---------------------------------------------------------------- snapping */
 
-/* AR-MESH-3, AR-MESH-4. The host has checked that every vertex lies in the grid. */
+/* Implements AR-MESH-3 and AR-MESH-4. The host has checked that every vertex lies in the grid. */
 int32_t example_snap(ost_plugin_instance *self, const ost_plugin_tool_geometry *g, const ost_plugin_raw_mesh *mesh,
                      ost_plugin_snapped *made, ost_plugin_error *error)
 {
@@ -93,7 +94,7 @@ static wide image(const ost_plugin_pose *pose, const rotation *r, const ost_plug
     return nearest(sum, r->n) + pose->t_pm[axis];
 }
 
-/* AR-SWEEP-2, AR-SWEEP-3; returns 0 if the rotation or the distance is too large. */
+/* Implements AR-SWEEP-2 and AR-SWEEP-3. Returns 0 if the rotation or the distance is too large. */
 static int poses_between(const ost_plugin_pose *a, const ost_plugin_pose *b, const ost_plugin_tool_geometry *g,
                          int64_t voxel)
 {

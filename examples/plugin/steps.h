@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The steps before the voxels, for a plugin that executes them: slots snap and steps of osteon/plugin.h. */
+/*
+ * Declares the slots `snap` and `steps` of osteon/plugin.h, for a plugin that computes snapping,
+ * sweep and map itself.
+ */
 #ifndef EXAMPLE_STEPS_H
 #define EXAMPLE_STEPS_H
 

@@ -40,7 +40,7 @@
 
 #ifndef THESIS_TYPES
 #define THESIS_TYPES
-/* One axis of the rect grid. */
+/* Bounds and dims of one axis of the rect grid. */
 typedef struct thesis_axis {
     float minimum, size;
     int dims;
@@ -50,7 +50,7 @@ typedef struct thesis_rect {
     thesis_axis axis[3];
 } thesis_rect;
 
-/* Maps the bone's box to the tool's, both relative to their centres, in millimetres. */
+/* Maps the bone's box to the tool's box. Positions are relative to the centres of the boxes, in millimetres. */
 typedef struct thesis_boxes {
     float matrix[12]; /* three rows of four */
     float bone[3], tool[3]; /* half extents of the boxes */
@@ -91,7 +91,7 @@ FUNCTION thesis_axis thesis_rect_axis(float first, float last, float size)
     return axis;
 }
 
-/* Alg. 1.1 with the dims of Alg. 2.3; -1 if the index lies outside the array. */
+/* Implements Alg. 1.1 with the dims of Alg. 2.3. Returns -1 if the index lies outside the array. */
 FUNCTION int thesis_index(thesis_rect r, float x, float y, float z)
 {
     const int i = (int)((x - r.axis[0].minimum) / r.axis[0].size);
@@ -137,8 +137,8 @@ FUNCTION int thesis_owned(float ay, float az, float by, float bz, float y, float
 }
 
 /*
- * Row (j, k) of the tool's grid: sets solid[i] to `mark` if the voxel's centre is inside.
- * corners: nine floats per triangle.
+ * Processes row (j, k) of the tool's grid: sets solid[i] to `mark` if the voxel's centre
+ * is inside the mesh. corners: nine floats per triangle.
  */
 FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int k, int mark, GLOBAL int *count,
                          GLOBAL unsigned char *solid)
@@ -174,7 +174,7 @@ FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int 
 
 /* ---------------------------------------------------------- Algs. 2.8 to 2.10 */
 
-/* Moves the tool's corners into the bone's box, then converts to units of chunks. */
+/* Moves the tool's corners into the frame of the bone's box, then converts them to units of chunks. */
 FUNCTION thesis_boxes thesis_share(thesis_boxes x)
 {
     const float n = (float)x.chunk_size;
@@ -182,7 +182,7 @@ FUNCTION thesis_boxes thesis_share(thesis_boxes x)
         float lo = 0, hi = 0;
         for (int corner = 0; corner < 8; corner++) {
             float at = 0;
-            for (int a = 0; a < 3; a++) /* a rotation's inverse is its transpose */
+            for (int a = 0; a < 3; a++) /* the inverse of a rotation is its transpose */
                 at = MUL_ADD(x.matrix[4 * a + b], (corner >> a & 1 ? x.tool[a] : -x.tool[a]) - x.matrix[4 * a + 3], at);
             at = LEAST(MOST(at, -x.bone[b]), x.bone[b]);
             lo = corner ? LEAST(lo, at) : at;
@@ -214,7 +214,7 @@ FUNCTION int thesis_tool_voxel(thesis_boxes x, int i, int j, int k)
     return at[0] + x.tool_dims[0] * (at[1] + x.tool_dims[1] * at[2]);
 }
 
-/* Combines a pose's mark with the previous one: 1 cutting takes precedence over 2 not cutting. */
+/* Combines the mark of a pose with the previous mark. Mark 1 (cutting) takes precedence over mark 2 (not cutting). */
 FUNCTION unsigned char thesis_mark(thesis_boxes x, GLOBAL const unsigned char *tool, int i, int j, int k,
                                    unsigned char was)
 {
@@ -233,8 +233,9 @@ __kernel void rect_dims(__global const float *first_last_size, __global thesis_r
 }
 
 /*
- * The thesis writes densities in this kernel. If two samples share a voxel, the last one
- * executed wins; here the host writes them in order instead.
+ * The thesis writes densities in this kernel. If two samples share a voxel, the sample
+ * that is executed last determines its density. In this plugin, the host writes the
+ * densities in the order of the samples.
  */
 __kernel void rect_index(__global const thesis_rect *r, __global const float4 *samples, __global int *index)
 {

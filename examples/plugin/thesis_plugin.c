@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A complete plugin: the table, the memory of its grids, bones and tools, and its
- * reports.  The float computations are in thesis_f32.cl, behind engine.h.
+ * A complete plugin: the function table, the memory of grids, bones and tools, and the reports.
+ * The float computations are in thesis_f32.cl and are called through engine.h.
  *
  *   osteon  --table of osteon/plugin.h-->  thesis_plugin.c  --engine.h-->  engine_c.c or engine_cl.c
  *
- * It is an example of the interface and of the effects of the thesis' arithmetic,
- * and is not meant to be fast.  A bone here is one dense array, in which a chunk
- * without active voxels is zero, as if its buffer were deleted.
+ * The plugin is an example of the interface and shows the effects of the thesis' arithmetic.  It is
+ * not meant to be fast.  A bone is one dense array.  A chunk without active voxels is set to zero
+ * in this array, as if its buffer were deleted.
  *
  * The file has more than 500 lines, because all slots of the table are in one place.
  */
@@ -97,7 +97,7 @@ static float millimetres(double pm)
 static int32_t plugin_open(const char *options, const ost_plugin_host *host, ost_plugin_instance **out,
                            ost_plugin_error *error)
 {
-    (void)host; /* the host's block_base and versions are not needed here */
+    (void)host; /* this plugin does not need the host's block_base and versions */
     ost_plugin_instance *self = calloc(1, sizeof *self);
     if (!self)
         return no_memory(error, sizeof *self);
@@ -167,9 +167,10 @@ static int32_t grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t co
 /* -------------------------------------------------------------------- import */
 
 /*
- * Algs. 2.2 to 2.4.  The grid that the host requests has the samples' lattice.
- * Alg. 2.3 computes dims of its own, one less where positions are multiples of
- * the size, and Alg. 1.1 computes a voxel's index from those.
+ * Implements Algs. 2.2 to 2.4.  The grid that the host requests has the samples'
+ * lattice.  Alg. 2.3 computes its own dims, which are smaller by one where
+ * positions are multiples of the voxel size.  Alg. 1.1 computes a voxel's index
+ * from the dims of Alg. 2.3.
  */
 static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
                           ost_plugin_error *error)
@@ -197,14 +198,14 @@ static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *sampl
     }
     for (size_t s = 0; s < count && status == OST_PLUGIN_OK; s++) {
         if (index[s] < 0)
-            continue; /* the thesis writes outside its array here */
+            continue; /* for such a sample, the thesis' code would write outside its array */
         const int x = index[s] % rect.axis[0].dims, y = index[s] / rect.axis[0].dims % rect.axis[1].dims,
                   z = index[s] / rect.axis[0].dims / rect.axis[1].dims;
         if (x < g->dims[0] && y < g->dims[1] && z < g->dims[2])
             grid->voxels[(size_t)x + (size_t)g->dims[0] * ((size_t)y + (size_t)g->dims[1] * (size_t)z)] = (int16_t)
                 four[4 * s + 3];
     }
-    report->samples += count; /* the thesis' algorithm can report nothing else */
+    report->samples += count; /* the thesis' algorithm reports only the number of samples */
     free(index);
     free(four);
     return status;
@@ -215,7 +216,7 @@ static int32_t rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geome
                              ost_plugin_grid **out, ost_plugin_error *error)
 {
     const int32_t *from = rect->geometry.dims, *to = cubic->dims;
-    (void)rule; /* the thesis has only one rule */
+    (void)rule; /* the parameter rule is ignored, because the thesis has only one rule */
     int32_t status = grid_create(rect->self, cubic, out, error);
     if (status != OST_PLUGIN_OK)
         return status;
@@ -275,7 +276,7 @@ static int64_t active_in(const ost_plugin_bone *bone, const chunk_box *box)
     return active;
 }
 
-/* Deletes a chunk without active voxels: its densities are set to zero. */
+/* Deletes a chunk that has no active voxels. Its densities are set to zero. */
 static void delete_if_empty(ost_plugin_bone *bone, const chunk_box *box)
 {
     if (active_in(bone, box) > 0)
@@ -308,7 +309,7 @@ static void bone_free(ost_plugin_bone *bone)
     free(bone);
 }
 
-/* Alg. 2.6: densities below the threshold are copied, too. */
+/* Alg. 2.6: densities below the threshold are also copied. */
 static int32_t cubic_to_chunks(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold,
                                ost_plugin_bone **out, ost_plugin_error *error)
 {
@@ -395,7 +396,7 @@ static void tool_free(ost_plugin_tool *tool)
     free(tool);
 }
 
-/* Returns nine floats per triangle, in millimetres, and the minimum on each axis in `least`. */
+/* Returns the corners, nine floats per triangle, in millimetres. Stores the minimum on each axis in `least`. */
 static float *corners_of(const ost_plugin_tool_geometry *g, const ost_plugin_mesh *mesh, float least[3],
                          ost_plugin_error *error)
 {
@@ -456,12 +457,12 @@ static int32_t voxelize(ost_plugin_instance *self, const ost_plugin_tool_geometr
         report->solid_voxels += (*out)->voxels[v] != 0;
         report->cutting_voxels += (*out)->voxels[v] == 1;
     }
-    return OST_PLUGIN_OK; /* leaking_rows stays 0: the thesis does not detect leaks */
+    return OST_PLUGIN_OK; /* leaking_rows remains 0, because the thesis does not detect leaks */
 }
 
 /* -------------------------------------------------------------------- events */
 
-/* Converts the host's map between voxels to the thesis' matrix between the boxes' centres. */
+/* Converts the host's map between voxels to the matrix of the thesis, which maps between the centres of the boxes. */
 static thesis_boxes boxes_of(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_map *map)
 {
     const double bone_mm = (double)bone->geometry.spacing_pm[0] / 1e9, tool_mm = (double)tool->geometry.voxel_pm / 1e9;
@@ -489,7 +490,7 @@ static int class_of(const ost_plugin_event *event, int16_t density)
     return c;
 }
 
-/* Counts the marks of one chunk, and removes the marked voxels if `apply` is set. */
+/* Counts the marks of one chunk. If `apply` is true, also removes the marked voxels. */
 static int32_t take_chunk(ost_plugin_bone *bone, const ost_plugin_event *event, const uint8_t *marks, int32_t number,
                           const chunk_box *box, int apply, ost_plugin_report *report)
 {
@@ -557,7 +558,7 @@ static int32_t run_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, co
     return status == OST_PLUGIN_OK ? status : OST_PLUGIN_LOST;
 }
 
-/* collide runs the event without applying it. */
+/* The slot collide runs the event without removing voxels. */
 static int32_t run_collide(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
                            ost_plugin_report *report, ost_plugin_error *error)
 {
@@ -569,7 +570,7 @@ static int32_t run_collide(const ost_plugin_bone *bone, const ost_plugin_tool *t
 static const ost_plugin table = {
     .size = sizeof table,
     .abi = OST_PLUGIN_ABI,
-    .arithmetic = 0, /* the plugin follows the thesis, not docs/spec/arithmetic.md */
+    .arithmetic = 0, /* this plugin follows the thesis instead of docs/spec/arithmetic.md */
     .name = engine_name,
     .description = engine_about,
     .open = plugin_open,
