@@ -88,7 +88,7 @@ ost_pose haptic_clutch_pose(haptic_clutch *c, const double at[3], const double q
     turn(c->world, moved, moved);
     for (int i = 0; i < 3; i++)
         c->given_at[i] = c->base_at[i] + moved[i];
-    /* The orientation of the tool is world (q from^-1) world^-1 base. */
+    /* The tool's orientation is the product world (q from^-1) world^-1 base. */
     conjugate(c->from_q, back);
     product(q, back, a);
     product(c->world, a, b);

@@ -25,7 +25,7 @@ static const double STEP_M = 0.25e-3;         /* greatest motion per tick, in m 
 static const double TURN = 0.0188;            /* greatest rotation per tick, in radians: three turns per second */
 
 struct ost_mouse_input {
-    newest newest; /* passes states from the window to the device */
+    newest newest; /* passes the newest state from the window's thread to the device */
     ost_haptic_state state[NEWEST_SLOTS];
     uint32_t lifts[NEWEST_SLOTS], lifted; /* lifts: number of lifts before each state; lifted: total number of lifts */
 };

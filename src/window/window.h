@@ -45,7 +45,7 @@ enum {
     OST_KEY_PAGE_DOWN,
     OST_KEY_PLUS,
     OST_KEY_MINUS,
-    OST_KEY_F1 = 300 /* the codes up to F12 follow */
+    OST_KEY_F1 = 300 /* the codes of F2 to F12 follow this one */
 };
 
 typedef struct ost_window_event {
