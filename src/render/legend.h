@@ -10,7 +10,7 @@ typedef struct ost_legend {
     ost_colouring colouring;
     double scale_mm;   /* depth of the last colour, in mm; used only with OST_COLOUR_DEPTH */
     bool plate;        /* true if the subchondral plate has its own colour; used only with OST_COLOUR_CLASS */
-    bool window;       /* set if a clip plane shows the CT's greys */
+    bool window;       /* set if a clip plane shows the inside of the bone in the greys of the CT */
 } ost_legend;
 
 /* Computes the legend's size in pixels. The size is 0 x 0 for plain bone without a clip plane. */

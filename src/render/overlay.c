@@ -53,8 +53,8 @@ static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, 
 }
 
 /*
- * Reduces the interval from *from to *to, within 0 to 1, to the values t for which v0 + t dv lies
- * between lo and hi. Returns false if there are no such values.
+ * Reduces the interval *from .. *to, which lies within 0 .. 1, to those t for which lo <= v0 + t dv
+ * <= hi. Returns false if there is no such t.
  */
 static bool narrow(float v0, float dv, float lo, float hi, float *from, float *to)
 {

@@ -80,7 +80,7 @@ ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t 
                                 ost_error *err);
 /* Sets the colouring. All colourings except OST_COLOUR_BONE need a reference. */
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
-/* Sets the clip plane. With NULL, the complete bone is shown. */
+/* Sets the clip plane. If the clip plane is NULL, the complete bone is shown. */
 void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip);
 /* Sets the ghost, a translucent shape, and its pose. */
 ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volume, const ost_pose *pose,

@@ -30,7 +30,7 @@ typedef struct ost_gl_variant {
     /* as in the thesis, draws a point for every voxel of every used block, even if the voxel is not
        active; needs OST_GL_WIDE */
     bool every_voxel;
-    bool frustum;     /* draws only blocks in view */
+    bool frustum;     /* draws only those blocks that are in view */
     bool facing;      /* draws only points that have a face toward the eye */
     bool order;       /* draws near blocks first */
     /* draws only cells of 8^3 voxels that are not hidden; requires frustum and OST_GL_COMPACT, excludes true_depth */
@@ -94,7 +94,7 @@ ost_status ost_gl_finish(ost_gl *gl, ost_error *err);
    keys of the frame do not change. */
 ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err);
 
-/* Counts of the last draw. */
+/* Numbers that describe the last draw. */
 typedef struct ost_gl_counts {
     uint64_t points;   /* vertices passed to OpenGL */
     uint64_t uploaded; /* bytes of surface data uploaded */

@@ -13,8 +13,8 @@ void ost_gl_bind_layer(ost_gl *gl, int number, ost_gl_form form);
 /* Draws the points of the selected blocks: those in the list, or all points if there is no list. */
 ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l, ost_error *err);
 /*
- * Reads the farthest depth of each tile of the G-buffer into gl->targets.farthest. Afterwards the
- * caller must call ost_gl_set_state and bind a framebuffer.
+ * Reads the farthest depth of each tile of the G-buffer into gl->targets.farthest. After this call,
+ * the caller must call ost_gl_set_state and bind a framebuffer.
  */
 ost_status ost_gl_read_tiles(ost_gl *gl, ost_error *err);
 /* Reads the depth of each pixel of the G-buffer, which must be the bound framebuffer. */

@@ -29,8 +29,8 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * The cube is treated as one large voxel. The slopes are derived in splat_scalar.c. One pixel is
- * added on each side for rounding.
+ * The cube is treated as one large voxel. The slopes are derived in splat_scalar.c. The range is
+ * extended by one pixel on each side because of rounding.
  */
 bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_extent *out)
 {

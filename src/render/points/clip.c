@@ -32,11 +32,11 @@ static uint32_t row_mask(int64_t n, int64_t remainder)
 {
     if (n == 0)
         return remainder >= 0 ? UINT32_MAX : 0;
-    if (n > 0) { /* the bits with x <= floor(remainder / n) */
+    if (n > 0) { /* bits x <= floor(remainder / n) are set */
         const int64_t last = remainder < 0 ? -1 : remainder / n;
         return last < 0 ? 0 : last >= SIDE - 1 ? UINT32_MAX : (UINT32_C(2) << last) - 1;
     }
-    const int64_t first = remainder >= 0 ? 0 : (-remainder - n - 1) / -n; /* the bits with x >= ceil(-remainder / -n) */
+    const int64_t first = remainder >= 0 ? 0 : (-remainder - n - 1) / -n; /* bits x >= ceil(-remainder / -n) are set */
     return first >= SIDE ? 0 : UINT32_MAX << first;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a frame: surfaces as seen by a camera, into planes (splat.h), from which the colours are
- * computed.
+ * Draws a frame: draws surfaces as seen by a camera into planes (splat.h), and computes the frame's
+ * colours from the planes.
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *

@@ -200,7 +200,7 @@ void ost_frame_merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer,
         merge_ghost(f, layer, ghost, y, from, to);
 }
 
-/* Returns a band of rows. If the planes have no keys, they use the keys of the thread's scratch. */
+/* Returns the band with this number. If the planes have no keys, they use the keys of the thread's scratch. */
 static band band_of(const ost_frame *f, int number, ost_planes *planes)
 {
     const int y0 = number * f->band;

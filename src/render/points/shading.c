@@ -37,7 +37,7 @@ enum {
     LINE = OST_FIELD_LINE, LEFT = 8, /* the first entry of a line is at x = -LEFT */
     NINE = 9, THREE = 3,
     CELLS = OST_CELLS,
-    ROWS_BEFORE = OST_SHADING_REACH, /* index in ost_rows of row 0 of the block */
+    ROWS_BEFORE = OST_SHADING_REACH, /* index of the block's row 0 in ost_rows */
 };
 
 _Static_assert((int)OST_WIDE_REACH + (int)NEAR == (int)OST_SHADING_REACH, "blocks so far from a change are made anew");

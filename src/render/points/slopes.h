@@ -21,8 +21,7 @@
 
 enum {
     OST_LINE_SHIFT = 8,  /* bit of a row at which a line begins: a row begins at x = -16 and a line at x = -8 */
-    /* a sum for x = -1, the first entry of a field's row, begins at x = -5, which is entry 3 of a
-       line */
+    /* the sum for x = -1, which is the first entry of a row of the field, begins at entry 3 of a line (x = -5) */
     OST_LINE_SKIP = 3,
     OST_SLOPES = 16,
     /* openness of a plane; least openness; rate at which openness falls in a pit; rate at which it rises on an edge */

@@ -163,7 +163,7 @@ ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
     void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1,             \
                          uint64_t *taken);
 OST_SPLAT_DECLARE(scalar)
-OST_SPLAT_DECLARE(avx2) /* the function for facing is the scalar function */
+OST_SPLAT_DECLARE(avx2) /* the AVX2 function for facing is the scalar function */
 OST_SPLAT_DECLARE(avx512)
 
 static inline uint64_t ost_key(float distance, uint32_t number)

@@ -68,7 +68,7 @@ typedef struct ost_surface_block {
     uint32_t *fresh, *recent;
     uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until a depth is needed for the first time */
     uint32_t count, capacity;  /* number of points; capacity */
-    /* amount of bone in each cube of 2^3 voxels, indexed by x, y, z (shading.h) */
+    /* amount of bone in each cell, a cube of 2^3 voxels, indexed by x, y, z (shading.h) */
     uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8];
     uint32_t *points, *shades; /* owned; `count` surface points, in ascending order of rows */
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of the first point of each row */

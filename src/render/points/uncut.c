@@ -191,8 +191,8 @@ static bool empty_cell(const ost_uncut *g, int32_t x, int32_t y, int32_t z)
 }
 
 /*
- * Marks all empty cells that are connected to the grid's border through empty cells. mark must be
- * zero-initialized. Returns false if memory is exhausted.
+ * Marks all empty cells from which a path through empty cells leads to the border of the grid. mark
+ * must be zero-initialized. Returns false if memory is exhausted.
  */
 static bool flood(const ost_uncut *g, uint8_t *mark)
 {

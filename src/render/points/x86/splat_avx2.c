@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements the method of splat_avx512.c with eight lanes. AVX2 cannot compress lanes, so facing
- * is the scalar function.
+ * Implements the method of splat_avx512.c with eight lanes. AVX2 cannot compress lanes, so the
+ * function for facing is the scalar one.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -211,8 +211,8 @@ static inline void write_nearest(uint64_t *row, __m128i in, __m256i key)
     _mm256_maskstore_epi64((long long *)row, _mm256_and_si256(mask, _mm256_cmpgt_epi64(was, key)), key);
 }
 
-/* Fills a larger rectangle, eight pixels of a row at a time. The keys are compared as signed words,
-   because they are positive as signed words too. */
+/* Fills a larger rectangle, eight pixels of a row at a time. The keys may be compared as signed
+   words, because their sign bit is 0. */
 static inline void fill(const ost_splat_eye *s, const eight *r, int k, const ost_planes *planes)
 {
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), key = _mm256_set1_epi64x((long long)r->key[k]);
