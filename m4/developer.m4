@@ -21,6 +21,10 @@ AC_DEFUN([OST_WARNINGS], [
   AS_IF([test "x$enable_werror" = xyes],
     [OST_WARN_CFLAGS="$OST_WARN_CFLAGS -Werror"; ost_summary_WERROR="errors"])
   AC_SUBST([OST_WARN_CFLAGS])
+  # Every C++ compiler takes these.
+  OST_WARN_CXXFLAGS="-Wall -Wextra -Wshadow"
+  AS_IF([test "x$enable_werror" = xyes], [OST_WARN_CXXFLAGS="$OST_WARN_CXXFLAGS -Werror"])
+  AC_SUBST([OST_WARN_CXXFLAGS])
 ])
 
 # OST_SANITIZE: --enable-sanitize=address,undefined and the like.

@@ -131,3 +131,52 @@ AC_DEFUN([OST_OPTIONAL_OPENCL], [
     [OPENCL_CFLAGS=; OPENCL_LIBS=])
   AM_CONDITIONAL([HAVE_OPENCL], [test "x$have_OPENCL" = xyes])
 ])
+
+# OST_OPTIONAL_DCMTK: for osteon-dicom, the program that parses DICOM. Its pkg-config file names all of
+# DCMTK's libraries and requires the packages of libraries that are not used here, so the few that are
+# needed are linked by name.
+AC_DEFUN([OST_OPTIONAL_DCMTK], [
+  AC_ARG_WITH([dcmtk], [AS_HELP_STRING([--with-dcmtk], [use DCMTK: yes, no or auto (default)])],
+    [], [with_dcmtk=auto])
+  AS_CASE([$with_dcmtk], [yes|no|auto], [],
+    [AC_MSG_ERROR([--with-dcmtk takes yes, no or auto, not '$with_dcmtk'])])
+  AC_ARG_VAR([DCMTK_CFLAGS], [compiler flags for DCMTK])
+  AC_ARG_VAR([DCMTK_LIBS], [linker flags for DCMTK (default: -ldcmjpeg -ldcmjpls -ldcmimgle -ldcmdata -loflog -lofstd)])
+  have_DCMTK=no
+  ost_summary_DCMTK="no (--without-dcmtk): DICOM cannot be read"
+  AS_IF([test "x$with_dcmtk" != xno && test "x$ost_cv_cxx_works" = xyes], [
+    AS_IF([test "x$DCMTK_LIBS" = x], [DCMTK_LIBS="-ldcmjpeg -ldcmjpls -ldcmimgle -ldcmdata -loflog -lofstd"])
+    AC_MSG_CHECKING([for DCMTK 3.6.7 or later])
+    AC_LANG_PUSH([C++])
+    ost_save_LIBS=$LIBS
+    ost_save_CPPFLAGS=$CPPFLAGS
+    LIBS="$DCMTK_LIBS $LIBS"
+    CPPFLAGS="$CPPFLAGS $DCMTK_CFLAGS"
+    AC_LINK_IFELSE([AC_LANG_PROGRAM([[#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
+#include <dcmtk/dcmdata/dcrledrg.h>
+#include <dcmtk/dcmjpeg/djdecode.h>
+#include <dcmtk/dcmjpls/djdecode.h>
+#if PACKAGE_VERSION_NUMBER < 367
+#error DCMTK is older
+#endif]], [[DcmFileFormat file;
+DJDecoderRegistration::registerCodecs();
+DJLSDecoderRegistration::registerCodecs();
+DcmRLEDecoderRegistration::registerCodecs();
+return file.loadFile("x").good();]])], [have_DCMTK=yes])
+    LIBS=$ost_save_LIBS
+    CPPFLAGS=$ost_save_CPPFLAGS
+    AC_LANG_POP([C++])
+    AC_MSG_RESULT([$have_DCMTK])
+    AS_IF([test "x$have_DCMTK" = xyes],
+      [AC_DEFINE([HAVE_DCMTK], [1], [Define if osteon-dicom is built.])
+       ost_summary_DCMTK="DCMTK"],
+      [DCMTK_CFLAGS=; DCMTK_LIBS=
+       ost_summary_DCMTK="no: DICOM cannot be read; Debian: libdcmtk-dev, g++"
+       AS_IF([test "x$with_dcmtk" = xyes],
+         [AC_MSG_ERROR([--with-dcmtk was asked for, but DCMTK 3.6.7 was not found; Debian: libdcmtk-dev, g++])])])])
+  AM_CONDITIONAL([HAVE_DCMTK], [test "x$have_DCMTK" = xyes])
+  AS_IF([test "x$have_DCMTK" = xyes], [
+    AS_IF([test "x$have_OPENJPEG" = xyes], [ost_summary_DCMTK="DCMTK, OpenJPEG"],
+      [ost_summary_DCMTK="DCMTK; no JPEG 2000; Debian: libopenjp2-7-dev"])])
+])

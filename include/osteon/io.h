@@ -36,17 +36,34 @@ typedef enum ost_file_kind {
     OST_FILE_MESH,
     OST_FILE_PATH_CSV,
     OST_FILE_SESSION, /* session.h */
-    OST_FILE_METAIMAGE
+    OST_FILE_METAIMAGE,
+    OST_FILE_DICOM /* a DICOM file, or any folder */
 } ost_file_kind;
 
 /*
- * Determines the kind of a file by its content or, without a signature, by its name. For a format
- * that osteon does not read (DICOM, TIFF, compressed files and others), returns OST_ERR_INPUT with a
- * message that names a program for its conversion.
+ * Determines the kind of a file by its content or, without a signature, by its name. A folder has the
+ * kind OST_FILE_DICOM, without being searched. For a format that osteon does not read (TIFF, compressed
+ * files and others), returns OST_ERR_INPUT with a message that names a program for its conversion.
  */
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);
 
 /* --------------------------------------------------------------- volumes */
+
+/* The findings in a DICOM series. docs/reference/dicom.md describes the treatment of each case. */
+typedef struct ost_dicom_report {
+    int64_t images;         /* number of slices that were read; 0 if the volume is not DICOM */
+    int64_t other_files;    /* number of files without a DICOM image, which were ignored */
+    int64_t localizers;     /* number of localizer images of the series, which were ignored */
+    int64_t doubled;        /* number of images with the position and the pixels of another one */
+    int64_t interpolated;   /* number of slices that were interpolated because the options allow this */
+    ost_pm largest_gap;     /* greatest distance of neighbouring slices */
+    ost_pm thickness;       /* SliceThickness; 0 if it is not stated or differs between the images */
+    ost_pm sheared;         /* distance by which slices were shifted back because the options allow this */
+    uint64_t padded;        /* number of pixels with a padding value, which became air */
+    bool lossy;             /* the pixels were compressed with loss */
+    bool no_rescale;        /* the files state no rescale slope and intercept */
+    char modality[17];      /* "CT" */
+} ost_dicom_report;
 
 /* The conversions that were applied to a volume when it was read. */
 typedef struct ost_volume_report {
@@ -59,6 +76,7 @@ typedef struct ost_volume_report {
     bool labels;               /* a label map: NIfTI intent 1002, or an NRRD with keys Segment0_... (3D Slicer) */
     uint64_t rounded_values;   /* number of non-integer densities, which were rounded RHE */
     uint64_t clamped_values;   /* number of densities beyond int16, which were saturated if the options allow this */
+    ost_dicom_report dicom;
 } ost_volume_report;
 
 /*
@@ -72,17 +90,54 @@ typedef struct ost_volume_options {
     bool resample_oblique;  /* resample an oblique grid (nearest) instead of failing */
     char orientation[4];    /* orientation to assume for a file that states none, e.g. "RAS"; "" if not specified */
     ost_nifti_form form;
+    const char *series;     /* of DICOM: number, description or UID; NULL: the only series that is a volume */
+    bool even_slices;       /* resample unevenly spaced slices of DICOM (linear) instead of failing */
+    bool untilt;            /* shear tilted slices of DICOM back (linear) instead of failing */
 } ost_volume_options;
 
 /*
- * Reads an NRRD, NIfTI or MetaImage file as int16 with axes in LPS+. options may be NULL (all false);
- * report may be NULL.
+ * Reads an NRRD, NIfTI or MetaImage file, a multi-frame DICOM file, or a DICOM series in a folder, as int16
+ * with axes in LPS+. options may be NULL (all false); report may be NULL. DICOM is parsed by processes,
+ * which have ended when the function returns.
  */
 OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out,
                                    ost_volume_report *report, ost_error *err);
 /* Reads geometry, meta and report without the voxels. Each of the three pointers may be NULL. */
 OST_API ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta,
                                           ost_volume_report *report, ost_error *err);
+
+/* A series in a folder of DICOM files. Texts are printable; "" if the files do not state them. */
+typedef struct ost_dicom_series {
+    bool numbered;            /* number is set */
+    int32_t number;           /* SeriesNumber */
+    char description[65];     /* SeriesDescription, which may contain names */
+    char uid[65];             /* SeriesInstanceUID */
+    char modality[17], kernel[65];
+    int64_t images;           /* number of images that can be slices: neither localizers nor colour images */
+    int64_t localizers;       /* number of localizer images */
+    bool is_volume;           /* ost_volume_read can read it with the options of the list */
+    ost_geometry geometry;    /* valid if is_volume */
+    char orientation[4];      /* directions of its axes, e.g. "LPS"; valid if is_volume */
+    ost_pm thickness;         /* SliceThickness; 0 if it is not stated or differs between the images */
+    char fault[OST_ERROR_TEXT]; /* the error of reading it, if it has at least two images; otherwise "" */
+} ost_dicom_series;
+
+/* The series of a folder, in the order of their first files. */
+typedef struct ost_dicom_list {
+    size_t count;
+    ost_dicom_series *items; /* owned */
+    int64_t selected;           /* index of the series that ost_volume_read reads with these options; -1: none */
+    int64_t files, other_files; /* number of all files, and of those without a DICOM image */
+} ost_dicom_list;
+
+/*
+ * Lists the series of a folder of DICOM files, or of one DICOM file, without reading pixels. options may be
+ * NULL. *out is empty on failure.
+ */
+OST_API ost_status ost_dicom_list_read(const char *path, const ost_volume_options *options, ost_dicom_list *out,
+                                       ost_error *err);
+/* Frees a list, which is then empty. */
+OST_API void ost_dicom_list_free(ost_dicom_list *list);
 
 typedef struct ost_write_options {
     bool compress;        /* compress .nrrd by gzip; .nii.gz is always compressed */
@@ -246,7 +301,7 @@ typedef struct ost_import_result {
     ost_geometry cubic;
     ost_meta meta;                 /* facts copied from the file; the import sets kind, threshold and resample */
     ost_resample resample;         /* the resampling rule that was used */
-    ost_volume_report volume;      /* set for NRRD, NIfTI and MetaImage */
+    ost_volume_report volume;      /* set for NRRD, NIfTI, MetaImage and DICOM */
     ost_scatter_report scatter;    /* for text */
     bool spacing_inferred[3];
     uint64_t rounded_positions;    /* number of coordinates with more than nine decimals */

@@ -14,7 +14,6 @@ static const struct {
     const char *name;
     const char *remedy;
 } formats[] = {
-    {128, SIGNATURE("DICM"), "a DICOM file", "dcm2niix and 3D Slicer convert its series to NIfTI"},
     {0, SIGNATURE("CDF\001"), "a NetCDF file", "mnc2nii converts it to NIfTI if it is MINC"},
     {0, SIGNATURE("\x89HDF\r\n\x1a\n"), "an HDF5 file", "mnc2nii converts it to NIfTI if it is MINC"},
     {0, SIGNATURE("# vtk DataFile"), "a VTK file", SLICER},

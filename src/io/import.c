@@ -3,7 +3,7 @@
  * Imports a file as a bone, stage by stage:
  *
  *   text          --scan--> samples --scatter--> rect
- *   NRRD, NIfTI   --read--> --mask.c----------> rect (cropped)
+ *   other formats --read--> --mask.c----------> rect (cropped)
  *                                               rect --> cubic --> chunks
  *
  * Each stage is timed and, if the options request it, digested. A grid is
@@ -13,17 +13,16 @@
 
 #include <osteon/io.h>
 
-#include <float.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "core/clock.h"
 #include "io/import_digest.h"
 #include "io/mask.h"
 #include "io/text/raster.h"
+#include "io/volume/memory.h"
 
 enum { THRESHOLD = 120, CHUNK = 32 };
 
@@ -84,22 +83,6 @@ static ost_status stage_end_grid(job *j, const char *name, ost_grid_kind kind, c
 
 /* --------------------------------------------------------------------- checks */
 
-/* Returns the machine's memory in bytes, or DBL_MAX if the system does not report it. */
-static double machine_memory(void)
-{
-    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    return pages > 0 && page > 0 ? (double)pages * (double)page : DBL_MAX;
-}
-
-static ost_status check_memory(const char *path, const char *what, ost_dims dims, ost_error *err)
-{
-    const double bytes = 2.0 * (double)ost_dims_count(dims), all = machine_memory();
-    if (bytes <= all)
-        return OST_OK;
-    return ost_fail(err, OST_ERR_MEMORY, "%s: the %s of %d x %d x %d voxels takes %.3g GB; this machine has %.3g GB",
-                    path, what, (int)dims.x, (int)dims.y, (int)dims.z, bytes * 1e-9, all * 1e-9);
-}
-
 static ost_status count_active(const job *j, int32_t threshold, int64_t *out, ost_error *err)
 {
     const ost_dims dims = j->result->rect.dims;
@@ -128,7 +111,7 @@ static ost_status count_active(const job *j, int32_t threshold, int64_t *out, os
 static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshold, ost_error *err)
 {
     const ost_geometry *g = &j->result->rect;
-    const double c = (double)cubic, all = machine_memory();
+    const double c = (double)cubic, all = ost_machine_memory();
     const double along[3] = {(double)g->spacing.x / c, (double)g->spacing.y / c, (double)g->spacing.z / c};
     const double each = 2 * along[0] * along[1] * along[2]; /* bytes per voxel of the rect grid */
     if (g->dims.x * along[0] > OST_DIM_MAX || g->dims.y * along[1] > OST_DIM_MAX ||
@@ -226,9 +209,12 @@ static ost_status rect_from_text(job *j, ost_error *err)
     text_job text = {.is_raster = false};
     const ost_text_summary *summary = &text.summary;
     ost_geometry full;
-    if (j->options->volume.orientation[0] || j->options->volume.form != OST_FORM_AUTO)
+    const ost_volume_options *volume = &j->options->volume;
+    if (volume->orientation[0] || volume->form != OST_FORM_AUTO)
         return ost_fail(err, OST_ERR_USAGE, "%s: --orientation and --form need a NIfTI or NRRD file; the positions "
                         "in a text CT are always LPS", j->path);
+    if (volume->series || volume->even_slices || volume->untilt)
+        return ost_fail(err, OST_ERR_USAGE, "%s: is not DICOM; omit --series, --even-slices and --untilt", j->path);
     ost_status status = ost_text_source_open(&text.source, j->path, err);
     if (status != OST_OK)
         return status;
@@ -246,7 +232,7 @@ static ost_status rect_from_text(job *j, ost_error *err)
     if (status == OST_OK)
         status = check_sparse(j, summary->fingerprint.rows, result->rect.dims, err);
     if (status == OST_OK)
-        status = check_memory(j->path, "rect grid", result->rect.dims, err);
+        status = ost_memory_check(j->path, "rect grid", result->rect.dims, err);
     if (status == OST_OK)
         status = stage_begin(j, "rect", err);
     if (status == OST_OK)
@@ -271,7 +257,7 @@ static ost_status rect_from_text(job *j, ost_error *err)
     return status == OST_OK ? stage_end_grid(j, "rect", OST_GRID_RECT, j->rect, err) : status;
 }
 
-/* -------------------------------------------------------------- NRRD and NIfTI */
+/* --------------------------------------------------------------- other formats */
 
 /* Uploads the part of a volume that the rect grid covers, slice by slice. */
 static ost_status upload_crop(const job *j, const ost_volume *volume, ost_error *err)
@@ -454,6 +440,7 @@ static ost_status rect_from_file(job *j, ost_error *err)
     case OST_FILE_NRRD:
     case OST_FILE_NIFTI:
     case OST_FILE_METAIMAGE:
+    case OST_FILE_DICOM:
         return rect_from_volume(j, err);
     case OST_FILE_MESH:
         return ost_fail(err, OST_ERR_INPUT, "%s: is a mesh, not a CT; 'osteon voxelize' reads meshes", j->path);
@@ -463,7 +450,8 @@ static ost_status rect_from_file(job *j, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s: is a session, not a CT; 'osteon replay' makes a bone of it", j->path);
     case OST_FILE_UNKNOWN: break;
     }
-    return ost_fail(err, OST_ERR_INPUT, "%s: not a CT; expected text (x y z density), NRRD, NIfTI, MetaImage", j->path);
+    return ost_fail(err, OST_ERR_INPUT, "%s: not a CT; expected text (x y z density), NRRD, NIfTI, MetaImage, DICOM",
+                    j->path);
 }
 
 ost_status ost_import(ost_backend *backend, const char *path, const ost_import_options *options, ost_bone **out,

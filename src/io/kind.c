@@ -4,6 +4,7 @@
  *
  *   NRRD0001..5                              NRRD, with attached data or only the header
  *   "ObjectType =", "NDims =" or "Comment =" MetaImage, with attached data or only the header
+ *   "DICM" at byte 128; a folder             DICOM
  *   348 or 540, "n+1" "ni1" "n+2" "ni2"      NIfTI; also inside gzip
  *   "ply", 4D 4D, "solid ... facet",
  *   84 + 50 n bytes                          meshes
@@ -22,6 +23,7 @@
 #include <zlib.h>
 
 #include "core/file.h"
+#include "io/dicom/read.h"
 #include "io/foreign.h"
 #include "io/metaimage/header.h"
 #include "io/session/layout.h"
@@ -169,6 +171,8 @@ static ost_file_kind plain_kind(const unsigned char *head, size_t size, off_t fi
         return OST_FILE_NRRD;
     if (ost_metaimage_sniff(head, size))
         return OST_FILE_METAIMAGE;
+    if (ost_dicom_sniff(head, size))
+        return OST_FILE_DICOM;
     if (is_session(head, size))
         return OST_FILE_SESSION;
     if (is_nifti(head, size))
@@ -213,11 +217,10 @@ ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *e
 {
     *out = OST_FILE_UNKNOWN;
     struct stat info;
-    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
-        return ost_fail(err, OST_ERR_IO,
-                        "%s: is a folder; expected a file. If it contains a DICOM series, dcm2niix and "
-                        "3D Slicer convert it to NIfTI",
-                        path);
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) {
+        *out = OST_FILE_DICOM;
+        return OST_OK;
+    }
     ost_file file;
     ost_status status = ost_file_open(path, &file, err);
     if (status != OST_OK)

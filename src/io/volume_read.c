@@ -5,8 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "io/dicom/read.h"
 #include "io/metaimage/header.h"
 #include "io/metaimage/read.h"
 #include "io/nifti/read.h"
@@ -40,13 +42,25 @@ static const char *header_of(const char *path, char *out, size_t capacity)
 static ost_status unknown(const char *path, const unsigned char *bytes, size_t size, ost_error *err)
 {
     if (size == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected a NRRD, NIfTI or MetaImage volume", path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected an NRRD, NIfTI, MetaImage or DICOM volume",
+                        path);
     char start[3 * 8 + 1] = "";
     for (size_t i = 0; i < size && i < 8; i++)
         snprintf(start + 3 * i, 4, "%02x ", bytes[i]);
     start[strlen(start) - 1] = 0;
-    return ost_fail(err, OST_ERR_INPUT, "%s: not a NRRD, NIfTI or MetaImage file (it starts with bytes %s)", path,
-                    start);
+    return ost_fail(err, OST_ERR_INPUT, "%s: not an NRRD, NIfTI, MetaImage or DICOM file (it starts with bytes %s)",
+                    path, start);
+}
+
+/* Returns OST_ERR_USAGE if the options have a member that only DICOM has. */
+static ost_status check_not_dicom(const char *path, const ost_volume_options *options, ost_error *err)
+{
+    const char *name = !options             ? NULL
+                       : options->series      ? "--series"
+                       : options->even_slices ? "--even-slices"
+                       : options->untilt      ? "--untilt"
+                                              : NULL;
+    return name ? ost_fail(err, OST_ERR_USAGE, "%s: is not DICOM; omit %s", path, name) : OST_OK;
 }
 
 ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out,
@@ -62,11 +76,20 @@ ost_status ost_volume_read_any(const char *path, const ost_volume_options *optio
     memset(geometry, 0, sizeof *geometry);
     memset(meta, 0, sizeof *meta);
     memset(report, 0, sizeof *report);
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+        return ost_dicom_read(path, options, out, geometry, meta, report, element, err);
     path = header_of(path, pair, sizeof pair);
     ost_status status = ost_input_open(path, &input, err);
     if (status != OST_OK)
         return status;
     status = ost_input_read(input, head, sizeof head, &got, err);
+    if (status == OST_OK && ost_dicom_sniff(head, got)) {
+        status = ost_dicom_read(path, options, out, geometry, meta, report, element, err);
+        goto done;
+    }
+    if (status == OST_OK)
+        status = check_not_dicom(path, options, err);
     if (status == OST_OK && got >= 4 && memcmp(head, "NRRD", 4) == 0) {
         status = ost_input_seek(input, 0, err);
         if (status == OST_OK)

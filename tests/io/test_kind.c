@@ -63,6 +63,9 @@ static void binary_signatures(void **state)
 {
     (void)state;
     char *folder = scratch_folder(), path[600];
+    unsigned char dicom[132] = {0};
+    memcpy(dicom + 128, "DICM", 4);
+    assert_int_equal(kind_of(folder, "a.nii", dicom, sizeof dicom), OST_FILE_DICOM); /* whatever its name */
     unsigned char header[540] = {348 & 255, 348 >> 8};
     memcpy(header + 344, "n+1", 4);
     assert_int_equal(kind_of(folder, "a.txt", header, 352), OST_FILE_NIFTI);
@@ -103,8 +106,8 @@ static void what_has_no_content(void **state)
     char *folder = scratch_folder(), path[600];
     ost_error err = {0};
     ost_file_kind kind;
-    assert_int_equal(ost_file_kind_find(folder, &kind, &err), OST_ERR_IO);
-    assert_non_null(strstr(err.text, "is a folder"));
+    assert_ok(ost_file_kind_find(folder, &kind, &err));
+    assert_int_equal(kind, OST_FILE_DICOM); /* a folder is searched only when it is read */
     snprintf(path, sizeof path, "%s/absent.nrrd", folder);
     assert_int_equal(ost_file_kind_find(path, &kind, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "No such file"));
@@ -123,8 +126,6 @@ static void foreign_formats(void **state)
         size_t size, offset;
         const char *what, *remedy;
     } cases[] = {
-        {"IM0001", "DICM", 4, 128, "a DICOM file", "dcm2niix"},
-        {"a.nii", "DICM", 4, 128, "a DICOM file", "dcm2niix"}, /* whatever its name */
         {"a.mnc", "CDF\001", 4, 0, "a NetCDF file", "mnc2nii"},
         {"a.mnc", "\x89HDF\r\n\x1a\n", 8, 0, "an HDF5 file", "mnc2nii"},
         {"a.tif", "II*\0", 4, 0, "a TIFF file", "3D Slicer"},
@@ -147,11 +148,6 @@ static void foreign_formats(void **state)
         if (!strstr(err.text, cases[i].what) || !strstr(err.text, cases[i].remedy))
             fail_msg("case %zu (%s): %s", i, cases[i].name, err.text);
     }
-    ost_error err = {0};
-    ost_file_kind kind;
-    assert_int_equal(ost_file_kind_find(folder, &kind, &err), OST_ERR_IO);
-    assert_non_null(strstr(err.text, "is a folder"));
-    assert_non_null(strstr(err.text, "dcm2niix"));
     scratch_remove(folder);
 }
 

@@ -101,3 +101,21 @@ ost_status file_digest(const char *path, ost_digest *out, ost_error *err)
     }
     return status;
 }
+
+void put_dicom_report(json_t *object, const ost_dicom_report *report)
+{
+    json_t *o = json_object();
+    put_text(o, "modality", report->modality);
+    put_integer(o, "images", report->images);
+    put_integer(o, "other_files", report->other_files);
+    put_integer(o, "localizers", report->localizers);
+    put_integer(o, "doubled", report->doubled);
+    put_integer(o, "interpolated", report->interpolated);
+    put_mm(o, "largest_gap_mm", report->largest_gap);
+    put_mm(o, "thickness_mm", report->thickness);
+    put_mm(o, "sheared_mm", report->sheared);
+    put_integer(o, "padded_voxels", (int64_t)report->padded);
+    put_bool(o, "lossy", report->lossy);
+    put_bool(o, "rescaled", !report->no_rescale);
+    put(object, "dicom", o);
+}

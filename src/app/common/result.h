@@ -20,6 +20,8 @@ void put_dims(json_t *object, const char *key, ost_dims dims);
 void put_mm3(json_t *object, const char *key, ost_pm3 value);
 void put_mm(json_t *object, const char *key, ost_pm value);
 void put_digest(json_t *object, const char *key, const ost_digest *digest);
+/* Stores an object "dicom". */
+void put_dicom_report(json_t *object, const ost_dicom_report *report);
 void put_meta(json_t *object, const char *key, const ost_meta *meta);
 
 /* Computes the SHA-256 of a file, as sha256sum prints it. */

@@ -136,6 +136,7 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
         .progress = progress_show,
     };
     out->volume.form = (ost_nifti_form)ct->form;
+    load_dicom_options(&ct->dicom, &out->volume);
     if (ct->orientation && strlen(ct->orientation) != 3)
         return usage_error(app, err, "--orientation '%s': expected three letters, such as LPS or RAS", ct->orientation);
     if (ct->orientation)
@@ -206,6 +207,38 @@ void load_warn_orientation(const app_state *app, const char *name, const ost_met
              name);
 }
 
+void load_dicom_options(const dicom_options *options, ost_volume_options *out)
+{
+    out->series = options->series;
+    out->even_slices = options->even_slices;
+    out->untilt = options->untilt;
+}
+
+void load_warn_dicom(const app_state *app, const char *name, const ost_dicom_report *r)
+{
+    char a[FORMAT_TEXT], b[FORMAT_TEXT], mm[OST_PM_TEXT];
+    if (r->images == 0)
+        return;
+    if (r->modality[0] && strcmp(r->modality, "CT") != 0)
+        warn(app, "%s: the modality is %s; densities are not in HU", name, r->modality);
+    if (r->no_rescale)
+        warn(app, "%s: states no RescaleSlope and RescaleIntercept; the stored values are used as densities", name);
+    if (r->lossy)
+        warn(app, "%s: the pixels were compressed with loss", name);
+    if (r->localizers)
+        warn(app, "%s: %s localizer image%s of the series %s ignored", name, format_count(a, r->localizers),
+             r->localizers == 1 ? "" : "s", r->localizers == 1 ? "was" : "were");
+    if (r->doubled)
+        warn(app, "%s: %s doubled slice%s ignored", name, format_count(a, r->doubled),
+             r->doubled == 1 ? " was" : "s were");
+    if (r->interpolated)
+        warn(app, "%s: slices were uneven: %s slice%s interpolated from %s; the largest gap is %s mm", name,
+             format_count(a, r->interpolated), r->interpolated == 1 ? " was" : "s were", format_count(b, r->images),
+             ost_pm_format(r->largest_gap, mm));
+    if (r->sheared)
+        warn(app, "%s: slices were sheared back by %s mm in all", name, ost_pm_format(r->sheared, mm));
+}
+
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r)
 {
     char text[FORMAT_TEXT];
@@ -221,6 +254,7 @@ void load_warn_import(const app_state *app, const char *name, const ost_import_r
              format_count(text, (int64_t)r->rounded_positions));
     if (s->duplicates)
         warn(app, "%s: %s voxels are given more than once", name, format_count(text, (int64_t)s->duplicates));
+    load_warn_dicom(app, name, &r->volume.dicom);
     if (r->volume.resampled)
         warn(app, "%s: the volume is tilted and was resampled onto straight axes (nearest voxel)", name);
     if (r->volume.rounded_values)
@@ -241,9 +275,10 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
     progress_begin(app);
     const char *kind = builtin_name(name);
     if (kind) {
-        if (ct->crop || ct->spacing.x || ct->orientation || ct->form)
-            return usage_error(app, err, "--crop, --spacing, --orientation and --form need a file; write %s with "
-                               "osteon phantom first", name);
+        const dicom_options *d = &ct->dicom;
+        if (ct->crop || ct->spacing.x || ct->orientation || ct->form || d->series || d->even_slices || d->untilt)
+            return usage_error(app, err, "--crop, --spacing, --orientation, --form and the options for DICOM need a "
+                               "file; write %s with osteon phantom first", name);
         ost_volume volume = {0};
         status = phantom_volume(kind, &volume, err);
         if (status == OST_OK)
@@ -371,18 +406,22 @@ ost_status load_volume(const app_state *app, const char *name, loaded_volume *ou
         return status;
     if (kind == OST_FILE_CT_TEXT)
         return load_text_volume(app, name, out, err);
-    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI && kind != OST_FILE_METAIMAGE)
+    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI && kind != OST_FILE_METAIMAGE && kind != OST_FILE_DICOM)
         return ost_fail(err, OST_ERR_INPUT, "%s: no voxels; expected a CT, a bone or a tool grid", name);
     ost_meta meta = {0};
-    status = ost_volume_read_header(name, NULL, &meta, NULL, err);
+    ost_volume_report report = {0};
+    if (kind != OST_FILE_DICOM)
+        status = ost_volume_read_header(name, NULL, &meta, NULL, err);
     if (status != OST_OK)
         return status;
     const char *what = ost_meta_get(&meta, OST_META_KIND);
     if (what && strcmp(what, "tool") == 0)
         return load_tool_volume(name, out, err);
-    status = ost_volume_read(name, NULL, &out->volume, NULL, err);
-    if (status == OST_OK)
+    status = ost_volume_read(name, NULL, &out->volume, &report, err);
+    if (status == OST_OK) {
         load_warn_orientation(app, name, &out->volume.meta);
+        load_warn_dicom(app, name, &report.dicom);
+    }
     if (status == OST_OK && what && strcmp(what, "bone") == 0) {
         out->kind = LOAD_BONE;
         out->threshold = threshold_of(&out->volume.meta);

@@ -13,6 +13,21 @@
 
 #include "app/common/options.h"
 
+typedef struct dicom_options {
+    const char *series; /* NULL if not given */
+    bool even_slices, untilt;
+} dicom_options;
+
+/* Rows for a verb's table of options. */
+#define DICOM_OPTIONS(d)                                                                                         \
+    {.name = "series", .kind = OPTION_TEXT, .out = &(d).series, .value = "NUMBER|TEXT|UID",                      \
+     .help = "series of a DICOM folder, by number, description or UID (default: the only one that is a volume; " \
+             "osteon info lists them)"},                                                                         \
+    {.name = "even-slices", .kind = OPTION_FLAG, .out = &(d).even_slices,                                        \
+     .help = "interpolate DICOM slices with uneven distances or gaps onto even ones (default: refuse them)"},    \
+    {.name = "untilt", .kind = OPTION_FLAG, .out = &(d).untilt,                                                  \
+     .help = "shear the DICOM slices of a tilted gantry back (default: refuse them)"}
+
 typedef struct ct_options {
     ost_pm3 spacing;
     ost_pm cubic;
@@ -24,6 +39,7 @@ typedef struct ct_options {
     bool clamp, resample_oblique;
     const char *orientation; /* NULL if not given */
     int form;                /* an ost_nifti_form, index in "auto|qform|sform" */
+    dicom_options dicom;
     const char *mask;        /* FILE[:LABEL,...]; NULL if not given */
     bool mask_fill;
 } ct_options;
@@ -52,6 +68,7 @@ typedef struct ct_options {
     {.name = "orientation", .kind = OPTION_TEXT, .out = &(c).orientation, .value = "XYZ",                        \
      .help = "directions of the axes of a CT whose file does not state them, such as LPS or RAS (default: LPS, " \
              "with a warning)"},                                                                                 \
+    DICOM_OPTIONS((c).dicom),                                                                                    \
     {.name = "form", .kind = OPTION_CHOICE, .out = &(c).form, .value = "auto|qform|sform",                       \
      .help = "transform of a NIfTI that places the CT (default: auto; required if the two disagree)"},           \
     {.name = "chunk", .kind = OPTION_CHOICE, .out = &(c).chunk, .value = "16|32|64",                             \
@@ -93,6 +110,10 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
 /* Converts the options of a verb to those of ost_import. */
 ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
                                ost_error *err);
+/* Copies the options for DICOM to those of ost_volume_read. */
+void load_dicom_options(const dicom_options *options, ost_volume_options *out);
+/* Warns about what was found in a DICOM series. */
+void load_warn_dicom(const app_state *app, const char *name, const ost_dicom_report *r);
 /* Warns if the orientation of a file was assumed, either now or when the file was imported. */
 void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta);
 /* Warns about effects of an import that the user may not expect. */
@@ -118,7 +139,7 @@ typedef struct loaded_volume {
     int32_t threshold;
 } loaded_volume;
 
-/* Loads a volume: NRRD, NIfTI, a CT given as text, or builtin:. A CT given as text is imported as a
+/* Loads a volume: NRRD, NIfTI, MetaImage, DICOM, a CT given as text, or builtin:. A CT given as text is imported as a
    bone, so densities below the threshold are 0. Free with ost_volume_free(&out->volume). */
 ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err);
 

@@ -16,6 +16,7 @@ static const char *kind_text(ost_file_kind kind)
     case OST_FILE_NRRD: return "NRRD";
     case OST_FILE_NIFTI: return "NIfTI";
     case OST_FILE_METAIMAGE: return "MetaImage";
+    case OST_FILE_DICOM: return "DICOM";
     case OST_FILE_MESH: return "mesh";
     case OST_FILE_PATH_CSV: return "path";
     case OST_FILE_SESSION: return "session";
@@ -79,6 +80,8 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
         put_integer(o, "rounded_values", (int64_t)r->volume.rounded_values);
         put_integer(o, "clamped_values", (int64_t)r->volume.clamped_values);
     }
+    if (r->kind == OST_FILE_DICOM)
+        put_dicom_report(o, &r->volume.dicom);
     if (r->mask.selected) {
         put_integer(o, "mask_voxels", (int64_t)r->mask.selected);
         put_integer(o, "mask_removed", (int64_t)r->mask.removed);
@@ -105,6 +108,11 @@ static void print_result(const app_state *app, const char *ct, const char *out, 
     print_line(app, "%s: %s, %s voxels at %s%s%s", ct, kind_text(r->kind), format_dims(a, r->rect.dims),
                format_spacing(b, r->rect.spacing), found ? " (spacing found from the positions)" : "",
                r->volume.reoriented ? " (axes turned to LPS)" : "");
+    const ost_dicom_report *dicom = &r->volume.dicom;
+    const bool thick = dicom->thickness && dicom->thickness != r->rect.spacing.z;
+    if (dicom->images)
+        print_line(app, "  %s slices, %s%s", format_count(a, dicom->images), r->volume.encoding,
+                   thick ? ", thickness differs from distance" : "");
     if (r->mask.selected)
         print_line(app, "  mask: %s voxels selected, %s dense voxels elsewhere removed, %s filled",
                    format_count(a, (int64_t)r->mask.selected), format_count(b, (int64_t)r->mask.removed),
@@ -143,13 +151,15 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     const usage_text usage = {
         .synopsis = "CT --out BONE.nrrd [options]",
         .about = "Converts a CT into a bone: cubic voxels, of which those below the threshold are\n"
-                 "empty. CT is a text of lines \"x y z density\", an NRRD, a NIfTI or a MetaImage.",
+                 "empty. CT is a text of lines \"x y z density\", an NRRD, a NIfTI, a MetaImage or a\n"
+                 "folder of DICOM files.",
         .operands = operands,
         .options = options,
         .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"
                  "patient's left, back and head (LPS); a text is not turned. The positions of a\n"
                  "text are voxel centres in any order.",
         .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
+                   "  osteon import scan/ --series 3 --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --mask labels.nrrd:1 --out scapula.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",

@@ -12,6 +12,7 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 #include "app/replay/session_info.h"
+#include "app/verbs/info_dicom.h"
 
 static void put_geometry(const app_state *app, const ost_geometry *g)
 {
@@ -103,6 +104,37 @@ static ost_status info_volume(const app_state *app, const char *name, const char
     print_line(app, "  %s solid voxels", format_count(text, solid));
     print_line(app, "  grid %s", ost_digest_hex(&root, hex));
     return OST_OK;
+}
+
+/* Lists the series of a DICOM folder, and describes the one that would be read. */
+static ost_status info_folder(const app_state *app, const char *name, const dicom_options *dicom, bool digest,
+                              ost_error *err)
+{
+    ost_volume_options options = {.clamp = false};
+    ost_geometry geometry;
+    ost_volume volume = {0};
+    ost_digest root;
+    bool found;
+    load_dicom_options(dicom, &options);
+    put_text(app->result, "kind", "ct");
+    put_text(app->result, "format", "DICOM");
+    ost_status status = info_dicom(app, name, &options, &found, &geometry, err);
+    if (status != OST_OK)
+        return status;
+    if (found)
+        put_geometry(app, &geometry);
+    if (!digest)
+        return OST_OK;
+    status = ost_volume_read(name, &options, &volume, NULL, err);
+    if (status == OST_OK)
+        status = ost_digest_volume(OST_GRID_RECT, &volume, &root, err);
+    ost_volume_free(&volume);
+    if (status == OST_OK) {
+        char hex[OST_DIGEST_HEX];
+        put_digest(app->result, "sha256", &root);
+        print_line(app, "  grid %s", ost_digest_hex(&root, hex));
+    }
+    return status;
 }
 
 /* Describes a CT given as text. Such a file has no header, so it is read to the end, and the voxels
@@ -217,6 +249,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *name = NULL, *repaired = NULL;
     bool digest = false;
+    dicom_options dicom = {.series = NULL};
     option_list sets = {0};
     const operand operands[] = {{"FILE", &name, "no file given"}, {0}};
     const option options[] = {
@@ -225,6 +258,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "set", .kind = OPTION_LIST, .out = &sets, .value = "KEY=VALUE",
          .help = "set a fact in the header of a bone or CT and leave its voxels: at=X,Y,Z, axis=X,Y,Z, side=left "
                  "or right, trigonum=X,Y,Z, inferior-angle=X,Y,Z; an empty VALUE removes the fact; may repeat"},
+        DICOM_OPTIONS(dicom),
         {.name = "repair", .kind = OPTION_TEXT, .out = &repaired, .value = "FILE",
          .help = "write the complete ticks of a session that was cut off or damaged as a new session"},
         {.name = NULL}};
@@ -232,11 +266,12 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
         .synopsis = "FILE [--digest] [--set KEY=VALUE] [--repair FILE]",
         .about = "Describes a file: a CT, a bone, a tool grid, a mesh, a path or a session. Only\n"
                  "the header of a volume is read; a session is read completely, and what is\n"
-                 "missing in it is printed.",
+                 "missing in it is printed. For a folder of DICOM files, lists its series.",
         .operands = operands,
         .options = options,
         .example =
-            "  osteon info scapula.nrrd\n  osteon info scapula.nrrd --set side=left\n  osteon info reamer.stl --json\n"
+            "  osteon info scapula.nrrd\n  osteon info scan/\n"
+            "  osteon info scapula.nrrd --set side=left\n  osteon info reamer.stl --json\n"
             "  osteon info cut-off.session --repair whole.session",
     };
     ost_status status;
@@ -247,17 +282,21 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     if (repaired && kind != OST_FILE_SESSION)
         return usage_error(app, err, "--repair needs a session; %s is not a session", name);
+    if ((dicom.series || dicom.even_slices || dicom.untilt) && kind != OST_FILE_DICOM)
+        return usage_error(app, err, "--series, --even-slices and --untilt need DICOM; %s is not DICOM", name);
     if (sets.count && (status = set_facts(app, name, kind, &sets, err)) != OST_OK)
         return status;
     struct stat st;
     put_text(app->result, "file", name);
-    if (stat(name, &st) == 0)
+    const bool readable = stat(name, &st) == 0, folder = readable && S_ISDIR(st.st_mode);
+    if (readable && !folder)
         put_integer(app->result, "file_bytes", st.st_size);
     progress_begin(app);
     switch (kind) {
     case OST_FILE_NRRD: status = info_volume(app, name, "NRRD", digest, err); break;
     case OST_FILE_NIFTI: status = info_volume(app, name, "NIfTI", digest, err); break;
     case OST_FILE_METAIMAGE: status = info_volume(app, name, "MetaImage", digest, err); break;
+    case OST_FILE_DICOM: status = info_folder(app, name, &dicom, digest, err); break;
     case OST_FILE_CT_TEXT: status = info_text(app, name, err); break;
     case OST_FILE_MESH: status = info_mesh(app, name, err); break;
     case OST_FILE_PATH_CSV: status = info_path(app, name, err); break;
@@ -265,7 +304,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     case OST_FILE_UNKNOWN: status = ost_fail(err, OST_ERR_INPUT, "%s: unknown kind of file; expected a CT, a bone, a "
                                              "mesh, a tool grid, a path or a session", name); break;
     }
-    if (status != OST_OK || !digest)
+    if (status != OST_OK || !digest || folder)
         return status;
     ost_digest file;
     if ((status = file_digest(name, &file, err)) == OST_OK)

@@ -148,6 +148,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
     option_decimal min_volume = {.text = NULL};
     option_list balls = {0}, planes = {0};
     ost_pm3 at = {0, 0, 0};
+    dicom_options dicom = {.series = NULL};
     bool fill = false, has_at = false, compress = false;
     const operand operands[] = {{"CT", &name, "no CT given"}, {0}};
     const option options[] = {
@@ -174,13 +175,14 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
          .help = "report the label at this position"},
         {.name = "orientation", .kind = OPTION_TEXT, .out = &orientation, .value = "XYZ",
          .help = "directions of the axes of a CT whose file does not state them, such as LPS or RAS"},
+        DICOM_OPTIONS(dicom),
         COMPRESS_OPTION(compress),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "CT --out LABELS.nrrd [options]",
-        .about = "Divides a CT (NRRD, NIfTI or MetaImage) into bones: components of dense voxels that\n"
-                 "share faces. Label 1 is the largest. osteon import --mask LABELS.nrrd:1 makes a bone\n"
-                 "of it.",
+        .about = "Divides a CT (NRRD, NIfTI, MetaImage or a folder of DICOM files) into bones:\n"
+                 "components of dense voxels that share faces. Label 1 is the largest. osteon import\n"
+                 "--mask LABELS.nrrd:1 makes a bone of it.",
         .operands = operands,
         .options = options,
         .notes = "Lengths are in millimetres in the patient's axes (LPS), densities in HU. The label map\n"
@@ -211,6 +213,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--orientation '%s': expected three letters, such as LPS or RAS", orientation);
     if (orientation)
         memcpy(read.orientation, orientation, sizeof read.orientation);
+    load_dicom_options(&dicom, &read);
     status = parse_cuts(app, &balls, &planes, cuts, &segment.cut_count, err);
     if (status == OST_OK)
         status = ost_volume_read(name, &read, &ct, &report, err);
@@ -227,6 +230,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
         status = ost_volume_write(out, &labels, &(ost_write_options){.compress = compress}, err);
     if (status == OST_OK) {
         load_warn_orientation(app, name, &ct.meta);
+        load_warn_dicom(app, name, &report.dicom);
         put_text(app->result, "in", name);
         put_text(app->result, "out", out);
         put_integer(app->result, "components", (int64_t)count);

@@ -2,7 +2,8 @@
 /*
  * The messages between the library and osteon-dicom, the process that parses DICOM files.
  *
- *   library --request (a file in memory, standard input)--> osteon-dicom --messages (a pipe, standard output)--> library
+ *   library --request: a file in memory as standard input--> osteon-dicom
+ *   library <--messages: a pipe as standard output-- osteon-dicom
  *
  *   OST_DICOM_SCAN   request, paths               -> for each path: a FRAME for each of its images, then one FILE
  *   OST_DICOM_READ   request, paths, images       -> for each image: PIXELS, or FILE with the reason of a failure

@@ -152,7 +152,7 @@ ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_p
     ost_placement own = as_in_file;
     ost_volume *target = out, in_file = {0};
     memset(out, 0, sizeof *out);
-    ost_status status = ost_parts_check(rows->parts, err);
+    ost_status status = rows->parts ? ost_parts_check(rows->parts, err) : OST_OK;
     if (status != OST_OK)
         return status;
     ost_geometry first = *geometry;
@@ -169,7 +169,7 @@ ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_p
     status = ost_volume_init(target, &first, err);
     if (status == OST_OK)
         status = fill_rows(rows, placement->oblique ? &own : placement, target->voxels, err);
-    if (status == OST_OK)
+    if (status == OST_OK && rows->parts)
         status = ost_parts_end(rows->parts, err);
     if (status == OST_OK && placement->oblique) {
         status = ost_volume_init(out, geometry, err);

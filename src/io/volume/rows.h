@@ -23,7 +23,7 @@ struct ost_rows {
     ost_status (*next)(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
     const char *path; /* path of the header, for messages */
     int32_t sizes[3]; /* sizes in the file's order */
-    ost_parts *parts;
+    ost_parts *parts; /* NULL if `next` reads from elsewhere */
     ost_converter converter;
     void *scratch; /* one row of elements; set by the functions of this file */
 };

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// osteon-dicom: the process that parses DICOM files for the library (../protocol.h).
+//
+//   main.cpp      reads the request, writes the messages
+//   scan.cpp      the attributes of the images of a file
+//   pixels.cpp    the pixels of an image
+//   jpeg2000.cpp  the decoder for JPEG 2000, which DCMTK does not have
+//
+// It is the only code that calls DCMTK and OpenJPEG. It writes to nothing but standard output, and
+// writes there nothing but messages; DCMTK's log is off, since it may quote the files. The library limits
+// the memory, the time and the descriptors of the process before it starts.
+#ifndef OST_IO_DICOM_CHILD_H
+#define OST_IO_DICOM_CHILD_H
+
+#include <cstddef>
+#include <vector>
+
+#include <dcmtk/config/osconfig.h>
+
+#include <dcmtk/dcmdata/dcfcache.h>
+#include <dcmtk/dcmdata/dctk.h>
+
+#include "io/dicom/protocol.h"
+
+// Writes a message. Ends the process if the library has closed the pipe.
+void send_message(ost_dicom_type type, uint32_t index, const void *payload, size_t size);
+
+// Loads a file without its long values, which DCMTK then reads when they are needed.
+ost_dicom_result load_file(const char *path, DcmFileFormat &file);
+
+// Returns OK if the pixels of the data set's transfer syntax can be decoded.
+ost_dicom_result check_syntax(const DcmFileFormat &file, char uid[OST_DICOM_TEXT]);
+
+// Sends a FRAME for every image of the file. Returns the result of the FILE message that follows them.
+ost_dicom_result scan_file(const char *path, uint32_t index, const uint8_t salt[OST_DICOM_SALT]);
+
+// The file whose image was read last, which remains loaded for its next image.
+struct open_file {
+    DcmFileFormat file;
+    DcmFileCache cache;
+    const char *path = nullptr;
+    Uint32 next_frame = 0, next_fragment = 0; // where the next frame begins if frames are read in order
+};
+
+// Reads an image of the file as cells of 16 bits. `cells` is resized to columns * rows.
+ost_dicom_result read_image(open_file &from, const char *path, const ost_dicom_image &image,
+                            std::vector<uint16_t> &cells);
+
+// Decodes a code stream of JPEG 2000 with one component of columns * rows samples of at most 16 bits.
+ost_dicom_result decode_jpeg2000(const std::vector<uint8_t> &stream, uint32_t columns, uint32_t rows,
+                                 uint16_t *cells);
+
+#endif

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Writes the request of a process of osteon-dicom into a file in memory. The complete request exists
+ * before the process starts, so neither side ever waits for the other to read.
+ */
+#ifndef OST_IO_DICOM_REQUEST_H
+#define OST_IO_DICOM_REQUEST_H
+
+#include <stddef.h>
+
+#include <osteon/status.h>
+
+#include "io/dicom/protocol.h"
+
+/*
+ * Creates a request for `paths` and, to read, `images`, whose index `file` counts these paths. salt has
+ * OST_DICOM_SALT bytes. Sets *out to a close-on-exec descriptor at position 0, which the caller closes.
+ */
+ost_status ost_dicom_request_open(ost_dicom_action action, const uint8_t *salt, const char *const *paths,
+                                  size_t path_count, const ost_dicom_image *images, size_t image_count, int *out,
+                                  ost_error *err);
+
+#endif

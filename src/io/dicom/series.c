@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "io/dicom/series.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+char *ost_dicom_series_name(const ost_dicom_group *group, char text[OST_DICOM_SERIES_NAME])
+{
+    if (group->numbered)
+        snprintf(text, OST_DICOM_SERIES_NAME, "series %" PRId32, group->number);
+    else
+        snprintf(text, OST_DICOM_SERIES_NAME, "the series without a number");
+    return text;
+}
+
+static bool matches(const ost_dicom_group *group, const char *wanted)
+{
+    char number[16];
+    snprintf(number, sizeof number, "%" PRId32, group->number);
+    return (group->numbered && strcmp(wanted, number) == 0) ||
+           (group->description[0] && strcmp(wanted, group->description) == 0) ||
+           (group->uid[0] && strcmp(wanted, group->uid) == 0);
+}
+
+/* Returns the error for a series that is not a volume. */
+static ost_status too_few(const ost_dicom_scan *scan, const ost_dicom_group *group, ost_error *err)
+{
+    char name[OST_DICOM_SERIES_NAME];
+    ost_dicom_series_name(group, name);
+    if (group->images == 1)
+        return ost_fail(err, OST_ERR_INPUT, "%s: %s has one image; a volume needs at least two slices", scan->path,
+                        name);
+    return ost_fail(err, OST_ERR_INPUT, "%s: %s has no image that can be a slice of a CT", scan->path, name);
+}
+
+/* Returns the error for a folder with several series that are volumes, with their numbers. */
+static ost_status several(const ost_dicom_scan *scan, size_t count, ost_error *err)
+{
+    char numbers[160] = "";
+    size_t n = 0;
+    for (size_t s = 0; s < scan->series_count && n < sizeof numbers - 16; s++) {
+        const ost_dicom_group *group = &scan->series[s];
+        if (group->images >= 2 && group->numbered)
+            n += (size_t)snprintf(numbers + n, sizeof numbers - n, "%s%" PRId32, n ? ", " : "", group->number);
+    }
+    const bool all = n < sizeof numbers - 16;
+    return ost_fail(err, OST_ERR_INPUT,
+                    "%s: contains %zu series that are volumes%s%s%s%s; select one with --series; 'osteon info %s' "
+                    "lists them",
+                    scan->path, count, n ? " (numbers " : "", numbers, n && !all ? ", ..." : "", n ? ")" : "",
+                    scan->path);
+}
+
+ost_status ost_dicom_series_select(const ost_dicom_scan *scan, const char *wanted, size_t *out, ost_error *err)
+{
+    size_t count = 0, images = 0;
+    for (size_t s = 0; s < scan->series_count; s++) {
+        images += scan->series[s].images;
+        if (wanted ? matches(&scan->series[s], wanted) : scan->series[s].images >= 2) {
+            *out = s;
+            count++;
+        }
+    }
+    if (wanted && count == 0 && scan->series_count)
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: no series has the number, description or UID '%.64s'; 'osteon info %s' lists them",
+                        scan->path, wanted, scan->path);
+    if (wanted && count > 1)
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: %zu series match --series '%.64s'; pass the UID that 'osteon info %s' lists", scan->path,
+                        count, wanted, scan->path);
+    if (count > 1)
+        return several(scan, count, err);
+    if (count == 1)
+        return scan->series[*out].images >= 2 ? OST_OK : too_few(scan, &scan->series[*out], err);
+    if (images == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: contains no DICOM image; %zu file%s examined", scan->path,
+                        scan->files.count, scan->files.count == 1 ? " was" : "s were");
+    for (size_t s = 0; s < scan->series_count; s++)
+        if (scan->series[s].images)
+            return too_few(scan, &scan->series[s], err);
+    return ost_fail(err, OST_ERR_INTERNAL, "%s: a series is missing", scan->path);
+}

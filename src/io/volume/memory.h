@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Refuses grids that the machine's memory cannot hold, before any work is spent on them. */
+#ifndef OST_IO_VOLUME_MEMORY_H
+#define OST_IO_VOLUME_MEMORY_H
+
+#include <osteon/grid.h>
+
+/* Returns the machine's memory in bytes, or DBL_MAX if the system does not report it. */
+double ost_machine_memory(void);
+/* Returns OST_ERR_MEMORY if int16 voxels of these dims exceed the machine's memory. The message calls the grid `what`. */
+ost_status ost_memory_check(const char *path, const char *what, ost_dims dims, ost_error *err);
+
+#endif
