@@ -140,11 +140,12 @@ AC_DEFUN([OST_OPTIONAL_DCMTK], [
     [], [with_dcmtk=auto])
   AS_CASE([$with_dcmtk], [yes|no|auto], [],
     [AC_MSG_ERROR([--with-dcmtk takes yes, no or auto, not '$with_dcmtk'])])
-  AC_ARG_VAR([DCMTK_CFLAGS], [compiler flags for DCMTK])
+  AC_ARG_VAR([DCMTK_CFLAGS], [compiler flags for DCMTK (default: -std=gnu++17, which its headers require)])
   AC_ARG_VAR([DCMTK_LIBS], [linker flags for DCMTK (default: -ldcmjpeg -ldcmjpls -ldcmimgle -ldcmdata -loflog -lofstd)])
   have_DCMTK=no
   ost_summary_DCMTK="no (--without-dcmtk): DICOM cannot be read"
   AS_IF([test "x$with_dcmtk" != xno && test "x$ost_cv_cxx_works" = xyes], [
+    AS_IF([test "x$DCMTK_CFLAGS" = x], [DCMTK_CFLAGS=-std=gnu++17])
     AS_IF([test "x$DCMTK_LIBS" = x], [DCMTK_LIBS="-ldcmjpeg -ldcmjpls -ldcmimgle -ldcmdata -loflog -lofstd"])
     AC_MSG_CHECKING([for DCMTK 3.6.7 or later])
     AC_LANG_PUSH([C++])

@@ -94,14 +94,15 @@ static void bad_ends(void **state)
     refused("echo secret >&2; ulimit -a >&2; exit 1", "the DICOM parser ended early (exit status 1)");
 }
 
-/* What a script may do: the limits that the library sets. */
+/* A script sees the limits that the library sets. */
 static void limits(void **state)
 {
     (void)state;
     refused("[ \"$(ulimit -n)\" = 64 ] && [ \"$(ulimit -f)\" = 0 ] && [ \"$(ulimit -c)\" = 0 ] && kill -USR1 $$",
             "signal 10");
     refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10"); /* 1 s, and 2 s for its file */
-    refused("( : >\"$0.written\" && echo x >\"$0.written\" ) 2>&-; [ -s \"$0.written\" ] || kill -USR1 $$", "signal 10");
+    refused("( : >\"$0.written\" && echo x >\"$0.written\" ) 2>&-; [ -s \"$0.written\" ] || kill -USR1 $$",
+            "signal 10");
     refused("[ \"$(ls /proc/self/fd | wc -l)\" -le 4 ] && kill -USR1 $$", "signal 10");
 }
 

@@ -247,7 +247,7 @@ static void tilted(void **state)
     ost_dicom_report report;
     const ost_volume_options untilt = {.untilt = true};
     for (int i = 0; i < 5; i++) {
-        char text[8];
+        char text[16];
         snprintf(text, sizeof text, "%d", i);
         ost_dicom_record r = record_at(text);
         snprintf(r.position[1], sizeof r.position[1], "%g", 20 + 0.25 * i);

@@ -16,8 +16,9 @@ static bool read_decimal(const char *text, int64_t factor, int64_t limit, int64_
 }
 
 /* Reads `count` decimals of an attribute. Records the first one that is missing or bad, unless another is recorded. */
-static void read_attribute(ost_dicom_frame *frame, ost_dicom_attribute attribute, const char (*texts)[OST_DICOM_DECIMAL],
-                           int count, int64_t factor, int64_t limit, int64_t *out)
+static void read_attribute(ost_dicom_frame *frame, ost_dicom_attribute attribute,
+                           const char (*texts)[OST_DICOM_DECIMAL], int count, int64_t factor, int64_t limit,
+                           int64_t *out)
 {
     for (int i = 0; i < count; i++) {
         if (read_decimal(texts[i], factor, limit, &out[i]))

@@ -23,7 +23,7 @@
 enum { OST_DICOM_SECONDS = 60 };
 
 enum { OST_DICOM_PROCESSES_MAX = 4 };
-/* Returns the number of processes for work that can be divided into `parts`: 1 to the number of processors, at most 4. */
+/* Returns the number of processes for work that can be divided into `parts`: at most the processors, and at most 4. */
 size_t ost_dicom_process_count(size_t parts);
 
 /* How processes are started. Zero-initialised, it selects the installed program and the usual limit. */

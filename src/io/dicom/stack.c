@@ -106,8 +106,9 @@ static ost_status check_pair(const char *path, const ost_dicom_frame *f, const c
     if (differ(f->reference, g->reference))
         return ost_fail(err, OST_ERR_INPUT, "%s: belongs to another frame of reference than %s", path, other);
     if (f->columns != g->columns || f->rows != g->rows)
-        return ost_fail(err, OST_ERR_INPUT, "%s: has %" PRId32 " x %" PRId32 " pixels, but %s has %" PRId32 " x %" PRId32,
-                        path, f->columns, f->rows, other, g->columns, g->rows);
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: has %" PRId32 " x %" PRId32 " pixels, but %s has %" PRId32 " x %" PRId32, path,
+                        f->columns, f->rows, other, g->columns, g->rows);
     for (int a = 0; a < 2; a++)
         for (int w = 0; w < 3; w++)
             if (is_beyond(f->direction[a][w], g->direction[a][w], a ? f->rows : f->columns, OST_DICOM_UNIT))

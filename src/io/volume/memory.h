@@ -7,7 +7,7 @@
 
 /* Returns the machine's memory in bytes, or DBL_MAX if the system does not report it. */
 double ost_machine_memory(void);
-/* Returns OST_ERR_MEMORY if int16 voxels of these dims exceed the machine's memory. The message calls the grid `what`. */
+/* Returns OST_ERR_MEMORY if int16 voxels of these dims exceed the machine's memory. `what` is the grid's name. */
 ost_status ost_memory_check(const char *path, const char *what, ost_dims dims, ost_error *err);
 
 #endif

@@ -156,7 +156,8 @@ ost_dicom_result read_image(open_file &from, const char *path, const ost_dicom_i
                 .bad())
             result = OST_DICOM_RESULT_DAMAGED;
     }
-    const bool is_jpeg2000 = DcmXfer(uid).getXfer() == EXS_JPEG2000LosslessOnly || DcmXfer(uid).getXfer() == EXS_JPEG2000;
+    const E_TransferSyntax syntax = DcmXfer(uid).getXfer();
+    const bool is_jpeg2000 = syntax == EXS_JPEG2000LosslessOnly || syntax == EXS_JPEG2000;
     if (result == OST_DICOM_RESULT_OK && allocated == 8 && !is_jpeg2000)
         widen(cells.data(), count);
     cells.resize(count);
