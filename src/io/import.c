@@ -3,8 +3,11 @@
  * Imports a file as a bone, stage by stage:
  *
  *   text          --scan--> samples --scatter--> rect
- *   other formats --read--> --mask.c----------> rect (cropped)
+ *   other formats --read, slice by slice------> rect (cropped)
+ *   with a mask   --read--> volume --mask.c---> rect (cropped)
  *                                               rect --> cubic --> chunks
+ *
+ * The file has more than 500 lines because the stages share one job.
  *
  * Each stage is timed and, if the options request it, digested. A grid is
  * freed as soon as the next one is complete.
@@ -23,8 +26,9 @@
 #include "io/mask.h"
 #include "io/text/raster.h"
 #include "io/volume/memory.h"
+#include "io/volume_read.h"
 
-enum { THRESHOLD = 120, CHUNK = 32 };
+enum { THRESHOLD = 120, CHUNK = 32, BATCH_VOXELS = 1 << 22 };
 
 /*
  * A text of n samples may span at most max(2^24, 256 n) voxels. A line takes at
@@ -43,6 +47,9 @@ typedef struct job {
     ost_import_result *result;
     ost_grid *rect;
     ost_bone *bone;
+    ost_dims file_dims;  /* of the volume before it is cropped */
+    int16_t *batch;      /* owned; slices that are uploaded together */
+    int32_t batch_first, batch_count, batch_capacity; /* in slices of the rect grid */
     int64_t stage_start; /* ns */
 } job;
 
@@ -259,24 +266,62 @@ static ost_status rect_from_text(job *j, ost_error *err)
 
 /* --------------------------------------------------------------- other formats */
 
-/* Uploads the part of a volume that the rect grid covers, slice by slice. */
-static ost_status upload_crop(const job *j, const ost_volume *volume, ost_error *err)
+/* Creates the rect grid for a volume of this geometry. Implements ost_target.begin. */
+static ost_status begin_rect(void *user, const ost_geometry *geometry, ost_error *err)
 {
-    const ost_voxel_box *box = &j->options->crop_box;
-    const ost_dims to = j->result->rect.dims, from = volume->geometry.dims;
-    int16_t *slice = malloc((size_t)to.x * (size_t)to.y * sizeof *slice);
-    if (!slice)
-        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a slice of %d x %d voxels", j->path, (int)to.x,
-                        (int)to.y);
-    ost_status status = OST_OK;
-    for (int32_t z = 0; z < to.z && status == OST_OK; z++) {
-        for (int32_t y = 0; y < to.y; y++) {
-            size_t row = (size_t)from.x * ((size_t)(box->lo[1] + y) + (size_t)from.y * (size_t)(box->lo[2] + z));
-            memcpy(slice + (size_t)to.x * (size_t)y, volume->voxels + row + box->lo[0], (size_t)to.x * sizeof *slice);
-        }
-        status = ost_grid_upload(j->rect, z, 1, slice, err);
-    }
-    free(slice);
+    job *j = user;
+    const ost_import_options *options = j->options;
+    ost_geometry *rect = &j->result->rect;
+    j->file_dims = geometry->dims;
+    *rect = *geometry;
+    rect->spacing.x = options->spacing.x ? options->spacing.x : rect->spacing.x;
+    rect->spacing.y = options->spacing.y ? options->spacing.y : rect->spacing.y;
+    rect->spacing.z = options->spacing.z ? options->spacing.z : rect->spacing.z;
+    ost_status status = ost_geometry_check(rect, j->path, err);
+    if (status == OST_OK && options->crop)
+        status = crop_geometry(j->path, &options->crop_box, rect, err);
+    if (status != OST_OK)
+        return status;
+    const int64_t slice = (int64_t)rect->dims.x * rect->dims.y, fitting = BATCH_VOXELS / slice;
+    j->batch_capacity = fitting < 1 ? 1 : fitting < rect->dims.z ? (int32_t)fitting : rect->dims.z;
+    j->batch = malloc((size_t)slice * (size_t)j->batch_capacity * sizeof *j->batch);
+    if (!j->batch)
+        return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %d slices of %d x %d voxels", j->path,
+                        (int)j->batch_capacity, (int)rect->dims.x, (int)rect->dims.y);
+    return ost_grid_create(j->backend, rect, &j->rect, err);
+}
+
+static ost_status upload_batch(job *j, ost_error *err)
+{
+    const int32_t count = j->batch_count;
+    j->batch_count = 0;
+    return count ? ost_grid_upload(j->rect, j->batch_first, count, j->batch, err) : OST_OK;
+}
+
+/*
+ * Adds the part of a slice that the rect grid covers to the batch. Implements ost_target.slice. After an upload, the
+ * threads of a backend wait actively for some milliseconds, which a reader in other processes would miss; a batch makes
+ * these pauses rare.
+ */
+static ost_status add_slice(void *user, int32_t z, const int16_t *voxels, ost_error *err)
+{
+    job *j = user;
+    static const ost_voxel_box complete;
+    const ost_voxel_box *box = j->options->crop ? &j->options->crop_box : &complete;
+    const ost_dims to = j->result->rect.dims;
+    const size_t width = (size_t)to.x;
+    ost_status status = progress(j, "rect", (double)z / j->file_dims.z, err);
+    const int32_t at = z - box->lo[2];
+    if (status != OST_OK || at < 0 || at >= to.z)
+        return status;
+    if (j->batch_count == j->batch_capacity || at != j->batch_first + j->batch_count)
+        status = upload_batch(j, err);
+    if (j->batch_count == 0)
+        j->batch_first = at;
+    int16_t *slot = j->batch + width * (size_t)to.y * (size_t)j->batch_count++;
+    for (int32_t y = 0; y < to.y; y++)
+        memcpy(slot + width * (size_t)y, voxels + (size_t)j->file_dims.x * (size_t)(box->lo[1] + y) + box->lo[0],
+               width * sizeof *slot);
     return status;
 }
 
@@ -312,34 +357,43 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
     return OST_OK;
 }
 
-static ost_status rect_from_volume(job *j, ost_error *err)
+/* Reads a volume, applies the mask to it, and uploads it. A mask needs the complete volume. */
+static ost_status rect_from_masked(job *j, ost_error *err)
 {
     ost_import_result *result = j->result;
-    const ost_import_options *options = j->options;
     ost_volume volume = {0};
-    ost_status status = stage_begin(j, "rect", err);
-    if (status == OST_OK)
-        status = ost_volume_read(j->path, &options->volume, &volume, &result->volume, err);
+    int32_t threshold;
+    ost_status status = ost_volume_read(j->path, &j->options->volume, &volume, &result->volume, err);
     if (status != OST_OK)
         return status;
-    ost_geometry *rect = &result->rect;
-    *rect = volume.geometry;
     result->meta = volume.meta;
-    rect->spacing.x = options->spacing.x ? options->spacing.x : rect->spacing.x;
-    rect->spacing.y = options->spacing.y ? options->spacing.y : rect->spacing.y;
-    rect->spacing.z = options->spacing.z ? options->spacing.z : rect->spacing.z;
-    status = ost_geometry_check(rect, j->path, err);
-    int32_t threshold;
-    if (status == OST_OK && options->mask && (status = find_threshold(j, &threshold, err)) == OST_OK)
-        status = ost_mask_apply(j->path, options, threshold, &volume, &result->meta, &result->mask, err);
-    if (status == OST_OK && options->crop)
-        status = crop_geometry(j->path, &options->crop_box, rect, err);
+    const ost_dims dims = volume.geometry.dims;
+    status = find_threshold(j, &threshold, err);
     if (status == OST_OK)
-        status = ost_grid_create(j->backend, rect, &j->rect, err);
+        status = ost_mask_apply(j->path, j->options, threshold, &volume, &result->meta, &result->mask, err);
     if (status == OST_OK)
-        status = options->crop ? upload_crop(j, &volume, err)
-                               : ost_grid_upload(j->rect, 0, rect->dims.z, volume.voxels, err);
+        status = begin_rect(j, &volume.geometry, err);
+    for (int32_t z = 0; z < dims.z && status == OST_OK; z++)
+        status = add_slice(j, z, volume.voxels + (size_t)dims.x * (size_t)dims.y * (size_t)z, err);
     ost_volume_free(&volume);
+    return status;
+}
+
+static ost_status rect_from_volume(job *j, ost_error *err)
+{
+    const ost_target target = {.begin = begin_rect, .slice = add_slice, .user = j};
+    ost_import_result *result = j->result;
+    ost_geometry geometry;
+    ost_element element;
+    ost_status status = stage_begin(j, "rect", err);
+    if (status == OST_OK)
+        status = j->options->mask ? rect_from_masked(j, err)
+                                  : ost_volume_read_any(j->path, &j->options->volume, &target, &geometry, &result->meta,
+                                                        &result->volume, &element, err);
+    if (status == OST_OK)
+        status = upload_batch(j, err);
+    free(j->batch);
+    j->batch = NULL;
     return status == OST_OK ? stage_end_grid(j, "rect", OST_GRID_RECT, j->rect, err) : status;
 }
 

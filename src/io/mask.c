@@ -108,7 +108,10 @@ ost_status ost_mask_apply(const char *path, const ost_import_options *options, i
     if (options->mask_label_count < 0 || options->mask_label_count > OST_MASK_LABELS_MAX)
         return ost_fail(err, OST_ERR_RANGE, "%s: %d labels of a mask; at most %d", path, options->mask_label_count,
                         OST_MASK_LABELS_MAX);
-    ost_status status = ost_volume_read(options->mask, &options->volume, &labels, &read, err);
+    ost_volume_options how = options->volume;
+    how.series = NULL; /* these options select images of the CT */
+    how.even_slices = how.untilt = false;
+    ost_status status = ost_volume_read(options->mask, &how, &labels, &read, err);
     if (status == OST_OK && read.rounded_values)
         status = ost_fail(err, OST_ERR_INPUT, "%s: is no label map: %llu values are no integers", options->mask,
                           (unsigned long long)read.rounded_values);

@@ -92,7 +92,8 @@ ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_erro
         status = tool_geometry(path, &geometry, &meta, &tool, err);
     if (status != OST_OK)
         return status;
-    status = ost_volume_read_any(path, NULL, &volume, &geometry, &meta, &report, &element, err);
+    const ost_target target = {.volume = &volume};
+    status = ost_volume_read_any(path, NULL, &target, &geometry, &meta, &report, &element, err);
     int64_t count = ost_dims_count(tool.dims);
     if (status == OST_OK && (element != OST_ELEMENT_UINT8 || ost_dims_count(geometry.dims) != count))
         status = ost_fail(err, OST_ERR_INPUT, "%s: file changed while it was read", path);

@@ -63,29 +63,27 @@ static ost_status check_not_dicom(const char *path, const ost_volume_options *op
     return name ? ost_fail(err, OST_ERR_USAGE, "%s: is not DICOM; omit %s", path, name) : OST_OK;
 }
 
-ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out,
-                               ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
-                               ost_error *err)
+static ost_status read_target(const char *path, const ost_volume_options *options, const ost_target *target,
+                              ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
+                              ost_error *err)
 {
     char pair[4096];
     unsigned char head[OST_NIFTI_SNIFF];
     size_t got;
     ost_input *input;
-    if (out)
-        memset(out, 0, sizeof *out);
     memset(geometry, 0, sizeof *geometry);
     memset(meta, 0, sizeof *meta);
     memset(report, 0, sizeof *report);
     struct stat info;
     if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
-        return ost_dicom_read(path, options, out, geometry, meta, report, element, err);
+        return ost_dicom_read(path, options, target, geometry, meta, report, element, err);
     path = header_of(path, pair, sizeof pair);
     ost_status status = ost_input_open(path, &input, err);
     if (status != OST_OK)
         return status;
     status = ost_input_read(input, head, sizeof head, &got, err);
     if (status == OST_OK && ost_dicom_sniff(head, got)) {
-        status = ost_dicom_read(path, options, out, geometry, meta, report, element, err);
+        status = ost_dicom_read(path, options, target, geometry, meta, report, element, err);
         goto done;
     }
     if (status == OST_OK)
@@ -93,13 +91,13 @@ ost_status ost_volume_read_any(const char *path, const ost_volume_options *optio
     if (status == OST_OK && got >= 4 && memcmp(head, "NRRD", 4) == 0) {
         status = ost_input_seek(input, 0, err);
         if (status == OST_OK)
-            status = ost_nrrd_read(input, options, out, geometry, meta, report, element, err);
+            status = ost_nrrd_read(input, options, target, geometry, meta, report, element, err);
         goto done;
     }
     if (status == OST_OK && ost_metaimage_sniff(head, got)) {
         status = ost_input_seek(input, 0, err);
         if (status == OST_OK)
-            status = ost_metaimage_read(input, options, out, geometry, meta, report, element, err);
+            status = ost_metaimage_read(input, options, target, geometry, meta, report, element, err);
         goto done;
     }
     if (status == OST_OK && got >= 2 && head[0] == 0x1f && head[1] == 0x8b) {
@@ -124,9 +122,21 @@ ost_status ost_volume_read_any(const char *path, const ost_volume_options *optio
             status = ost_input_seek(input, 0, err);
     }
     if (status == OST_OK)
-        status = ost_nifti_read(input, options, out, geometry, meta, report, element, err);
+        status = ost_nifti_read(input, options, target, geometry, meta, report, element, err);
 done:
     ost_input_close(input);
+    return status;
+}
+
+ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, const ost_target *target,
+                               ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
+                               ost_error *err)
+{
+    if (target && target->volume)
+        memset(target->volume, 0, sizeof *target->volume);
+    ost_status status = read_target(path, options, target, geometry, meta, report, element, err);
+    if (status == OST_OK && target && target->volume)
+        target->volume->meta = *meta;
     return status;
 }
 
@@ -137,7 +147,8 @@ ost_status ost_volume_read(const char *path, const ost_volume_options *options, 
     ost_meta meta;
     ost_volume_report own;
     ost_element element;
-    return ost_volume_read_any(path, options, out, &geometry, &meta, report ? report : &own, &element, err);
+    const ost_target target = {.volume = out};
+    return ost_volume_read_any(path, options, &target, &geometry, &meta, report ? report : &own, &element, err);
 }
 
 ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,

@@ -5,12 +5,13 @@
 #include <osteon/io.h>
 
 #include "io/volume/element.h"
+#include "io/volume/target.h"
 
 /*
- * The common part of ost_volume_read and ost_volume_read_header. The voxels are not read if out is NULL; options may
+ * The common part of ost_volume_read and ost_volume_read_header. The voxels are not read if target is NULL; options may
  * be NULL; no other pointer may be.
  */
-ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, ost_volume *out,
+ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, const ost_target *target,
                                ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
                                ost_error *err);
 

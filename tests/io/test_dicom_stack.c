@@ -3,7 +3,8 @@
  * Tests the library's side of the DICOM reader on records that the test makes: series, order, geometry,
  * faults, densities and resampling. Neither DCMTK nor osteon-dicom is needed.
  *
- * Expected values are written out by hand from the positions in the records.
+ * Expected values are written out by hand from the positions in the records. The file has more than 500 lines because
+ * each fault needs a record and a message.
  *
  * Covers: AR-DCM-1, AR-DCM-2, AR-DCM-3, AR-DCM-4, AR-DCM-5, REQ-DICOM
  */

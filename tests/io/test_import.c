@@ -200,6 +200,46 @@ static void every_format_gives_the_same_grid(void **state)
     }
 }
 
+/*
+ * The rect grid of an import, whose slices arrive one by one, is the volume that ost_volume_read returns, for the 48
+ * orders and directions of a file's axes.
+ */
+static void every_orientation_gives_the_grid_of_the_volume(void **state)
+{
+    (void)state;
+    enum { X = 3, Y = 4, Z = 5 };
+    static const int axes[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (int c = 0; c < 48; c++) {
+        ost_error err = {0};
+        ost_import_result result;
+        ost_volume volume;
+        ost_digest direct;
+        int step[3][3] = {{0}};
+        int16_t voxels[X * Y * Z];
+        for (int a = 0; a < 3; a++)
+            step[a][axes[c / 8][a]] = c >> a & 1 ? -1 : 1;
+        FILE *file = fopen(in_folder("turned.nrrd"), "wb");
+        assert_non_null(file);
+        fprintf(file, "NRRD0005\ntype: short\nencoding: raw\nendian: little\ndimension: 3\nsizes: %d %d %d\n"
+                      "space: left-posterior-superior\nspace directions: (%d,%d,%d) (%d,%d,%d) (%d,%d,%d)\n"
+                      "space origin: (1,2,3)\n\n",
+                X, Y, Z, step[0][0], step[0][1], step[0][2], step[1][0], step[1][1], step[1][2], step[2][0],
+                step[2][1], step[2][2]);
+        for (int16_t v = 0; v < X * Y * Z; v++)
+            voxels[v] = (int16_t)(v * 10);
+        assert_int_equal(fwrite(voxels, sizeof voxels, 1, file), 1);
+        assert_int_equal(fclose(file), 0);
+        assert_ok(ost_volume_read(in_folder("turned.nrrd"), NULL, &volume, NULL, &err));
+        assert_ok(ost_digest_volume(OST_GRID_RECT, &volume, &direct, &err));
+        assert_ok(import(in_folder("turned.nrrd"), &(ost_import_options){.digests = true}, &result, &err));
+        assert_true(ost_geometry_equal(&result.rect, &volume.geometry));
+        assert_string_equal(result.stages[0].name, "rect");
+        if (!ost_digest_equal(&direct, &result.stages[0].digest))
+            fail_msg("case %d", c);
+        ost_volume_free(&volume);
+    }
+}
+
 static void a_written_bone_reads_back_the_same(void **state)
 {
     (void)state;
@@ -619,7 +659,10 @@ static void other_files_are_refused(void **state)
         if (status != cases[i].status || !strstr(err.text, cases[i].says) || !strstr(err.text, cases[i].name))
             fail_msg("%s: %s '%s', expected '%s'", cases[i].name, ost_status_name(status), err.text, cases[i].says);
     }
-    assert_int_equal(import(folder, NULL, &result, &err), OST_ERR_IO);
+    assert_int_equal(setenv("OSTEON_LIBEXECDIR", folder, 1), 0); /* no DICOM is read here */
+    assert_int_equal(import(folder, NULL, &result, &err), OST_ERR_UNAVAILABLE);
+    assert_non_null(strstr(err.text, "reading DICOM needs the program osteon-dicom"));
+    assert_int_equal(unsetenv("OSTEON_LIBEXECDIR"), 0);
     assert_int_equal(import(in_folder("absent.txt"), NULL, &result, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "absent.txt: cannot open: No such file"));
 }
@@ -734,6 +777,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_layer_is_empty_or_doubled),
         cmocka_unit_test(every_format_gives_the_same_grid),
+        cmocka_unit_test(every_orientation_gives_the_grid_of_the_volume),
         cmocka_unit_test(a_written_bone_reads_back_the_same),
         cmocka_unit_test(the_result_tells_all),
         cmocka_unit_test(labels_take_the_nearest),

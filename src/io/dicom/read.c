@@ -31,7 +31,8 @@ static ost_status scan_path(const char *path, ost_dicom_launch *launch, char pro
 
 static ost_status read_voxels(const ost_dicom_stack *stack, const ost_dicom_launch *launch,
                               const ost_volume_options *options, const ost_placement *placement,
-                              const ost_geometry *geometry, ost_volume *out, ost_volume_report *report, ost_error *err)
+                              const ost_geometry *geometry, const ost_target *target,
+                              ost_volume_report *report, ost_error *err)
 {
     ost_dicom_slices *slices = malloc(sizeof *slices);
     if (!slices)
@@ -40,7 +41,7 @@ static ost_status read_voxels(const ost_dicom_stack *stack, const ost_dicom_laun
     if (status == OST_OK) {
         status = ost_dicom_slices_open(stack, launch, options && options->clamp, slices, err);
         if (status == OST_OK)
-            status = ost_volume_fill(&slices->rows, &stack->affine, placement, geometry, out, err);
+            status = ost_volume_fill(&slices->rows, &stack->affine, placement, geometry, target, err);
         report->rounded_values = slices->table.rounded;
         report->clamped_values = slices->table.clamped;
         report->dicom.padded = slices->table.padded;
@@ -51,7 +52,7 @@ static ost_status read_voxels(const ost_dicom_stack *stack, const ost_dicom_laun
     return status;
 }
 
-ost_status ost_dicom_read(const char *path, const ost_volume_options *options, ost_volume *out,
+ost_status ost_dicom_read(const char *path, const ost_volume_options *options, const ost_target *target,
                           ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
                           ost_error *err)
 {
@@ -62,8 +63,6 @@ ost_status ost_dicom_read(const char *path, const ost_volume_options *options, o
     ost_placement placement;
     size_t series;
     bool oriented = true;
-    if (out)
-        memset(out, 0, sizeof *out);
     if (options && options->form != OST_FORM_AUTO)
         return ost_fail(err, OST_ERR_USAGE, "%s: is DICOM; --form needs a NIfTI file", path);
     *element = OST_ELEMENT_INT16;
@@ -82,11 +81,9 @@ ost_status ost_dicom_read(const char *path, const ost_volume_options *options, o
         snprintf(report->type, sizeof report->type, "%sint%d", first->flags & OST_DICOM_IMAGE_SIGNED ? "" : "u",
                  first->bits_allocated);
         snprintf(report->encoding, sizeof report->encoding, "%s", first->encoding);
-        if (out)
-            status = read_voxels(&stack, &launch, options, &placement, geometry, out, report, err);
+        if (target)
+            status = read_voxels(&stack, &launch, options, &placement, geometry, target, report, err);
     }
-    if (status == OST_OK && out)
-        out->meta = *meta;
     ost_dicom_stack_free(&stack);
     ost_dicom_scan_free(&scan);
     return status;

@@ -5,6 +5,7 @@
 #include <osteon/io.h>
 
 #include "io/volume/element.h"
+#include "io/volume/target.h"
 
 /* Returns true if a file that starts with these bytes is DICOM. Files without the prefix are found in folders only. */
 bool ost_dicom_sniff(const unsigned char *head, size_t size);
@@ -12,7 +13,7 @@ bool ost_dicom_sniff(const unsigned char *head, size_t size);
 /*
  * Reads a series of a folder, or a file. The parameters are those of ost_volume_read_any (volume_read.h).
  */
-ost_status ost_dicom_read(const char *path, const ost_volume_options *options, ost_volume *out,
+ost_status ost_dicom_read(const char *path, const ost_volume_options *options, const ost_target *target,
                           ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
                           ost_error *err);
 

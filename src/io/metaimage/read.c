@@ -9,7 +9,8 @@
 
 static ost_status read_voxels(const char *path, const ost_metaimage_header *header, uint64_t header_end,
                               const ost_volume_options *options, const ost_placement *placement,
-                              const ost_geometry *geometry, ost_volume *out, ost_volume_report *report, ost_error *err)
+                              const ost_geometry *geometry, const ost_target *target,
+                              ost_volume_report *report, ost_error *err)
 {
     ost_data_files files = {.path = path,
                             .names = header->names,
@@ -28,22 +29,20 @@ static ost_status read_voxels(const char *path, const ost_metaimage_header *head
         .parts = &parts,
         .converter = {.element = header->element, .swap = header->swap, .clamp = options && options->clamp}};
     memcpy(rows.sizes, header->sizes, sizeof rows.sizes);
-    status = ost_volume_fill(&rows, &header->affine, placement, geometry, out, err);
+    status = ost_volume_fill(&rows, &header->affine, placement, geometry, target, err);
     ost_parts_close(&parts);
     report->rounded_values = rows.converter.rounded;
     report->clamped_values = rows.converter.clamped;
     return status;
 }
 
-ost_status ost_metaimage_read(ost_input *input, const ost_volume_options *options, ost_volume *out,
+ost_status ost_metaimage_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
                               ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
                               ost_error *err)
 {
     const char *path = ost_input_path(input);
     ost_metaimage_header header;
     ost_placement placement;
-    if (out)
-        memset(out, 0, sizeof *out);
     if (options && options->form != OST_FORM_AUTO)
         return ost_fail(err, OST_ERR_USAGE, "%s: is a MetaImage file; --form needs a NIfTI file", path);
     ost_status status = ost_metaimage_header_read(input, &header, err);
@@ -57,10 +56,8 @@ ost_status ost_metaimage_read(ost_input *input, const ost_volume_options *option
     if (status == OST_OK)
         status = ost_volume_resolve(path, &header.affine, header.sizes, options, header.oriented, &placement, geometry,
                                     report, err);
-    if (status == OST_OK && out) {
-        status = read_voxels(path, &header, header_end, options, &placement, geometry, out, report, err);
-        if (status == OST_OK)
-            out->meta = *meta;
+    if (status == OST_OK && target) {
+        status = read_voxels(path, &header, header_end, options, &placement, geometry, target, report, err);
     }
     ost_metaimage_header_free(&header);
     return status;

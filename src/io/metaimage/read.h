@@ -6,12 +6,13 @@
 
 #include "io/volume/element.h"
 #include "io/volume/input.h"
+#include "io/volume/target.h"
 
 /*
  * Reads a MetaImage file from an input at its start. The parameters are those of ost_volume_read_any
  * (volume_read.h).
  */
-ost_status ost_metaimage_read(ost_input *input, const ost_volume_options *options, ost_volume *out,
+ost_status ost_metaimage_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
                               ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
                               ost_error *err);
 

@@ -69,7 +69,7 @@ static ost_status find_image(const char *header, image *out, ost_error *err)
 }
 
 static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, const ost_volume_options *options,
-                              const ost_placement *placement, const ost_geometry *geometry, ost_volume *out,
+                              const ost_placement *placement, const ost_geometry *geometry, const ost_target *target,
                               ost_volume_report *report, ost_error *err)
 {
     image im;
@@ -99,20 +99,19 @@ static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, 
                                      .scaled = header->scaled,
                                      .slope = header->slope,
                                      .intercept = header->intercept};
-    status = ost_volume_fill(&rows, &header->affine, placement, geometry, out, err);
+    status = ost_volume_fill(&rows, &header->affine, placement, geometry, target, err);
     ost_parts_close(&parts);
     report->rounded_values = rows.converter.rounded;
     report->clamped_values = rows.converter.clamped;
     return status;
 }
 
-ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
-                          ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err)
+ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
+                          ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,
+                          ost_element *element, ost_error *err)
 {
     ost_nifti_header header;
     ost_placement placement;
-    if (out)
-        memset(out, 0, sizeof *out);
     const ost_nifti_form form = options ? options->form : OST_FORM_AUTO;
     ost_status status = ost_nifti_header_read(input, form, &header, err);
     if (status != OST_OK)
@@ -128,20 +127,19 @@ ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, o
         return status;
     status = ost_volume_resolve(ost_input_path(input), &header.affine, header.sizes, options, header.oriented,
                                 &placement, geometry, report, err);
-    if (status == OST_OK && out) {
-        status = read_voxels(input, &header, options, &placement, geometry, out, report, err);
-        if (status == OST_OK)
-            out->meta = *meta;
+    if (status == OST_OK && target) {
+        status = read_voxels(input, &header, options, &placement, geometry, target, report, err);
     }
     return status;
 }
 
 #else
 
-ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
-                          ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err)
+ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
+                          ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,
+                          ost_element *element, ost_error *err)
 {
-    (void)options, (void)out, (void)geometry, (void)meta, (void)report, (void)element;
+    (void)options, (void)target, (void)geometry, (void)meta, (void)report, (void)element;
     return ost_fail(err, OST_ERR_UNAVAILABLE,
                     "%s: cannot read NIfTI: osteon was built without libnifti; install libnifti (Debian: "
                     "libnifti-dev) and build again", ost_input_path(input));

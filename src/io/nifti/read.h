@@ -6,6 +6,7 @@
 
 #include "io/volume/element.h"
 #include "io/volume/input.h"
+#include "io/volume/target.h"
 
 /* Number of bytes from the file's start (after unpacking) that identify the format. */
 enum { OST_NIFTI_SNIFF = 348 };
@@ -16,7 +17,8 @@ int ost_nifti_sniff(const unsigned char *bytes, size_t size);
  * Reads a NIfTI from an input at the (unpacked) start of the header, with the parameters of ost_nrrd_read. Returns
  * OST_ERR_UNAVAILABLE if osteon was built without libnifti.
  */
-ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
-                          ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err);
+ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
+                          ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,
+                          ost_element *element, ost_error *err);
 
 #endif

@@ -13,7 +13,8 @@ static const char *const encoding_names[] = {
 
 static ost_status read_voxels(const char *path, const ost_nrrd_text *text, const ost_nrrd_header *header,
                               uint64_t header_end, const ost_volume_options *options, const ost_placement *placement,
-                              const ost_geometry *geometry, ost_volume *out, ost_volume_report *report, ost_error *err)
+                              const ost_geometry *geometry, const ost_target *target,
+                              ost_volume_report *report, ost_error *err)
 {
     ost_data_files files = {.path = path,
                             .names = {text->field[OST_NRRD_DATA_FILE].value, text->field[OST_NRRD_DATA_FILE].line,
@@ -34,22 +35,21 @@ static ost_status read_voxels(const char *path, const ost_nrrd_text *text, const
     all.in_part = (uint64_t)header->sizes[0] * (uint64_t)header->sizes[1] * (uint64_t)header->sizes[2] / parts.count;
     all.rows.converter = (ost_converter){
         .element = header->element, .swap = header->swap, .clamp = options && options->clamp};
-    status = ost_volume_fill(&all.rows, &header->affine, placement, geometry, out, err);
+    status = ost_volume_fill(&all.rows, &header->affine, placement, geometry, target, err);
     ost_parts_close(&parts);
     report->rounded_values = all.rows.converter.rounded;
     report->clamped_values = all.rows.converter.clamped;
     return status;
 }
 
-ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
-                         ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err)
+ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
+                         ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,
+                         ost_element *element, ost_error *err)
 {
     const char *path = ost_input_path(input);
     ost_nrrd_text text;
     ost_nrrd_header header;
     ost_placement placement;
-    if (out)
-        memset(out, 0, sizeof *out);
     if (options && options->form != OST_FORM_AUTO)
         return ost_fail(err, OST_ERR_USAGE, "%s: is a NRRD file; --form needs a NIfTI file", path);
     ost_status status = ost_nrrd_text_read(input, &text, err);
@@ -67,10 +67,8 @@ ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, os
     if (status == OST_OK)
         status = ost_volume_resolve(path, &header.affine, header.sizes, options, header.oriented, &placement, geometry,
                                     report, err);
-    if (status == OST_OK && out) {
-        status = read_voxels(path, &text, &header, header_end, options, &placement, geometry, out, report, err);
-        if (status == OST_OK)
-            out->meta = *meta;
+    if (status == OST_OK && target) {
+        status = read_voxels(path, &text, &header, header_end, options, &placement, geometry, target, report, err);
     }
     ost_nrrd_text_free(&text);
     return status;

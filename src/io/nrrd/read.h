@@ -6,13 +6,15 @@
 
 #include "io/volume/element.h"
 #include "io/volume/input.h"
+#include "io/volume/target.h"
 
 /*
- * Reads a NRRD from an input at the file's start.  If out is NULL, only geometry,
+ * Reads a NRRD from an input at the file's start.  If target is NULL, only geometry,
  * meta and report are filled.  geometry, meta and report are never NULL; *out is
  * initialised here.
  */
-ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, ost_volume *out, ost_geometry *geometry,
-                         ost_meta *meta, ost_volume_report *report, ost_element *element, ost_error *err);
+ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
+                         ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,
+                         ost_element *element, ost_error *err);
 
 #endif

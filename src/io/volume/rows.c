@@ -117,41 +117,74 @@ ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost
     return ost_rows_bad(rows, first + (int64_t)done, ost_input_path(rows->parts->input), location, &bad, err);
 }
 
-static ost_status fill_rows(ost_rows *rows, const ost_placement *placement, int16_t *voxels, ost_error *err)
+/* Reads slice k of the file into voxels, at the elements of the placement. row has space for a row. */
+static ost_status fill_slice(ost_rows *rows, const ost_placement *placement, int32_t k, int16_t *row, int16_t *voxels,
+                             ost_error *err)
 {
-    int32_t n = rows->sizes[0];
-    int64_t step = placement->stride[0];
-    int16_t *row = malloc((size_t)n * sizeof *row);
+    const int32_t n = rows->sizes[0];
+    const int64_t step = placement->stride[0];
+    int64_t first = (int64_t)k * n * rows->sizes[1];
+    ost_status status = OST_OK;
+    for (int32_t j = 0; status == OST_OK && j < rows->sizes[1]; j++, first += n) {
+        int16_t *to = voxels + ost_placement_element(placement, 0, j, k);
+        if (step == 1) {
+            status = rows->next(rows, first, to, err);
+            continue;
+        }
+        status = rows->next(rows, first, row, err);
+        for (int32_t i = 0; status == OST_OK && i < n; i++)
+            to[i * step] = row[i];
+    }
+    return status;
+}
+
+/* Reads all slices into voxels or, if voxels is NULL, one after the other into one slice of memory for the target. */
+static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, int16_t *voxels,
+                              const ost_target *target, ost_error *err)
+{
+    const int32_t n = rows->sizes[0], slices = rows->sizes[2];
+    const int64_t count = (int64_t)n * rows->sizes[1];
+    int16_t *row = malloc((size_t)n * sizeof *row), *slice = voxels ? NULL : malloc((size_t)count * sizeof *slice);
     rows->scratch = malloc((size_t)n * 8);
     ost_status status = OST_OK;
-    if (!row || !rows->scratch)
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a row of %d voxels", rows->path, n);
-    int64_t first = 0;
-    for (int32_t k = 0; status == OST_OK && k < rows->sizes[2]; k++) {
-        for (int32_t j = 0; status == OST_OK && j < rows->sizes[1]; j++, first += n) {
-            int16_t *to = voxels + ost_placement_element(placement, 0, j, k);
-            if (step == 1) {
-                status = rows->next(rows, first, to, err);
-                continue;
-            }
-            status = rows->next(rows, first, row, err);
-            for (int32_t i = 0; status == OST_OK && i < n; i++)
-                to[i * step] = row[i];
-        }
+    if (!row || !rows->scratch || (!voxels && !slice))
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a %s of %lld voxels", rows->path,
+                          voxels ? "row" : "slice", (long long)(voxels ? n : count));
+    ost_placement own = *placement;
+    if (!voxels) {
+        /* The elements within a slice of the result. */
+        own.base -= placement->flip[2] ? count * (slices - 1) : 0;
+        own.stride[2] = 0;
+    }
+    for (int32_t k = 0; status == OST_OK && k < slices; k++) {
+        status = fill_slice(rows, &own, k, row, voxels ? voxels : slice, err);
+        if (status == OST_OK && !voxels)
+            status = target->slice(target->user, placement->flip[2] ? slices - 1 - k : k, slice, err);
     }
     free(row);
+    free(slice);
     free(rows->scratch);
     rows->scratch = NULL;
     return status;
 }
 
+/* Calls the functions of the target for a volume. */
+static ost_status send_volume(const ost_volume *volume, const ost_target *target, ost_error *err)
+{
+    const ost_dims dims = volume->geometry.dims;
+    const size_t slice = (size_t)dims.x * (size_t)dims.y;
+    ost_status status = target->begin(target->user, &volume->geometry, err);
+    for (int32_t z = 0; z < dims.z && status == OST_OK; z++)
+        status = target->slice(target->user, z, volume->voxels + slice * (size_t)z, err);
+    return status;
+}
+
 ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement,
-                           const ost_geometry *geometry, ost_volume *out, ost_error *err)
+                           const ost_geometry *geometry, const ost_target *target, ost_error *err)
 {
     static const ost_placement as_in_file = {.to = {0, 1, 2}};
     ost_placement own = as_in_file;
-    ost_volume *target = out, in_file = {0};
-    memset(out, 0, sizeof *out);
+    ost_volume result = {0}, in_file = {0}, *filled = &result;
     ost_status status = rows->parts ? ost_parts_check(rows->parts, err) : OST_OK;
     if (status != OST_OK)
         return status;
@@ -164,20 +197,25 @@ ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_p
         own.stride[0] = 1;
         own.stride[1] = rows->sizes[0];
         own.stride[2] = (int64_t)rows->sizes[0] * rows->sizes[1];
-        target = &in_file;
+        filled = &in_file;
     }
-    status = ost_volume_init(target, &first, err);
+    const bool streamed = !target->volume && !placement->oblique && placement->to[2] == 2;
+    status = streamed ? target->begin(target->user, geometry, err) : ost_volume_init(filled, &first, err);
     if (status == OST_OK)
-        status = fill_rows(rows, placement->oblique ? &own : placement, target->voxels, err);
+        status = fill_slices(rows, placement->oblique ? &own : placement, filled->voxels, target, err);
     if (status == OST_OK && rows->parts)
         status = ost_parts_end(rows->parts, err);
     if (status == OST_OK && placement->oblique) {
-        status = ost_volume_init(out, geometry, err);
+        status = ost_volume_init(&result, geometry, err);
         if (status == OST_OK)
-            ost_resample_nearest(affine, rows->sizes, in_file.voxels, out);
+            ost_resample_nearest(affine, rows->sizes, in_file.voxels, &result);
     }
     ost_volume_free(&in_file);
-    if (status != OST_OK)
-        ost_volume_free(out);
+    if (status == OST_OK && !target->volume && !streamed)
+        status = send_volume(&result, target, err);
+    if (status == OST_OK && target->volume)
+        *target->volume = result;
+    else
+        ost_volume_free(&result);
     return status;
 }

@@ -2,7 +2,7 @@
 /*
  * Reads a file's elements, in the file's order, into a volume in LPS+ order.
  *
- *   parts (bytes) --rows--> int16, one row of the file's first axis --scatter--> volume
+ *   parts (bytes) --rows--> int16, one row of the file's first axis --scatter--> volume or slice of a target
  *
  * In addition to the volume, only one row is in memory. An oblique grid is first filled
  * in the file's order and then resampled (volume/resample.h). This needs the memory of
@@ -16,6 +16,7 @@
 #include "io/volume/element.h"
 #include "io/volume/orient.h"
 #include "io/volume/parts.h"
+#include "io/volume/target.h"
 
 typedef struct ost_rows ost_rows;
 struct ost_rows {
@@ -58,10 +59,11 @@ ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const 
                               ost_geometry *geometry, ost_volume_report *report, ost_error *err);
 
 /*
- * Checks the parts, allocates the voxels, reads every row, and checks that no further data follow. *out is initialised
- * here; its meta is empty.
+ * Checks the parts, reads every row, and checks that no further data follow. A volume of the target is initialised
+ * here; its meta is empty. For a target of functions, if the slices of the result are slices of the file, only one
+ * slice is in memory.
  */
 ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement,
-                           const ost_geometry *geometry, ost_volume *out, ost_error *err);
+                           const ost_geometry *geometry, const ost_target *target, ost_error *err);
 
 #endif
