@@ -20,11 +20,14 @@
 // Longer values stay in the file. The attributes that are read have at most 6 decimals of 16 bytes.
 enum { VALUE_BYTES_MAX = 1024 };
 
-// Returns true if the file begins as DICOM does: with the prefix, or with a data set of group 0008.
-static bool is_dicom(const unsigned char *head, size_t size)
+static bool has_prefix(const unsigned char *head, size_t size)
 {
-    if (size >= 132 && std::memcmp(head + 128, "DICM", 4) == 0)
-        return true;
+    return size >= 132 && std::memcmp(head + 128, "DICM", 4) == 0;
+}
+
+// Returns true if the file begins with an element of group 0008, as a data set without the prefix does.
+static bool is_data_set(const unsigned char *head, size_t size)
+{
     return size >= 132 && ((head[0] == 8 && head[1] == 0) || (head[0] == 0 && head[1] == 8)) && head[3] == 0;
 }
 
@@ -40,7 +43,8 @@ ost_dicom_result load_file(const char *path, DcmFileFormat &file)
     close(fd);
     if (n < 0)
         return OST_DICOM_RESULT_UNREADABLE;
-    if (!is_dicom(head, static_cast<size_t>(n)))
+    const bool prefix = has_prefix(head, static_cast<size_t>(n));
+    if (!prefix && !is_data_set(head, static_cast<size_t>(n)))
         return OST_DICOM_RESULT_NOT_DICOM;
     if (info.st_size > OST_DICOM_FILE_BYTES_MAX)
         return OST_DICOM_RESULT_TOO_LARGE;
@@ -48,7 +52,11 @@ ost_dicom_result load_file(const char *path, DcmFileFormat &file)
         file.loadFile(OFFilename(path), EXS_Unknown, EGL_noChange, VALUE_BYTES_MAX, ERM_autoDetect);
     if (loaded == EC_MemoryExhausted)
         return OST_DICOM_RESULT_MEMORY;
-    return loaded.good() ? OST_DICOM_RESULT_OK : OST_DICOM_RESULT_DAMAGED;
+    if (loaded.good())
+        return OST_DICOM_RESULT_OK;
+    // Without the prefix, the first bytes may be a coincidence.
+    return prefix || file.getDataset()->tagExists(DCM_SOPClassUID) ? OST_DICOM_RESULT_DAMAGED
+                                                                  : OST_DICOM_RESULT_NOT_DICOM;
 }
 
 ost_dicom_result check_syntax(const DcmFileFormat &file, char uid[OST_DICOM_TEXT])
