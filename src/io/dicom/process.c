@@ -85,11 +85,10 @@ size_t ost_dicom_process_count(size_t parts)
 #define SANITIZED 0
 #endif
 
-static void limit(int what, uint64_t value)
+static bool limit(int what, uint64_t value)
 {
     const struct rlimit both = {value, value};
-    if (setrlimit((__rlimit_resource_t)what, &both) != 0)
-        _exit(CANNOT_START);
+    return setrlimit((__rlimit_resource_t)what, &both) == 0;
 }
 
 /* Runs in the new process, so it calls only functions that are safe after a fork of a process with threads. */
@@ -112,12 +111,10 @@ static void become(const char *program, int request, int output, uint64_t second
         _exit(CANNOT_START);
     close_range(3, UINT_MAX, 0);
     /* AddressSanitizer reserves terabytes of address space. */
-    if (!SANITIZED)
-        limit(RLIMIT_AS, OST_DICOM_MEMORY_MAX);
-    limit(RLIMIT_CPU, seconds);
-    limit(RLIMIT_FSIZE, 0);
-    limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_NOFILE, DESCRIPTORS);
+    if ((!SANITIZED && !limit(RLIMIT_AS, OST_DICOM_MEMORY_MAX)) || !limit(RLIMIT_CPU, seconds) ||
+        !limit(RLIMIT_FSIZE, 0) || !limit(RLIMIT_CORE, 0))
+        _exit(CANNOT_START);
+    (void)limit(RLIMIT_NOFILE, DESCRIPTORS); /* valgrind refuses this one */
     execve(program, argv, environ);
     _exit(CANNOT_START);
 }
