@@ -32,6 +32,9 @@ ost_dicom_result load_file(const char *path, DcmFileFormat &file);
 // Returns OK if the pixels of the data set's transfer syntax can be decoded.
 ost_dicom_result check_syntax(const DcmFileFormat &file, char uid[OST_DICOM_TEXT]);
 
+// Returns true if the pixels of the transfer syntax are fragments. DCMTK renamed its own function after 3.6.7.
+bool is_encapsulated(const char *uid);
+
 // Sends a FRAME for every image of the file. Returns the result of the FILE message that follows them.
 ost_dicom_result scan_file(const char *path, uint32_t index, const uint8_t salt[OST_DICOM_SALT]);
 

@@ -146,7 +146,7 @@ ost_dicom_result read_image(open_file &from, const char *path, const ost_dicom_i
     // A decoder may fill an even number of bytes.
     cells.resize(count + 1);
     const size_t bytes = count * (allocated / 8), padded = bytes + (bytes & 1);
-    if (DcmXfer(uid).isEncapsulated()) {
+    if (is_encapsulated(uid)) {
         result = read_compressed(from, pixels, image, cells.data(), padded);
     } else {
         const uint64_t offset = uint64_t{bytes} * image.frame;

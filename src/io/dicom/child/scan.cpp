@@ -93,6 +93,13 @@ ost_dicom_result check_syntax(const DcmFileFormat &file, char uid[OST_DICOM_TEXT
     }
 }
 
+bool is_encapsulated(const char *uid)
+{
+    const E_TransferSyntax syntax = DcmXfer(uid).getXfer();
+    return syntax != EXS_LittleEndianImplicit && syntax != EXS_LittleEndianExplicit &&
+           syntax != EXS_BigEndianExplicit && syntax != EXS_DeflatedLittleEndianExplicit;
+}
+
 static bool is_lossy(const char *uid)
 {
     const E_TransferSyntax syntax = DcmXfer(uid).getXfer();
@@ -281,7 +288,7 @@ static ost_dicom_result check_length(DcmItem *data_set, const ost_dicom_record &
     DcmElement *pixels = nullptr;
     if (data_set->findAndGetElement(DCM_PixelData, pixels).bad() || !pixels)
         return OST_DICOM_RESULT_DAMAGED;
-    if (DcmXfer(record.syntax).isEncapsulated())
+    if (is_encapsulated(record.syntax))
         return OST_DICOM_RESULT_OK;
     const uint64_t needed = uint64_t{record.columns} * record.rows * (record.bits_allocated / 8) * frames;
     return pixels->getLengthField() >= needed ? OST_DICOM_RESULT_OK : OST_DICOM_RESULT_DAMAGED;
