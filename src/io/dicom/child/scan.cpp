@@ -282,13 +282,14 @@ static void put_series(DcmItem *data_set, const uint8_t salt[OST_DICOM_SALT], os
     put_identity(salt, text_of(data_set, DCM_FrameOfReferenceUID), record.reference);
 }
 
-// Returns DAMAGED if uncompressed pixels are fewer than the frames need.
+// Returns DAMAGED if there are no pixels, or if uncompressed pixels are fewer than the frames need. The library
+// refuses pixels that have neither 8 nor 16 bits.
 static ost_dicom_result check_length(DcmItem *data_set, const ost_dicom_record &record, uint32_t frames)
 {
     DcmElement *pixels = nullptr;
     if (data_set->findAndGetElement(DCM_PixelData, pixels).bad() || !pixels)
         return OST_DICOM_RESULT_DAMAGED;
-    if (is_encapsulated(record.syntax))
+    if (is_encapsulated(record.syntax) || (record.bits_allocated != 8 && record.bits_allocated != 16))
         return OST_DICOM_RESULT_OK;
     const uint64_t needed = uint64_t{record.columns} * record.rows * (record.bits_allocated / 8) * frames;
     return pixels->getLengthField() >= needed ? OST_DICOM_RESULT_OK : OST_DICOM_RESULT_DAMAGED;
@@ -305,7 +306,7 @@ ost_dicom_result scan_file(const char *path, uint32_t index, const uint8_t salt[
     std::memset(&record, 0, sizeof record);
     if (data_set->tagExists(DCM_FloatPixelData) || data_set->tagExists(DCM_DoubleFloatPixelData))
         record.flags |= OST_DICOM_IMAGE_FLOAT;
-    else if (loaded == OST_DICOM_RESULT_OK && !data_set->tagExists(DCM_PixelData))
+    else if (loaded == OST_DICOM_RESULT_OK && !data_set->tagExists(DCM_PixelData) && !data_set->tagExists(DCM_Rows))
         return OST_DICOM_RESULT_NO_IMAGE;
     Sint32 frames = 1;
     if (data_set->tagExistsWithValue(DCM_NumberOfFrames) &&
