@@ -122,7 +122,7 @@ static uint32_t number_of(DcmItem *item, const DcmTagKey &tag, uint32_t absent)
     return item->findAndGetUint16(tag, value).good() ? value : absent;
 }
 
-// Copies a decimal. A longer one is cut to a text that is no decimal, so that it is refused as it is written.
+// Copies a decimal. Any other text, which may be a name in the wrong place, is replaced by one that is refused as well.
 static void put_decimal(DcmItem *item, const DcmTagKey &tag, unsigned long at, char out[OST_DICOM_DECIMAL])
 {
     const OFString value = text_of(item, tag, at);
@@ -131,9 +131,13 @@ static void put_decimal(DcmItem *item, const DcmTagKey &tag, unsigned long at, c
         begin++;
     while (end > begin && (value[end - 1] == ' ' || value[end - 1] == '\0'))
         end--;
-    const bool fits = end - begin < OST_DICOM_DECIMAL;
-    std::snprintf(out, OST_DICOM_DECIMAL, "%.*s%s", static_cast<int>(fits ? end - begin : 16),
-                  value.c_str() + begin, fits ? "" : "...");
+    const OFString decimal = value.substr(begin, end - begin);
+    if (decimal.find_first_not_of("0123456789+-.eE") != OFString_npos)
+        std::snprintf(out, OST_DICOM_DECIMAL, "not a decimal");
+    else if (decimal.length() >= OST_DICOM_DECIMAL)
+        std::snprintf(out, OST_DICOM_DECIMAL, "%.16s...", decimal.c_str());
+    else
+        std::snprintf(out, OST_DICOM_DECIMAL, "%s", decimal.c_str());
 }
 
 // Copies a text as UTF-8. ISO 8859-1 is converted; other bytes that are not UTF-8 are replaced by the library.
