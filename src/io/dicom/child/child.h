@@ -5,6 +5,7 @@
 //   main.cpp      reads the request, writes the messages
 //   scan.cpp      the attributes of the images of a file
 //   pixels.cpp    the pixels of an image
+//   stream_size.cpp  the size of a compressed frame
 //   jpeg2000.cpp  the decoder for JPEG 2000, which DCMTK does not have
 //
 // It is the only code that calls DCMTK and OpenJPEG. It writes to nothing but standard output, and
@@ -49,6 +50,10 @@ struct open_file {
 // Reads an image of the file as cells of 16 bits. `cells` is resized to columns * rows.
 ost_dicom_result read_image(open_file &from, const char *path, const ost_dicom_image &image,
                             std::vector<uint16_t> &cells);
+
+// Return true if a compressed frame has this size; bytes is the number of bytes of a pixel.
+bool is_rle_of_size(const std::vector<uint8_t> &stream, uint32_t columns, uint32_t rows, uint32_t bytes);
+bool is_jpeg_of_size(const std::vector<uint8_t> &stream, uint32_t columns, uint32_t rows, uint32_t bytes);
 
 // Decodes a code stream of JPEG 2000 with one component of columns * rows samples of at most 16 bits.
 ost_dicom_result decode_jpeg2000(const std::vector<uint8_t> &stream, uint32_t columns, uint32_t rows,

@@ -37,7 +37,6 @@ static void widen(uint16_t *cells, size_t count)
         cells[i] = bytes[i];
 }
 
-#ifdef HAVE_OPENJPEG
 // Finds the fragments [*begin, *end) of a frame. Item 0 of the sequence is the table of the frames' offsets.
 static bool find_fragments(DcmPixelSequence *sequence, uint32_t frame, uint32_t frames, unsigned long *begin,
                            unsigned long *end)
@@ -76,12 +75,18 @@ static bool find_fragments(DcmPixelSequence *sequence, uint32_t frame, uint32_t 
     return *begin > 0 && *end > *begin;
 }
 
-static ost_dicom_result read_jpeg2000(DcmPixelSequence *sequence, uint32_t frames, const ost_dicom_image &image,
-                                      uint16_t *cells)
+// Copies the fragments of a frame into one stream.
+static ost_dicom_result read_stream(DcmDataset *data_set, DcmPixelData *pixels, uint32_t frame,
+                                    std::vector<uint8_t> &stream)
 {
+    Sint32 frames = 1;
+    DcmPixelSequence *sequence = nullptr;
     unsigned long begin, end;
-    std::vector<uint8_t> stream;
-    if (!find_fragments(sequence, image.frame, frames, &begin, &end))
+    if (data_set->tagExistsWithValue(DCM_NumberOfFrames))
+        (void)data_set->findAndGetSint32(DCM_NumberOfFrames, frames);
+    if (pixels->getEncapsulatedRepresentation(data_set->getOriginalXfer(), nullptr, sequence).bad() || !sequence)
+        return OST_DICOM_RESULT_DAMAGED;
+    if (!find_fragments(sequence, frame, static_cast<uint32_t>(frames), &begin, &end))
         return OST_DICOM_RESULT_UNDECODABLE;
     for (unsigned long i = begin; i < end; i++) {
         DcmPixelItem *item = nullptr;
@@ -91,26 +96,25 @@ static ost_dicom_result read_jpeg2000(DcmPixelSequence *sequence, uint32_t frame
         stream.insert(stream.end(), bytes, bytes + item->getLength());
         item->compact();
     }
-    return decode_jpeg2000(stream, image.columns, image.rows, cells);
+    return OST_DICOM_RESULT_OK;
 }
-#endif
 
 static ost_dicom_result read_compressed(open_file &from, DcmPixelData *pixels, const ost_dicom_image &image,
-                                        void *cells, size_t bytes)
+                                        void *cells, size_t bytes, uint32_t pixel_bytes)
 {
     DcmDataset *data_set = from.file.getDataset();
-#ifdef HAVE_OPENJPEG
     const E_TransferSyntax syntax = data_set->getOriginalXfer();
-    if (syntax == EXS_JPEG2000LosslessOnly || syntax == EXS_JPEG2000) {
-        Sint32 frames = 1;
-        DcmPixelSequence *sequence = nullptr;
-        if (data_set->tagExistsWithValue(DCM_NumberOfFrames))
-            (void)data_set->findAndGetSint32(DCM_NumberOfFrames, frames);
-        if (pixels->getEncapsulatedRepresentation(syntax, nullptr, sequence).bad() || !sequence)
-            return OST_DICOM_RESULT_DAMAGED;
-        return read_jpeg2000(sequence, static_cast<uint32_t>(frames), image, static_cast<uint16_t *>(cells));
-    }
+    std::vector<uint8_t> stream;
+    ost_dicom_result result = read_stream(data_set, pixels, image.frame, stream);
+    if (result != OST_DICOM_RESULT_OK)
+        return result;
+#ifdef HAVE_OPENJPEG
+    if (syntax == EXS_JPEG2000LosslessOnly || syntax == EXS_JPEG2000)
+        return decode_jpeg2000(stream, image.columns, image.rows, static_cast<uint16_t *>(cells));
 #endif
+    if (syntax == EXS_RLELossless ? !is_rle_of_size(stream, image.columns, image.rows, pixel_bytes)
+                                  : !is_jpeg_of_size(stream, image.columns, image.rows, pixel_bytes))
+        return OST_DICOM_RESULT_UNDECODABLE;
     OFString colour;
     Uint32 fragment = image.frame == from.next_frame ? from.next_fragment : 0;
     const OFCondition decoded = pixels->getUncompressedFrame(data_set, image.frame, fragment, cells,
@@ -147,7 +151,7 @@ ost_dicom_result read_image(open_file &from, const char *path, const ost_dicom_i
     cells.resize(count + 1);
     const size_t bytes = count * (allocated / 8), padded = bytes + (bytes & 1);
     if (is_encapsulated(uid)) {
-        result = read_compressed(from, pixels, image, cells.data(), padded);
+        result = read_compressed(from, pixels, image, cells.data(), padded, allocated / 8U);
     } else {
         const uint64_t offset = uint64_t{bytes} * image.frame;
         if (offset + bytes > pixels->getLengthField())
