@@ -23,10 +23,14 @@ static bool matches(const ost_dicom_group *group, const char *wanted)
            (group->uid[0] && strcmp(wanted, group->uid) == 0);
 }
 
-/* Returns the error for a series that is not a volume. */
-static ost_status too_few(const ost_dicom_scan *scan, const ost_dicom_group *group, ost_error *err)
+/* Returns the error for a series that is not a volume. A damaged file may contain the images that are missing. */
+static ost_status too_few(const ost_dicom_scan *scan, size_t series, ost_error *err)
 {
     char name[OST_DICOM_SERIES_NAME];
+    const ost_dicom_group *group = &scan->series[series];
+    for (size_t i = 0; i < scan->frame_count; i++)
+        if (scan->frames[i].series == series && scan->frames[i].result != OST_DICOM_RESULT_OK)
+            return ost_dicom_refuse(scan->files.path[scan->frames[i].file], scan->frames[i].result, err);
     ost_dicom_series_name(group, name);
     if (group->images == 1)
         return ost_fail(err, OST_ERR_INPUT, "%s: %s has one image; a volume needs at least two slices", scan->path,
@@ -54,9 +58,8 @@ static ost_status several(const ost_dicom_scan *scan, size_t count, ost_error *e
 
 ost_status ost_dicom_series_select(const ost_dicom_scan *scan, const char *wanted, size_t *out, ost_error *err)
 {
-    size_t count = 0, images = 0;
+    size_t count = 0;
     for (size_t s = 0; s < scan->series_count; s++) {
-        images += scan->series[s].images;
         if (wanted ? matches(&scan->series[s], wanted) : scan->series[s].images >= 2) {
             *out = s;
             count++;
@@ -73,12 +76,12 @@ ost_status ost_dicom_series_select(const ost_dicom_scan *scan, const char *wante
     if (count > 1)
         return several(scan, count, err);
     if (count == 1)
-        return scan->series[*out].images >= 2 ? OST_OK : too_few(scan, &scan->series[*out], err);
-    if (images == 0)
+        return scan->series[*out].images >= 2 ? OST_OK : too_few(scan, *out, err);
+    if (scan->series_count == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: contains no DICOM image; %zu file%s examined", scan->path,
                         scan->files.count, scan->files.count == 1 ? " was" : "s were");
     for (size_t s = 0; s < scan->series_count; s++)
         if (scan->series[s].images)
-            return too_few(scan, &scan->series[s], err);
-    return ost_fail(err, OST_ERR_INTERNAL, "%s: a series is missing", scan->path);
+            return too_few(scan, s, err);
+    return too_few(scan, 0, err);
 }

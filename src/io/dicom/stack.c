@@ -65,6 +65,8 @@ static ost_status check_pixels(const char *path, const ost_dicom_frame *f, ost_e
         return ost_dicom_refuse(path, f->result, err);
     if (f->flags & OST_DICOM_IMAGE_FLOAT)
         return ost_fail(err, OST_ERR_INPUT, "%s: has pixels of floating-point numbers; expected integers", path);
+    if (f->flags & OST_DICOM_IMAGE_COLOUR)
+        return ost_fail(err, OST_ERR_INPUT, "%s: is a colour image; expected one sample per pixel", path);
     if (f->flags & OST_DICOM_IMAGE_LUT)
         return ost_fail(err, OST_ERR_INPUT,
                         "%s: has a ModalityLUTSequence; expected RescaleSlope and RescaleIntercept", path);
@@ -195,7 +197,7 @@ static ost_status order(ost_dicom_stack *stack, size_t series, ost_error *err)
     int64_t normal[3];
     for (size_t i = 0; i < scan->frame_count && status == OST_OK; i++) {
         const ost_dicom_frame *f = &scan->frames[i];
-        if (f->series != series || f->flags & (OST_DICOM_IMAGE_LOCALIZER | OST_DICOM_IMAGE_COLOUR))
+        if (f->series != series || f->flags & OST_DICOM_IMAGE_LOCALIZER)
             continue;
         const char *path = scan->files.path[f->file];
         status = check_pixels(path, f, err);
