@@ -1,0 +1,29 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Files that need far more memory or time than their size suggests end soon with status 2 and one line, and the process
+# that parses them never has more memory than its limit.
+# Covers: REQ-DICOM-CHILD
+. "${srcdir:-.}/tests/dicom/lib.sh"
+
+# refuses FAULT SLICE WORD...: the import of a series ends within 60 s with status 2 and the documented line about a slice
+refuses() {
+    fault=$1
+    file=$(slice_file "$2")
+    shift 2
+    rm -rf ct
+    series ct "$@" || return
+    [ "$(cat ct/* | wc -c)" -lt 5000000 ] || fail "$*: the files are large"
+    checks=$((checks + 3))
+    timeout 60 "$osteon" import ct --out bone.nrrd >out 2>err </dev/null
+    check "$*: status" $? 2
+    check "$*: lines" "$(wc -l <err | tr -d ' ')" 1
+    documented "$fault"
+    grep -q "ct/$file: " err || fail "$*: '$(cat err)' does not name $file"
+    [ ! -e bone.nrrd ] || fail "$*: a bone was written"
+}
+
+# 2.25 GB of zeros, deflated to 2.4 MB. With the sanitizers, the memory of the parser is not limited.
+[ -n "${OST_SAN_CFLAGS:-}" ] || refuses 'the parser needs too much memory' 1 dims=8,6,2 syntax=deflated bomb=1:9
+# 200,000 sequences within each other, after the pixels
+refuses 'a file that is truncated or damaged, or an image without pixels' 1 dims=8,6,2 'append=1:fafffafffffffffffeff00e0ffffffff*200000'
+finish

@@ -1,0 +1,45 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Inverts bits of one file of a series, in each transfer syntax, and cuts it at random places. Each import ends soon,
+# with status 0, or with status 2, one line and no output; never by a signal. Prints the seed; OST_TEST_SEED repeats a
+# run, OST_TEST_LONG makes 200 files of each kind.
+# Covers: REQ-DICOM-CHILD
+. "${srcdir:-.}/tests/dicom/lib.sh"
+
+seed=${OST_TEST_SEED:-$(od -An -N3 -tu4 /dev/urandom | tr -d ' ')}
+runs=6
+[ -z "${OST_TEST_LONG:-}" ] || runs=200
+echo "seed $seed"
+
+# imports WORD...: imports a broken series
+imports() {
+    rm -rf ct bone.nrrd
+    series ct dims=16,12,3 "$@" || return
+    timeout 60 "$osteon" import ct --out bone.nrrd >out 2>err </dev/null
+    status=$?
+    checks=$((checks + 1))
+    case $status in
+    0) ;;
+    2)
+        [ "$(wc -l <err)" -eq 1 ] || fail "$*: not one line: $(cat err)"
+        [ ! -e bone.nrrd ] || fail "$*: a refused series left a bone"
+        ;;
+    *) fail "$*: status $status: $(head -c 300 err)" ;;
+    esac
+    if grep -qaE 'PLANTED|19010203|19730405' out err; then
+        fail "$*: the message contains a planted value: $(cat err)"
+    fi
+}
+
+for kind in implicit explicit big deflated rle jpeg-sv1 jpeg-ls jpeg2000 'explicit multiframe=1' 'jpeg2000 multiframe=1'; do
+    run=0
+    while [ $run -lt $runs ]; do
+        seed=$((seed + 1))
+        # shellcheck disable=SC2086 # words
+        imports syntax=$kind "flip=*:$seed*$((1 + run % 8 * 3))"
+        # shellcheck disable=SC2086 # words
+        [ $((run % 3)) -ne 0 ] || imports syntax=$kind "cut=*:$((seed * 7919 % 2500))"
+        run=$((run + 1))
+    done
+done
+finish

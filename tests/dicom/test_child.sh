@@ -1,0 +1,53 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The process that parses DICOM files is replaced by programs that fail in every way. The command ends soon with one
+# line and no output, and no process is left behind.
+# Covers: REQ-DICOM-CHILD
+. "${srcdir:-.}/tests/dicom/lib.sh"
+
+series ct
+mkdir lib
+OSTEON_LIBEXECDIR=$scratch/lib
+child=lib/osteon-dicom
+
+# fails TEXT COMMAND: replaces the process by a shell command; the series is refused with a message that contains TEXT
+fails() {
+    printf '#!/bin/sh\necho $$ >%s/pid\n%s\n' "$scratch" "$2" >$child
+    chmod +x $child
+    rm -f pid
+    checks=$((checks + 3))
+    timeout 100 "$osteon" import ct --out bone.nrrd >out 2>err </dev/null
+    check "$2: status" $? 2
+    check "$2: lines" "$(wc -l <err | tr -d ' ')" 1
+    grep -q "$1" err || fail "$2: '$(cat err)' does not contain '$1'"
+    [ ! -e bone.nrrd ] || fail "$2: a bone was written"
+    [ ! -s pid ] || ! kill -0 "$(cat pid)" 2>/dev/null || fail "$2: the process still runs"
+}
+
+refuse 3 'osteon-dicom' import ct --out bone.nrrd
+: >$child
+refuse 3 'osteon-dicom' import ct --out bone.nrrd
+fails . 'exit 0'
+fails . 'exit 1'
+fails . 'kill -SEGV $$'
+fails . 'kill -KILL $$'
+fails . 'exec >&-; sleep 1'
+fails . 'echo hello'
+fails . 'cat /dev/zero'
+fails . 'cat /dev/urandom'
+fails . 'yes'
+fails . 'while :; do printf "\3\0\0\0\0\0\0\0\0\0\0\0"; done'           # END without an end
+fails . 'while :; do printf "\1\0\0\0\0\0\0\0\4\0\0\0\1\0\0\0"; done'    # FILE of the first path again and again
+fails . 'printf "\1\0\0\0\377\377\377\177\4\0\0\0\0\0\0\0"'              # FILE of a path that does not exist
+fails . 'printf "\1\0\0\0\0\0\0\0\4\0\0\0\377\377\377\377"'              # FILE with a result that does not exist
+fails . 'printf "\0\0\0\0\0\0\0\0\377\377\377\377"; cat /dev/zero'       # FRAME of 4 GB
+fails . 'printf "\2\0\0\0\0\0\0\0\377\377\377\177"; cat /dev/zero'       # PIXELS during a scan
+fails . 'printf "\1\0\0\0\0\0"'                                          # half a message
+fails . 'head -c 4000000000 /dev/zero >"$0.large"; exit 1'
+checks=$((checks + 1))
+[ ! -s $child.large ] || fail "the process wrote a file"
+if [ -n "${OST_TEST_LONG:-}" ]; then
+    fails . 'sleep 1000'
+    fails . 'while :; do :; done'
+fi
+finish

@@ -1,0 +1,70 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Makes every fault of faults.list in a series of its own. Exit status and message are those that the table in
+# docs/reference/dicom.md states, a message about a slice begins with the name of its file, and a refused series leaves
+# no output. Every row of the table has a fault in the list, or in the tests that are named below. The transfer syntax of
+# a fault that does not depend on it changes from line to line; with OST_TEST_LONG, the fault is made in every one.
+# Covers: REQ-DICOM-FAULTS
+. "${srcdir:-.}/tests/dicom/lib.sh"
+
+# words TEXT: prints a text without blanks at its ends
+words() {
+    printf '%s\n' "$1" | sed 's/^ *//; s/ *$//'
+}
+
+# makes FAULT SERIES OPTIONS SLICE STATUS: makes a fault and checks the answer
+makes() {
+    rm -rf ct bone.nrrd
+    printf '%s\n' "$2" | sed 's/ + /\n/' >parts
+    while read -r part; do
+        # shellcheck disable=SC2086 # words
+        series ct $part
+    done <parts
+    # shellcheck disable=SC2086 # words
+    timeout 60 "$osteon" import ct $3 --threshold 1 --out bone.nrrd >out 2>err </dev/null
+    check "$1 ($2): status" $? "$5"
+    documented "$1"
+    checks=$((checks + 2))
+    if [ "$5" -eq 0 ]; then
+        [ -s bone.nrrd ] || fail "$1 ($2): no bone"
+    else
+        [ ! -e bone.nrrd ] || fail "$1 ($2): a refused series left a bone"
+        [ "$(wc -l <err)" -eq 1 ] || fail "$1 ($2): not one line: $(cat err)"
+    fi
+    [ -z "$4" ] || grep -q "^osteon import: ct/$(slice_file "$4")B\?: " err ||
+        fail "$1 ($2): '$(cat err)' does not begin with $(slice_file "$4")"
+}
+
+syntaxes='explicit implicit big deflated rle jpeg jpeg-sv1 jpeg-ls jpeg2000'
+sed '/^#/d' "$source_folder/tests/dicom/faults.list" >list
+line=0
+while IFS='|' read -r fault series options slice status; do
+    line=$((line + 1))
+    case $series in
+    *syntax=* | *photometric=* | *cut=* | *Rows=* | *Bits* | *NumberOfFrames=*) some= ;;
+    *) some=$(echo "$syntaxes" | cut -d' ' -f $((line % 9 + 1))) ;;
+    esac
+    [ -z "$some" ] || [ -z "${OST_TEST_LONG:-}" ] || some=$syntaxes
+    for syntax in ${some:-as-listed}; do
+        [ "$syntax" = as-listed ] || set -- "$(printf '%s\n' "$series " | sed "s/^/ syntax=$syntax /; s/ + / + syntax=$syntax /")"
+        [ "$syntax" != as-listed ] || set -- "$series"
+        makes "$(words "$fault")" "$1" "$options" "$(words "$slice")" "$(words "$status")"
+    done
+done <list
+
+# test_child.sh makes the faults of the parser. The others need another build.
+sed 's/ *|.*//' list >made
+cat >>made <<'ROWS'
+the parser crashes
+the parser hangs
+the parser needs too much memory
+the parser answers nonsense
+JPEG 2000 without OpenJPEG
+built without DCMTK
+ROWS
+awk -F' [|] ' '/^## /{ on = $0 == "## Faults" } on && /^[|] / && ++row > 1 { sub(/^[|] /, ""); print $1 }' \
+    "$source_folder/docs/reference/dicom.md" >rows
+checks=$((checks + 2))
+[ "$(wc -l <rows)" -gt 30 ] || fail "docs/reference/dicom.md has no table of faults"
+grep -vxFf made rows >missing && fail "no test makes these faults: $(paste -s -d ';' missing)"
+finish

@@ -1,0 +1,75 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# A series in each transfer syntax, pixel format and orientation has exactly the values and positions that series.h
+# states for it. Lossy syntaxes have them within their error, with a warning.
+# Covers: REQ-DICOM, AR-DCM-1
+. "${srcdir:-.}/tests/dicom/lib.sh"
+
+# imports WORD...: writes the series and compares every voxel
+imports() {
+    rm -rf ct
+    series ct "$@" || return
+    formula "$@" >expected
+    same_voxels "$*" ct
+}
+
+lossless="implicit explicit big deflated rle jpeg jpeg-sv1 jpeg-ls jpeg2000"
+for syntax in $lossless; do
+    imports syntax=$syntax
+    imports syntax=$syntax bits=16 values=0,33791
+    imports syntax=$syntax bits=16 signed=1 values=-32000,32000 intercept=0
+    imports syntax=$syntax bits=8 allocated=8 values=0,255 dims=7,5,3
+    imports syntax=$syntax multiframe=1
+done
+# Signed pixels of 12 bits are extended by their sign. The encoders of DCMTK store all 16 bits.
+for syntax in implicit explicit big deflated rle jpeg2000; do
+    imports syntax=$syntax signed=1 values=-2048,2047 intercept=0
+done
+# Bits that are not stored are ignored, wherever they are.
+for syntax in implicit explicit big deflated rle; do
+    imports syntax=$syntax junk=1
+    imports syntax=$syntax junk=1 signed=1 values=-2048,2047 intercept=0
+    imports syntax=$syntax junk=1 bits=10 high=12 values=0,1023
+done
+# Frames in several fragments, with and without a table of offsets. (RLE has one fragment for a frame.)
+for syntax in jpeg-sv1 jpeg-ls jpeg2000; do
+    for offsets in 0 1; do
+        imports syntax=$syntax dims=64,48,3 fragment=1 offsets=$offsets
+    done
+    imports syntax=$syntax dims=64,48,3 multiframe=1 offsets=0
+    imports syntax=$syntax dims=64,48,3 multiframe=1 fragment=1
+done
+
+# Lossy syntaxes: JPEG of the highest quality, NEAR 2, and 80 dB. DCMTK changes the values and the intercept together.
+# near ERROR WORD...: compares every voxel within an error
+near() {
+    most=$1
+    shift
+    rm -rf ct
+    series ct "$@" || return
+    formula "$@" >expected
+    checks=$((checks + 1))
+    voxels_of ct || fail "$*: $(cat err)"
+    paste -d' ' voxels expected | awk -v most="$most" '
+        { d = $4 - $8; if (d < 0) d = -d; if (d > greatest) greatest = d; if ($1 != $5 || $2 != $6 || $3 != $7) bad = 1 }
+        END { print greatest + 0; exit bad || NR < 240 || greatest > most }' >greatest || fail "$*: an error of $(cat greatest)"
+    grep -q 'compressed with loss' err || fail "$*: no warning: $(cat err)"
+}
+near 3 syntax=jpeg-baseline bits=8 allocated=8 values=0,255 smooth=5
+near 3 syntax=jpeg-extended smooth=50
+near 2 syntax=jpeg-ls-near smooth=50
+near 3 syntax=jpeg2000-lossy smooth=50
+
+# Rescale by slice, padding as air, and the position of voxels in every orientation along the axes.
+imports slope=1,2,0.5 intercept=-1024,0,10.25
+imports padding=0
+imports padding=63,2000
+imports padding=-2000,-1900 signed=1 bits=16 values=-1024,3000 intercept=0
+imports spacing=0.46875,0.703125,1.25
+for rows in 1,0,0 -1,0,0 0,1,0 0,-1,0 0,0,1 0,0,-1; do
+    for columns in 1,0,0 -1,0,0 0,1,0 0,-1,0 0,0,1 0,0,-1; do
+        [ "${rows#-}" = "${columns#-}" ] || [ "$(echo $rows | tr -d -)" = "$(echo $columns | tr -d -)" ] ||
+            imports rows=$rows columns=$columns spacing=0.5,0.75,1.25
+    done
+done
+finish
