@@ -2,7 +2,7 @@
 /*
  * Divides a CT into bones: connected components of dense voxels, as a label map.
  *
- *   CT --threshold, growth--> candidates --cuts--> components --> label map, list of components
+ *   CT --threshold, growth--> candidates --cuts--> components --fill, separate--> label map, list of components
  *
  * Labels are computed with integers only (docs/spec/arithmetic.md, AR-SEG), so the label map
  * is the same on every machine.  ost_import accepts such a label map, or any other label map
@@ -33,6 +33,7 @@ typedef struct ost_segment_cut {
 } ost_segment_cut;
 
 enum { OST_SEGMENT_LABELS_MAX = 32767 };
+#define OST_SEGMENT_SEPARATE_MAX (65 * OST_PM_PER_MM)
 /* Options of a segmentation. A zero-initialised struct selects the defaults. */
 typedef struct ost_segment_options {
     int32_t threshold;     /* every component contains a voxel of at least this density, 1 to 32767; 0 selects 120 */
@@ -43,6 +44,11 @@ typedef struct ost_segment_options {
     uint64_t min_voxels;   /* components with fewer voxels have no label */
     bool fill;             /* holes that contain no air are given the label of the surrounding bone */
     int32_t air;           /* a hole that contains a voxel below this density is not filled */
+    /*
+     * 0, or the depth of a neck, 1 um to OST_SEGMENT_SEPARATE_MAX: a component is divided at a neck whose radius is
+     * at least this much less than that of the bone on both sides of it
+     */
+    ost_pm separate;
 } ost_segment_options;
 
 /* A component; its label is its index + 1. */
@@ -54,12 +60,13 @@ typedef struct ost_segment {
 } ost_segment;
 
 /*
- * Finds the components of a CT (AR-SEG-1 to AR-SEG-5).  *labels is a volume with the geometry
- * of the CT that contains the label of each voxel, or 0.  *out is an array of the components
- * in descending order of size; components of equal size are in the order of their first
- * voxels.  Returns OST_ERR_RANGE if an option is out of range or more than
- * OST_SEGMENT_LABELS_MAX components have at least min_voxels, and OST_ERR_MEMORY if memory
- * is exhausted.  The caller frees *labels by ost_volume_free and *out by ost_segments_free.
+ * Finds the components of a CT (AR-SEG-1 to AR-SEG-5) and, by option, divides them at necks
+ * (AR-SEG-7 to AR-SEG-9).  *labels is a volume with the geometry of the CT that contains the
+ * label of each voxel, or 0.  *out is an array of the components in descending order of size;
+ * components of equal size are in the order of their first voxels.  Returns OST_ERR_RANGE if an
+ * option is out of range or more than OST_SEGMENT_LABELS_MAX components have at least
+ * min_voxels, and OST_ERR_MEMORY if memory is exhausted.  The caller frees *labels by
+ * ost_volume_free and *out by ost_segments_free.
  */
 OST_API ost_status ost_segment_volume(const ost_volume *ct, const ost_segment_options *options, ost_volume *labels,
                                       ost_segment **out, size_t *count, ost_error *err);

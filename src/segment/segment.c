@@ -6,8 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/integer.h"
 #include "segment/cut.h"
+#include "segment/distance.h"
 #include "segment/runs.h"
+#include "segment/watershed.h"
 
 enum { THRESHOLD = 120 };
 
@@ -38,6 +41,18 @@ static void is_candidate(void *user, int32_t y, int32_t z, bool *in)
         segment_cut_row(&j->options.cuts[i], &j->ct->geometry, y, z, in);
 }
 
+/* Extends the bounds of a segment by the voxels [begin, end) of row (y, z). Rows are visited in ascending order. */
+static void extend(ost_segment *s, int32_t begin, int32_t end, int32_t y, int32_t z)
+{
+    const int32_t lo[3] = {begin, y, z}, hi[3] = {end, y + 1, z + 1};
+    const bool is_first = s->box.hi[0] == 0;
+    for (int a = 0; a < 3; a++) {
+        s->first[a] = is_first ? lo[a] : s->first[a];
+        s->box.lo[a] = is_first || lo[a] < s->box.lo[a] ? lo[a] : s->box.lo[a];
+        s->box.hi[a] = hi[a] > s->box.hi[a] ? hi[a] : s->box.hi[a];
+    }
+}
+
 /* Measures each component. A component without a voxel at or above the threshold is given 0 voxels. */
 static ost_status measure(job *j, const segment_runs *runs, ost_error *err)
 {
@@ -54,14 +69,8 @@ static ost_status measure(job *j, const segment_runs *runs, ost_error *err)
         const int16_t *row = row_of(j->ct, y, z);
         for (size_t r = runs->rows[i]; r < runs->rows[i + 1]; r++) {
             const segment_run *run = &runs->items[r];
-            ost_segment *s = &j->segments[run->component];
-            const int32_t lo[3] = {run->begin, y, z}, hi[3] = {run->end, y + 1, z + 1};
-            for (int a = 0; a < 3; a++) {
-                s->first[a] = s->voxels ? s->first[a] : lo[a];
-                s->box.lo[a] = !s->voxels || lo[a] < s->box.lo[a] ? lo[a] : s->box.lo[a];
-                s->box.hi[a] = !s->voxels || hi[a] > s->box.hi[a] ? hi[a] : s->box.hi[a];
-            }
-            s->voxels += (uint64_t)(run->end - run->begin);
+            extend(&j->segments[run->component], run->begin, run->end, y, z);
+            j->segments[run->component].voxels += (uint64_t)(run->end - run->begin);
             for (int32_t x = run->begin; x < run->end && !dense[run->component]; x++)
                 dense[run->component] = row[x] >= j->options.threshold;
         }
@@ -73,7 +82,7 @@ static ost_status measure(job *j, const segment_runs *runs, ost_error *err)
 }
 
 typedef struct ranked {
-    uint64_t voxels;
+    uint64_t voxels, first; /* number of voxels; position of the first voxel in the grid */
     uint32_t component;
 } ranked;
 
@@ -82,8 +91,7 @@ static int by_size(const void *a, const void *b)
     const ranked *p = a, *q = b;
     if (p->voxels != q->voxels)
         return p->voxels > q->voxels ? -1 : 1;
-    /* Components are numbered in the order of their first voxels. */
-    return p->component < q->component ? -1 : p->component > q->component;
+    return p->first < q->first ? -1 : p->first > q->first;
 }
 
 /* Numbers the components that are large enough, from 1 in descending order of size, and stores the number of component
@@ -91,12 +99,16 @@ static int by_size(const void *a, const void *b)
 static ost_status rank(job *j, int16_t *label, ost_error *err)
 {
     const uint64_t least = j->options.min_voxels ? j->options.min_voxels : 1;
+    const ost_dims d = j->ct->geometry.dims;
     size_t large = 0;
     ranked *list = malloc((j->count + 1) * sizeof *list);
     ost_segment *sorted = NULL;
-    for (size_t c = 0; c < j->count && list; c++)
-        if (j->segments[c].voxels >= least)
-            list[large++] = (ranked){j->segments[c].voxels, (uint32_t)c};
+    for (size_t c = 0; c < j->count && list; c++) {
+        const ost_segment *s = &j->segments[c];
+        const uint64_t row = (uint64_t)s->first[1] + (uint64_t)d.y * (uint64_t)s->first[2];
+        if (s->voxels >= least)
+            list[large++] = (ranked){s->voxels, (uint64_t)s->first[0] + (uint64_t)d.x * row, (uint32_t)c};
+    }
     if (large > OST_SEGMENT_LABELS_MAX) {
         free(list);
         return ost_fail(err, OST_ERR_RANGE, "%zu components; at most %d can have a label: exclude the smaller ones",
@@ -198,6 +210,84 @@ static ost_status fill_holes(job *j, ost_error *err)
     return status;
 }
 
+/* ------------------------------------------------------------- separation */
+
+/* Measures the pieces, whose numbers are piece[i]. A voxel that is not a candidate belongs to a filled hole. */
+static ost_status measure_pieces(job *j, const segment_sparse *sparse, const uint32_t *piece, uint32_t pieces,
+                                 ost_error *err)
+{
+    const ost_dims d = sparse->dims;
+    bool *in = malloc((size_t)d.x * sizeof *in);
+    free(j->segments);
+    j->count = pieces;
+    j->segments = calloc((size_t)pieces + 1, sizeof *j->segments);
+    if (!in || !j->segments) {
+        free(in);
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for %lu pieces", (unsigned long)pieces);
+    }
+    for (size_t i = 0; i < (size_t)d.y * (size_t)d.z; i++) {
+        const int32_t y = (int32_t)(i % (size_t)d.y), z = (int32_t)(i / (size_t)d.y);
+        if (sparse->rows[i] < sparse->rows[i + 1])
+            is_candidate(j, y, z, in);
+        for (uint32_t r = sparse->rows[i]; r < sparse->rows[i + 1]; r++)
+            for (int32_t x = sparse->runs[r].begin; x < sparse->runs[r].end; x++) {
+                ost_segment *s = &j->segments[piece[sparse->runs[r].first + (uint32_t)(x - sparse->runs[r].begin)]];
+                if (in[x]) {
+                    extend(s, x, x + 1, y, z);
+                    s->voxels++;
+                } else {
+                    s->filled++;
+                }
+            }
+    }
+    free(in);
+    return OST_OK;
+}
+
+static ost_status label_pieces(job *j, const segment_sparse *sparse, const uint32_t *piece, uint32_t pieces,
+                               ost_error *err)
+{
+    int16_t *label = calloc((size_t)pieces + 1, sizeof *label);
+    ost_status status = label ? measure_pieces(j, sparse, piece, pieces, err)
+                              : ost_fail(err, OST_ERR_MEMORY, "out of memory for %lu labels", (unsigned long)pieces);
+    if (status == OST_OK)
+        status = rank(j, label, err);
+    for (size_t i = 0; i < (size_t)sparse->dims.y * (size_t)sparse->dims.z && status == OST_OK; i++)
+        for (uint32_t r = sparse->rows[i]; r < sparse->rows[i + 1]; r++) {
+            const segment_sparse_run *run = &sparse->runs[r];
+            int16_t *row = j->labels->voxels + (size_t)sparse->dims.x * i;
+            for (int32_t x = run->begin; x < run->end; x++)
+                row[x] = label[piece[run->first + (uint32_t)(x - run->begin)]];
+        }
+    free(label);
+    return status;
+}
+
+static ost_status separate(job *j, ost_error *err)
+{
+    const uint32_t depth = (uint32_t)ost_rhe_div(j->options.separate, 1000000);
+    segment_sparse sparse;
+    uint32_t *height = NULL, *piece = NULL, pieces = 0;
+    ost_status status = segment_sparse_make(j->labels, &sparse, err);
+    if (status == OST_OK) {
+        height = malloc(((size_t)sparse.count + 1) * sizeof *height);
+        piece = malloc(((size_t)sparse.count + 1) * sizeof *piece);
+        if (!height || !piece)
+            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the separation of %lu voxels",
+                              (unsigned long)sparse.count);
+    }
+    if (status == OST_OK)
+        status = segment_distance(&sparse, j->labels->geometry.spacing, height, err);
+    if (status == OST_OK)
+        status = segment_watershed(&sparse, height, depth, piece, &pieces, err);
+    free(height);
+    if (status == OST_OK)
+        status = label_pieces(j, &sparse, piece, pieces, err);
+    free(piece);
+    segment_sparse_free(&sparse);
+    return status;
+}
+
 /* ----------------------------------------------------------------- public */
 
 static ost_status check(const ost_volume *ct, const ost_segment_options *o, ost_error *err)
@@ -209,6 +299,9 @@ static ost_status check(const ost_volume *ct, const ost_segment_options *o, ost_
     if (o->growth < 1 || o->growth > o->threshold)
         return ost_fail(err, OST_ERR_RANGE, "growth from %d HU on; expected 1 to the threshold, %d", (int)o->growth,
                         (int)o->threshold);
+    if (o->separate && (o->separate < OST_PM_PER_MM / 1000 || o->separate > OST_SEGMENT_SEPARATE_MAX))
+        return ost_fail(err, OST_ERR_RANGE, "a separation by %.9g mm; expected 0.001 to %.9g mm",
+                        ost_pm_to_mm(o->separate), ost_pm_to_mm(OST_SEGMENT_SEPARATE_MAX));
     for (size_t i = 0; i < o->cut_count; i++) {
         const ost_status status = segment_cut_check(&o->cuts[i], err);
         if (status != OST_OK)
@@ -233,6 +326,8 @@ ost_status ost_segment_volume(const ost_volume *ct, const ost_segment_options *o
         status = label_components(&j, err);
     if (status == OST_OK && j.options.fill && j.count)
         status = fill_holes(&j, err);
+    if (status == OST_OK && j.options.separate && j.count)
+        status = separate(&j, err);
     if (status != OST_OK) {
         free(j.segments);
         ost_volume_free(labels);

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A watershed in two steps, each in descending order of the height:
+ *
+ *   height
+ *     |    A                    1. basins grow from their highest voxels.  At a pass between
+ *     |   / \      B               two basins, the lower one is joined to the higher one if
+ *     |  /   \ C  / \              its peak is less than `depth` above the pass (C).
+ *     | /     V \/   \          2. the peaks that remain (A, B) are markers, from which
+ *     |/       pass   \            the pieces are flooded.
+ *
+ * The flood visits a plateau in the order of a queue, so that it is divided half way between
+ * two markers.  Step 1 alone would assign the plateau to the basin that comes first.
+ */
+#include "core/conditions.h"
+
+#include "segment/watershed.h"
+
+#include <stdlib.h>
+
+enum { LEVELS = SEGMENT_DISTANCE_MAX + 1 };
+#define NONE UINT32_MAX
+
+typedef struct basin {
+    uint32_t parent; /* number of a basin; the basin itself if it was not joined to another one */
+    uint32_t peak;   /* its first voxel, which is its highest one */
+} basin;
+
+typedef struct basins {
+    basin *items; /* owned */
+    uint32_t count, capacity;
+} basins;
+
+static uint32_t root(basin *items, uint32_t b)
+{
+    while (items[b].parent != b) {
+        items[b].parent = items[items[b].parent].parent; /* halves the path */
+        b = items[b].parent;
+    }
+    return b;
+}
+
+static ost_status add(basins *all, uint32_t peak, ost_error *err)
+{
+    if (all->count == all->capacity) {
+        const uint64_t wanted = all->capacity ? 2 * (uint64_t)all->capacity : 4096;
+        basin *grown = wanted < NONE ? realloc(all->items, (size_t)wanted * sizeof *grown) : NULL;
+        if (!grown)
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for %llu maxima of the distance",
+                            (unsigned long long)wanted);
+        all->items = grown;
+        all->capacity = (uint32_t)wanted;
+    }
+    all->items[all->count] = (basin){.parent = all->count, .peak = peak};
+    all->count++;
+    return OST_OK;
+}
+
+/* Sorts the voxels by descending height; voxels of equal height remain in ascending order. */
+static void sort(const segment_sparse *sparse, const uint32_t *height, uint32_t *count, uint32_t *order)
+{
+    for (uint32_t l = 0; l < LEVELS; l++)
+        count[l] = 0;
+    for (uint32_t i = 0; i < sparse->count; i++)
+        count[height[i]]++;
+    uint32_t first = 0;
+    for (uint32_t l = LEVELS; l-- > 0;) {
+        const uint32_t here = count[l];
+        count[l] = first;
+        first += here;
+    }
+    for (uint32_t i = 0; i < sparse->count; i++)
+        order[count[height[i]]++] = i;
+}
+
+/*
+ * Step 1.  Basins are numbered in the order of their peaks, so the basin with the lower number is the higher one, or
+ * the earlier one of two that are equally high.
+ */
+static ost_status find_basins(const segment_sparse *sparse, const uint32_t *height, uint32_t depth,
+                              const uint32_t *order, uint32_t *basin_of, basins *all, ost_error *err)
+{
+    for (uint32_t i = 0; i < sparse->count; i++)
+        basin_of[i] = NONE;
+    for (uint32_t k = 0; k < sparse->count; k++) {
+        const uint32_t i = order[k];
+        uint32_t near[SEGMENT_NEIGHBOURS], highest = NONE;
+        const int count = segment_neighbours(sparse, i, near);
+        for (int n = 0; n < count; n++) {
+            near[n] = basin_of[near[n]] == NONE ? NONE : root(all->items, basin_of[near[n]]);
+            highest = near[n] < highest ? near[n] : highest;
+        }
+        if (highest == NONE) {
+            const ost_status status = add(all, i, err);
+            if (status != OST_OK)
+                return status;
+            basin_of[i] = all->count - 1;
+            continue;
+        }
+        basin_of[i] = highest;
+        for (int n = 0; n < count; n++)
+            if (near[n] != NONE && height[all->items[near[n]].peak] - height[i] < depth)
+                all->items[near[n]].parent = highest;
+    }
+    return OST_OK;
+}
+
+/* The voxels that were reached and whose neighbours were not yet visited, as a queue for each level. */
+typedef struct flood {
+    uint32_t *head, *tail; /* owned; LEVELS elements; head[l] is NONE if the queue is empty */
+    uint32_t *next;        /* borrowed; one element per voxel */
+} flood;
+
+static void append(flood *f, uint32_t level, uint32_t i)
+{
+    f->next[i] = NONE;
+    if (f->head[level] == NONE)
+        f->head[level] = i;
+    else
+        f->next[f->tail[level]] = i;
+    f->tail[level] = i;
+}
+
+/* Step 2. A voxel above the current level is appended to the queue of this level, so levels only descend. */
+static void flood_pieces(const segment_sparse *sparse, const uint32_t *height, const basins *all, flood *f,
+                         uint32_t *piece, uint32_t *pieces)
+{
+    *pieces = 0;
+    for (uint32_t i = 0; i < sparse->count; i++)
+        piece[i] = NONE;
+    for (uint32_t l = 0; l < LEVELS; l++)
+        f->head[l] = NONE;
+    for (uint32_t b = 0; b < all->count; b++) {
+        const uint32_t peak = all->items[b].peak;
+        if (all->items[b].parent != b)
+            continue;
+        piece[peak] = (*pieces)++;
+        append(f, height[peak], peak);
+    }
+    for (uint32_t l = LEVELS; l-- > 0;)
+        while (f->head[l] != NONE) {
+            const uint32_t i = f->head[l];
+            uint32_t near[SEGMENT_NEIGHBOURS];
+            const int count = segment_neighbours(sparse, i, near);
+            for (int n = 0; n < count; n++)
+                if (piece[near[n]] == NONE) {
+                    piece[near[n]] = piece[i];
+                    append(f, height[near[n]] < l ? height[near[n]] : l, near[n]);
+                }
+            f->head[l] = f->next[i];
+        }
+}
+
+ost_status segment_watershed(const segment_sparse *sparse, const uint32_t *height, uint32_t depth, uint32_t *piece,
+                             uint32_t *pieces, ost_error *err)
+{
+    basins all = {.items = NULL};
+    uint32_t *order = malloc(((size_t)sparse->count + 1) * sizeof *order);
+    flood f = {malloc(LEVELS * sizeof *f.head), malloc(LEVELS * sizeof *f.tail), order};
+    ost_status status = OST_OK;
+    if (!order || !f.head || !f.tail)
+        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the separation of %lu voxels",
+                          (unsigned long)sparse->count);
+    if (status == OST_OK) {
+        sort(sparse, height, f.head, order);
+        status = find_basins(sparse, height, depth, order, piece, &all, err);
+    }
+    if (status == OST_OK)
+        flood_pieces(sparse, height, &all, &f, piece, pieces);
+    free(all.items);
+    free(order);
+    free(f.head);
+    free(f.tail);
+    return status;
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Divides labelled voxels into pieces that are connected by necks (AR-SEG-8, AR-SEG-9). */
+#ifndef OST_SEGMENT_WATERSHED_H
+#define OST_SEGMENT_WATERSHED_H
+
+#include "segment/distance.h"
+
+/*
+ * Stores the number of the piece of voxel i in piece[i], from 0 to *pieces - 1.  Two maxima of the height in one
+ * label belong to different pieces if the height between them falls at least `depth` micrometres below the lower
+ * one; 1 <= depth <= SEGMENT_DISTANCE_MAX.  height[i] <= SEGMENT_DISTANCE_MAX.
+ */
+ost_status segment_watershed(const segment_sparse *sparse, const uint32_t *height, uint32_t depth, uint32_t *piece,
+                             uint32_t *pieces, ost_error *err);
+
+#endif

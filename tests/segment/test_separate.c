@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Compares the pieces of random small volumes with an oracle that follows the text of the rules:
+ * the distance of a voxel by trying all other voxels, the markers by trying all paths at all
+ * heights, and the flood with one list that is searched for the next voxel.
+ *
+ * Covers: AR-SEG-7, AR-SEG-8, AR-SEG-9
+ */
+#include <osteon/segment.h>
+
+#include "harness.h"
+
+enum { MOST = 10 * 10 * 10 };
+
+static size_t voxel_count(const ost_volume *v)
+{
+    return (size_t)ost_dims_count(v->geometry.dims);
+}
+
+/* A volume of a few overlapping boxes, some of which touch, with a few voids. */
+static void make(ost_volume *ct, test_rng *rng)
+{
+    ost_error err = {0};
+    const ost_geometry g = {
+        .dims = {(int32_t)rng_range(rng, 1, 10), (int32_t)rng_range(rng, 1, 10), (int32_t)rng_range(rng, 1, 10)},
+        /* 0.1 to 2.5 mm; every third one is no whole number of micrometres */
+        .spacing = {rng_range(rng, 1, 25) * 100000000 + rng_range(rng, 0, 2) * 250000,
+                    rng_range(rng, 1, 25) * 100000000, rng_range(rng, 1, 25) * 100000000},
+    };
+    assert_ok(ost_volume_init(ct, &g, &err));
+    const int32_t n[3] = {g.dims.x, g.dims.y, g.dims.z};
+    for (int64_t boxes = rng_range(rng, 1, 6); boxes > 0; boxes--) {
+        int32_t lo[3], hi[3];
+        for (int a = 0; a < 3; a++) {
+            lo[a] = (int32_t)rng_range(rng, 0, n[a] - 1);
+            hi[a] = (int32_t)rng_range(rng, lo[a], n[a] - 1);
+        }
+        for (int32_t z = lo[2]; z <= hi[2]; z++)
+            for (int32_t y = lo[1]; y <= hi[1]; y++)
+                for (int32_t x = lo[0]; x <= hi[0]; x++)
+                    ct->voxels[x + n[0] * (y + n[1] * z)] = 500;
+    }
+    for (int64_t voids = rng_range(rng, 0, 8); voids > 0; voids--)
+        ct->voxels[rng_range(rng, 0, (int64_t)voxel_count(ct) - 1)] = 0;
+}
+
+/* ----------------------------------------------------------------- oracle */
+
+typedef struct oracle {
+    const ost_volume *labels; /* without the separation */
+    int64_t height[MOST];
+    int piece[MOST]; /* -1: none */
+    int pieces;
+} oracle;
+
+static void position(const ost_volume *v, size_t i, int64_t at[3])
+{
+    const size_t nx = (size_t)v->geometry.dims.x, ny = (size_t)v->geometry.dims.y;
+    at[0] = (int64_t)(i % nx);
+    at[1] = (int64_t)(i / nx % ny);
+    at[2] = (int64_t)(i / nx / ny);
+}
+
+/* Returns the number of neighbours of voxel i in next[], in the order of AR-SEG-9. */
+static int neighbours(const ost_volume *v, size_t i, size_t next[6])
+{
+    const size_t step[3] = {1, (size_t)v->geometry.dims.x, (size_t)v->geometry.dims.x * (size_t)v->geometry.dims.y};
+    const int64_t n[3] = {v->geometry.dims.x, v->geometry.dims.y, v->geometry.dims.z};
+    int64_t at[3];
+    int count = 0;
+    position(v, i, at);
+    for (int a = 0; a < 3; a++) {
+        if (at[a] > 0 && v->voxels[i - step[a]] == v->voxels[i])
+            next[count++] = i - step[a];
+        if (at[a] + 1 < n[a] && v->voxels[i + step[a]] == v->voxels[i])
+            next[count++] = i + step[a];
+    }
+    return count;
+}
+
+/* RHE of a positive number of picometres to micrometres. */
+static int64_t to_um(ost_pm pm)
+{
+    const int64_t um = pm / 1000000, rest = pm % 1000000;
+    return um + (rest > 500000 || (rest == 500000 && um % 2 == 1));
+}
+
+static void compute_heights(oracle *o)
+{
+    const ost_pm3 s = o->labels->geometry.spacing;
+    const int64_t um[3] = {to_um(s.x), to_um(s.y), to_um(s.z)}, limit = INT64_C(65535) * 65535;
+    for (size_t i = 0; i < voxel_count(o->labels); i++) {
+        int64_t least = limit, p[3], q[3];
+        position(o->labels, i, p);
+        for (size_t k = 0; k < voxel_count(o->labels); k++) {
+            int64_t sum = 0;
+            if (o->labels->voxels[k])
+                continue;
+            position(o->labels, k, q);
+            for (int a = 0; a < 3; a++)
+                sum += um[a] * (p[a] - q[a]) * um[a] * (p[a] - q[a]);
+            least = sum < least ? sum : least;
+        }
+        int64_t r = 0;
+        while ((r + 1) * (r + 1) <= least)
+            r += (r + 1000) * (r + 1000) <= least ? 1000 : 1;
+        o->height[i] = r;
+    }
+}
+
+static bool comes_before(const oracle *o, size_t a, size_t b)
+{
+    return o->height[a] > o->height[b] || (o->height[a] == o->height[b] && a < b);
+}
+
+/* Returns true if a path from `from` to a voxel before it exists whose heights are all at least t. */
+static bool reaches_higher(const oracle *o, size_t from, int64_t t)
+{
+    static size_t list[MOST];
+    bool seen[MOST] = {false};
+    size_t count = 0, next[6];
+    list[count++] = from;
+    seen[from] = true;
+    for (size_t k = 0; k < count; k++) {
+        if (comes_before(o, list[k], from))
+            return true;
+        for (int n = neighbours(o->labels, list[k], next) - 1; n >= 0; n--)
+            if (!seen[next[n]] && o->height[next[n]] >= t) {
+                seen[next[n]] = true;
+                list[count++] = next[n];
+            }
+    }
+    return false;
+}
+
+typedef struct waiting {
+    size_t voxel;
+    int64_t level;
+    bool done;
+} waiting;
+
+static void flood(oracle *o, int64_t depth)
+{
+    static waiting list[MOST];
+    static size_t order[MOST];
+    const size_t all = voxel_count(o->labels);
+    size_t voxels = 0, count = 0;
+    for (size_t i = 0; i < all; i++) {
+        o->piece[i] = -1;
+        if (!o->labels->voxels[i])
+            continue;
+        size_t at = voxels++;
+        for (; at > 0 && comes_before(o, i, order[at - 1]); at--)
+            order[at] = order[at - 1];
+        order[at] = i;
+    }
+    o->pieces = 0;
+    for (size_t k = 0; k < voxels; k++) /* a marker reaches nothing higher above its height less the depth */
+        if (!reaches_higher(o, order[k], o->height[order[k]] - depth + 1)) {
+            o->piece[order[k]] = o->pieces++;
+            list[count++] = (waiting){order[k], o->height[order[k]], false};
+        }
+    for (;;) {
+        size_t best = count, next[6];
+        for (size_t k = 0; k < count; k++)
+            if (!list[k].done && (best == count || list[k].level > list[best].level))
+                best = k;
+        if (best == count)
+            return;
+        list[best].done = true;
+        const int near = neighbours(o->labels, list[best].voxel, next);
+        for (int n = 0; n < near; n++)
+            if (o->piece[next[n]] < 0) {
+                const int64_t h = o->height[next[n]];
+                o->piece[next[n]] = o->piece[list[best].voxel];
+                list[count++] = (waiting){next[n], h < list[best].level ? h : list[best].level, false};
+            }
+    }
+}
+
+/* ------------------------------------------------------------------ tests */
+
+static void check_pieces(const oracle *o, const ost_volume *ct, const ost_segment_options *options,
+                         const ost_volume *labels, const ost_segment *segments, size_t count)
+{
+    const size_t all = voxel_count(ct);
+    size_t voxels[MOST] = {0}, filled[MOST] = {0}, first[MOST], found = 0;
+    int of_piece[MOST];
+    for (size_t i = all; i-- > 0;)
+        if (o->piece[i] >= 0) {
+            const bool dense = ct->voxels[i] >= options->growth;
+            voxels[o->piece[i]] += dense;
+            filled[o->piece[i]] += !dense;
+            if (dense)
+                first[o->piece[i]] = i;
+        }
+    for (int p = 0; p < o->pieces; p++) {
+        of_piece[p] = 0;
+        if (voxels[p] < 1 || voxels[p] < options->min_voxels)
+            continue;
+        int rank = 1; /* one more than the number of pieces that come before */
+        for (int q = 0; q < o->pieces; q++)
+            rank += voxels[q] > voxels[p] || (voxels[q] == voxels[p] && voxels[q] && first[q] < first[p]);
+        of_piece[p] = rank;
+        found++;
+        assert_true((size_t)rank <= count);
+        assert_int_equal(segments[rank - 1].voxels, voxels[p]);
+        assert_int_equal(segments[rank - 1].filled, filled[p]);
+        int64_t at[3];
+        position(ct, first[p], at);
+        for (int a = 0; a < 3; a++)
+            assert_int_equal(segments[rank - 1].first[a], at[a]);
+    }
+    assert_int_equal(found, count);
+    for (size_t i = 0; i < all; i++)
+        assert_int_equal(labels->voxels[i], o->piece[i] < 0 ? 0 : of_piece[o->piece[i]]);
+}
+
+static void pieces_equal_the_oracle(void **state)
+{
+    (void)state;
+    static oracle o;
+    test_rng rng = rng_seeded("separate");
+    size_t divided = 0, with_holes = 0;
+    for (int round = 0; round < 2500; round++) {
+        ost_volume ct, whole, labels;
+        ost_segment *segments;
+        size_t before, count;
+        ost_error err = {0};
+        make(&ct, &rng);
+        ost_segment_options options = {.threshold = 100,
+                                       .growth = 100,
+                                       .fill = rng_range(&rng, 0, 1),
+                                       .min_voxels = (uint64_t)rng_range(&rng, 0, 3)};
+        assert_ok(ost_segment_volume(&ct, &options, &whole, &segments, &before, &err));
+        ost_segments_free(segments);
+        options.separate = rng_range(&rng, 1, 20) * OST_PM_PER_MM / 20 + rng_range(&rng, 0, 1) * 500000;
+        assert_ok(ost_segment_volume(&ct, &options, &labels, &segments, &count, &err));
+        o.labels = &whole;
+        compute_heights(&o);
+        flood(&o, to_um(options.separate));
+        check_pieces(&o, &ct, &options, &labels, segments, count);
+        divided += count > before;
+        for (size_t k = 0; k < count; k++)
+            with_holes += segments[k].filled > 0;
+        ost_segments_free(segments);
+        ost_volume_free(&labels);
+        ost_volume_free(&whole);
+        ost_volume_free(&ct);
+    }
+    printf("# %zu divided, %zu with holes\n", divided, with_holes);
+    assert_true(divided > 150 && with_holes > 10);
+}
+
+/* The example of docs/spec/arithmetic.md: two squares of 3 x 3 voxels of 1 mm with a bridge of one voxel. */
+static void squares_with_a_bridge(void **state)
+{
+    (void)state;
+    static const char *const rows[5] = {".........", ".###.###.", ".#######.", ".###.###.", "........."},
+                            *const two[5] = {".........", ".111.222.", ".1111222.", ".111.222.", "........."};
+    const ost_geometry g = {.dims = {9, 5, 1}, .spacing = {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}};
+    ost_segment_options options = {.separate = OST_PM_PER_MM};
+    ost_error err = {0};
+    ost_volume ct, labels;
+    ost_segment *segments;
+    size_t count;
+    assert_ok(ost_volume_init(&ct, &g, &err));
+    for (int i = 0; i < 45; i++)
+        ct.voxels[i] = rows[i / 9][i % 9] == '#' ? 500 : 0;
+    assert_ok(ost_segment_volume(&ct, &options, &labels, &segments, &count, &err));
+    assert_int_equal(count, 2);
+    assert_int_equal(segments[0].voxels, 10);
+    assert_int_equal(segments[1].voxels, 9);
+    for (int i = 0; i < 45; i++)
+        assert_int_equal(labels.voxels[i], two[i / 9][i % 9] == '.' ? 0 : two[i / 9][i % 9] - '0');
+    ost_segments_free(segments);
+    ost_volume_free(&labels);
+    options.separate += OST_PM_PER_MM / 1000;
+    assert_ok(ost_segment_volume(&ct, &options, &labels, &segments, &count, &err));
+    assert_int_equal(count, 1);
+    assert_int_equal(segments[0].voxels, 19);
+    ost_segments_free(segments);
+    ost_volume_free(&labels);
+    ost_volume_free(&ct);
+}
+
+/* Beyond 65.535 mm, and without any voxel outside the bone, heights are equal and nothing is divided. */
+static void large_distances(void **state)
+{
+    (void)state;
+    const ost_geometry g = {.dims = {5, 3, 2}, .spacing = {OST_SPACING_MAX, OST_SPACING_MAX, OST_SPACING_MAX}};
+    const ost_segment_options options = {.separate = OST_PM_PER_MM / 1000};
+    ost_error err = {0};
+    ost_volume ct, labels;
+    ost_segment *segments;
+    size_t count;
+    assert_ok(ost_volume_init(&ct, &g, &err));
+    for (int hole = 0; hole < 2; hole++) {
+        for (int i = 0; i < 30; i++)
+            ct.voxels[i] = hole && i == 7 ? 0 : 500;
+        assert_ok(ost_segment_volume(&ct, &options, &labels, &segments, &count, &err));
+        assert_int_equal(count, 1);
+        assert_int_equal(segments[0].voxels, hole ? 29 : 30);
+        ost_segments_free(segments);
+        ost_volume_free(&labels);
+    }
+    ost_volume_free(&ct);
+}
+
+static void depth_out_of_range(void **state)
+{
+    (void)state;
+    const ost_pm wrong[3] = {-1, OST_PM_PER_MM / 1000 - 1, OST_SEGMENT_SEPARATE_MAX + 1};
+    const ost_geometry g = {.dims = {2, 2, 2}, .spacing = {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}};
+    ost_error err = {0};
+    ost_volume ct, labels;
+    ost_segment *segments;
+    size_t count;
+    assert_ok(ost_volume_init(&ct, &g, &err));
+    for (int i = 0; i < 3; i++) {
+        const ost_segment_options options = {.separate = wrong[i]};
+        assert_int_equal(ost_segment_volume(&ct, &options, &labels, &segments, &count, &err), OST_ERR_RANGE);
+        assert_non_null(strstr(err.text, "expected 0.001 to 65 mm"));
+    }
+    ost_volume_free(&ct);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pieces_equal_the_oracle),
+        cmocka_unit_test(squares_with_a_bridge),
+        cmocka_unit_test(large_distances),
+        cmocka_unit_test(depth_out_of_range),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
