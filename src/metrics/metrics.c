@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "core/vector.h"
-#include "metrics/fit.h"
+#include "core/fit.h"
 #include "metrics/frame.h"
 #include "metrics/rim.h"
 #include "metrics/tool_way.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "metrics/fit.h"
+#include "core/fit.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Least-squares fit of a sphere to points. */
-#ifndef OST_METRICS_FIT_H
-#define OST_METRICS_FIT_H
+#ifndef OST_CORE_FIT_H
+#define OST_CORE_FIT_H
 
 #include <stdbool.h>
 #include <stddef.h>

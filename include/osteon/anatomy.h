@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Finds the parts of a bone that an operation needs: spheres, such as the humeral head and the
+ * centre of curvature of the glenoid.
+ *
+ *   voxels --surface--> points, normals --votes along the normals--> candidates --least squares--> spheres
+ *
+ * The results are proposals, not measurements: each has figures that state how sure it is, and a
+ * surgeon confirms or corrects it.  They are computed from additions, multiplications, divisions
+ * and square roots of doubles in a fixed order, and lengths are rounded to 0.01 mm, so they are
+ * the same on every machine.
+ *
+ * Threads: the functions have no state and may run on any thread; a volume that is passed
+ * as const may be shared.
+ */
+#ifndef OSTEON_ANATOMY_H
+#define OSTEON_ANATOMY_H
+
+#include <osteon/grid.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+ * The voxels that are bone: those whose values are from low to high.  For label k of a label map
+ * both are k; for a CT they are the threshold and 32767.  low must be at least 1.
+ */
+typedef struct ost_anatomy_bone {
+    const ost_volume *volume;
+    int32_t low, high;
+} ost_anatomy_bone;
+
+/* Options of a search for spheres. A zero-initialised struct selects the defaults. */
+typedef struct ost_sphere_options {
+    bool concave;                   /* the bone lies outside the sphere, as at the glenoid; default: inside */
+    ost_pm radius_min, radius_max;  /* 5 to 100 mm; 0, 0: 17 and 32 mm, or 20 and 45 mm if concave */
+    bool has_near;                  /* only spheres whose centres are within `reach` of `near` are found */
+    ost_pm3 near;
+    ost_pm reach;
+} ost_sphere_options;
+
+/* A sphere that fits a part of the surface of a bone. */
+typedef struct ost_sphere {
+    ost_pm3 centre;     /* rounded to 0.01 mm, as the radius */
+    ost_pm radius;
+    double coverage;    /* share of the sphere that lies on the surface of the bone, 0 to 1 */
+    double area_mm2;    /* area of the surface of the bone that lies on the sphere */
+    double residual_mm; /* RMS distance of this surface from the sphere */
+    double facing[3];   /* unit vector from the centre to the middle of this surface */
+} ost_sphere;
+
+enum { OST_SPHERES_MAX = 16 };
+/*
+ * Finds spheres on the surface of a bone.  Cavities in the bone are ignored.  Stores at most `most` (1 to
+ * OST_SPHERES_MAX) spheres in out, in descending order of coverage, or of area if they are concave, and their
+ * number in *count.  Spheres have at least 10 mm between their centres.  A sphere is reported if it covers a share of
+ * at least 0.15, or at least 200 mm2 if it is concave.  Returns OST_ERR_RANGE if an option is out of range,
+ * and OST_ERR_INPUT if there is no bone or no sphere.
+ */
+OST_API ost_status ost_spheres_find(const ost_anatomy_bone *bone, const ost_sphere_options *options, ost_sphere *out,
+                                    int most, int *count, ost_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

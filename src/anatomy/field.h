@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The share of each cell of a coarse grid that is bone, from 0 to 1.
+ *
+ *   voxels --blocks of about step mm--> shares --fill, smooth--> field --trilinear--> share at a point
+ *
+ * Anatomy is computed in doubles from additions, multiplications, divisions and square roots, in a fixed order, so
+ * the results are the same on every machine.  Lengths are in mm, in the frame of the volume (LPS).
+ */
+#ifndef OST_ANATOMY_FIELD_H
+#define OST_ANATOMY_FIELD_H
+
+#include <osteon/anatomy.h>
+
+typedef struct anatomy_field {
+    int32_t n[3];            /* number of cells along each axis */
+    double origin[3], step[3]; /* centre of cell (0, 0, 0); size of a cell */
+    float *share;            /* owned; x fastest */
+} anatomy_field;
+
+typedef struct anatomy_box {
+    double lo[3], hi[3];
+} anatomy_box;
+
+/*
+ * Makes the field of the part of a bone within a box, or of the complete bone if box is NULL.  Cells are blocks of
+ * whole voxels, about `step` mm wide, and wider if there would be more than 2^24.  Returns OST_ERR_INPUT if the box
+ * contains no voxel.
+ */
+ost_status anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *box, double step, anatomy_field *out,
+                              ost_error *err);
+void anatomy_field_free(anatomy_field *field);
+
+/* Sets the share of all cells that are not connected with the border of the field through cells below 0.5 to 1. */
+ost_status anatomy_field_fill(anatomy_field *field, ost_error *err);
+/* Smooths by weights 1, 2, 1 along the axes whose cells are at most 1.5 times as wide as the narrowest ones. */
+ost_status anatomy_field_smooth(anatomy_field *field, ost_error *err);
+
+static inline size_t anatomy_field_index(const anatomy_field *f, int32_t x, int32_t y, int32_t z)
+{
+    return (size_t)x + (size_t)f->n[0] * ((size_t)y + (size_t)f->n[1] * (size_t)z);
+}
+
+/* Returns the share at a point by trilinear interpolation; 0 outside the field. */
+double anatomy_field_at(const anatomy_field *field, const double at[3]);
+/* Computes the gradient at a point, per mm, by central differences over one cell on each side. */
+void anatomy_field_gradient(const anatomy_field *field, const double at[3], double out[3]);
+
+/* Returns the greatest integer that is at most v. |v| < 2^53. */
+static inline int64_t anatomy_floor(double v)
+{
+    const int64_t n = (int64_t)v;
+    return n - ((double)n > v);
+}
+
+/* Rounds a length in mm to 0.01 mm. */
+static inline ost_pm anatomy_round(double mm)
+{
+    return anatomy_floor(mm * 100 + 0.5) * (OST_PM_PER_MM / 100);
+}
+
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef OST_ANATOMY_SPHERES_H
+#define OST_ANATOMY_SPHERES_H
+
+#include "anatomy/surface.h"
+
+/* Finds spheres on a surface, as ost_spheres_find; *count may be 0. The options must be within their ranges. */
+ost_status anatomy_spheres(const anatomy_surface *surface, const ost_sphere_options *options, ost_sphere *out,
+                           int most, int *count, ost_error *err);
+/* Replaces options that are 0 by the defaults and checks all. */
+ost_status anatomy_sphere_options(ost_sphere_options *options, ost_error *err);
+/* Returns OST_ERR_USAGE or OST_ERR_RANGE if the bone has no voxels or its values are out of range. */
+ost_status anatomy_bone_check(const ost_anatomy_bone *bone, ost_error *err);
+
+#endif

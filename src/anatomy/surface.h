@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The surface of a field, where its share is 0.5, as points with outward normals. */
+#ifndef OST_ANATOMY_SURFACE_H
+#define OST_ANATOMY_SURFACE_H
+
+#include "anatomy/field.h"
+
+typedef struct anatomy_point {
+    double at[3], normal[3]; /* position in mm; outward unit vector */
+    double area;             /* area in mm2 that the point represents */
+} anatomy_point;
+
+typedef struct anatomy_surface {
+    anatomy_point *points; /* owned */
+    size_t count, capacity;
+} anatomy_surface;
+
+/*
+ * Finds the positions between neighbouring cells at which the share crosses 0.5, by linear interpolation.  Returns
+ * OST_ERR_RANGE if there are more than 2^22.  The caller frees *out by anatomy_surface_free, even after a failure.
+ */
+ost_status anatomy_surface_make(const anatomy_field *field, anatomy_surface *out, ost_error *err);
+void anatomy_surface_free(anatomy_surface *surface);
+
+#endif
