@@ -254,6 +254,12 @@ OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta,
 /* ---------------------------------------------------------------- import */
 
 enum { OST_MASK_LABELS_MAX = 128 };
+/*
+ * Makes a label map of a CT with the threshold of the import, for example by ost_segment_volume.  *labels is initialised
+ * here, has the grid of the CT, and is freed by ost_import; the facts in its meta are added to those of the bone.
+ */
+typedef ost_status ost_import_labels(void *user, const ost_volume *ct, int32_t threshold, ost_volume *labels,
+                                     ost_error *err);
 /* Options of an import. A zero-initialised struct selects the defaults. */
 typedef struct ost_import_options {
     /* replaces the spacing in the file; 0: the spacing is read from the file, or inferred for text */
@@ -276,6 +282,12 @@ typedef struct ost_import_options {
     int16_t mask_labels[OST_MASK_LABELS_MAX]; /* the labels that are selected */
     int mask_label_count;     /* number of selected labels; 0 selects all labels except 0 */
     bool mask_fill;           /* densities of selected voxels below the threshold are set to the threshold */
+    /*
+     * NULL, or a function that is called after the mask was applied.  The voxels with a label are the bone, as with a
+     * mask of all labels and mask_fill.  Not for CTs given as text.
+     */
+    ost_import_labels *labels;
+    void *labels_user;
 } ost_import_options;
 
 /* The effect of a mask, in voxels of the CT. */
@@ -308,6 +320,7 @@ typedef struct ost_import_result {
     int stage_count;
     ost_stage stages[OST_STAGES_MAX];
     ost_mask_report mask;          /* zero without a mask */
+    ost_mask_report labels;        /* zero without a function `labels` */
 } ost_import_result;
 
 /*

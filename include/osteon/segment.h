@@ -70,6 +70,19 @@ typedef struct ost_segment {
  */
 OST_API ost_status ost_segment_volume(const ost_volume *ct, const ost_segment_options *options, ost_volume *labels,
                                       ost_segment **out, size_t *count, ost_error *err);
+/* Returns the label of the voxel that contains a position, or -1 if it is outside the grid. */
+OST_API int ost_segment_label_at(const ost_volume *labels, ost_pm3 at);
+/*
+ * Returns the label of the voxel that is nearest to a position among those with a label, and stores its centre in
+ * *found (AR-SEG-10). Returns 0 if no voxel has a label. at is within OST_LENGTH_MAX.
+ */
+OST_API int ost_segment_label_near(const ost_volume *labels, ost_pm3 at, ost_pm3 *found);
+/*
+ * Removes the components k for which keep[k] is false, and numbers the labels of the others from 1 in unchanged
+ * order (AR-SEG-10).  labels, segments and *count are results of ost_segment_volume.
+ */
+OST_API ost_status ost_segments_keep(ost_volume *labels, ost_segment *segments, size_t *count, const bool *keep,
+                                     ost_error *err);
 /* Frees a list of components. */
 OST_API void ost_segments_free(ost_segment *segments);
 

@@ -266,6 +266,18 @@ static ost_status rect_from_text(job *j, ost_error *err)
 
 /* --------------------------------------------------------------- other formats */
 
+/* Sets the rect grid to the grid of the file with the spacing that the options state. */
+static ost_status set_rect(job *j, const ost_geometry *geometry, ost_error *err)
+{
+    const ost_pm3 stated = j->options->spacing;
+    ost_geometry *rect = &j->result->rect;
+    *rect = *geometry;
+    rect->spacing.x = stated.x ? stated.x : rect->spacing.x;
+    rect->spacing.y = stated.y ? stated.y : rect->spacing.y;
+    rect->spacing.z = stated.z ? stated.z : rect->spacing.z;
+    return ost_geometry_check(rect, j->path, err);
+}
+
 /* Creates the rect grid for a volume of this geometry. Implements ost_target.begin. */
 static ost_status begin_rect(void *user, const ost_geometry *geometry, ost_error *err)
 {
@@ -273,11 +285,7 @@ static ost_status begin_rect(void *user, const ost_geometry *geometry, ost_error
     const ost_import_options *options = j->options;
     ost_geometry *rect = &j->result->rect;
     j->file_dims = geometry->dims;
-    *rect = *geometry;
-    rect->spacing.x = options->spacing.x ? options->spacing.x : rect->spacing.x;
-    rect->spacing.y = options->spacing.y ? options->spacing.y : rect->spacing.y;
-    rect->spacing.z = options->spacing.z ? options->spacing.z : rect->spacing.z;
-    ost_status status = ost_geometry_check(rect, j->path, err);
+    ost_status status = set_rect(j, geometry, err);
     if (status == OST_OK && options->crop)
         status = crop_geometry(j->path, &options->crop_box, rect, err);
     if (status != OST_OK)
@@ -357,7 +365,7 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
     return OST_OK;
 }
 
-/* Reads a volume, applies the mask to it, and uploads it. A mask needs the complete volume. */
+/* Reads a volume, applies the mask and the labels to it, and uploads it. Both need the complete volume. */
 static ost_status rect_from_masked(job *j, ost_error *err)
 {
     ost_import_result *result = j->result;
@@ -368,9 +376,11 @@ static ost_status rect_from_masked(job *j, ost_error *err)
         return status;
     result->meta = volume.meta;
     const ost_dims dims = volume.geometry.dims;
-    status = find_threshold(j, &threshold, err);
+    status = set_rect(j, &volume.geometry, err);
     if (status == OST_OK)
-        status = ost_mask_apply(j->path, j->options, threshold, &volume, &result->meta, &result->mask, err);
+        status = find_threshold(j, &threshold, err);
+    if (status == OST_OK)
+        status = ost_mask_apply(j->path, j->options, threshold, &volume, result, err);
     if (status == OST_OK)
         status = begin_rect(j, &volume.geometry, err);
     for (int32_t z = 0; z < dims.z && status == OST_OK; z++)
@@ -387,9 +397,10 @@ static ost_status rect_from_volume(job *j, ost_error *err)
     ost_element element;
     ost_status status = stage_begin(j, "rect", err);
     if (status == OST_OK)
-        status = j->options->mask ? rect_from_masked(j, err)
-                                  : ost_volume_read_any(j->path, &j->options->volume, &target, &geometry, &result->meta,
-                                                        &result->volume, &element, err);
+        status = j->options->mask || j->options->labels
+                     ? rect_from_masked(j, err)
+                     : ost_volume_read_any(j->path, &j->options->volume, &target, &geometry, &result->meta,
+                                           &result->volume, &element, err);
     if (status == OST_OK)
         status = upload_batch(j, err);
     free(j->batch);
@@ -490,7 +501,7 @@ static ost_status rect_from_file(job *j, ost_error *err)
         return status;
     switch (j->result->kind) {
     case OST_FILE_CT_TEXT:
-        return j->options->mask ? ost_mask_refuse_text(j->path, err) : rect_from_text(j, err);
+        return j->options->mask || j->options->labels ? ost_mask_refuse_text(j->path, err) : rect_from_text(j, err);
     case OST_FILE_NRRD:
     case OST_FILE_NIFTI:
     case OST_FILE_METAIMAGE:

@@ -51,7 +51,14 @@ static ost_status none_selected(const char *mask, const bool *present, ost_error
                  : ost_fail(err, OST_ERR_INPUT, "%s: every voxel has label 0, so that no bone is selected", mask);
 }
 
-static ost_status apply(const char *mask, const ost_import_options *options, const int16_t *labels, int32_t threshold,
+/* The labels that are selected; none selects all but 0. */
+typedef struct selection {
+    const int16_t *labels;
+    int count;
+    bool fill;
+} selection;
+
+static ost_status apply(const char *mask, const selection *chosen, const int16_t *labels, int32_t threshold,
                         ost_volume *volume, ost_mask_report *report, ost_error *err)
 {
     const size_t count = (size_t)ost_dims_count(volume->geometry.dims);
@@ -59,10 +66,10 @@ static ost_status apply(const char *mask, const ost_import_options *options, con
     ost_status status = OST_OK;
     if (!selected)
         return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a table of labels", mask);
-    for (int v = 0; v < VALUES && !options->mask_label_count; v++)
-        selected[v] = v != -INT16_MIN; /* every label but 0 */
-    for (int i = 0; i < options->mask_label_count; i++)
-        selected[options->mask_labels[i] - INT16_MIN] = true;
+    for (int v = 0; v < VALUES && !chosen->count; v++)
+        selected[v] = v != -INT16_MIN;
+    for (int i = 0; i < chosen->count; i++)
+        selected[chosen->labels[i] - INT16_MIN] = true;
     for (size_t i = 0; i < count; i++) {
         const int label = labels[i] - INT16_MIN;
         present[label] = true;
@@ -75,7 +82,7 @@ static ost_status apply(const char *mask, const ost_import_options *options, con
         if (!in && bone) {
             volume->voxels[i] = 0;
             report->removed++;
-        } else if (in && !bone && options->mask_fill) {
+        } else if (in && !bone && chosen->fill) {
             volume->voxels[i] = (int16_t)threshold;
             report->filled++;
         }
@@ -96,17 +103,18 @@ static ost_status set_facts(const ost_import_options *options, ost_meta *meta, o
 
 ost_status ost_mask_refuse_text(const char *path, ost_error *err)
 {
-    return ost_fail(err, OST_ERR_USAGE, "%s: is a text; a mask needs a CT as NRRD, NIfTI or MetaImage", path);
+    return ost_fail(err, OST_ERR_USAGE, "%s: is a text; a mask needs a CT as NRRD, NIfTI or MetaImage, and so does the "
+                    "selection of a bone", path);
 }
 
-ost_status ost_mask_apply(const char *path, const ost_import_options *options, int32_t threshold, ost_volume *volume,
-                          ost_meta *meta, ost_mask_report *report, ost_error *err)
+static ost_status apply_mask(const char *path, const ost_import_options *options, int32_t threshold,
+                             ost_volume *volume, ost_import_result *result, ost_error *err)
 {
+    const selection chosen = {options->mask_labels, options->mask_label_count, options->mask_fill};
     ost_volume labels = {0};
     ost_volume_report read;
-    *report = (ost_mask_report){0};
-    if (options->mask_label_count < 0 || options->mask_label_count > OST_MASK_LABELS_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: %d labels of a mask; at most %d", path, options->mask_label_count,
+    if (chosen.count < 0 || chosen.count > OST_MASK_LABELS_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "%s: %d labels of a mask; at most %d", path, chosen.count,
                         OST_MASK_LABELS_MAX);
     ost_volume_options how = options->volume;
     how.series = NULL; /* these options select images of the CT */
@@ -118,9 +126,41 @@ ost_status ost_mask_apply(const char *path, const ost_import_options *options, i
     if (status == OST_OK)
         status = check_grid(path, options->mask, &volume->geometry, &labels.geometry, err);
     if (status == OST_OK)
-        status = apply(options->mask, options, labels.voxels, threshold, volume, report, err);
+        status = apply(options->mask, &chosen, labels.voxels, threshold, volume, &result->mask, err);
     if (status == OST_OK)
-        status = set_facts(options, meta, err);
+        status = set_facts(options, &result->meta, err);
     ost_volume_free(&labels);
+    return status;
+}
+
+static ost_status apply_labels(const char *path, const ost_import_options *options, int32_t threshold,
+                               ost_volume *volume, ost_import_result *result, ost_error *err)
+{
+    const ost_volume ct = {.geometry = result->rect, .meta = result->meta, .voxels = volume->voxels};
+    const ost_dims d = ct.geometry.dims;
+    const selection all = {.fill = true};
+    ost_volume labels = {0};
+    ost_status status = options->labels(options->labels_user, &ct, threshold, &labels, err);
+    if (status == OST_OK && (!labels.voxels || labels.geometry.dims.x != d.x || labels.geometry.dims.y != d.y ||
+                             labels.geometry.dims.z != d.z))
+        status = ost_fail(err, OST_ERR_USAGE, "the function `labels` made no label map on the grid of the CT");
+    if (status == OST_OK)
+        status = apply("the label map", &all, labels.voxels, threshold, volume, &result->labels, err);
+    for (int i = 0; i < labels.meta.count && status == OST_OK; i++)
+        status = ost_meta_set(&result->meta, labels.meta.entry[i].key, labels.meta.entry[i].value, err);
+    if (status != OST_OK)
+        (void)ost_fail_context(err, "%s", path);
+    ost_volume_free(&labels);
+    return status;
+}
+
+ost_status ost_mask_apply(const char *path, const ost_import_options *options, int32_t threshold, ost_volume *volume,
+                          ost_import_result *result, ost_error *err)
+{
+    ost_status status = OST_OK;
+    if (options->mask)
+        status = apply_mask(path, options, threshold, volume, result, err);
+    if (status == OST_OK && options->labels)
+        status = apply_labels(path, options, threshold, volume, result, err);
     return status;
 }

@@ -8,13 +8,15 @@
 #include <osteon/io.h>
 
 /*
- * Reads options->mask and applies it to `volume`, the CT that was read from `path`. Voxels that are not selected
- * become 0 if their density is at least the threshold. With mask_fill, selected voxels below the threshold are set
- * to the threshold. The labels are recorded in `meta`. Returns OST_ERR_INPUT if the grid of the label map differs
+ * Applies options->mask, then options->labels, to `volume`, the CT that was read from `path`.
+ * Voxels that are not selected become 0 if their density is at least the threshold.  With
+ * mask_fill, and for options->labels, selected voxels below the threshold are set to the
+ * threshold.  result->rect is the grid of the CT with the spacing of the options; the counts
+ * and facts are stored in *result.  Returns OST_ERR_INPUT if the grid of the label map differs
  * from that of the CT, or if the label map selects no voxel.
  */
 ost_status ost_mask_apply(const char *path, const ost_import_options *options, int32_t threshold, ost_volume *volume,
-                          ost_meta *meta, ost_mask_report *report, ost_error *err);
+                          ost_import_result *result, ost_error *err);
 
 /* Returns the error for a mask that is given with a CT in text form, which has no grid before its samples are read. */
 ost_status ost_mask_refuse_text(const char *path, ost_error *err);

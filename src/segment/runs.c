@@ -63,7 +63,7 @@ ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segmen
 {
     const size_t rows = (size_t)dims.y * (size_t)dims.z;
     bool *in = malloc((size_t)dims.x * sizeof *in);
-    *out = (segment_runs){.rows = malloc((rows + 1) * sizeof *out->rows)};
+    *out = (segment_runs){.rows_count = rows, .rows = malloc((rows + 1) * sizeof *out->rows)};
     ost_status status = in && out->rows ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu rows", rows);
     for (size_t i = 0; i < rows && status == OST_OK; i++) {
         out->rows[i] = out->count;

@@ -21,6 +21,7 @@ typedef struct segment_run {
 typedef struct segment_runs {
     segment_run *items; /* owned */
     size_t count, capacity;
+    size_t rows_count;  /* ny nz */
     size_t *rows;       /* owned; row i = y + ny z consists of the runs [rows[i], rows[i + 1]) */
     uint32_t components;
 } segment_runs;

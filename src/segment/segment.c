@@ -9,6 +9,7 @@
 #include "core/integer.h"
 #include "segment/cut.h"
 #include "segment/distance.h"
+#include "segment/holes.h"
 #include "segment/runs.h"
 #include "segment/watershed.h"
 
@@ -153,66 +154,12 @@ static ost_status label_components(job *j, ost_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------ holes */
-
-static void has_no_label(void *user, int32_t y, int32_t z, bool *in)
-{
-    const job *j = user;
-    const int16_t *row = row_of(j->labels, y, z);
-    for (int32_t x = 0; x < j->labels->geometry.dims.x; x++)
-        in[x] = row[x] == 0;
-}
-
-/*
- * Fills the holes.  A hole is a component of voxels without a label that does not touch the
- * border of the grid and contains no air.  The voxel before the first voxel of a hole, along
- * x, has a label, because a hole contains all connected voxels without a label and does not
- * begin at the border.
- */
-static ost_status fill_holes(job *j, ost_error *err)
-{
-    const ost_dims d = j->ct->geometry.dims;
-    segment_runs runs = {.items = NULL};
-    int16_t *label = NULL;
-    bool *open = NULL;
-    ost_status status = segment_runs_make(d, has_no_label, j, &runs, err);
-    if (status == OST_OK) {
-        label = calloc(runs.components + 1, sizeof *label);
-        open = calloc(runs.components + 1, sizeof *open);
-        if (!label || !open)
-            status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %u holes", (unsigned)runs.components);
-    }
-    for (size_t i = 0; i < (size_t)d.y * (size_t)d.z && status == OST_OK; i++) {
-        const int32_t y = (int32_t)(i % (size_t)d.y), z = (int32_t)(i / (size_t)d.y);
-        const int16_t *row = row_of(j->ct, y, z);
-        for (size_t r = runs.rows[i]; r < runs.rows[i + 1]; r++) {
-            const segment_run *run = &runs.items[r];
-            bool *const out = &open[run->component];
-            *out = *out || run->begin == 0 || run->end == d.x || y == 0 || y == d.y - 1 || z == 0 || z == d.z - 1;
-            for (int32_t x = run->begin; x < run->end && !*out; x++)
-                *out = row[x] < j->options.air;
-            if (!*out && !label[run->component])
-                label[run->component] = row_of(j->labels, y, z)[run->begin - 1];
-        }
-    }
-    for (size_t i = 0; i < (size_t)d.y * (size_t)d.z && status == OST_OK; i++)
-        for (size_t r = runs.rows[i]; r < runs.rows[i + 1]; r++) {
-            const segment_run *run = &runs.items[r];
-            if (open[run->component])
-                continue;
-            j->segments[label[run->component] - 1].filled += (uint64_t)(run->end - run->begin);
-            for (int32_t x = run->begin; x < run->end; x++)
-                j->labels->voxels[(size_t)d.x * i + (size_t)x] = label[run->component];
-        }
-    free(open);
-    free(label);
-    segment_runs_free(&runs);
-    return status;
-}
-
 /* ------------------------------------------------------------- separation */
 
-/* Measures the pieces, whose numbers are piece[i]. A voxel that is not a candidate belongs to a filled hole. */
+/*
+ * Measures the pieces, whose numbers are piece[i].  A voxel with a negative label only closed a slice and is not
+ * counted.  Any other voxel that is not a candidate belongs to a filled hole.
+ */
 static ost_status measure_pieces(job *j, const segment_sparse *sparse, const uint32_t *piece, uint32_t pieces,
                                  ost_error *err)
 {
@@ -227,11 +174,14 @@ static ost_status measure_pieces(job *j, const segment_sparse *sparse, const uin
     }
     for (size_t i = 0; i < (size_t)d.y * (size_t)d.z; i++) {
         const int32_t y = (int32_t)(i % (size_t)d.y), z = (int32_t)(i / (size_t)d.y);
+        const int16_t *labels = row_of(j->labels, y, z);
         if (sparse->rows[i] < sparse->rows[i + 1])
             is_candidate(j, y, z, in);
         for (uint32_t r = sparse->rows[i]; r < sparse->rows[i + 1]; r++)
             for (int32_t x = sparse->runs[r].begin; x < sparse->runs[r].end; x++) {
                 ost_segment *s = &j->segments[piece[sparse->runs[r].first + (uint32_t)(x - sparse->runs[r].begin)]];
+                if (labels[x] < 0)
+                    continue;
                 if (in[x]) {
                     extend(s, x, x + 1, y, z);
                     s->voxels++;
@@ -257,7 +207,7 @@ static ost_status label_pieces(job *j, const segment_sparse *sparse, const uint3
             const segment_sparse_run *run = &sparse->runs[r];
             int16_t *row = j->labels->voxels + (size_t)sparse->dims.x * i;
             for (int32_t x = run->begin; x < run->end; x++)
-                row[x] = label[piece[run->first + (uint32_t)(x - run->begin)]];
+                row[x] = row[x] > 0 ? label[piece[run->first + (uint32_t)(x - run->begin)]] : 0;
         }
     free(label);
     return status;
@@ -266,9 +216,11 @@ static ost_status label_pieces(job *j, const segment_sparse *sparse, const uint3
 static ost_status separate(job *j, ost_error *err)
 {
     const uint32_t depth = (uint32_t)ost_rhe_div(j->options.separate, 1000000);
-    segment_sparse sparse;
+    segment_sparse sparse = {.count = 0};
     uint32_t *height = NULL, *piece = NULL, pieces = 0;
-    ost_status status = segment_sparse_make(j->labels, &sparse, err);
+    ost_status status = segment_fill_slices(j->ct, j->options.air, j->labels, err);
+    if (status == OST_OK)
+        status = segment_sparse_make(j->labels, &sparse, err);
     if (status == OST_OK) {
         height = malloc(((size_t)sparse.count + 1) * sizeof *height);
         piece = malloc(((size_t)sparse.count + 1) * sizeof *piece);
@@ -325,7 +277,7 @@ ost_status ost_segment_volume(const ost_volume *ct, const ost_segment_options *o
     if (status == OST_OK)
         status = label_components(&j, err);
     if (status == OST_OK && j.options.fill && j.count)
-        status = fill_holes(&j, err);
+        status = segment_fill_holes(ct, j.options.air, labels, j.segments, err);
     if (status == OST_OK && j.options.separate && j.count)
         status = separate(&j, err);
     if (status != OST_OK) {

@@ -18,14 +18,14 @@ static bool visit(const ost_volume *labels, segment_sparse *out)
             out->rows[i] = (uint32_t)runs;
         for (int32_t x = 0; x < d.x;) {
             const int32_t begin = x;
-            const int16_t label = row[x];
-            while (x < d.x && row[x] == label)
+            const int label = abs(row[x]);
+            while (x < d.x && abs(row[x]) == label)
                 x++;
             if (!label)
                 continue;
             if (out->runs)
                 out->runs[runs] = (segment_sparse_run){
-                    .begin = begin, .end = x, .first = (uint32_t)voxels, .label = label};
+                    .begin = begin, .end = x, .first = (uint32_t)voxels, .label = (int16_t)label};
             runs++;
             voxels += (uint64_t)(x - begin);
         }

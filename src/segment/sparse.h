@@ -6,7 +6,8 @@
  *   compact          0 1 2   3 4        x fastest, then y, then z
  *
  * In a CT, about one voxel in ten belongs to a bone.  An array with one element for each of
- * these voxels is therefore much smaller than the grid.  A run contains voxels of one label.
+ * these voxels is therefore much smaller than the grid.  A run contains voxels of one label; the
+ * sign of a label is ignored.
  */
 #ifndef OST_SEGMENT_SPARSE_H
 #define OST_SEGMENT_SPARSE_H

@@ -28,9 +28,26 @@ check "the plane takes its side" "$(value components) $(value segments.0.voxels)
 run 0 segment ct.nrrd --out large.nrrd --min-volume 400 --cut-ball 22,26,36,0.5 --json
 check "the smaller one has no label" "$(value components)" 1
 run 0 segment ct.nrrd --out none.nrrd --threshold 501
-grep -q "no component is so large" err || fail "a CT without bone: $(cat err)"
+grep -q "no bone is so large" err || fail "a CT without bone: $(cat err)"
 run 0 info labels.nrrd --json
 check "facts" "$(value meta.segment_threshold) $(value meta.segment_min_voxels) $(value meta.segment_ball_1)" "120 1 22,26,36,0.5"
+# separation: the bridge is a neck with a radius of 2 mm between blocks with radii of 4 mm. The voxels on both sides of
+# the bridge have equal heights; that of the right block is nearer to its marker, so the bridge belongs to this block.
+run 0 segment ct.nrrd --out two.nrrd --min-volume 0 --separate 1.5 --json
+check "the bridge is a neck" "$(value components) $(value segments.0.voxels) $(value segments.1.voxels)" "2 64 49"
+run 0 info two.nrrd --json
+check "fact of the separation" "$(value meta.segment_separate_mm)" 1.5
+run 0 segment ct.nrrd --out one.nrrd --min-volume 0 --separate 3 --json
+check "a greater depth" "$(value components)" 1
+# selection, on segment and on import
+run 0 segment ct.nrrd --out right.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --bone 28,26,36 --json
+check "the bone at a position" "$(value components) $(value components_found) $(value segments.0.voxels)" "1 2 48"
+run 0 info right.nrrd --json
+check "fact of the selection" "$(value meta.segment_bone_1)" "28,26,36"
+run 0 segment ct.nrrd --out left.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --bone largest --json
+check "the largest bone" "$(value components) $(value segments.0.voxels)" "1 64"
+run 0 segment ct.nrrd --out both.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --bone largest --bone 28,26,36 --json
+check "two selected bones" "$(value components)" 2
 # growth: soft tissue belongs to a component that reaches the threshold
 run 0 segment ct.nrrd --out grown.nrrd --growth 50 --json
 check "growth" "$(value segments.0.voxels)" 588
@@ -62,6 +79,22 @@ bone "$inside && i >= 2 && i <= 9 ? (j >= 2 && j <= 3 && k >= 2 && k <= 3 && (i 
 nrrd uint8 'i > 5 ? 71 : 3' | sed 's/(10,20,30)/(10.02,20,30)/' >other.nrrd
 run 0 import ct.nrrd --mask other.nrrd:71 --out bone.nrrd --json
 check "another program's mask" "$(value mask_voxels) $(value mask_removed)" "294 64"
+# Import with the options of segment is the same as import with the label map that segment writes.
+run 0 import ct.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --bone 28,26,36 --out bone.nrrd --json
+check "selected on import" "$(value bone_voxels) $(value bone_removed) $(value components) $(value meta.segment_ball_1)" "48 65 1 22,26,36,0.5"
+bone "$inside && i >= 7 && i <= 9 ? 500 : 0"
+run 0 import ct.nrrd --min-volume 0 --separate 1.5 --bone largest --out bone.nrrd --json
+check "separated on import" "$(value bone_voxels) $(value meta.segment_separate_mm)" "64 1.5"
+bone "$inside && i >= 2 && i <= 5 ? 500 : 0"
+run 0 import holes.nrrd --fill --air -1000 --out bone.nrrd --json
+check "filled on import" "$(value bone_filled)" 8
+bone "$inside && i >= 2 && i <= 9 ? (j >= 2 && j <= 3 && k >= 2 && k <= 3 && (i == 4 || i == 7) ? 120 : 500) : 0"
+run 0 import ct.nrrd --growth 50 --out bone.nrrd --json
+check "growth on import" "$(value bone_voxels) $(value bone_filled)" "588 475"
+run 0 import ct.nrrd --spacing 4 --bone 46,32,42 --cut-ball 34,32,42,0.5 --out bone.nrrd --json
+check "positions refer to the spacing of the options" "$(value bone_voxels)" 48
+run 0 import ct.nrrd --mask labels.nrrd:2 --bone largest --out bone.nrrd --json
+check "a mask applies before the selection" "$(value mask_voxels) $(value bone_voxels)" "48 48"
 # The mask applies to the complete CT, of which --crop then takes a part.
 run 0 import ct.nrrd --mask other.nrrd:71 --crop 0:12,0:7,0:4 --out cropped.nrrd --json
 check "a crop" "$(value active_voxels) $(value mask_removed)" "37 64" # 3 layers of 12 voxels and the bridge
@@ -90,6 +123,15 @@ refuse 2 "cut-ball '1,2,3,0': expected X,Y,Z,RADIUS" segment ct.nrrd --out b.nrr
 refuse 2 "cut-plane '1,2,3,0,0,0': expected X,Y,Z,NX,NY,NZ" segment ct.nrrd --out b.nrrd --cut-plane 1,2,3,0,0,0
 refuse 2 "a ball of 2000 mm" segment ct.nrrd --out b.nrrd --cut-ball 1,2,3,2000
 refuse 2 "growth 130: expected at most the threshold, 120" segment ct.nrrd --out b.nrrd --growth 130
+refuse 2 "separate 66: expected a depth from 0.001 to 65 mm" segment ct.nrrd --out b.nrrd --separate 66
+refuse 2 "bone 'left': expected largest, all or a position" segment ct.nrrd --out b.nrrd --bone left
+refuse 2 "bone 200,26,36: no bone within 10 mm; the nearest one is 172.0 mm away, at (28, 26, 36) mm" segment ct.nrrd --out b.nrrd --bone 200,26,36
+refuse 2 "no bone of 8 mm3 or more has 501 HU" import ct.nrrd --min-volume 0 --threshold 501 --bone all --out b.nrrd
+refuse 2 "growth from 130 HU on; expected 1 to the threshold, 120" import ct.nrrd --growth 130 --out b.nrrd
+refuse 2 "cut-head 'left': expected auto or a position" segment ct.nrrd --out b.nrrd --cut-head left
+refuse 2 "ct.txt: is a text; a mask needs" import ct.txt --bone largest --out b.nrrd
+refuse 2 "options that select a bone need a file" import builtin:glenoid --bone largest --out b.nrrd
+refuse 2 "--mask and options" import builtin:glenoid --mask labels.nrrd --out b.nrrd
 refuse 2 "min-volume '-1': expected a volume" segment ct.nrrd --out b.nrrd --min-volume -1
 refuse 2 "ct.txt" segment ct.txt --out b.nrrd
 [ ! -e b.nrrd ] || fail "a refused command left b.nrrd"

@@ -2,9 +2,10 @@
 /*
  * Compares the pieces of random small volumes with an oracle that follows the text of the rules:
  * the distance of a voxel by trying all other voxels, the markers by trying all paths at all
- * heights, and the flood with one list that is searched for the next voxel.
+ * heights, and the flood with one list that is searched for the next voxel.  Also tests the
+ * selection of labels.
  *
- * Covers: AR-SEG-7, AR-SEG-8, AR-SEG-9
+ * Covers: AR-SEG-7, AR-SEG-8, AR-SEG-9, AR-SEG-10
  */
 #include <osteon/segment.h>
 
@@ -41,13 +42,14 @@ static void make(ost_volume *ct, test_rng *rng)
                     ct->voxels[x + n[0] * (y + n[1] * z)] = 500;
     }
     for (int64_t voids = rng_range(rng, 0, 8); voids > 0; voids--)
-        ct->voxels[rng_range(rng, 0, (int64_t)voxel_count(ct) - 1)] = 0;
+        ct->voxels[rng_range(rng, 0, (int64_t)voxel_count(ct) - 1)] = (int16_t)-rng_range(rng, 0, 1);
 }
 
 /* ----------------------------------------------------------------- oracle */
 
 typedef struct oracle {
-    const ost_volume *labels; /* without the separation */
+    const ost_volume *labels; /* without the separation; closed by close_slices */
+    bool closed[MOST];        /* voxels that only have a label because their slice is closed */
     int64_t height[MOST];
     int piece[MOST]; /* -1: none */
     int pieces;
@@ -83,6 +85,41 @@ static int64_t to_um(ost_pm pm)
 {
     const int64_t um = pm / 1000000, rest = pm % 1000000;
     return um + (rest > 500000 || (rest == 500000 && um % 2 == 1));
+}
+
+/* Gives the holes of each slice the surrounding label: in a slice, a void that does not reach its border or air. */
+static void close_slices(oracle *o, const ost_volume *ct, ost_volume *labels, int32_t air)
+{
+    const int64_t nx = ct->geometry.dims.x, ny = ct->geometry.dims.y;
+    bool seen[MOST] = {false};
+    memset(o->closed, 0, sizeof o->closed);
+    for (size_t i = 0; i < voxel_count(ct); i++) {
+        static size_t list[MOST];
+        size_t count = 0, next[6];
+        bool hole = true;
+        if (labels->voxels[i] || seen[i])
+            continue;
+        list[count++] = i;
+        seen[i] = true;
+        for (size_t k = 0; k < count; k++) {
+            int64_t p[3], q[3];
+            position(ct, list[k], p);
+            hole = hole && p[0] > 0 && p[0] < nx - 1 && p[1] > 0 && p[1] < ny - 1 && ct->voxels[list[k]] >= air;
+            for (int n = neighbours(labels, list[k], next) - 1; n >= 0; n--) {
+                position(ct, next[n], q);
+                if (q[2] == p[2] && !seen[next[n]]) {
+                    seen[next[n]] = true;
+                    list[count++] = next[n];
+                }
+            }
+        }
+        for (size_t k = 0; k < count && hole; k++)
+            o->closed[list[k]] = true;
+    }
+    for (size_t i = 0; i < voxel_count(ct); i++)
+        if (o->closed[i]) /* the voxel before it was already given a label */
+            labels->voxels[i] = labels->voxels[i - 1];
+    o->labels = labels;
 }
 
 static void compute_heights(oracle *o)
@@ -187,7 +224,7 @@ static void check_pieces(const oracle *o, const ost_volume *ct, const ost_segmen
     size_t voxels[MOST] = {0}, filled[MOST] = {0}, first[MOST], found = 0;
     int of_piece[MOST];
     for (size_t i = all; i-- > 0;)
-        if (o->piece[i] >= 0) {
+        if (o->piece[i] >= 0 && !o->closed[i]) {
             const bool dense = ct->voxels[i] >= options->growth;
             voxels[o->piece[i]] += dense;
             filled[o->piece[i]] += !dense;
@@ -213,7 +250,7 @@ static void check_pieces(const oracle *o, const ost_volume *ct, const ost_segmen
     }
     assert_int_equal(found, count);
     for (size_t i = 0; i < all; i++)
-        assert_int_equal(labels->voxels[i], o->piece[i] < 0 ? 0 : of_piece[o->piece[i]]);
+        assert_int_equal(labels->voxels[i], o->piece[i] < 0 || o->closed[i] ? 0 : of_piece[o->piece[i]]);
 }
 
 static void pieces_equal_the_oracle(void **state)
@@ -231,12 +268,13 @@ static void pieces_equal_the_oracle(void **state)
         ost_segment_options options = {.threshold = 100,
                                        .growth = 100,
                                        .fill = rng_range(&rng, 0, 1),
+                                       .air = (int32_t)rng_range(&rng, -1, 0),
                                        .min_voxels = (uint64_t)rng_range(&rng, 0, 3)};
         assert_ok(ost_segment_volume(&ct, &options, &whole, &segments, &before, &err));
         ost_segments_free(segments);
         options.separate = rng_range(&rng, 1, 20) * OST_PM_PER_MM / 20 + rng_range(&rng, 0, 1) * 500000;
         assert_ok(ost_segment_volume(&ct, &options, &labels, &segments, &count, &err));
-        o.labels = &whole;
+        close_slices(&o, &ct, &whole, options.air);
         compute_heights(&o);
         flood(&o, to_um(options.separate));
         check_pieces(&o, &ct, &options, &labels, segments, count);
@@ -307,6 +345,46 @@ static void large_distances(void **state)
     ost_volume_free(&ct);
 }
 
+/* Three voxels with a label in a row of six; a position half way between two belongs to the first one. */
+static void labels_are_selected(void **state)
+{
+    (void)state;
+    const ost_geometry g = {.dims = {6, 1, 1}, .spacing = {2 * OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}};
+    const int16_t densities[6] = {500, 0, 500, 0, 0, 500};
+    const ost_pm centres[3] = {0, 4000000000, 10000000000};
+    const struct {
+        ost_pm x;
+        int at, near;
+    } rows[] = {{0, 1, 1}, {999999999, 1, 1}, {1000000000, 0, 1}, {2000000000, 0, 1}, {2000000001, 0, 2},
+                {7000000000, 0, 2}, {7000000001, 0, 3}, {10999999999, 3, 3}, {11000000000, -1, 3}, {-1000000000, 1, 1},
+                {-1000000001, -1, 1}, {-OST_LENGTH_MAX, -1, 1}, {OST_LENGTH_MAX, -1, 3}};
+    ost_error err = {0};
+    ost_volume ct, labels;
+    ost_segment *segments;
+    ost_pm3 found;
+    size_t count;
+    assert_ok(ost_volume_init(&ct, &g, &err));
+    memcpy(ct.voxels, densities, sizeof densities);
+    assert_ok(ost_segment_volume(&ct, NULL, &labels, &segments, &count, &err));
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(ost_segment_label_at(&labels, (ost_pm3){rows[i].x, 0, 0}), rows[i].at);
+        assert_int_equal(ost_segment_label_near(&labels, (ost_pm3){rows[i].x, 0, 0}, &found), rows[i].near);
+        assert_int_equal(found.x, centres[rows[i].near - 1]);
+    }
+    const bool keep[3] = {true, false, true};
+    assert_ok(ost_segments_keep(&labels, segments, &count, keep, &err));
+    const int16_t kept[6] = {1, 0, 0, 0, 0, 2};
+    assert_int_equal(count, 2);
+    assert_int_equal(segments[1].first[0], 5);
+    assert_memory_equal(labels.voxels, kept, sizeof kept);
+    const bool none[2] = {false, false};
+    assert_ok(ost_segments_keep(&labels, segments, &count, none, &err));
+    assert_int_equal(ost_segment_label_near(&labels, (ost_pm3){0, 0, 0}, &found), 0);
+    ost_segments_free(segments);
+    ost_volume_free(&labels);
+    ost_volume_free(&ct);
+}
+
 static void depth_out_of_range(void **state)
 {
     (void)state;
@@ -331,6 +409,7 @@ int main(void)
         cmocka_unit_test(pieces_equal_the_oracle),
         cmocka_unit_test(squares_with_a_bridge),
         cmocka_unit_test(large_distances),
+        cmocka_unit_test(labels_are_selected),
         cmocka_unit_test(depth_out_of_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

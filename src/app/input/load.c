@@ -134,6 +134,8 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
         .volume = {.clamp = ct->clamp, .resample_oblique = ct->resample_oblique},
         .digests = digests,
         .progress = progress_show,
+        .labels = ct->labels,
+        .labels_user = ct->labels_user,
     };
     out->volume.form = (ost_nifti_form)ct->form;
     load_dicom_options(&ct->dicom, &out->volume);
@@ -276,9 +278,10 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
     const char *kind = builtin_name(name);
     if (kind) {
         const dicom_options *d = &ct->dicom;
-        if (ct->crop || ct->spacing.x || ct->orientation || ct->form || d->series || d->even_slices || d->untilt)
-            return usage_error(app, err, "--crop, --spacing, --orientation, --form and the options for DICOM need a "
-                               "file; write %s with osteon phantom first", name);
+        if (ct->crop || ct->spacing.x || ct->orientation || ct->form || ct->mask || ct->labels || d->series ||
+            d->even_slices || d->untilt)
+            return usage_error(app, err, "--crop, --spacing, --orientation, --form, --mask, options that select a bone "
+                               "and the options for DICOM need a file; write %s with osteon phantom first", name);
         ost_volume volume = {0};
         status = phantom_volume(kind, &volume, err);
         if (status == OST_OK)

@@ -42,6 +42,8 @@ typedef struct ct_options {
     dicom_options dicom;
     const char *mask;        /* FILE[:LABEL,...]; NULL if not given */
     bool mask_fill;
+    ost_import_labels *labels; /* function that selects the bone; NULL: the complete CT */
+    void *labels_user;
 } ct_options;
 
 #define CT_OPTIONS_DEFAULT {.chunk = 1, .resample = -1}

@@ -5,6 +5,7 @@
 #include "app/common/backend_choice.h"
 #include "app/input/load.h"
 #include "app/input/patient.h"
+#include "app/input/segment_options.h"
 #include "app/common/progress.h"
 #include "app/common/result.h"
 #include "app/common/print.h"
@@ -87,6 +88,11 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
         put_integer(o, "mask_removed", (int64_t)r->mask.removed);
         put_integer(o, "mask_filled", (int64_t)r->mask.filled);
     }
+    if (r->labels.selected) {
+        put_integer(o, "bone_voxels", (int64_t)r->labels.selected);
+        put_integer(o, "bone_removed", (int64_t)r->labels.removed);
+        put_integer(o, "bone_filled", (int64_t)r->labels.filled);
+    }
     json_t *stages = json_array();
     for (int i = 0; i < r->stage_count; i++) {
         json_t *stage = json_object();
@@ -117,6 +123,10 @@ static void print_result(const app_state *app, const char *ct, const char *out, 
         print_line(app, "  mask: %s voxels selected, %s dense voxels elsewhere removed, %s filled",
                    format_count(a, (int64_t)r->mask.selected), format_count(b, (int64_t)r->mask.removed),
                    format_count(c, (int64_t)r->mask.filled));
+    if (r->labels.selected)
+        print_line(app, "  bone: %s voxels selected, %s dense voxels elsewhere removed, %s filled",
+                   format_count(a, (int64_t)r->labels.selected), format_count(b, (int64_t)r->labels.removed),
+                   format_count(c, (int64_t)r->labels.filled));
     print_line(app, "%s: %s cubic voxels of %s, %s of them bone (%d HU or more)", out, format_dims(a, r->cubic.dims),
                format_spacing(b, r->cubic.spacing), format_count(c, info->active_voxels), info->threshold);
     print_line(app, "  %s chunks of %d^3, %s of %s in use, %s", format_dims(a, info->chunk_dims), info->chunk_size,
@@ -129,6 +139,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *name = NULL, *out = NULL;
     ct_options ct = CT_OPTIONS_DEFAULT;
+    segment_options segment = SEGMENT_OPTIONS_DEFAULT;
     patient_options patient = {.landmarks = NULL};
     bool compress = false;
     const operand operands[] = {{"CT", &name, "no CT given"}, {0}};
@@ -143,6 +154,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
                  "bone"},
         {.name = "mask-fill", .kind = OPTION_FLAG, .out = &ct.mask_fill,
          .help = "raise voxels of the mask below the threshold to the threshold"},
+        SEGMENT_OPTIONS(segment),
         HEADING("landmarks, stored in the bone's header"),
         PATIENT_OPTIONS(patient),
         HEADING("writing"),
@@ -162,6 +174,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
                    "  osteon import scan/ --series 3 --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --mask labels.nrrd:1 --out scapula.nrrd\n"
+                 "  osteon import shoulder.nii.gz --cut-head auto --bone -98,200,-159 --out scapula.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
     };
     ost_status status;
@@ -175,6 +188,13 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     ost_bone_info info;
     ost_digest file;
     const ost_write_options write = {.compress = compress};
+    segment_job job;
+    if ((status = segment_job_init(&job, app, &segment, err)) != OST_OK)
+        return status;
+    if (segment_is_given(&segment)) {
+        ct.labels = segment_job_labels;
+        ct.labels_user = &job;
+    }
     status = backend_choose(app, &backend, err);
     if (status == OST_OK)
         status = load_bone(app, backend, name, &ct, true, &bone, &result, err);
@@ -192,8 +212,11 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         put_result(app, &result, &info);
         put_digest(app->result, "file_sha256", &file);
         warn_size(app, name, &result);
+        if (ct.labels)
+            segment_job_report(&job, name);
         print_result(app, name, out, &result, &info);
     }
+    segment_job_free(&job);
     ost_bone_free(bone);
     ost_backend_close(backend);
     return status;
