@@ -255,8 +255,9 @@ OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta,
 
 enum { OST_MASK_LABELS_MAX = 128 };
 /*
- * Makes a label map of a CT with the threshold of the import, for example by ost_segment_volume.  *labels is initialised
- * here, has the grid of the CT, and is freed by ost_import; the facts in its meta are added to those of the bone.
+ * Makes a label map of a CT with the threshold of the import, for example by ost_segment_volume.
+ * The function initialises *labels, which has the grid of the CT and is freed by ost_import.  The
+ * facts in its meta are added to those of the bone.
  */
 typedef ost_status ost_import_labels(void *user, const ost_volume *ct, int32_t threshold, ost_volume *labels,
                                      ost_error *err);
@@ -280,6 +281,13 @@ typedef struct ost_import_options {
     /* file name of a label map on the CT's grid; NULL: the complete CT is imported (AR-SEG-6) */
     const char *mask;
     int16_t mask_labels[OST_MASK_LABELS_MAX]; /* the labels that are selected */
+    /*
+     * Names of further labels that are selected.  The values of names are read from the file mask_names_file or, if
+     * this is NULL, from the header of the label map (NRRD of 3D Slicer, NIfTI of TotalSegmentator).
+     */
+    const char *mask_names[OST_MASK_LABELS_MAX];
+    int mask_name_count;
+    const char *mask_names_file;
     int mask_label_count;     /* number of selected labels; 0 selects all labels except 0 */
     bool mask_fill;           /* densities of selected voxels below the threshold are set to the threshold */
     /*

@@ -5,8 +5,18 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "core/integer.h"
+#include "io/label_names.h"
 
 enum { VALUES = 65536, NAMED = 12 };
+
+/* The position of a label map in the grid of a CT: voxel v of the CT is voxel v - at of the label map. */
+typedef struct placed {
+    int64_t at[3];
+    bool is_equal; /* the grids have the same voxels */
+} placed;
 
 static bool differ(ost_pm a, ost_pm b, ost_pm spacing)
 {
@@ -14,23 +24,54 @@ static bool differ(ost_pm a, ost_pm b, ost_pm spacing)
     return d > spacing / 10;
 }
 
-/* Checks that the first and the last voxels of both grids are at the same positions, to a tenth of a voxel. */
-static ost_status check_grid(const char *path, const char *mask, const ost_geometry *g, const ost_geometry *m,
-                             ost_error *err)
+/*
+ * Finds the position of the label map.  On every axis, its first and last voxels are at positions of voxels of the CT's
+ * lattice, to a tenth of a voxel.  Its grid contains that of the CT, or is contained in it.
+ */
+static ost_status place(const char *path, const char *mask, const ost_geometry *g, const ost_geometry *m, placed *out,
+                        ost_error *err)
 {
-    if (g->dims.x != m->dims.x || g->dims.y != m->dims.y || g->dims.z != m->dims.z)
-        return ost_fail(
-            err, OST_ERR_INPUT, "%s: %d x %d x %d voxels; %s has %d x %d x %d, and a mask needs the CT's grid", mask,
-            (int)m->dims.x, (int)m->dims.y, (int)m->dims.z, path, (int)g->dims.x, (int)g->dims.y, (int)g->dims.z);
     const ost_pm s[3] = {g->spacing.x, g->spacing.y, g->spacing.z}, t[3] = {m->spacing.x, m->spacing.y, m->spacing.z},
                  o[3] = {g->origin.x, g->origin.y, g->origin.z}, p[3] = {m->origin.x, m->origin.y, m->origin.z};
-    const int32_t last[3] = {g->dims.x - 1, g->dims.y - 1, g->dims.z - 1};
-    for (int a = 0; a < 3; a++)
-        if (differ(o[a], p[a], s[a]) || differ(o[a] + last[a] * s[a], p[a] + last[a] * t[a], s[a]))
+    const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z}, k[3] = {m->dims.x, m->dims.y, m->dims.z};
+    bool inside = true, around = true;
+    for (int a = 0; a < 3; a++) {
+        const int64_t at = ost_rhe_div(p[a] - o[a], s[a]);
+        if (differ(o[a] + at * s[a], p[a], s[a]) ||
+            differ(o[a] + (at + k[a] - 1) * s[a], p[a] + (k[a] - 1) * t[a], s[a]))
             return ost_fail(
                 err, OST_ERR_INPUT,
                 "%s: its voxels from %.9g mm on, %.9g mm apart along %c, are not those of %s (%.9g mm, %.9g mm)", mask,
                 ost_pm_to_mm(p[a]), ost_pm_to_mm(t[a]), "xyz"[a], path, ost_pm_to_mm(o[a]), ost_pm_to_mm(s[a]));
+        out->at[a] = at;
+        inside = inside && at >= 0 && at + k[a] <= n[a];
+        around = around && at <= 0 && at + k[a] >= n[a];
+    }
+    out->is_equal = inside && around;
+    if (inside || around)
+        return OST_OK;
+    return ost_fail(err, OST_ERR_INPUT, "%s: %d x %d x %d voxels that are neither a part of the %d x %d x %d voxels of "
+                    "%s nor contain them", mask, (int)k[0], (int)k[1], (int)k[2], (int)n[0], (int)n[1], (int)n[2],
+                    path);
+}
+
+/* Replaces the label map by one on the grid of the CT; voxels outside the label map have label 0. */
+static ost_status move(const char *mask, const ost_geometry *g, const placed *where, ost_volume *labels, ost_error *err)
+{
+    const ost_dims n = g->dims, k = labels->geometry.dims;
+    const int64_t *at = where->at, from = at[0] > 0 ? at[0] : 0, to = at[0] + k.x < n.x ? at[0] + k.x : n.x;
+    ost_volume out;
+    const ost_status status = ost_volume_init(&out, g, err);
+    if (status != OST_OK)
+        return ost_fail_context(err, "%s", mask);
+    for (int64_t z = 0; z < n.z; z++)
+        for (int64_t y = 0; y < n.y; y++)
+            if (z >= at[2] && z < at[2] + k.z && y >= at[1] && y < at[1] + k.y)
+                memcpy(out.voxels + from + n.x * (y + n.y * z),
+                       labels->voxels + (from - at[0]) + k.x * (y - at[1] + k.y * (z - at[2])),
+                       (size_t)(to - from) * sizeof *out.voxels);
+    ost_volume_free(labels);
+    *labels = out;
     return OST_OK;
 }
 
@@ -91,13 +132,35 @@ static ost_status apply(const char *mask, const selection *chosen, const int16_t
     return status;
 }
 
-static ost_status set_facts(const ost_import_options *options, ost_meta *meta, ost_error *err)
+/* Stores the values of the names in options->mask_names in out. */
+static ost_status find_names(const ost_import_options *options, int16_t *out, ost_error *err)
+{
+    ost_label_names names = {.count = 0};
+    ost_status status = OST_OK;
+    if (!options->mask_name_count)
+        return OST_OK;
+    if (options->mask_names_file)
+        status = ost_label_names_add_file(&names, options->mask_names_file, err);
+    else
+        status = ost_label_names_read(options->mask, options->volume.form, &names, err);
+    for (int i = 0; i < options->mask_name_count && status == OST_OK; i++)
+        status = ost_label_names_find(&names, options->mask, options->mask_names[i], &out[i], err);
+    ost_label_names_free(&names);
+    return status;
+}
+
+static ost_status set_facts(const ost_import_options *options, const selection *chosen, ost_meta *meta, ost_error *err)
 {
     char text[OST_META_VALUE] = "all";
     size_t used = 0;
-    for (int i = 0; i < options->mask_label_count && used < sizeof text; i++)
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%d", i ? "," : "", options->mask_labels[i]);
-    const ost_status status = ost_meta_set(meta, "mask_labels", text, err);
+    for (int i = 0; i < chosen->count && used < sizeof text; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%d", i ? "," : "", chosen->labels[i]);
+    ost_status status = ost_meta_set(meta, "mask_labels", text, err);
+    used = 0;
+    for (int i = 0; i < options->mask_name_count && used < sizeof text; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? "," : "", options->mask_names[i]);
+    if (status == OST_OK && options->mask_name_count)
+        status = ost_meta_set(meta, "mask_names", text, err);
     return status == OST_OK && options->mask_fill ? ost_meta_set(meta, "mask_fill", "true", err) : status;
 }
 
@@ -110,25 +173,33 @@ ost_status ost_mask_refuse_text(const char *path, ost_error *err)
 static ost_status apply_mask(const char *path, const ost_import_options *options, int32_t threshold,
                              ost_volume *volume, ost_import_result *result, ost_error *err)
 {
-    const selection chosen = {options->mask_labels, options->mask_label_count, options->mask_fill};
+    const int numbers = options->mask_label_count, names = options->mask_name_count;
+    int16_t list[2 * OST_MASK_LABELS_MAX];
     ost_volume labels = {0};
     ost_volume_report read;
-    if (chosen.count < 0 || chosen.count > OST_MASK_LABELS_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: %d labels of a mask; at most %d", path, chosen.count,
-                        OST_MASK_LABELS_MAX);
+    if (numbers < 0 || numbers > OST_MASK_LABELS_MAX || names < 0 || names > OST_MASK_LABELS_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "%s: %d labels and %d names of a mask; at most %d of each", path, numbers,
+                        names, OST_MASK_LABELS_MAX);
+    memcpy(list, options->mask_labels, (size_t)numbers * sizeof *list);
+    const selection chosen = {list, numbers + names, options->mask_fill};
     ost_volume_options how = options->volume;
     how.series = NULL; /* these options select images of the CT */
     how.even_slices = how.untilt = false;
-    ost_status status = ost_volume_read(options->mask, &how, &labels, &read, err);
+    ost_status status = find_names(options, list + numbers, err);
+    if (status == OST_OK)
+        status = ost_volume_read(options->mask, &how, &labels, &read, err);
     if (status == OST_OK && read.rounded_values)
         status = ost_fail(err, OST_ERR_INPUT, "%s: is no label map: %llu values are no integers", options->mask,
                           (unsigned long long)read.rounded_values);
+    placed where = {.is_equal = true};
     if (status == OST_OK)
-        status = check_grid(path, options->mask, &volume->geometry, &labels.geometry, err);
+        status = place(path, options->mask, &volume->geometry, &labels.geometry, &where, err);
+    if (status == OST_OK && !where.is_equal)
+        status = move(options->mask, &volume->geometry, &where, &labels, err);
     if (status == OST_OK)
         status = apply(options->mask, &chosen, labels.voxels, threshold, volume, &result->mask, err);
     if (status == OST_OK)
-        status = set_facts(options, &result->meta, err);
+        status = set_facts(options, &chosen, &result->meta, err);
     ost_volume_free(&labels);
     return status;
 }

@@ -95,6 +95,74 @@ run 0 import ct.nrrd --spacing 4 --bone 46,32,42 --cut-ball 34,32,42,0.5 --out b
 check "positions refer to the spacing of the options" "$(value bone_voxels)" 48
 run 0 import ct.nrrd --mask labels.nrrd:2 --bone largest --out bone.nrrd --json
 check "a mask applies before the selection" "$(value mask_voxels) $(value bone_voxels)" "48 48"
+# Names: the segments of 3D Slicer in the header of an NRRD, and files of names
+segments() { sed 's/^encoding: text$/encoding: text\nSegment0_Name:=Scapula, right\nSegment0_LabelValue:=71\nSegment1_LabelValue:=3\nSegment1_Name:=humerus\nSegment2_Name:=Humerus\nSegment2_LabelValue:=4/'; }
+segments <other.nrrd >named.seg.nrrd
+refuse 2 "named.seg.nrrd: the labels 3 and 4 are both named 'humerus'" import ct.nrrd --mask named.seg.nrrd:humerus --out b.nrrd
+sed -i '/^Segment2_/d' named.seg.nrrd
+run 0 import ct.nrrd --mask named.seg.nrrd:HUMERUS --out bone.nrrd --json
+check "a name of a segment" "$(value mask_voxels) $(value meta.mask_labels) $(value meta.mask_names)" "294 3 HUMERUS"
+run 0 import ct.nrrd --mask named.seg.nrrd:humerus,71 --out bone.nrrd --json
+check "a name and a number" "$(value mask_voxels) $(value meta.mask_labels)" "588 71,3"
+refuse 2 "named.seg.nrrd: no label is named 'clavicle'; its labels are Scapula, right, humerus" import ct.nrrd --mask named.seg.nrrd:clavicle --out b.nrrd
+refuse 2 "other.nrrd: no label is named 'humerus', because the file has no names" import ct.nrrd --mask other.nrrd:humerus --out b.nrrd
+cp other.nrrd a:b.nrrd
+run 0 import ct.nrrd --mask a:b.nrrd --out bone.nrrd --json
+run 0 import ct.nrrd --mask a:b.nrrd:71 --out bone.nrrd --json
+check "a colon in the name of a file" "$(value mask_voxels)" 294
+printf 'label,name\r\n3,humerus\r\n71,scapula\r\n' >names.csv
+printf '# table\n3 humerus 1 2 3 255\n71\tscapula\n' >names.txt
+printf '# ITK-SNAP\n    3   255    0    0        1  1  1    "humerus"\n   71   0  255    0        1  1  1    "scapula"\n' >names.label
+printf '{"3": "humerus", "71": "scapula"}' >names.json
+printf '{"humerus": 3, "scapula": 71}' >values.json
+for file in names.csv names.txt names.label names.json values.json; do
+    run 0 import ct.nrrd --mask other.nrrd:scapula --mask-names $file --out bone.nrrd --json
+    check "$file" "$(value meta.mask_labels) $(value meta.mask_names)" "71 scapula"
+done
+printf '3 humerus\nscapula 71\n' >wrong.txt
+refuse 2 "wrong.txt:2: 'scapula 71'; expected the value and the name" import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.txt --out b.nrrd
+printf 'scapula\n' >wrong.txt
+refuse 2 "wrong.txt: no names of labels in the file" import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.txt --out b.nrrd
+printf '{"scapula": 32768}' >wrong.json
+refuse 2 "wrong.json: 'scapula'; expected names of labels from 0 to 32767" import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.json --out b.nrrd
+printf '{"scapula"' >wrong.json
+refuse 2 "wrong.json:1: " import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.json --out b.nrrd
+printf '3 a\0b\n' >wrong.txt
+refuse 2 "wrong.txt: not a text file" import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.txt --out b.nrrd
+refuse 2 "mask-names needs --mask" import ct.nrrd --mask-names names.txt --out b.nrrd
+sed 's/^dimension: 3/dimension: 4/; s/^sizes: /sizes: 2 /' named.seg.nrrd >layers.seg.nrrd
+refuse 2 "layers.seg.nrrd:3: a segmentation in layers, because segments overlap; in 3D Slicer, export it" import ct.nrrd --mask layers.seg.nrrd:humerus --out b.nrrd
+# The table of labels in a NIfTI extension, as TotalSegmentator writes it: inserted with code 0 before the voxels
+if "$osteon" devices | grep -q "^  nifti *yes"; then
+    run 0 export other.nrrd --out plain.nii
+    xml='<CaretExtension><LabelTable><Label Key="3" Red="1"><![CDATA[humerus]]></Label><Label Key="71"><![CDATA[scapula_right]]></Label></LabelTable></CaretExtension>'
+    offset=$(od -An -t f4 -j 108 -N 4 plain.nii | awk '{ printf "%d", $1 }')
+    { # 348 bytes of header with the new offset, the extender, an extension of 192 bytes, the voxels
+        head -c 108 plain.nii
+        printf '\0\0\010\104' # 544 as a float
+        tail -c +113 plain.nii | head -c 236
+        printf '\1\0\0\0\300\0\0\0\0\0\0\0'
+        printf '%-184s' "$xml"
+        tail -c +$((offset + 1)) plain.nii
+    } >named.nii
+    run 0 import ct.nrrd --mask named.nii:scapula_right --out bone.nrrd --json
+    check "a name of TotalSegmentator" "$(value mask_voxels) $(value meta.mask_labels)" "294 71"
+    refuse 2 "named.nii: no label is named 'rib'; its labels are humerus, scapula_right" import ct.nrrd --mask named.nii:rib --out b.nrrd
+fi
+# A label map on a part of the lattice of the CT, one around it, and one whose axes point elsewhere
+nrrd uint8 1 | head -n $((9 + 3 * 7 * 7)) | sed 's/sizes: 12 7 7/sizes: 3 7 7/; s/(10,20,30)/(24,20,30)/' >part.nrrd
+run 0 import ct.nrrd --mask part.nrrd --out bone.nrrd --json
+check "a part" "$(value mask_voxels) $(value mask_removed)" "147 65"
+bone "$inside && i >= 7 && i <= 9 ? 500 : 0"
+{ printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 14 9 8\nspace: left-posterior-superior\nspace directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (6,18,30)\nencoding: text\n\n'
+  awk 'BEGIN { for (k = 0; k < 8; k++) for (j = 0; j < 9; j++) for (i = 0; i < 14; i++) print (i - 2 >= 7) }'; } >around.nrrd
+run 0 import ct.nrrd --mask around.nrrd --out bone.nrrd --json
+check "around" "$(value mask_voxels) $(value mask_removed)" "245 65"
+bone "$inside && i >= 7 && i <= 9 ? 500 : 0"
+nrrd uint8 'i <= 4' | sed 's/left-posterior/right-anterior/; s/(2,0,0) (0,2,0)/(2,0,0) (0,-2,0)/; s/(10,20,30)/(-32,-20,30)/' >flipped.nrrd
+run 0 import ct.nrrd --mask flipped.nrrd --out bone.nrrd --json
+check "other directions" "$(value mask_voxels) $(value mask_removed)" "245 65"
+bone "$inside && i >= 7 && i <= 9 ? 500 : 0"
 # The mask applies to the complete CT, of which --crop then takes a part.
 run 0 import ct.nrrd --mask other.nrrd:71 --crop 0:12,0:7,0:4 --out cropped.nrrd --json
 check "a crop" "$(value active_voxels) $(value mask_removed)" "37 64" # 3 layers of 12 voxels and the bridge
@@ -104,15 +172,15 @@ refuse 2 "no voxel has such a label; its labels are 3, 71" import ct.nrrd --mask
 nrrd uint8 0 >void.nrrd
 refuse 2 "every voxel has label 0" import ct.nrrd --mask void.nrrd --out b.nrrd
 nrrd uint8 1 | sed 's/sizes: 12 7 7/sizes: 7 12 7/' >turned.nrrd
-refuse 2 "turned.nrrd: 7 x 12 x 7 voxels; ct.nrrd has 12 x 7 x 7" import ct.nrrd --mask turned.nrrd --out b.nrrd
+refuse 2 "turned.nrrd: 7 x 12 x 7 voxels that are neither a part of the 12 x 7 x 7 voxels of ct.nrrd nor contain them" import ct.nrrd --mask turned.nrrd --out b.nrrd
 nrrd uint8 1 | sed 's/(10,20,30)/(10,21,30)/' >moved.nrrd
 refuse 2 "moved.nrrd: its voxels from 21 mm on, 2 mm apart along y" import ct.nrrd --mask moved.nrrd --out b.nrrd
 nrrd uint8 1 | sed 's/(2,0,0)/(2.1,0,0)/' >wide.nrrd
 refuse 2 "2.1 mm apart along x" import ct.nrrd --mask wide.nrrd --out b.nrrd
 nrrd float 'i == 3 ? 0.5 : 1' >parts.nrrd
 refuse 2 "parts.nrrd: is no label map" import ct.nrrd --mask parts.nrrd --out b.nrrd
-refuse 2 "expected at most 128 labels from 0 to 32767" import ct.nrrd --mask labels.nrrd:1,,2 --out b.nrrd
-refuse 2 "expected at most 128 labels from 0 to 32767" import ct.nrrd --mask labels.nrrd:40000 --out b.nrrd
+refuse 2 "expected at most 128 labels from 0 to 32767 or names" import ct.nrrd --mask labels.nrrd:1,,2 --out b.nrrd
+refuse 2 "expected at most 128 labels from 0 to 32767 or names" import ct.nrrd --mask labels.nrrd:40000 --out b.nrrd
 refuse 2 "expected FILE or FILE:LABEL" import ct.nrrd --mask :1 --out b.nrrd
 refuse 2 "nowhere.nrrd" import ct.nrrd --mask nowhere.nrrd:1 --out b.nrrd
 refuse 2 "mask-fill needs --mask" import ct.nrrd --mask-fill --out b.nrrd

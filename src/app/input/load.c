@@ -12,6 +12,7 @@
 #include "app/common/backend_choice.h"
 #include "app/common/progress.h"
 #include "app/common/print.h"
+#include "app/input/mask_option.h"
 
 enum { THRESHOLD = 120 }; /* threshold of the thesis; AR-CHK-1 */
 
@@ -89,37 +90,6 @@ static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_b
     return OST_OK;
 }
 
-/* Returns the part of "FILE:LABEL,..." after the colon; NULL if the text is only a file name. */
-static const char *labels_of(const char *text)
-{
-    const char *colon = strrchr(text, ':');
-    return colon && colon[1] && strspn(colon + 1, "0123456789,") == strlen(colon + 1) ? colon + 1 : NULL;
-}
-
-/* Parses --mask, such as "labels.nii.gz:71,72". The returned file name is valid until the next call. */
-static ost_status parse_mask(const app_state *app, const char *text, ost_import_options *out, ost_error *err)
-{
-    static char name[4096];
-    const char *labels = labels_of(text);
-    const size_t length = labels ? (size_t)(labels - text) - 1 : strlen(text);
-    if (length == 0 || length >= sizeof name)
-        return usage_error(app, err, "--mask '%.80s': expected FILE or FILE:LABEL,...", text);
-    memcpy(name, text, length);
-    name[length] = '\0';
-    out->mask = name;
-    for (const char *p = labels; p && *p;) {
-        char *end;
-        const unsigned long value = *p == ',' ? ULONG_MAX : strtoul(p, &end, 10);
-        if (value > INT16_MAX || out->mask_label_count == OST_MASK_LABELS_MAX || (*end && *end != ',') ||
-            (*end == ',' && !end[1]))
-            return usage_error(app, err, "--mask '%.80s': expected at most %d labels from 0 to %d, such as FILE:71,72",
-                               text, OST_MASK_LABELS_MAX, INT16_MAX);
-        out->mask_labels[out->mask_label_count++] = (int16_t)value;
-        p = *end ? end + 1 : end;
-    }
-    return OST_OK;
-}
-
 ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
                                ost_error *err)
 {
@@ -145,11 +115,14 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
         memcpy(out->volume.orientation, ct->orientation, sizeof out->volume.orientation);
     if (ct->mask_fill && !ct->mask)
         return usage_error(app, err, "--mask-fill needs --mask");
+    if (ct->mask_names && !ct->mask)
+        return usage_error(app, err, "--mask-names needs --mask");
     if (ct->mask) {
-        ost_status status = parse_mask(app, ct->mask, out, err);
+        ost_status status = mask_option_parse(app, ct->mask, out, err);
         if (status != OST_OK)
             return status;
         out->mask_fill = ct->mask_fill;
+        out->mask_names_file = ct->mask_names;
     }
     if (ct->crop) {
         out->crop = true;

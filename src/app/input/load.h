@@ -39,8 +39,9 @@ typedef struct ct_options {
     bool clamp, resample_oblique;
     const char *orientation; /* NULL if not given */
     int form;                /* an ost_nifti_form, index in "auto|qform|sform" */
+    const char *mask;        /* FILE[:LABEL,...] with numbers or names; NULL if not given */
+    const char *mask_names;  /* file of names; NULL if not given */
     dicom_options dicom;
-    const char *mask;        /* FILE[:LABEL,...]; NULL if not given */
     bool mask_fill;
     ost_import_labels *labels; /* function that selects the bone; NULL: the complete CT */
     void *labels_user;

@@ -320,7 +320,8 @@ void segment_job_report(const segment_job *job, const char *what)
         put_real(job->app->result, "head_residual_mm", job->head.residual_mm);
         put_real(job->app->result, "head_coverage", job->head.coverage);
         put_text(job->app->result, "head_ball", job->head_ball);
-        print_line(job->app, "humeral head: %s, radius %.9g mm (%.0f %% of the sphere lie on bone, RMS distance %.2f mm)",
+        print_line(job->app,
+                   "humeral head: %s, radius %.9g mm (%.0f %% of the sphere lie on bone, RMS distance %.2f mm)",
                    format_point(at, job->head.centre), ost_pm_to_mm(job->head.radius), 100 * job->head.coverage,
                    job->head.residual_mm);
         print_line(job->app, "  cut with a margin of %.9g mm, as by --cut-ball %s", ost_pm_to_mm(HEAD_MARGIN),

@@ -150,8 +150,10 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         CT_OPTIONS(ct),
         HEADING("selecting a bone"),
         {.name = "mask", .kind = OPTION_TEXT, .out = &ct.mask, .value = "FILE[:LABEL,...]",
-         .help = "label map on the grid of the CT: only voxels with one of these labels (default: any but 0) can be "
-                 "bone"},
+         .help = "label map on the grid of the CT or a part of it: only voxels with one of these labels, given as "
+                 "numbers or names (default: any but 0), can be bone"},
+        {.name = "mask-names", .kind = OPTION_TEXT, .out = &ct.mask_names, .value = "FILE",
+         .help = "names of the labels: lines \"3 scapula\", CSV or JSON (default: those in the label map's header)"},
         {.name = "mask-fill", .kind = OPTION_FLAG, .out = &ct.mask_fill,
          .help = "raise voxels of the mask below the threshold to the threshold"},
         SEGMENT_OPTIONS(segment),

@@ -36,7 +36,8 @@ static int32_t read_int32(const unsigned char *b, bool swap)
                 : (int32_t)((uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0]);
 }
 
-ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, ost_meta *meta, ost_error *err)
+ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, ost_meta *meta, ost_label_names *names,
+                                     ost_error *err)
 {
     unsigned char head[8];
     size_t got;
@@ -53,7 +54,8 @@ ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, 
         if (size < 16 || (uint64_t)size - 8 > end - ost_input_offset(input))
             return OST_OK;
         size_t bytes = (size_t)size - 8;
-        if (code != OST_NIFTI_COMMENT || bytes > OST_NIFTI_COMMENT_MAX) {
+        const bool is_comment = code == OST_NIFTI_COMMENT && bytes <= OST_NIFTI_COMMENT_MAX;
+        if (!is_comment && !(names && bytes <= OST_NIFTI_NAMES_MAX)) {
             if (bytes > ost_input_at_most(input))
                 return OST_OK;
             status = ost_input_skip(input, bytes, err);
@@ -64,7 +66,9 @@ ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, 
                                 ost_input_path(input), bytes);
             status = ost_input_read(input, text, bytes, &got, err);
             text[status == OST_OK ? got : 0] = 0;
-            if (status == OST_OK)
+            if (status == OST_OK && names)
+                status = ost_label_names_add_xml(names, text, err);
+            if (status == OST_OK && is_comment)
                 status = take_lines(ost_input_path(input), text, meta, err);
             free(text);
         }

@@ -10,17 +10,20 @@
 
 #include <osteon/grid.h>
 
+#include "io/label_names.h"
 #include "io/volume/input.h"
 
-enum { OST_NIFTI_COMMENT_MAX = 1 << 16 };
+enum { OST_NIFTI_COMMENT_MAX = 1 << 16, OST_NIFTI_NAMES_MAX = 1 << 20 };
 
 /*
  * Reads the extensions from the byte after the header's struct to `end`
  * (UINT64_MAX: the file's end). Extensions of other programs are skipped. An
  * extension whose size does not fit ends the reading without an error, because
- * facts do not affect any voxel.
+ * facts do not affect any voxel.  The names in tables of labels, which programs write with
+ * different codes, are added to *names, unless names is NULL.
  */
-ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, ost_meta *meta, ost_error *err);
+ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, ost_meta *meta, ost_label_names *names,
+                                     ost_error *err);
 
 /*
  * Formats the extender and one extension with these lines. Returns their size in bytes. The voxels begin at the

@@ -430,7 +430,8 @@ static void find_scaling(const nifti_image *nim, ost_nifti_header *out)
                   ost_binary_from_double(intercept, &out->intercept);
 }
 
-ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_nifti_header *out, ost_error *err)
+ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_label_names *names, ost_nifti_header *out,
+                                 ost_error *err)
 {
     const char *path = ost_input_path(input);
     raw_header raw;
@@ -456,7 +457,8 @@ ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_ni
         status = find_affine(path, nim, pixdim, &lengths, chosen, out, err);
     nifti_image_free(nim);
     if (status == OST_OK)
-        status = ost_nifti_extensions_read(input, out->pair ? UINT64_MAX : out->image_at, out->swap, &out->meta, err);
+        status = ost_nifti_extensions_read(input, out->pair ? UINT64_MAX : out->image_at, out->swap, &out->meta, names,
+                                           err);
     if (status == OST_OK)
         take_exact(out);
     return status;

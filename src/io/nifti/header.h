@@ -30,6 +30,7 @@
 
 #include <osteon/io.h>
 
+#include "io/label_names.h"
 #include "io/volume/element.h"
 #include "io/volume/orient.h"
 #include "io/volume/input.h"
@@ -49,8 +50,12 @@ typedef struct ost_nifti_header {
     ost_meta meta;     /* facts from "osteon KEY: VALUE" lines in comments (extension code 6) */
 } ost_nifti_header;
 
-/* Reads the header from an input at its (unpacked) start, including the extensions. */
-ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_nifti_header *out, ost_error *err);
+/*
+ * Reads the header from an input at its (unpacked) start, including the extensions. Names of labels are added to
+ * *names, unless names is NULL.
+ */
+ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_label_names *names, ost_nifti_header *out,
+                                 ost_error *err);
 
 /*
  * Keys of the lines in which osteon's writer stores exact lengths. The exact lengths are used only if they equal the

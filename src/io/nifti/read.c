@@ -113,7 +113,7 @@ ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, c
     ost_nifti_header header;
     ost_placement placement;
     const ost_nifti_form form = options ? options->form : OST_FORM_AUTO;
-    ost_status status = ost_nifti_header_read(input, form, &header, err);
+    ost_status status = ost_nifti_header_read(input, form, NULL, &header, err);
     if (status != OST_OK)
         return status;
     snprintf(report->type, sizeof report->type, "%s", ost_element_name(header.element));

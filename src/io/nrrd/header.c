@@ -42,7 +42,8 @@ static void unescape(char *value)
     *to = 0;
 }
 
-static ost_status take_line(const char *path, ost_nrrd_text *text, char *line, long number, ost_error *err)
+static ost_status take_line(const char *path, ost_nrrd_text *text, ost_label_names *names, char *line, long number,
+                            ost_error *err)
 {
     static const char prefix[] = "osteon_";
     if (line[0] == '#')
@@ -57,8 +58,12 @@ static ost_status take_line(const char *path, ost_nrrd_text *text, char *line, l
     if (colon[1] == '=') {
         if (strncmp(line, "Segment0_", 9) == 0)
             text->labels = true;
-        if (strncmp(line, prefix, sizeof prefix - 1) != 0)
-            return OST_OK;
+        if (strncmp(line, prefix, sizeof prefix - 1) != 0) {
+            if (!names)
+                return OST_OK;
+            unescape(colon + 2);
+            return ost_label_names_add_segment(names, line, colon + 2, err);
+        }
         unescape(colon + 2);
         ost_status status = ost_meta_set(&text->meta, line + sizeof prefix - 1, colon + 2, err);
         if (status != OST_OK)
@@ -117,7 +122,7 @@ static ost_status read_lines(ost_input *input, ost_header_lines *lines, size_t *
     }
 }
 
-ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *err)
+ost_status ost_nrrd_text_read(ost_input *input, ost_label_names *names, ost_nrrd_text *out, ost_error *err)
 {
     const char *path = ost_input_path(input);
     memset(out, 0, sizeof *out);
@@ -128,7 +133,7 @@ ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *e
         status = ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected a NRRD header", path);
     const size_t fields = listed ? listed : out->lines.count - !ended;
     for (size_t i = 1; status == OST_OK && i < fields; i++)
-        status = take_line(path, out, ost_header_line(&out->lines, i), (long)i + 1, err);
+        status = take_line(path, out, names, ost_header_line(&out->lines, i), (long)i + 1, err);
     if (status == OST_OK && listed) {
         out->list_bytes = out->lines.size - (listed < out->lines.count ? out->lines.start[listed] : out->lines.size);
         out->list = out->lines.bytes + out->lines.size - out->list_bytes;

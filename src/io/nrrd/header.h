@@ -17,6 +17,7 @@
 
 #include <osteon/io.h>
 
+#include "io/label_names.h"
 #include "io/volume/data_files.h"
 #include "io/volume/element.h"
 #include "io/volume/header_lines.h"
@@ -66,9 +67,9 @@ typedef struct ost_nrrd_text {
 
 /*
  * Reads a header from the start of the file. The input is then at the first byte after it. *out is initialised here
- * and can always be freed.
+ * and can always be freed. The names of the labels of a segmentation are added to *names, unless names is NULL.
  */
-ost_status ost_nrrd_text_read(ost_input *input, ost_nrrd_text *out, ost_error *err);
+ost_status ost_nrrd_text_read(ost_input *input, ost_label_names *names, ost_nrrd_text *out, ost_error *err);
 void ost_nrrd_text_free(ost_nrrd_text *text);
 
 /* The interpreted header. */

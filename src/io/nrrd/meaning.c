@@ -154,6 +154,11 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
     if (!read_integer(&p, &dimension) || *p || dimension < 1)
         return wrong(m, OST_NRRD_DIMENSION, "a count of axes was expected");
     const char *kinds = value_of(m, OST_NRRD_KINDS);
+    if (dimension == 4 && m->text->labels)
+        return ost_fail(m->err, OST_ERR_INPUT,
+                        "%s:%ld: a segmentation in layers, because segments overlap; in 3D Slicer, export it as a "
+                        "binary label map (module Segmentations, Export) and use this file", m->path,
+                        m->text->field[OST_NRRD_DIMENSION].line);
     if (dimension != 3)
         return ost_fail(m->err, OST_ERR_INPUT,
                         "%s:%ld: %lld axes%s%.60s%s; expected three, with one density per voxel", m->path,

@@ -52,7 +52,7 @@ ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, co
     ost_placement placement;
     if (options && options->form != OST_FORM_AUTO)
         return ost_fail(err, OST_ERR_USAGE, "%s: is a NRRD file; --form needs a NIfTI file", path);
-    ost_status status = ost_nrrd_text_read(input, &text, err);
+    ost_status status = ost_nrrd_text_read(input, NULL, &text, err);
     uint64_t header_end = ost_input_offset(input);
     if (status == OST_OK)
         status = ost_nrrd_header_mean(path, &text, &header, err);

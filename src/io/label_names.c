@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "io/label_names.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include <jansson.h>
+
+#include "core/printable.h"
+#include "io/volume/input.h"
+
+enum { FILE_MAX = 1 << 20, FIRST_CAPACITY = 16, LISTED = 300, ALIKE = 4 };
+
+/* ------------------------------------------------------------------ the list */
+
+/* Appends an empty name. *out is NULL if there are OST_LABEL_NAMES_MAX names. */
+static ost_status append(ost_label_names *names, ost_label_name **out, ost_error *err)
+{
+    *out = NULL;
+    if (names->count == OST_LABEL_NAMES_MAX)
+        return OST_OK;
+    /* The capacity is the least power of 2 that is at least FIRST_CAPACITY and at least the count. */
+    if (names->count == 0 || (names->count >= FIRST_CAPACITY && (names->count & (names->count - 1)) == 0)) {
+        const size_t capacity = names->count ? 2 * (size_t)names->count : FIRST_CAPACITY;
+        ost_label_name *grown = realloc(names->items, capacity * sizeof *grown);
+        if (!grown)
+            return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu names of labels", capacity);
+        names->items = grown;
+    }
+    *out = &names->items[names->count++];
+    **out = (ost_label_name){.segment = -1, .value = -1};
+    return OST_OK;
+}
+
+static void set_name(ost_label_name *item, const char *name, size_t length)
+{
+    const size_t most = sizeof item->name - 1;
+    snprintf(item->name, sizeof item->name, "%.*s", (int)(length < most ? length : most), name);
+    ost_make_printable(item->name);
+}
+
+ost_status ost_label_names_add(ost_label_names *names, int32_t value, const char *name, size_t length, ost_error *err)
+{
+    ost_label_name *item;
+    const ost_status status = append(names, &item, err);
+    if (status == OST_OK && item) {
+        item->value = value;
+        set_name(item, name, length);
+    }
+    return status;
+}
+
+void ost_label_names_free(ost_label_names *names)
+{
+    free(names->items);
+    *names = (ost_label_names){.count = 0};
+}
+
+/*
+ * Reads the integer from 0 to INT16_MAX at *text, and moves *text after it. Returns -1 if there is no such integer.
+ */
+static int32_t read_value(const char **text)
+{
+    int32_t value = 0;
+    const char *p = *text;
+    for (; *p >= '0' && *p <= '9'; p++)
+        if ((value = 10 * value + (*p - '0')) > INT16_MAX)
+            return -1;
+    if (p == *text)
+        return -1;
+    *text = p;
+    return value;
+}
+
+/* ------------------------------------------------------------- label maps */
+
+ost_status ost_label_names_add_segment(ost_label_names *names, const char *key, const char *value, ost_error *err)
+{
+    static const char prefix[] = "Segment";
+    if (strncmp(key, prefix, sizeof prefix - 1) != 0)
+        return OST_OK;
+    key += sizeof prefix - 1;
+    const int32_t segment = read_value(&key);
+    const bool is_name = strcmp(key, "_Name") == 0;
+    if (segment < 0 || (!is_name && strcmp(key, "_LabelValue") != 0))
+        return OST_OK;
+    ost_label_name *item = NULL;
+    for (int i = names->count - 1; i >= 0 && !item; i--) /* the keys of a segment are usually neighbours */
+        item = names->items[i].segment == segment ? &names->items[i] : NULL;
+    const ost_status status = item ? OST_OK : append(names, &item, err);
+    if (status != OST_OK || !item)
+        return status;
+    item->segment = segment;
+    if (is_name)
+        set_name(item, value, strlen(value));
+    else
+        item->value = read_value(&value);
+    return OST_OK;
+}
+
+ost_status ost_label_names_add_xml(ost_label_names *names, const char *text, ost_error *err)
+{
+    static const char element[] = "<Label ", attribute[] = "Key=\"", cdata[] = "<![CDATA[";
+    ost_status status = OST_OK;
+    for (const char *at = strstr(text, element); at && status == OST_OK; at = strstr(at, element)) {
+        at += sizeof element - 1;
+        const char *end = strchr(at, '>'), *key = strstr(at, attribute);
+        if (!end)
+            return OST_OK;
+        at = end + 1;
+        if (!key || key > end)
+            continue;
+        key += sizeof attribute - 1;
+        const int32_t value = read_value(&key);
+        const bool is_cdata = strncmp(at, cdata, sizeof cdata - 1) == 0;
+        const char *name = is_cdata ? at + sizeof cdata - 1 : at, *close = strstr(name, is_cdata ? "]]>" : "<");
+        if (!close)
+            return OST_OK;
+        if (value >= 0 && *key == '"')
+            status = ost_label_names_add(names, value, name, (size_t)(close - name), err);
+        at = close;
+    }
+    return status;
+}
+
+/* ---------------------------------------------------------------- a file */
+
+static ost_status add_json(ost_label_names *names, const char *path, const char *text, size_t size, ost_error *err)
+{
+    json_error_t where;
+    json_t *root = json_loadb(text, size, 0, &where);
+    ost_status status = OST_OK;
+    const char *key;
+    json_t *item;
+    if (!root)
+        return ost_fail(err, OST_ERR_INPUT, "%s:%d: %.100s", path, where.line, where.text);
+    json_object_foreach(root, key, item)
+    {
+        const char *number = json_is_string(item) ? key : NULL, *end = number;
+        const int32_t value = number              ? read_value(&end)
+                              : json_is_integer(item) && json_integer_value(item) >= 0 &&
+                                      json_integer_value(item) <= INT16_MAX
+                                  ? (int32_t)json_integer_value(item)
+                                  : -1;
+        const char *name = number ? json_string_value(item) : key;
+        if (value < 0 || (number && *end))
+            status = ost_fail(err, OST_ERR_INPUT, "%s: '%.60s'; expected names of labels from 0 to %d, such as "
+                              "{\"3\": \"scapula\"} or {\"scapula\": 3}", path, key, INT16_MAX);
+        else
+            status = ost_label_names_add(names, value, name, strlen(name), err);
+        if (status != OST_OK)
+            break;
+    }
+    json_decref(root);
+    return status;
+}
+
+/*
+ * Adds the name of a line "VALUE NAME ..." or "VALUE,NAME,...".  If the line ends in a name in double quotes, as in the
+ * tables of ITK-SNAP, this is the name.  Returns false if the line does not begin with a value.
+ */
+static bool add_line(ost_label_names *names, char *line, ost_status *status, ost_error *err)
+{
+    const char *p = line + strspn(line, " \t");
+    const int32_t value = read_value(&p);
+    if (value < 0 || !strchr(" \t,;:=", *p) || !*p)
+        return false;
+    p += strspn(p, " \t,;:=");
+    char *last = strrchr(line, '"'), *first = NULL;
+    if (last) {
+        *last = 0;
+        first = strrchr(line, '"');
+    }
+    if (first)
+        p = first + 1;
+    const size_t length = first ? strlen(p) : strcspn(p, " \t,;");
+    *status = length ? ost_label_names_add(names, value, p, length, err) : OST_OK;
+    return length > 0;
+}
+
+static ost_status add_table(ost_label_names *names, const char *path, char *text, ost_error *err)
+{
+    ost_status status = OST_OK;
+    long number = 1;
+    bool has_names = false;
+    for (char *line = text, *next; line && status == OST_OK; line = next, number++) {
+        next = strchr(line, '\n');
+        if (next)
+            *next++ = 0;
+        line[strcspn(line, "\r")] = 0;
+        const char *start = line + strspn(line, " \t");
+        if (*start == '#' || !*start || add_line(names, line, &status, err)) {
+            has_names = has_names || (*start && *start != '#');
+            continue;
+        }
+        if (has_names || number > 1) /* the first line may contain the names of the columns */
+            return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s'; expected the value and the name of a label, such as "
+                            "'3 scapula'", path, number, line);
+    }
+    if (status == OST_OK && !has_names)
+        return ost_fail(err, OST_ERR_INPUT, "%s: no names of labels in the file; expected lines such as '3 scapula'",
+                        path);
+    return status;
+}
+
+ost_status ost_label_names_add_file(ost_label_names *names, const char *path, ost_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    ost_input *input;
+    ost_status status = ost_input_open(path, &input, err);
+    if (status != OST_OK)
+        return status;
+    const uint64_t bytes = ost_input_file_bytes(input);
+    if (bytes > FILE_MAX)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes; a file of names has at most %d", path,
+                          (unsigned long long)bytes, FILE_MAX);
+    else if (!(text = malloc((size_t)bytes + 1)))
+        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %llu bytes", path, (unsigned long long)bytes);
+    if (status == OST_OK)
+        status = ost_input_read(input, text, (size_t)bytes, &size, err);
+    ost_input_close(input);
+    if (status == OST_OK) {
+        text[size] = 0;
+        const size_t first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+        if (memchr(text, 0, size))
+            status = ost_fail(err, OST_ERR_INPUT, "%s: not a text file; expected names of labels as text, CSV or JSON",
+                              path);
+        else if (text[first + strspn(text + first, " \t\r\n")] == '{')
+            status = add_json(names, path, text + first, size - first, err);
+        else
+            status = add_table(names, path, text + first, err);
+    }
+    free(text);
+    return status;
+}
+
+/* ---------------------------------------------------------------- search */
+
+static ost_status unknown(const ost_label_names *names, const char *mask, const char *name, ost_error *err)
+{
+    char list[LISTED + OST_LABEL_NAME + 8] = "";
+    size_t used = 0;
+    int listed = 0;
+    /* Names with the same beginning come first. */
+    for (int other = 0; other < 2; other++)
+        for (int i = 0; i < names->count && used < LISTED; i++) {
+            const ost_label_name *item = &names->items[i];
+            if (item->name[0] && item->value >= 0 && (strncasecmp(item->name, name, ALIKE) != 0) == other)
+                used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", listed++ ? ", " : "", item->name);
+        }
+    if (!listed)
+        return ost_fail(err, OST_ERR_INPUT, "%s: no label is named '%.60s', because the file has no names; give a "
+                        "number, or a file of names with --mask-names", mask, name);
+    return ost_fail(err, OST_ERR_INPUT, "%s: no label is named '%.60s'; its labels are %s%s", mask, name, list,
+                    used < LISTED ? "" : ", ...");
+}
+
+ost_status ost_label_names_find(const ost_label_names *names, const char *mask, const char *name, int16_t *value,
+                                ost_error *err)
+{
+    const ost_label_name *found = NULL;
+    for (int i = 0; i < names->count; i++) {
+        const ost_label_name *item = &names->items[i];
+        if (item->value < 0 || strcasecmp(item->name, name) != 0)
+            continue;
+        if (found && found->value != item->value)
+            return ost_fail(err, OST_ERR_INPUT, "%s: the labels %d and %d are both named '%.60s'; give a number", mask,
+                            (int)found->value, (int)item->value, name);
+        found = item;
+    }
+    if (!found)
+        return unknown(names, mask, name, err);
+    *value = (int16_t)found->value;
+    return OST_OK;
+}
