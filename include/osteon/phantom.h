@@ -27,6 +27,7 @@ typedef enum ost_phantom_kind {
     OST_PHANTOM_TRABECULAR,  /* core 1: 156 x 156 x 313 voxels of 32 um */
     OST_PHANTOM_TRABECULAR2, /* core 2: 314 x 316 x 360 voxels of 32 um */
     OST_PHANTOM_FOAM,        /* 314 x 320 x 604 voxels of 32 um */
+    OST_PHANTOM_SHOULDER,    /* 336 x 234 x 201 voxels of 0.47 x 0.47 x 1 mm: scapula and humerus, which touch */
     OST_PHANTOM_COUNT
 } ost_phantom_kind;
 

@@ -161,11 +161,52 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
     return ost_hu(hu + noise, lo, hi);
 }
 
+/* ---------------------------------------------------------------- humerus */
+
+#define HEAD_RADIUS 24.0
+#define TOUCHING 0.0     /* depth of the head in the cartilage, mm */
+#define SHAFT_RADIUS 11.0
+#define SHAFT_LENGTH 90.0
+
+/* A humerus: a ball in front of the glenoid and a shaft that hangs from it, in the bone's frame. */
+typedef struct humerus {
+    ost_v3 head, end; /* centre of the head; end of the shaft's axis, which begins at the head */
+    double size;      /* mm of this bone per mm of the mean shape */
+} humerus;
+
+static humerus make_humerus(const ost_scapula *s)
+{
+    humerus h = {.size = s->size, .head = ost_v3_mad(s->face, s->out, HEAD_RADIUS - TOUCHING)};
+    h.end = ost_v3_mad(ost_v3_mad(h.head, s->above, -SHAFT_LENGTH), s->out, 0.2 * SHAFT_LENGTH);
+    return h;
+}
+
+/* Returns the signed distance to the surface, in mm of this bone. */
+static double humerus_distance(const humerus *h, ost_v3 q)
+{
+    const ost_v3 axis = ost_v3_sub(h->end, h->head), from = ost_v3_sub(q, h->head);
+    const double along = ost_clamp(ost_v3_dot(from, axis) / ost_v3_dot(axis, axis), 0, 1);
+    const double head = ost_v3_length(from) - HEAD_RADIUS,
+                 shaft = ost_v3_length(ost_v3_mad(from, axis, -along)) - SHAFT_RADIUS;
+    return ost_blend(head, shaft, 6) * h->size;
+}
+
+/* Returns the density of a voxel of the scapula's CT with the humerus in it: a compact shell, spongy inside. */
+static int16_t with_humerus(int16_t hu, double distance, double blur, uint64_t hash)
+{
+    const double share = ost_scan_cover(distance, blur), inner = ost_scan_cover(distance + SHELL, blur);
+    if (share == 0)
+        return hu;
+    const double hard = 1150 + (220 - 1150) * inner + 30 * ost_bell(hash);
+    return ost_hu(hu > hard ? hu : hu + (hard - hu) * share, -1024, 3071);
+}
+
 /* ------------------------------------------------------------------- scan */
 
 typedef struct scanner {
     const ost_scan *scan;
     ost_scapula scapula;
+    humerus humerus;
     pose pose;
     double blur;     /* width over which the partial volume changes, in mm of the anatomy */
     int64_t first[3]; /* indices of this grid's first voxel in the grid by which the noise is indexed */
@@ -206,6 +247,8 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
                 }
                 uint64_t hash = ost_hash3(scan->seed + 41, c->first[0] + i, c->first[1] + j, c->first[2] + k);
                 row[i] = voxel_hu(scan, cells, &at, p, q, c->blur, hash);
+                if (scan->has_humerus)
+                    row[i] = with_humerus(row[i], humerus_distance(&c->humerus, to_bone(&c->pose, p)), c->blur, hash);
             }
         }
 }
@@ -239,6 +282,8 @@ static ost_status write_meta(const scanner *c, ost_error *err)
         status = write_three(meta, OST_META_TRIGONUM, to_lps(&c->pose, c->scapula.trigonum), 3, err);
     if (status == OST_OK)
         status = write_three(meta, OST_META_INFERIOR_ANGLE, to_lps(&c->pose, c->scapula.inferior), 3, err);
+    if (status == OST_OK && c->scan->has_humerus)
+        status = write_three(meta, OST_SCAN_HEAD, to_lps(&c->pose, c->humerus.head), 3, err);
     return status;
 }
 
@@ -249,6 +294,7 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err)
     ost_status status = ost_scapula_init(&c.scapula, scan->seed, err);
     if (status != OST_OK)
         return status;
+    c.humerus = make_humerus(&c.scapula);
     c.pose = make_pose(scan->scale * c.scapula.size);
     c.pose.centre = (ost_v3){-110 * scan->scale, -15 * scan->scale, 0}; /* centre of the scapula's box (phantom.c) */
     double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};

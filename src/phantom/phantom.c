@@ -31,7 +31,8 @@ typedef struct box {
     int32_t corner_um[3];
 } box;
 
-enum { SCAPULA_X = -170160, SCAPULA_Y = -69990, SCAPULA_Z = -100500, CROP_I = 25, CROP_J = 71, CROP_K = 132 };
+enum { SCAPULA_X = -170160, SCAPULA_Y = -69990, SCAPULA_Z = -100500, CROP_I = 25, CROP_J = 71, CROP_K = 132,
+       ASIDE_I = 80 };
 
 static const box BOXES[OST_PHANTOM_COUNT] = {
     [OST_PHANTOM_SCAPULA] = {"scapula", {256, 234, 201}, {470, 470, 1000}, {SCAPULA_X, SCAPULA_Y, SCAPULA_Z}},
@@ -42,6 +43,11 @@ static const box BOXES[OST_PHANTOM_COUNT] = {
     [OST_PHANTOM_TRABECULAR] = {"trabecular", {156, 156, 313}, {32, 32, 32}, {0, 0, 0}},
     [OST_PHANTOM_TRABECULAR2] = {"trabecular2", {314, 316, 360}, {32, 32, 32}, {0, 0, 0}},
     [OST_PHANTOM_FOAM] = {"foam", {314, 320, 604}, {32, 32, 32}, {0, 0, 0}},
+    /* The box of the scapula, extended to the side by a whole number of voxels. */
+    [OST_PHANTOM_SHOULDER] = {"shoulder",
+                              {256 + ASIDE_I, 234, 201},
+                              {470, 470, 1000},
+                              {SCAPULA_X - 470 * ASIDE_I, SCAPULA_Y, SCAPULA_Z}},
 };
 
 const char *ost_phantom_name(ost_phantom_kind kind)
@@ -64,7 +70,8 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
                           ost_error *err)
 {
     const ost_pm requested[3] = {o->spacing.x, o->spacing.y, o->spacing.z};
-    const box *integer = &BOXES[b == &BOXES[OST_PHANTOM_GLENOID] ? OST_PHANTOM_SCAPULA : b - BOXES];
+    const bool is_scapula = b == &BOXES[OST_PHANTOM_GLENOID] || b == &BOXES[OST_PHANTOM_SHOULDER];
+    const box *integer = &BOXES[is_scapula ? OST_PHANTOM_SCAPULA : b - BOXES];
     int32_t dims[3];
     ost_pm spacing[3], corner2[3], whole2[3];
     for (int a = 0; a < 3; a++) {
@@ -155,8 +162,11 @@ ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *op
         return ost_fail(err, OST_ERR_RANGE, "a scale of %g: expected %g to %g", scale, SCALE_MIN, SCALE_MAX);
 
     const box *b = &BOXES[kind];
-    bool sided = kind == OST_PHANTOM_SCAPULA || kind == OST_PHANTOM_GLENOID;
-    ost_scan scan = {.volume = out, .scale = scale, .seed = o->seed ? o->seed : 1};
+    bool sided = kind == OST_PHANTOM_SCAPULA || kind == OST_PHANTOM_GLENOID || kind == OST_PHANTOM_SHOULDER;
+    ost_scan scan = {.volume = out,
+                     .scale = scale,
+                     .seed = o->seed ? o->seed : 1,
+                     .has_humerus = kind == OST_PHANTOM_SHOULDER};
     ost_geometry geometry;
     ost_status status = lay_out(b, o, scale, &geometry, &scan, err);
     if (status == OST_OK)
@@ -168,8 +178,8 @@ ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *op
     if (status == OST_OK && o->left) {
         mirror(out);
         static const char *const vectors[] = {OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_TRIGONUM,
-                                              OST_META_INFERIOR_ANGLE};
-        for (int i = 0; i < 4 && status == OST_OK; i++)
+                                              OST_META_INFERIOR_ANGLE, OST_SCAN_HEAD};
+        for (int i = 0; i < 5 && status == OST_OK; i++)
             status = mirror_vector(&out->meta, vectors[i], err);
     }
     if (status != OST_OK)

@@ -20,7 +20,10 @@ typedef struct ost_scan {
     ost_pm3 extent;     /* doubled corner of the first voxel of the grid by which the noise is indexed */
     double scale;       /* scale of the anatomy */
     uint64_t seed;
+    bool has_humerus;   /* a humerus touches the glenoid */
 } ost_scan;
+
+#define OST_SCAN_HEAD "phantom_head_mm" /* fact: centre of the humeral head */
 
 /*
  * Returns the coordinate in mm of the centre of voxel v along an axis.  Twice the coordinate, in

@@ -167,6 +167,40 @@ bone "$inside && i >= 7 && i <= 9 ? 500 : 0"
 run 0 import ct.nrrd --mask other.nrrd:71 --crop 0:12,0:7,0:4 --out cropped.nrrd --json
 check "a crop" "$(value active_voxels) $(value mask_removed)" "37 64" # 3 layers of 12 voxels and the bridge
 
+# A humeral head that touches the glenoid: the shoulder is the scapula of the same seed, and a humerus. The voxels of the
+# scapula alone are the truth. Its grid is a part of the grid of the shoulder.
+run 0 phantom scapula --spacing 0.94,0.94,2 --out scapula.nrrd
+run 0 phantom shoulder --spacing 0.94,0.94,2 --out shoulder.nrrd
+run 0 segment scapula.nrrd --out truth.nrrd --json
+truth=$(value segments.0.voxels)
+run 0 segment shoulder.nrrd --out joined.nrrd --json
+check "the bones touch" "$(value components)" 1
+glenoid=-148.723,-18.868,54.133
+whole() { # whole WHAT PURITY LOSS: the share of right.nrrd that is scapula, and of the scapula that is not in it, in %
+    labelled=$(value segments.0.voxels)
+    run 0 import scapula.nrrd --mask right.nrrd --out bone.nrrd --json
+    right=$((truth - $(value mask_removed)))
+    checks=$((checks + 1))
+    [ $((100 * right)) -ge $((labelled * $2)) ] && [ $((100 * (truth - right))) -le $((truth * $3)) ] ||
+        fail "$1: $right of $labelled voxels are scapula, of $truth"
+}
+run 0 segment shoulder.nrrd --out right.nrrd --cut-head auto --bone $glenoid --json
+ball=$(value head_ball)
+# The header of the phantom contains the centre of the head, (-170.931, -29.923, 65.207) mm. Its radius is 24 mm of the mean
+# shape, which is 27.8 mm of this bone.
+echo "$ball" | awk -F , '{ d = ($1 + 170.931) ^ 2 + ($2 + 29.923) ^ 2 + ($3 - 65.207) ^ 2; exit !(d < 0.5 ^ 2 && $4 > 28.3 && $4 < 29.3) }' || fail "the head is $ball"
+whole "the head is cut" 99 1
+cp right.nrrd by_head.nrrd
+run 0 segment shoulder.nrrd --out right.nrrd --cut-ball "$ball" --bone $glenoid --json
+run 0 diff by_head.nrrd right.nrrd # --cut-head is the --cut-ball that it prints
+run 0 segment shoulder.nrrd --out right.nrrd --cut-head -165,-25,70 --bone $glenoid --json
+check "the head at a position" "$(value head_ball)" "$ball"
+run 0 segment shoulder.nrrd --out right.nrrd --separate 2 --bone $glenoid --json
+whole "the neck is divided" 98 20 # the acromion is a piece of its own
+run 0 import shoulder.nrrd --cut-head auto --bone $glenoid --out bone.nrrd --json
+check "facts of the head" "$(value meta.segment_head_ball) $(value meta.segment_bone_1)" "$ball $glenoid"
+refuse 2 "cut-head: no spherical surface" segment ct.nrrd --out b.nrrd --cut-head auto
+
 # what is wrong is one line
 refuse 2 "no voxel has such a label; its labels are 3, 71" import ct.nrrd --mask other.nrrd:9 --out b.nrrd
 nrrd uint8 0 >void.nrrd

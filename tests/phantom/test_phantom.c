@@ -29,6 +29,7 @@ static void test_names(void **state)
     assert_string_equal(ost_phantom_name(OST_PHANTOM_TRABECULAR), "trabecular");
     assert_string_equal(ost_phantom_name(OST_PHANTOM_TRABECULAR2), "trabecular2");
     assert_string_equal(ost_phantom_name(OST_PHANTOM_FOAM), "foam");
+    assert_string_equal(ost_phantom_name(OST_PHANTOM_SHOULDER), "shoulder");
     assert_string_equal(ost_phantom_name(OST_PHANTOM_COUNT), "unknown");
 }
 

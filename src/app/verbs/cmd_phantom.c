@@ -22,8 +22,8 @@ static ost_status find_kind(const app_state *app, const char *name, ost_phantom_
     const char *near = nearest_name(name, names, OST_PHANTOM_COUNT);
     if (near)
         return usage_error(app, err, "'%s' is not a phantom; did you mean %s?", name, near);
-    return usage_error(app, err, "'%s' is not a phantom; expected scapula, glenoid, trabecular, trabecular2 or foam",
-                       name);
+    return usage_error(app, err, "'%s' is not a phantom; expected scapula, glenoid, shoulder, trabecular, "
+                       "trabecular2 or foam", name);
 }
 
 /* Reads --scale. The factor is a parameter of the shape and may have up to nine decimal places. */
@@ -61,7 +61,7 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
     int side = 1;
     bool compress = false;
     const operand operands[] = {
-        {"KIND", &kind_name, "which phantom? One of scapula, glenoid, trabecular, trabecular2, foam"}, {0}};
+        {"KIND", &kind_name, "which phantom? One of scapula, glenoid, shoulder, trabecular, trabecular2, foam"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
          .help = "the CT: .txt, .nrrd, .nii or .nii.gz"},
@@ -83,6 +83,8 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
                  "kinds, with the thesis' sizes\n"
                  "  scapula      256 x 234 x 201 at 0.47 x 0.47 x 1 mm, with a glenoid\n"
                  "  glenoid      49 x 81 x 41 at 0.47 x 0.47 x 1 mm\n"
+                 "  shoulder     336 x 234 x 201 at 0.47 x 0.47 x 1 mm, a scapula and a humerus\n"
+                 "               whose head touches the glenoid\n"
                  "  trabecular   156 x 156 x 313 at 0.032 mm\n"
                  "  trabecular2  314 x 316 x 360 at 0.032 mm\n"
                  "  foam         314 x 320 x 604 at 0.032 mm",
