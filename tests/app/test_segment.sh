@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # osteon segment divides a CT into bones; osteon import --mask makes a bone of one of them.
-# Covers: REQ-SEGMENT, REQ-MASK, AR-SEG-6
+# Covers: REQ-SEGMENT, REQ-MASK, REQ-MASK-NAMES, REQ-SELECT, REQ-CUT-HEAD, AR-SEG-6
 . "${srcdir:-.}/tests/app/lib.sh"
 
 # A CT as NRRD in text form: a block of 4 x 4 x 4 voxels of 500 HU, a block of 3 x 4 x 4, both with
