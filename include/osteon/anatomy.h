@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the parts of a bone that an operation needs: spheres, such as the humeral head and the
- * centre of curvature of the glenoid.
+ * Finds the parts of a bone that an operation needs: spheres, such as the humeral head, and the
+ * landmarks of a scapula.
  *
  *   voxels --surface--> points, normals --votes along the normals--> candidates --least squares--> spheres
+ *   spheres --the one that faces a vault--> face --rim--> centre, axis; blade --spine--> trigonum, inferior angle
  *
  * The results are proposals, not measurements: each has figures that state how sure it is, and a
  * surgeon confirms or corrects it.  They are computed from additions, multiplications, divisions
@@ -60,6 +61,38 @@ enum { OST_SPHERES_MAX = 16 };
  */
 OST_API ost_status ost_spheres_find(const ost_anatomy_bone *bone, const ost_sphere_options *options, ost_sphere *out,
                                     int most, int *count, ost_error *err);
+
+enum { OST_RIM_MAX = 72 }; /* number of directions, 5 degrees apart, in which the rim of the glenoid is searched */
+
+/*
+ * Landmarks of a scapula, as docs/reference/landmarks.md defines them.  Lengths and positions are rounded to 0.01 mm,
+ * components of the axis to 0.000001.
+ */
+typedef struct ost_scapula_landmarks {
+    ost_pm3 glenoid;       /* centre of the glenoid's face */
+    double axis[3];        /* unit vector perpendicular to the plane of the rim, into the bone */
+    ost_pm3 trigonum, inferior; /* trigonum spinae, inferior angle */
+    bool left;
+    ost_sphere curvature;  /* sphere of the face */
+    ost_pm height, width;  /* extents of the rim */
+    ost_pm3 rim[OST_RIM_MAX];
+    int rim_count;
+    /*
+     * How sure the proposal is.  A spread is the greatest change when the surface is moved in or out, when only the
+     * even or the odd directions of the rim are used, and when the grid is coarser.
+     */
+    double rim_share;      /* share of the directions in which the rim was found */
+    double rim_residual_mm; /* RMS distance of the rim from its plane */
+    double glenoid_spread_mm, axis_spread_deg, trigonum_spread_mm, inferior_spread_mm;
+} ost_scapula_landmarks;
+
+/*
+ * Proposes the landmarks of a scapula.  head is the sphere of the humeral head, or NULL if it is not known.  Returns
+ * OST_ERR_INPUT with the reason if the bone is not a complete scapula with one glenoid, or if it has no glenoid that
+ * can be seen from outside.
+ */
+OST_API ost_status ost_scapula_landmarks_find(const ost_anatomy_bone *bone, const ost_sphere *head,
+                                              ost_scapula_landmarks *out, ost_error *err);
 
 #ifdef __cplusplus
 }

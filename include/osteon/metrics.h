@@ -146,6 +146,12 @@ OST_API ost_status ost_metrics_make(const ost_volume *before, const ost_volume *
                                     const ost_metrics_motion *motion, ost_metrics *out, ost_error *err);
 
 /*
+ * Computes version and inclination of the plan's axis in the scapula's own frame; retroversion and superior inclination
+ * are positive.  Returns false if the plan has no landmarks, if they are collinear, or if the axis is 0.
+ */
+OST_API bool ost_metrics_angles(const ost_metrics_plan *plan, double *retroversion_deg, double *superior_deg);
+
+/*
  * A plunge begins when the tip is in contact and moves inward faster than OST_PLUNGE_MM_S on average over 50 ms. The
  * plunge ends when the tip moves slower than OST_PLUNGE_END_MM_S.
  */

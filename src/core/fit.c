@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "core/vector.h"
+
 /* Solves n linear equations by Gauss-Jordan elimination with pivoting. m has n rows and n + 1 columns. */
 static bool eliminate(double m[4][5], int n, double x[4])
 {
@@ -50,4 +52,35 @@ bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], d
         centre[a] = x[a] + mean[a];
     *radius = square > 0 ? sqrt(square) : 0;
     return square > 0;
+}
+
+bool ost_fit_plane(const double (*points)[3], size_t count, const double along[3], double normal[3], double mean[3])
+{
+    /* Two unit vectors across `along`, which begin with the axis that is least parallel to it. */
+    int least = 0;
+    for (int a = 1; a < 3; a++)
+        least = fabs(along[a]) < fabs(along[least]) ? a : least;
+    double u[3], v[3], axis[3] = {least == 0, least == 1, least == 2}, m[4][5] = {{0}}, x[4];
+    ost_vector_cross(along, axis, u);
+    (void)ost_vector_unit(u, 0);
+    ost_vector_cross(along, u, v);
+    for (int a = 0; a < 3; a++)
+        mean[a] = 0;
+    for (size_t i = 0; i < count; i++)
+        for (int a = 0; a < 3; a++)
+            mean[a] += points[i][a] / (double)count;
+    for (size_t i = 0; i < count; i++) {
+        const double p[3] = {points[i][0] - mean[0], points[i][1] - mean[1], points[i][2] - mean[2]};
+        const double row[3] = {ost_vector_dot(p, u), ost_vector_dot(p, v), ost_vector_dot(p, along)};
+        for (int r = 0; r < 2; r++)
+            for (int c = 0; c < 3; c++)
+                m[r][c] += row[r] * row[c] / (double)count;
+    }
+    /* The plane through the mean is along = x0 u + x1 v. eliminate() expects the right side in column n. */
+    if (count < 3 || !eliminate(m, 2, x))
+        return false;
+    for (int a = 0; a < 3; a++)
+        normal[a] = along[a] - x[0] * u[a] - x[1] * v[a];
+    (void)ost_vector_unit(normal, 0);
+    return true;
 }

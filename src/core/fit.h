@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Least-squares fit of a sphere to points. */
+/* Least-squares fits of spheres and planes to points. */
 #ifndef OST_CORE_FIT_H
 #define OST_CORE_FIT_H
 
@@ -11,5 +11,11 @@
  * Returns false if the points do not determine a sphere.
  */
 bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], double *radius);
+/*
+ * Fits a plane by the distances along a unit vector `along`, which must not lie in the plane: *normal is a unit vector
+ * on the side of `along`, *mean the mean of the points, which lies in the plane. Returns false if the points are
+ * collinear.
+ */
+bool ost_fit_plane(const double (*points)[3], size_t count, const double along[3], double normal[3], double mean[3]);
 
 #endif

@@ -46,3 +46,13 @@ void ost_scapular_angles(const ost_scapular *frame, const double inward[3], doub
     *retroversion_deg = atan2(-ost_vector_dot(inward, frame->posterior), lateral) * DEG;
     *superior_deg = atan2(-ost_vector_dot(inward, frame->superior), lateral) * DEG;
 }
+
+bool ost_metrics_angles(const ost_metrics_plan *plan, double *retroversion_deg, double *superior_deg)
+{
+    ost_scapular frame;
+    double inward[3] = {plan->axis[0], plan->axis[1], plan->axis[2]};
+    if (!(ost_vector_unit(inward, 0) > 0) || !ost_scapular_frame(plan, &frame))
+        return false;
+    ost_scapular_angles(&frame, inward, retroversion_deg, superior_deg);
+    return true;
+}

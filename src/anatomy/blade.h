@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The trigonum spinae and the inferior angle, from the cells of a scapula and the face of its glenoid.
+ *
+ *                    acromion                          superior
+ *      medial       .--------.                            ^
+ *      border  .---/  spine   '--.  G  glenoid            |
+ *             TS===.............---(                medial <--+  lateral
+ *              |                 .'                 anterior and posterior: across the blade
+ *              |  infraspinous .'
+ *               \  fossa     .'
+ *                '-- IA ----'
+ *
+ *   inferior angle  the point farthest from the glenoid; then the extreme point of the blade between the directions
+ *                   of the medial and the lateral border
+ *   posterior       the side of the blade's plane on which the spine rises
+ *   trigonum        the point of the medial border on the line of the spine's crest
+ */
+#ifndef OST_ANATOMY_BLADE_H
+#define OST_ANATOMY_BLADE_H
+
+#include "anatomy/field.h"
+
+typedef struct anatomy_cells {
+    double (*at)[3]; /* owned; centres of the cells that are bone */
+    size_t count;
+} anatomy_cells;
+
+typedef struct anatomy_blade {
+    double trigonum[3], inferior[3];
+    double superior[3]; /* unit vector in the plane of the blade, perpendicular to the medial direction */
+    bool left;
+} anatomy_blade;
+
+/* Lists the cells whose share of bone is at least 0.3. */
+ost_status anatomy_cells_make(const anatomy_field *field, anatomy_cells *out, ost_error *err);
+void anatomy_cells_free(anatomy_cells *cells);
+
+/* Returns the distance of the cell that is farthest from a point, and its index. */
+double anatomy_cells_farthest(const anatomy_cells *cells, const double from[3], size_t *index);
+
+/* Finds the landmarks. `centre` and `inward` describe the face. Returns OST_ERR_INPUT with the reason on failure. */
+ost_status anatomy_blade_find(const anatomy_cells *cells, const double centre[3], const double inward[3], double step,
+                              anatomy_blade *out, ost_error *err);
+
+#endif
