@@ -241,6 +241,8 @@ typedef struct ost_landmarks {
  * file has no landmarks, or two positions for one role. *out is empty on failure.
  */
 OST_API ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *err);
+/* Writes landmarks as a .mrk.json of 3D Slicer, in LPS. ost_landmarks_read reads the same positions from it. */
+OST_API ost_status ost_landmarks_write(const char *path, const ost_landmarks *landmarks, ost_error *err);
 /* Frees landmarks, which are then empty. */
 OST_API void ost_landmarks_free(ost_landmarks *landmarks);
 

@@ -82,6 +82,24 @@ static void assert_points(const char *name)
     ost_landmarks_free(&all);
 }
 
+/* A file that is written gives the same labels and, to the picometre, the same positions when it is read. */
+static void what_is_written_is_read(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_landmark items[POINTS];
+    memset(items, 0, sizeof items);
+    for (int i = 0; i < POINTS; i++) {
+        snprintf(items[i].label, sizeof items[i].label, "%s", points[i].label);
+        items[i].at = (ost_pm3){llround(points[i].lps[0] * 1e9), llround(points[i].lps[1] * 1e9),
+                                llround(points[i].lps[2] * 1e9)};
+    }
+    const ost_landmarks all = {POINTS, items};
+    assert_ok(ost_landmarks_write(at("w.mrk.json"), &all, &err));
+    assert_points("w.mrk.json");
+    assert_int_equal(ost_landmarks_write(at("no/folder.mrk.json"), &all, &err), OST_ERR_IO);
+}
+
 static void every_format_gives_the_same_points(void **state)
 {
     (void)state;
@@ -228,7 +246,8 @@ static void damage(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_format_gives_the_same_points), cmocka_unit_test(labels),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_written_is_read),
+                                       cmocka_unit_test(every_format_gives_the_same_points), cmocka_unit_test(labels),
                                        cmocka_unit_test(what_is_refused), cmocka_unit_test(damage)};
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }
