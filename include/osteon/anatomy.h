@@ -94,6 +94,13 @@ typedef struct ost_scapula_landmarks {
 OST_API ost_status ost_scapula_landmarks_find(const ost_anatomy_bone *bone, const ost_sphere *head,
                                               ost_scapula_landmarks *out, ost_error *err);
 
+/*
+ * Finds the rim of a glenoid whose centre (mm) and inward axis are given: up to OST_RIM_MAX positions, in their order
+ * around the axis. Returns OST_ERR_INPUT if the volume ends before the glenoid.
+ */
+OST_API ost_status ost_glenoid_rim_find(const ost_anatomy_bone *bone, const double centre_mm[3], const double axis[3],
+                                        ost_pm3 rim[OST_RIM_MAX], int *count, ost_error *err);
+
 #ifdef __cplusplus
 }
 #endif

@@ -93,7 +93,7 @@ static double median5(double v[5])
  * Finds the rim. Where the surface climbs to another part of the bone, such as the root of the coracoid, the rim is
  * accepted only if it continues that of the neighbouring directions.
  */
-static void find_rim(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
+void anatomy_face_rim(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
 {
     double u[3], v[3], c = 1, s = 0, r[WAYS];
     int seen = 0, used = 0;
@@ -166,7 +166,7 @@ bool anatomy_face_find(const anatomy_field *f, const anatomy_variant *variant, a
     for (int round = 0; round < ROUNDS; round++) {
         double normal[3], middle[3] = {0};
         int pairs = 0;
-        find_rim(f, variant, face);
+        anatomy_face_rim(f, variant, face);
         if (face->seen_share < 0.5 || !fit_plane(face, normal))
             return false;
         for (int k = 0; k < WAYS / 2; k++)
@@ -263,7 +263,7 @@ bool anatomy_face_align(const anatomy_field *f, const anatomy_variant *variant, 
         ost_vector_cross(way[0], face->inward, way[1]);
         if (!centre_on_extents(f, variant->level, way, face, extent))
             return false;
-        find_rim(f, variant, face);
+        anatomy_face_rim(f, variant, face);
         *height = extent[0];
         *width = extent[1];
         if (face->seen_share < 0.5 || !mean_chord(face, way[0], chord[0]) || !mean_chord(face, way[1], chord[1]))
@@ -271,7 +271,8 @@ bool anatomy_face_align(const anatomy_field *f, const anatomy_variant *variant, 
         /* way[0] x way[1] is superior x (superior x inward) = -inward. */
         ost_vector_cross(chord[1], chord[0], face->inward);
         (void)ost_vector_unit(face->inward, 0);
-        if (!onto_surface(f, variant->level, (const double[3]){face->centre[0], face->centre[1], face->centre[2]}, face))
+        const double from[3] = {face->centre[0], face->centre[1], face->centre[2]};
+        if (!onto_surface(f, variant->level, from, face))
             return false;
     }
     measure_plane(face);

@@ -33,6 +33,8 @@ typedef struct anatomy_face {
  * cannot be found in half of the directions.
  */
 bool anatomy_face_find(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
+/* Finds the rim around face->centre, which lies on the face, along face->inward; these two are not changed. */
+void anatomy_face_rim(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
 /*
  * Moves the centre to the middle of the rim's extents along `superior` and across it, and measures these extents.  The
  * axis becomes perpendicular to the mean chord of the rim through the centre along `superior` (inclination) and to the

@@ -102,8 +102,8 @@ static void superior_of(const proposal *p, double out[3])
     (void)ost_vector_unit(out, 2);
 }
 
-static ost_status propose(const coarse *c, const anatomy_field *fine, const anatomy_variant *variant, const double at[3],
-                          const double inward[3], proposal *out, ost_error *err)
+static ost_status propose(const coarse *c, const anatomy_field *fine, const anatomy_variant *variant,
+                          const double at[3], const double inward[3], proposal *out, ost_error *err)
 {
     double superior[3], medial[3];
     memset(out, 0, sizeof *out);
@@ -180,8 +180,8 @@ static ost_status choose(const ost_anatomy_bone *bone, const coarse *c, const os
         return OST_OK;
     return ost_fail(err, OST_ERR_INPUT, "no glenoid was found: %s",
                     reason.text[0] ? reason.text
-                                   : "no concave surface has bone behind it and free space in front of it; expected one "
-                                     "complete scapula without the humerus");
+                                   : "no concave surface has bone behind it and free space in front of it; expected "
+                                     "one complete scapula without the humerus");
 }
 
 /* ------------------------------------------------------------------ spread */
@@ -192,7 +192,7 @@ static double apart(const double a[3], const double b[3])
     return sqrt(ost_vector_dot(d, d));
 }
 
-/* Returns the angle between two unit vectors in degrees: arctan x = 2 arctan(x / (1 + sqrt(1 + x^2))), then a series. */
+/* Returns the angle between two unit vectors in degrees: arctan x = 2 arctan(x / (1 + sqrt(1 + x^2))) and a series. */
 static double angle_deg(const double a[3], const double b[3])
 {
     double cross[3];
@@ -250,6 +250,15 @@ static ost_pm3 rounded(const double p[3])
     return (ost_pm3){anatomy_round(p[0]), anatomy_round(p[1]), anatomy_round(p[2])};
 }
 
+static int list_rim(const anatomy_face *face, ost_pm3 rim[OST_RIM_MAX])
+{
+    int count = 0;
+    for (int k = 0; k < OST_RIM_MAX; k++)
+        if (face->seen[k])
+            rim[count++] = rounded(face->rim[k]);
+    return count;
+}
+
 static void store(const proposal *p, const ost_sphere *curvature, ost_scapula_landmarks *out)
 {
     out->glenoid = rounded(p->face.centre);
@@ -261,9 +270,7 @@ static void store(const proposal *p, const ost_sphere *curvature, ost_scapula_la
     out->curvature = *curvature;
     out->height = anatomy_round(p->height);
     out->width = anatomy_round(p->width);
-    for (int k = 0; k < OST_RIM_MAX; k++)
-        if (p->face.seen[k])
-            out->rim[out->rim_count++] = rounded(p->face.rim[k]);
+    out->rim_count = list_rim(&p->face, out->rim);
     out->rim_share = p->face.seen_share;
     out->rim_residual_mm = p->face.residual;
 }
@@ -302,5 +309,28 @@ ost_status ost_scapula_landmarks_find(const ost_anatomy_bone *bone, const ost_sp
     anatomy_surface_free(&surface);
     anatomy_field_free(&fine);
     coarse_free(&c);
+    return status;
+}
+
+ost_status ost_glenoid_rim_find(const ost_anatomy_bone *bone, const double centre_mm[3], const double axis[3],
+                                ost_pm3 rim[OST_RIM_MAX], int *count, ost_error *err)
+{
+    const anatomy_variant nominal = {0.5, 1, 0};
+    anatomy_field fine = {.share = NULL};
+    anatomy_face face = {.centre = {centre_mm[0], centre_mm[1], centre_mm[2]}, .inward = {axis[0], axis[1], axis[2]}};
+    *count = 0;
+    ost_status status = anatomy_bone_check(bone, err);
+    for (int a = 0; a < 3 && status == OST_OK; a++)
+        if (!(fabs(centre_mm[a]) <= 8000))
+            status = ost_fail(err, OST_ERR_RANGE, "the glenoid at %g mm; expected a position within 8 m", centre_mm[a]);
+    if (status == OST_OK && !(ost_vector_unit(face.inward, 0) > 0))
+        status = ost_fail(err, OST_ERR_RANGE, "the axis of the glenoid is not a direction");
+    if (status == OST_OK)
+        status = fine_make(bone, centre_mm, &fine, err);
+    if (status == OST_OK) {
+        anatomy_face_rim(&fine, &nominal, &face);
+        *count = list_rim(&face, rim);
+    }
+    anatomy_field_free(&fine);
     return status;
 }

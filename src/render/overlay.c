@@ -13,7 +13,8 @@
 #include "render/points/extract.h"
 
 const char *const ost_overlay_names[OST_OVERLAY_COUNT] = {"chunks",      "boxes",       "hits",
-                                                          "tool-voxels", "bone-voxels", "axis"};
+                                                          "tool-voxels", "bone-voxels", "axis",
+                                                          "landmarks"};
 
 enum {
     RED = 0x4a4ae8,
@@ -406,6 +407,55 @@ static void draw_axis(const ost_frame *f, const ost_eye *e, const ost_overlay_sc
     }
 }
 
+/* Draws a line between two positions in mm. */
+static void draw_mm(const ost_frame *f, const ost_eye *e, const ost_overlay_scene *s, const double from[3],
+                    const double to[3], uint32_t colour, int width)
+{
+    const ost_geometry *g = &s->bone->geometry;
+    const double mm = 1e-9 * (double)g->spacing.x,
+                 origin[3] = {1e-9 * (double)g->origin.x, 1e-9 * (double)g->origin.y, 1e-9 * (double)g->origin.z};
+    point3 end[2];
+    for (int a = 0; a < 3; a++) {
+        end[0].v[a] = (float)((from[a] - origin[a]) / mm);
+        end[1].v[a] = (float)((to[a] - origin[a]) / mm);
+    }
+    ost_overlay_line(f, e, end[0].v, end[1].v, colour, FULL, width);
+}
+
+/* Draws a cross of 6 mm that faces the eye. */
+static void draw_cross(const ost_frame *f, const ost_eye *e, const ost_overlay_scene *s, const double at[3],
+                       uint32_t colour)
+{
+    for (int k = 0; k < 2; k++) {
+        double end[2][3];
+        for (int a = 0; a < 3; a++) {
+            const double way = 3 * (double)(k ? e->up[a] : e->right[a]);
+            end[0][a] = at[a] - way;
+            end[1][a] = at[a] + way;
+        }
+        draw_mm(f, e, s, end[0], end[1], colour, 3 * thin(f));
+    }
+}
+
+static void draw_landmarks(const ost_frame *f, const ost_eye *e, const ost_overlay_scene *s)
+{
+    enum { BEFORE_MM = 30, PAST_MM = 30 };
+    double end[2][3];
+    for (int a = 0; a < 3; a++) {
+        end[0][a] = s->face_mm[a] - BEFORE_MM * s->inward[a];
+        end[1][a] = s->face_mm[a] + PAST_MM * s->inward[a];
+    }
+    draw_mm(f, e, s, s->face_mm, s->trigonum_mm, WHITE, thin(f));
+    draw_mm(f, e, s, s->trigonum_mm, s->inferior_mm, WHITE, thin(f));
+    draw_mm(f, e, s, s->inferior_mm, s->face_mm, WHITE, thin(f));
+    draw_mm(f, e, s, end[0], end[1], CYAN, 2 * thin(f));
+    for (int i = 0; i < s->rim_count; i++)
+        draw_mm(f, e, s, s->rim_mm[i], s->rim_mm[(i + 1) % s->rim_count], AMBER, 2 * thin(f));
+    draw_cross(f, e, s, s->face_mm, CYAN);
+    draw_cross(f, e, s, s->trigonum_mm, GREEN);
+    draw_cross(f, e, s, s->inferior_mm, GREEN);
+}
+
 void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *s)
 {
     if (which >> OST_OVERLAY_CHUNKS & 1)
@@ -420,4 +470,6 @@ void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which
         draw_boxes(frame, eye, s);
     if (which >> OST_OVERLAY_AXIS & 1 && s->planned)
         draw_axis(frame, eye, s);
+    if (which >> OST_OVERLAY_LANDMARKS & 1 && s->planned)
+        draw_landmarks(frame, eye, s);
 }

@@ -8,6 +8,7 @@
  *   tool-voxels   edges of the tool's voxels (Fig. 3.4)
  *   bone-voxels   edges of the bone's voxels within the tool's box (Fig. 3.3)
  *   axis          the planned axis, with a tick per millimetre down to the planned depth
+ *   landmarks     the glenoid's rim, centre and axis, the trigonum and the inferior angle, and the lines between them
  */
 #ifndef OST_RENDER_OVERLAY_H
 #define OST_RENDER_OVERLAY_H
@@ -23,11 +24,12 @@ typedef enum ost_overlay {
     OST_OVERLAY_TOOL_VOXELS,
     OST_OVERLAY_BONE_VOXELS,
     OST_OVERLAY_AXIS,
+    OST_OVERLAY_LANDMARKS,
     OST_OVERLAY_COUNT
 } ost_overlay;
 extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* the names "chunks", "boxes" and so on */
 
-enum { OST_OVERLAY_CHANGED = 64 };
+enum { OST_OVERLAY_CHANGED = 64, OST_OVERLAY_RIM = 72 };
 
 typedef struct ost_overlay_scene {
     const ost_surface *bone, *tool; /* borrowed; tool is NULL if there is no tool to draw */
@@ -38,6 +40,9 @@ typedef struct ost_overlay_scene {
     int32_t changed_at[OST_OVERLAY_CHANGED][3];
     bool planned;
     double face_mm[3], inward[3], depth_mm;
+    double trigonum_mm[3], inferior_mm[3]; /* valid if landmarks are drawn */
+    double rim_mm[OST_OVERLAY_RIM][3];     /* positions around the glenoid, in their order */
+    int rim_count;
 } ost_overlay_scene;
 
 /* Draws overlays on the frame. which: one bit for each overlay. eye: the frame's eye, in the bone's voxels. */

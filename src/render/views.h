@@ -44,6 +44,8 @@ typedef struct ost_view_subject {
     double middle[3], size;  /* of the bone's grid or, after ost_view_subject_fit, of the bone: middle, longest side */
     bool has_face;           /* set if face and inward are known */
     double face[3], inward[3]; /* centre of the glenoid; unit vector from there into the bone */
+    bool has_landmarks;      /* set if trigonum and inferior are known */
+    double trigonum[3], inferior[3]; /* trigonum spinae and inferior angle of a scapula */
     bool left;               /* set if the bone is from the left side of the body */
 } ost_view_subject;
 

@@ -87,7 +87,8 @@ static inline double scene_density(const ost_volume *v, const double p[3])
     const int16_t *voxel = v->voxels + (size_t)c[0] + (size_t)n[0] * ((size_t)c[1] + (size_t)n[1] * (size_t)c[2]);
     for (int k = 0; k < 8; k++) {
         const double weight = (k & 1 ? t[0] : 1 - t[0]) * (k & 2 ? t[1] : 1 - t[1]) * (k & 4 ? t[2] : 1 - t[2]);
-        sum += weight * voxel[(size_t)(k & 1) + (size_t)n[0] * ((size_t)(k >> 1 & 1) + (size_t)n[1] * (size_t)(k >> 2))];
+        const size_t row = (size_t)(k >> 1 & 1) + (size_t)n[1] * (size_t)(k >> 2);
+        sum += weight * voxel[(size_t)(k & 1) + (size_t)n[0] * row];
     }
     return sum;
 }

@@ -3,6 +3,9 @@
  * Landmarks of generated scapulae in random poses, compared with the landmarks from which they are generated.
  *
  * 12 phantoms are tried, or 200 with OST_TEST_LONG=1. The seeds are consecutive from OST_TEST_SEED, or from 1.
+ * OST_TEST_VERBOSE=1 prints the errors of each phantom.
+ *
+ * Covers: REQ-ANATOMY
  */
 #include <osteon/anatomy.h>
 #include <osteon/metrics.h>

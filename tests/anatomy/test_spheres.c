@@ -2,6 +2,8 @@
 /*
  * Spheres of volumes made from closed forms: a head (a ball on a shaft), a socket (a block with a dish cut out), and
  * hollow balls.  Expected centres and radii are those of the closed forms.
+ *
+ * Covers: REQ-SPHERES
  */
 #include <math.h>
 

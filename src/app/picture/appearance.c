@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/picture/implant.h"
+#include "app/picture/landmarks.h"
 #include "core/vector.h"
 #include "render/marks.h"
 #include "window/window.h"
@@ -220,9 +221,13 @@ ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_su
     viewer->scene.depth_mm = depth_mm;
     memcpy(viewer->scene.face_mm, subject->face, sizeof subject->face);
     memcpy(viewer->scene.inward, subject->inward, sizeof subject->inward);
+    ost_status status = OST_OK;
+    if (options->overlay_bits >> OST_OVERLAY_LANDMARKS & 1)
+        status = landmarks_show(subject, viewer, err);
     ost_viewer_set_colouring(viewer, a->colouring);
     face_the_eye(a, eye_mm);
-    ost_status status = set_clip(a, err);
+    if (status == OST_OK)
+        status = set_clip(a, err);
     return status == OST_OK ? set_ghost(a, err) : status;
 }
 

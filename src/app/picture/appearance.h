@@ -76,9 +76,9 @@ typedef struct appearance_options {
         {.name = "overlay",                                                                                            \
          .kind = OPTION_LIST,                                                                                          \
          .out = &(a).overlays,                                                                                         \
-         .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis",                                                    \
+         .value = "chunks|boxes|hits|tool-voxels|bone-voxels|axis|landmarks",                                          \
          .help = "draw lines: chunks, bounding boxes, the chunks hit, solid voxels of the tool, surface voxels of "    \
-                 "the bone, or the glenoid's axis; may repeat"},                                                       \
+                 "the bone, the glenoid's axis, or (osteon render) the landmarks of a scapula; may repeat"},           \
     {                                                                                                                  \
         .name = "no-legend", .kind = OPTION_FLAG, .out = &(a).no_legend,                                               \
         .help = "draw no legend, scale bar or directions"                                                              \

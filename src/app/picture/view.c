@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "app/picture/landmarks.h"
+
 ost_status view_subject(const app_state *app, const view_options *options, const target_options *target,
                         const ost_meta *meta, const ost_geometry *geometry, const char *bone, ost_glenoid *glenoid,
                         ost_view_subject *out, ost_error *err)
@@ -27,7 +29,7 @@ ost_status view_subject(const app_state *app, const view_options *options, const
         out->middle[1] = ost_pm_to_mm(target->at.y);
         out->middle[2] = ost_pm_to_mm(target->at.z);
     }
-    return OST_OK;
+    return landmarks_subject(meta, out, err);
 }
 
 void view_fit(const target_options *target, const ost_volume *volume, int32_t threshold, ost_view_subject *subject)
