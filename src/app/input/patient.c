@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "app/common/print.h"
+#include "app/input/load.h"
+#include "app/input/proposal.h"
 
 enum { TRIPLE_TEXT = 3 * OST_PM_TEXT };
 
@@ -89,20 +91,18 @@ static ost_status resolve_orientation(const char *name, const ost_geometry *g, o
 
 /* ----------------------------------------------------------------- options */
 
-static ost_status take_landmarks(const app_state *app, const char *file, const char *name, ost_meta *meta,
-                                 ost_error *err)
+/* Stores landmarks in meta. file: the name of their file, for messages. */
+static ost_status store_landmarks(const app_state *app, const ost_landmarks *all, const char *file, const char *name,
+                                  ost_meta *meta, ost_error *err)
 {
-    ost_landmarks all;
     const ost_landmark *found[OST_LANDMARK_INFERIOR_ANGLE + 1] = {NULL};
-    ost_status status = ost_landmarks_read(file, &all, err);
-    if (status != OST_OK)
-        return status;
-    for (int i = 0; i < all.count; i++) {
-        if (all.items[i].role != OST_LANDMARK_OTHER)
-            found[all.items[i].role] = &all.items[i];
+    ost_status status = OST_OK;
+    for (int i = 0; i < all->count; i++) {
+        if (all->items[i].role != OST_LANDMARK_OTHER)
+            found[all->items[i].role] = &all->items[i];
         else
             warn(app, "%s: unknown label '%s' ignored; expected glenoid, axis, trigonum or inferior angle", file,
-                 all.items[i].label);
+                 all->items[i].label);
     }
     const ost_landmark *glenoid = found[OST_LANDMARK_GLENOID], *axis = found[OST_LANDMARK_AXIS_POINT];
     if (axis && !glenoid)
@@ -127,11 +127,33 @@ static ost_status take_landmarks(const app_state *app, const char *file, const c
         status = set_triple(name, OST_META_TRIGONUM, found[OST_LANDMARK_TRIGONUM]->at, meta, err);
     if (status == OST_OK && found[OST_LANDMARK_INFERIOR_ANGLE])
         status = set_triple(name, OST_META_INFERIOR_ANGLE, found[OST_LANDMARK_INFERIOR_ANGLE]->at, meta, err);
+    return status;
+}
+
+/* Reads landmarks from a file, or proposes them for the bone, and writes them to a file if that is requested. */
+static ost_status take_landmarks(const app_state *app, const patient_options *options, const ost_bone *bone,
+                                 const char *name, ost_meta *meta, ost_error *err)
+{
+    ost_landmarks all;
+    const bool proposed = strcmp(options->landmarks, PROPOSAL_AUTO) == 0;
+    ost_status status = proposed ? proposal_make(app, bone, name, meta, &all, err)
+                                 : ost_landmarks_read(options->landmarks, &all, err);
+    if (status == OST_OK)
+        status = store_landmarks(app, &all, options->landmarks, name, meta, err);
+    if (status == OST_OK && options->landmarks_out)
+        status = ost_landmarks_write(options->landmarks_out, &all, err);
     ost_landmarks_free(&all);
     return status;
 }
 
-ost_status patient_take(const app_state *app, const patient_options *options, const char *name,
+ost_status patient_check(app_state *app, const patient_options *options, ost_error *err)
+{
+    if (options->landmarks_out && !options->landmarks)
+        return usage_error(app, err, "--landmarks-out needs --landmarks auto or --landmarks FILE");
+    return options->landmarks_out ? out_check(app, options->landmarks_out, "mrk.json", err) : OST_OK;
+}
+
+ost_status patient_take(const app_state *app, const patient_options *options, const ost_bone *bone, const char *name,
                         const ost_geometry *geometry, ost_meta *meta, ost_error *err)
 {
     const target_options *t = &options->target;
@@ -140,7 +162,7 @@ ost_status patient_take(const app_state *app, const patient_options *options, co
         !options->landmarks)
         return OST_OK;
     if (options->landmarks)
-        status = take_landmarks(app, options->landmarks, name, meta, err);
+        status = take_landmarks(app, options, bone, name, meta, err);
     if (status == OST_OK && t->at_given)
         status = set_triple(name, OST_META_GLENOID_AT, t->at, meta, err);
     if (status == OST_OK && t->axis_given)

@@ -3,7 +3,7 @@
  * Facts about the patient, stored once in the header of a bone or CT: the glenoid's position, the
  * axis into the bone, the side, and the scapula's landmarks.
  *
- *   --landmarks FILE --.
+ *   --landmarks FILE --.                   (FILE is auto: proposed for the bone, proposal.h)
  *   --at --axis ...  ---+--> meta, checked --> header (import)
  *   --set KEY=VALUE  --'                  '--> header, rewritten (info)
  *
@@ -21,7 +21,7 @@ typedef struct patient_options {
     target_options target;
     ost_pm3 trigonum, inferior;
     bool trigonum_given, inferior_given;
-    const char *landmarks;
+    const char *landmarks, *landmarks_out;
 } patient_options;
 
 /* Rows for a verb's table of options. */
@@ -56,15 +56,25 @@ typedef struct patient_options {
          .given = &(p).inferior_given,                                                                                 \
          .value = "X,Y,Z",                                                                                             \
          .help = "inferior angle, the scapula's lowest point"},                                                        \
+        {.name = "landmarks",                                                                                          \
+         .kind = OPTION_TEXT,                                                                                          \
+         .out = &(p).landmarks,                                                                                        \
+         .value = "FILE|auto",                                                                                         \
+         .help = "auto: propose these points for a scapula; or a file with them: .mrk.json or .fcsv of 3D Slicer, or " \
+                 "a CSV label,x,y,z (LPS); labels: glenoid, axis (a point inside the bone on the axis), trigonum, "    \
+                 "inferior angle"},                                                                                    \
     {                                                                                                                  \
-        .name = "landmarks", .kind = OPTION_TEXT, .out = &(p).landmarks, .value = "FILE",                              \
-        .help = "file with these points: .mrk.json or .fcsv of 3D Slicer, or a CSV label,x,y,z (LPS); labels: "        \
-                "glenoid, axis (a point inside the bone on the axis), trigonum, inferior angle"                        \
+        .name = "landmarks-out", .kind = OPTION_TEXT, .out = &(p).landmarks_out, .value = "FILE.mrk.json",             \
+        .help = "write these points, to correct them in 3D Slicer and to pass them to --landmarks"                     \
     }
 
+/* Checks the options before the bone is read. */
+ost_status patient_check(app_state *app, const patient_options *options, ost_error *err);
+
 /* Stores in meta the facts from the options and from the landmarks file that the options name. Reports
-   unknown labels in that file. `name` is the name of the volume, for messages. */
-ost_status patient_take(const app_state *app, const patient_options *options, const char *name,
+   unknown labels in that file. bone: the bone for which landmarks are proposed; `name`: the name of the volume, for
+   messages. */
+ost_status patient_take(const app_state *app, const patient_options *options, const ost_bone *bone, const char *name,
                         const ost_geometry *geometry, ost_meta *meta, ost_error *err);
 
 /* Stores in meta the facts of --set KEY=VALUE, one after the other. An empty VALUE removes the fact. */

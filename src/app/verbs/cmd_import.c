@@ -5,6 +5,7 @@
 #include "app/common/backend_choice.h"
 #include "app/input/load.h"
 #include "app/input/patient.h"
+#include "app/input/proposal.h"
 #include "app/input/segment_options.h"
 #include "app/common/progress.h"
 #include "app/common/result.h"
@@ -175,13 +176,14 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
                    "  osteon import scan/ --series 3 --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
-                   "  osteon import shoulder.nii.gz --mask labels.nrrd:1 --out scapula.nrrd\n"
+                   "  osteon import shoulder.nii.gz --mask labels.nrrd:1 --landmarks auto --out scapula.nrrd\n"
                  "  osteon import shoulder.nii.gz --cut-head auto --bone -98,200,-159 --out scapula.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err) ||
-        (status = out_check(app, out, "nrrd|nii|nii.gz|txt", err)) != OST_OK)
+        (status = out_check(app, out, "nrrd|nii|nii.gz|txt", err)) != OST_OK ||
+        (status = patient_check(app, &patient, err)) != OST_OK)
         return status;
 
     ost_backend *backend = NULL;
@@ -201,7 +203,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = load_bone(app, backend, name, &ct, true, &bone, &result, err);
     if (status == OST_OK)
-        status = patient_take(app, &patient, name, &result.cubic, &result.meta, err);
+        status = patient_take(app, &patient, bone, name, &result.cubic, &result.meta, err);
     if (status == OST_OK)
         status = ost_bone_info_get(bone, &info, err);
     if (status == OST_OK)
@@ -217,6 +219,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         if (ct.labels)
             segment_job_report(&job, name);
         print_result(app, name, out, &result, &info);
+        status = angles_report(app, &result.meta, err);
     }
     segment_job_free(&job);
     ost_bone_free(bone);

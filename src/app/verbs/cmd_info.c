@@ -8,6 +8,7 @@
 #include "app/common/backend_choice.h"
 #include "app/input/load.h"
 #include "app/input/patient.h"
+#include "app/input/proposal.h"
 #include "app/common/progress.h"
 #include "app/common/result.h"
 #include "app/common/print.h"
@@ -58,6 +59,8 @@ static ost_status info_volume(const app_state *app, const char *name, const char
     put_bool(app->result, "orientation_assumed", report.assumed);
     put_geometry(app, &geometry);
     print_meta(app, &meta);
+    if ((status = angles_report(app, &meta, err)) != OST_OK)
+        return ost_fail_context(err, "%s", name);
     if (!digest)
         load_warn_orientation(app, name, &meta);
     if (!digest)
