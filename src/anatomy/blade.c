@@ -10,6 +10,7 @@
 #include "core/vector.h"
 
 enum {
+    CELLS_MAX = 1 << 21, /* a scapula has about 40,000 cells of 1.5 mm */
     BINS = 50,
     ROWS = 60,
     MIDDLE_LO = 10, /* bins in which the spine is certainly prominent: 30 to 72 mm medial of the face */
@@ -36,6 +37,10 @@ ost_status anatomy_cells_make(const anatomy_field *f, anatomy_cells *out, ost_er
     size_t count = 0;
     for (size_t i = 0; i < cells; i++)
         count += f->share[i] >= CELL_SHARE;
+    *out = (anatomy_cells){.at = NULL};
+    if (count > CELLS_MAX)
+        return ost_fail(err, OST_ERR_INPUT, "the bone fills %zu cells of %.2g mm; expected one scapula, at most %d",
+                        count, f->step[0], CELLS_MAX);
     *out = (anatomy_cells){.at = malloc((count + 1) * sizeof *out->at)};
     if (!out->at)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu cells", count);

@@ -32,7 +32,7 @@ typedef struct anatomy_blade {
     bool left;
 } anatomy_blade;
 
-/* Lists the cells whose share of bone is at least 0.3. */
+/* Lists the cells whose share of bone is at least 0.3. Returns OST_ERR_INPUT if there are more than 2^21. */
 ost_status anatomy_cells_make(const anatomy_field *field, anatomy_cells *out, ost_error *err);
 void anatomy_cells_free(anatomy_cells *cells);
 
