@@ -31,8 +31,9 @@ typedef struct source {
     double spacing[3];
 } source;
 
-/* GAP: number of pixels between panels; OVER: number of samples per pixel along each axis */
-enum { GAP = 8, OVER = 2 };
+/* OVER: number of samples per pixel along each axis */
+enum { GAP = OST_SLICES_GAP, OVER = 2 };
+enum { OUTLINE = 2 };        /* width of an outline in pixels */
 enum { LEAST_SIDE = 120 };  /* in pixels; letters do not fit if the shorter side of a panel is less than this */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
@@ -81,6 +82,45 @@ static void panel(const source *s, const plane *p, int through, double mm_per_pi
             for (int c = 0; c < 3; c++)
                 colour |= (uint32_t)(sum[c] / (OVER * OVER) + 0.5) << (8 * c);
             sheet->pixels[(size_t)y * (size_t)sheet->stride + (size_t)(x0 + x)] = colour;
+        }
+}
+
+/* Returns the region of the voxel that contains the centre of pixel (x, y) of a panel. */
+static uint32_t region_at(const source *s, const plane *p, int through, double mm_per_pixel, int x, int y)
+{
+    const int n[2] = {s->n[p->across], s->n[p->down]};
+    const double at[2] = {(x + 0.5) * mm_per_pixel / s->spacing[p->across],
+                          (y + 0.5) * mm_per_pixel / s->spacing[p->down]};
+    int v[3], k[2];
+    for (int i = 0; i < 2; i++)
+        k[i] = at[i] < n[i] - 1 ? (int)at[i] : n[i] - 1;
+    v[p->across] = k[0];
+    v[p->down] = p->down_is_minus ? n[1] - 1 - k[1] : k[1];
+    v[p->through] = through;
+    return s->paint->region(s->paint->user,
+                            (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]));
+}
+
+/* Draws the outlines of the regions of a panel. `regions` has room for the panel's pixels. */
+static void outline(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height,
+                    uint32_t *regions, const ost_sheet *sheet)
+{
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++)
+            regions[(size_t)y * (size_t)width + (size_t)x] = region_at(s, p, through, mm_per_pixel, x, y);
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            const uint32_t own = regions[(size_t)y * (size_t)width + (size_t)x];
+            bool border = false;
+            for (int far = 1; far <= OUTLINE && own != OST_NO_REGION; far++)
+                for (int side = 0; side < 4; side++) {
+                    const int nx = x + (side == 0 ? -far : side == 1 ? far : 0),
+                              ny = y + (side == 2 ? -far : side == 3 ? far : 0);
+                    border |= nx >= 0 && ny >= 0 && nx < width && ny < height &&
+                              regions[(size_t)ny * (size_t)width + (size_t)nx] != own;
+                }
+            if (border)
+                sheet->pixels[(size_t)y * (size_t)sheet->stride + (size_t)(x0 + x)] = own;
         }
 }
 
@@ -150,17 +190,23 @@ ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixel
     }
     const double unit = ost_marks_unit((int)(2.2 * tallest));
     ost_lettering *letters = NULL;
+    uint32_t *regions = NULL;
     ost_sheet sheet = {.stride = total, .width = total, .height = tallest};
     ost_status status = ost_picture_init(out, total, tallest, err);
     if (status == OST_OK)
         status = ost_lettering_create(OST_MARKS_LETTER * unit, &letters, err);
-    if (status == OST_OK && !(sheet.pixels = malloc((size_t)total * (size_t)tallest * sizeof *sheet.pixels)))
+    if (status == OST_OK && (!(sheet.pixels = malloc((size_t)total * (size_t)tallest * sizeof *sheet.pixels)) ||
+                             (paint->region &&
+                              !(regions = malloc((size_t)total * (size_t)tallest * sizeof *regions)))))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a picture of %d x %d pixels", total, tallest);
     if (status == OST_OK) {
         ost_sheet_box(&sheet, 0, 0, total, tallest, BACK, 256);
         for (int i = 0, x0 = 0; i < 3; x0 += width[i] + GAP, i++) {
             const bool roomy = width[i] >= LEAST_SIDE && height[i] >= LEAST_SIDE;
-            panel(&s, &PLANES[i], at[PLANES[i].through], mm_per_pixel, x0, width[i], height[i], &sheet);
+            const int through = at[PLANES[i].through];
+            panel(&s, &PLANES[i], through, mm_per_pixel, x0, width[i], height[i], &sheet);
+            if (regions)
+                outline(&s, &PLANES[i], through, mm_per_pixel, x0, width[i], height[i], regions, &sheet);
             ticks(&s, &PLANES[i], at, mm_per_pixel, x0, width[i], height[i], &sheet);
             if (roomy)
                 annotate(&PLANES[i], letters, titles[i], !paint->unoriented, x0, width[i], height[i], unit, &sheet);
@@ -175,6 +221,7 @@ ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixel
     } else {
         ost_picture_free(out);
     }
+    free(regions);
     free(sheet.pixels);
     ost_lettering_free(letters);
     return status;
@@ -230,7 +277,7 @@ ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before
     static const ost_slices_options defaults = {.at = {-1, -1, -1}};
     const ost_slices_options *o = options ? options : &defaults;
     const bool usual = o->level == 0 && o->width == 0;
-    const int level = usual ? 400 : o->level, window = usual ? 1800 : o->width;
+    const int level = usual ? OST_SLICES_LEVEL : o->level, window = usual ? OST_SLICES_WIDTH : o->width;
     const densities d = {volume, before, o->threshold > 0 ? o->threshold : 120, level - 0.5 * window,
                          level + 0.5 * window};
     const ost_slices_paint paint = {.colour = colour_of, .user = &d, .unoriented = o->unoriented};

@@ -8,9 +8,14 @@
 
 /* Computes red, green and blue, 0 to 255, of the voxel with this index in the volume. */
 typedef void ost_slices_colour(const void *user, size_t voxel, double rgb[3]);
+/* Returns the colour, 0xBBGGRR, of the region that contains the voxel with this index, or OST_NO_REGION. */
+typedef uint32_t ost_slices_region(const void *user, size_t voxel);
+enum { OST_NO_REGION = 0x7fffffff };
 
 typedef struct ost_slices_paint {
     ost_slices_colour *colour;
+    /* Each region is outlined along its inner side; voxels of one colour are one region. May be NULL. */
+    ost_slices_region *region;
     const void *user;
     /* if true, each pixel has the colour of one voxel; otherwise the colours are interpolated
        between the centres of voxels */
@@ -18,6 +23,8 @@ typedef struct ost_slices_paint {
     bool unoriented; /* true if the directions of the axes are not known; no directions are then drawn */
 } ost_slices_paint;
 
+enum { OST_SLICES_GAP = 8 };                           /* pixels between two slices */
+enum { OST_SLICES_LEVEL = 400, OST_SLICES_WIDTH = 1800 }; /* default window for densities of bone, in HU */
 /* Draws the slices through the voxel at[]. pixels: longest side of a slice; 0 means 480. Returns
    OST_ERR_RANGE if at is outside the grid. */
 ost_status ost_slices_draw(const ost_geometry *geometry, const int32_t at[3], int pixels, const ost_slices_paint *paint,

@@ -6,10 +6,10 @@
  *   direction, extent, or the box of the active voxels --> camera
  *   frame of 2 x 2 samples for each pixel --means--> smooth edges; marks --> picture
  */
+#include "render/view.h"
+
 #include <math.h>
 #include <string.h>
-
-#include <osteon/picture.h>
 
 #include "core/vector.h"
 #include "render/marks.h"
@@ -88,9 +88,8 @@ static void halve(ost_sheet *sheet)
 }
 
 static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const aim *a, const ost_view_options *o,
-                       bool depths, ost_error *err)
+                       double unit, bool depths, ost_error *err)
 {
-    const double unit = ost_marks_unit(sheet->height);
     ost_marks marks = {.mm_per_pixel = a->distance / (OST_VIEW_FOCAL * sheet->height)};
     ost_lettering *letters;
     ost_status status = ost_lettering_create(OST_MARKS_LETTER * unit, &letters, err);
@@ -107,8 +106,9 @@ static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const a
     return OST_OK;
 }
 
-ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
-                            ost_picture *out, ost_error *err)
+/* Draws a view for the functions below. before: the uncut bone, or NULL. labels, unit: see ost_view_draw. */
+static ost_status draw(const ost_volume *volume, const ost_volume *before, bool labels, double unit,
+                       const ost_view_options *options, ost_picture *out, ost_error *err)
 {
     static const ost_view_options defaults;
     const ost_view_options *o = options ? options : &defaults;
@@ -133,8 +133,9 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
         viewer.paint = OST_PAINT_STEEL;
     else if (status == OST_OK)
         status = ost_viewer_set_uncut(&viewer, &uncut, threshold, &classes, NULL, NULL, err);
-    if (status == OST_OK && before)
-        ost_viewer_set_colouring(&viewer, OST_COLOUR_DEPTH);
+    viewer.reference.uncut = labels;
+    if (status == OST_OK && (before || labels))
+        ost_viewer_set_colouring(&viewer, before ? OST_COLOUR_DEPTH : OST_COLOUR_LABEL);
     /* The box of the uncut bone is used, so that pictures before and after a removal show the same part of the bone. */
     if (status == OST_OK)
         status = find_axes(o, &a, err);
@@ -166,7 +167,7 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
         if (samples == 2)
             halve(&sheet);
         if (!o->no_legend)
-            status = mark(&sheet, &viewer, &a, o, before != NULL, err);
+            status = mark(&sheet, &viewer, &a, o, unit > 0 ? unit : ost_marks_unit(height), before != NULL, err);
         ost_colours_copy(sheet.pixels, sheet.stride, out);
     }
     if (status != OST_OK)
@@ -174,4 +175,16 @@ ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, 
     viewer.reference.volume = (ost_volume){.voxels = NULL};
     ost_viewer_free(&viewer);
     return status;
+}
+
+ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
+                            ost_picture *out, ost_error *err)
+{
+    return draw(volume, before, false, 0, options, out, err);
+}
+
+ost_status ost_view_draw(const ost_volume *volume, bool labels, double unit, const ost_view_options *options,
+                         ost_picture *out, ost_error *err)
+{
+    return draw(volume, NULL, labels, unit, options, out, err);
 }

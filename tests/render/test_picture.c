@@ -11,6 +11,9 @@
 #include <osteon/render.h>
 
 #include "render/marks.h"
+#include "render/points/palette.h"
+#include "render/slices.h"
+#include "render/view.h"
 #include "render/views.h"
 
 /*
@@ -179,6 +182,77 @@ static void test_slices(void **state)
     assert_non_null(strstr(err.text, "16 along z"));
     ost_volume_free(&uncut);
     ost_volume_free(&cut);
+}
+
+/* A box of voxels 10 <= i < 30, 10 <= j < 30, 4 <= k < 12, of which the half with i >= 20 is another region. */
+static uint32_t region_of_box(const void *user, size_t v)
+{
+    (void)user;
+    const int i = (int)(v % 48), j = (int)(v / 48 % 40), k = (int)(v / 48 / 40);
+    return i < 10 || i >= 30 || j < 10 || j >= 30 || k < 4 || k >= 12 ? OST_NO_REGION : i < 20 ? 0x0000fe : 0x00fe00;
+}
+
+static void black(const void *user, size_t v, double rgb[3])
+{
+    (void)user;
+    (void)v;
+    memset(rgb, 0, 3 * sizeof *rgb);
+}
+
+/*
+ * At 240 pixels for 24 mm, a voxel is 5 pixels wide along x and y and 10 along z. In the axial panel, each half of the
+ * box is 50 x 100 pixels, and its outline of 2 pixels has 2 x 2 x (50 + 100) - 16 = 584 pixels. In the coronal panel,
+ * a half is 50 x 80 pixels and its outline has 504; the sagittal panel shows the red half alone, 100 x 80, with 704.
+ */
+static void test_outlines(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume v = ball_of_slices(false);
+    ost_picture p;
+    const ost_slices_paint paint = {.colour = black, .region = region_of_box, .unoriented = true};
+    assert_ok(ost_slices_draw(&v.geometry, (const int32_t[]){15, 20, 8}, 240, &paint, &p, &err));
+    int red = 0, green = 0;
+    for (int y = 0; y < p.height; y++)
+        for (int x = 0; x < p.width; x++) {
+            red += pixel(&p, x, y)[0] == 0xfe && pixel(&p, x, y)[1] == 0;
+            green += pixel(&p, x, y)[1] == 0xfe && pixel(&p, x, y)[0] == 0;
+        }
+    assert_int_equal(red, 584 + 504 + 704);
+    assert_int_equal(green, 584 + 504);
+    ost_picture_free(&p);
+    ost_volume_free(&v);
+}
+
+/* A cube whose parts have labels 1, 2 and 0 in three layers, from below, seen from the front. */
+static void test_view_of_labels(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    const ost_geometry g = {{30, 30, 30}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {0, 0, 0}};
+    static const int layers[3] = {1, 2, 0};
+    ost_volume v;
+    ost_picture p, again;
+    assert_ok(ost_volume_init(&v, &g, &err));
+    for (int i = 0; i < 27000; i++)
+        v.voxels[i] = (int16_t)(OST_LABEL_DENSITY + layers[i / 9000]);
+    ost_view_options o = {.threshold = 1, .width = 90, .height = 90, .no_legend = true, .threads = 1};
+    assert_ok(ost_view_draw(&v, true, 0, &o, &p, &err));
+    for (int layer = 0; layer < 3; layer++) {
+        const uint32_t colour = ost_label_colours[layers[layer]];
+        const uint8_t *at = pixel(&p, 45, layer == 0 ? 70 : layer == 1 ? 45 : 20);
+        /* Light changes the lightness of a colour, not the order of its channels. */
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                if ((colour >> (8 * a) & 255) > (colour >> (8 * b) & 255) + 40)
+                    assert_true(at[a] > at[b]);
+    }
+    o.threads = 3;
+    assert_ok(ost_view_draw(&v, true, 0, &o, &again, &err));
+    assert_memory_equal(p.rgb, again.rgb, 3 * 90 * 90);
+    ost_picture_free(&p);
+    ost_picture_free(&again);
+    ost_volume_free(&v);
 }
 
 /*
@@ -456,6 +530,8 @@ int main(void)
         cmocka_unit_test(test_clipping),
         cmocka_unit_test(test_slices),
         cmocka_unit_test(test_letters_of_slices),
+        cmocka_unit_test(test_outlines),
+        cmocka_unit_test(test_view_of_labels),
         cmocka_unit_test(test_slices_of_volumes_that_do_not_match),
         cmocka_unit_test(test_edges),
         cmocka_unit_test(test_view_silhouette),

@@ -18,7 +18,8 @@ typedef enum ost_colouring {
     OST_COLOUR_CLASS,
     OST_COLOUR_DEPTH,
     OST_COLOUR_DENSITY,
-    OST_COLOUR_COUNT
+    OST_COLOUR_COUNT, /* number of the colourings above, which a user can select */
+    OST_COLOUR_LABEL = OST_COLOUR_COUNT /* the uncut bone holds OST_LABEL_DENSITY + label instead of densities */
 } ost_colouring;
 
 enum {
@@ -39,6 +40,16 @@ typedef enum ost_tissue {
 } ost_tissue;
 extern const char *const ost_tissue_names[OST_TISSUES];
 extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
+
+/*
+ * Labels of the parts of a CT. Label 0 is a part that was left out or cut away, labels 1 to
+ * OST_LABELS - 2 have colours of their own, and all others share the last colour. The colours differ
+ * for every kind of colour blindness (Okabe and Ito 2008), on bone as well as on black.
+ */
+enum { OST_LABELS = 7, OST_LABEL_DENSITY = 1000 };
+extern const uint32_t ost_label_colours[OST_LABELS]; /* 0xBBGGRR */
+/* Returns the colour of a label, which is not negative. */
+uint32_t ost_label_colour(int label);
 
 /* Densities in HU that the CT's window shows as black and as white. They are also the ends of the density scale. */
 enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };

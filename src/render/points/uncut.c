@@ -153,8 +153,10 @@ uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, co
     case OST_COLOUR_DEPTH: return reference->level[depth];
     /* dense voxels are drawn in light colours */
     case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density));
-    case OST_COLOUR_BONE:
-    case OST_COLOUR_COUNT: break;
+    case OST_COLOUR_LABEL:
+        return OST_PAINT_LIT + (uint32_t)(density < OST_LABEL_DENSITY + OST_LABELS ? density - OST_LABEL_DENSITY
+                                                                                    : OST_LABELS - 1);
+    case OST_COLOUR_BONE: break;
     }
     return 0;
 }
