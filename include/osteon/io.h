@@ -21,12 +21,6 @@
 extern "C" {
 #endif
 
-/*
- * Called from time to time with the completed share of the work, from 0 to 1.  Returns false to cancel the operation,
- * which then returns OST_ERR_CANCELLED.
- */
-typedef bool ost_progress(void *user, const char *stage, double share);
-
 /* The kind of a file's content. */
 typedef enum ost_file_kind {
     OST_FILE_UNKNOWN,
@@ -93,6 +87,8 @@ typedef struct ost_volume_options {
     const char *series;     /* of DICOM: number, description or UID; NULL: the only series that is a volume */
     bool even_slices;       /* resample unevenly spaced slices of DICOM (linear) instead of failing */
     bool untilt;            /* shear tilted slices of DICOM back (linear) instead of failing */
+    ost_progress *progress; /* called with the stage "reading"; may be NULL */
+    void *progress_user;
 } ost_volume_options;
 
 /*
@@ -142,6 +138,8 @@ OST_API void ost_dicom_list_free(ost_dicom_list *list);
 typedef struct ost_write_options {
     bool compress;        /* compress .nrrd by gzip; .nii.gz is always compressed */
     int text_decimals;    /* number of decimals in .txt, up to 9; 0: as many as the positions need */
+    ost_progress *progress; /* called with the stage "writing"; may be NULL; not used for .txt */
+    void *progress_user;
 } ost_write_options;
 
 /*

@@ -37,6 +37,8 @@ typedef struct ost_phantom_options {
     ost_pm3 spacing;
     double scale;      /* scale of the anatomy and its box; 0 selects 1 */
     bool left;         /* default: right */
+    ost_progress *progress; /* called with the stage "generating"; may be NULL */
+    void *progress_user;
 } ost_phantom_options;
 
 /* Returns the name of a kind of phantom, as used by `osteon phantom`; static. */

@@ -12,6 +12,8 @@
 #ifndef OSTEON_STATUS_H
 #define OSTEON_STATUS_H
 
+#include <stdbool.h>
+
 #if defined __GNUC__
 #define OST_API __attribute__((visibility("default")))
 #define OST_PRINTF(fmt, args) __attribute__((format(printf, fmt, args)))
@@ -58,6 +60,12 @@ typedef enum ost_status {
     OST_STATUS_LIST(OST_STATUS_ENUM)
 #undef OST_STATUS_ENUM
 } ost_status;
+
+/*
+ * Called from time to time with the completed share of the work, from 0 to 1.  Returns false to cancel the operation,
+ * which then returns OST_ERR_CANCELLED.
+ */
+typedef bool ost_progress(void *user, const char *stage, double share);
 
 enum { OST_ERROR_TEXT = 640 };
 

@@ -179,7 +179,7 @@ static ost_status finish_output(ost_error *err)
 
 static int fail(const char *verb_name, const ost_error *err, ost_status status)
 {
-    progress_clear();
+    progress_end();
     const char *text = err->text[0] ? err->text : ost_status_text(status);
     print_line_to(stderr, "osteon%s%s: %s", verb_name ? " " : "", verb_name ? verb_name : "", text);
     return ost_status_exit(status);
@@ -205,7 +205,7 @@ static int run_verb(const app_verb *which, int argc, char **argv)
     app.result = json_object();
     ost_status status = which->run(&app, argc, argv, &err);
     within_verb = NULL;
-    progress_clear();
+    progress_end();
     const bool failed = status != OST_OK && status != OST_ERR_DIFFER;
     bool verdict = !failed || app.answered;
     if (verdict && app.json) {

@@ -41,7 +41,7 @@ ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry
     assert(format != OST_FORMAT_TEXT);
     assert(element == OST_ELEMENT_INT16 || (element == OST_ELEMENT_UINT8 && format == OST_FORMAT_NRRD));
     ost_volume_writer *w;
-    ost_status status = ost_volume_writer_start(path, element, ost_dims_count(geometry->dims), &w, err);
+    ost_status status = ost_volume_writer_start(path, element, ost_dims_count(geometry->dims), options, &w, err);
     if (status != OST_OK)
         return status;
     status = format == OST_FORMAT_NRRD

@@ -231,7 +231,5 @@ ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error 
     const double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
     c.blur = (spacing[0] + spacing[1] + spacing[2]) / 3 / scan->scale;
     c.centre = position_of(&c, 0.5 * dims[0] - 0.5, 0.5 * dims[1] - 0.5, 0);
-    ost_scan_blocks(scan, 0.26, core_block, &c);
-    (void)err;
-    return OST_OK;
+    return ost_scan_blocks(scan, 0.26, core_block, &c, err);
 }

@@ -304,8 +304,9 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err)
     const ost_pm step[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     for (int a = 0; a < 3; a++)
         c.first[a] = (corner[a] - extent[a]) / (2 * step[a]);
-    ost_scan_blocks(scan, 4, scan_block, &c);
-    status = write_meta(&c, err);
+    status = ost_scan_blocks(scan, 4, scan_block, &c, err);
+    if (status == OST_OK)
+        status = write_meta(&c, err);
     ost_scapula_free(&c.scapula);
     return status;
 }

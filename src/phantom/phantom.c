@@ -166,7 +166,8 @@ ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *op
     ost_scan scan = {.volume = out,
                      .scale = scale,
                      .seed = o->seed ? o->seed : 1,
-                     .has_humerus = kind == OST_PHANTOM_SHOULDER};
+                     .has_humerus = kind == OST_PHANTOM_SHOULDER,
+                     .options = o};
     ost_geometry geometry;
     ost_status status = lay_out(b, o, scale, &geometry, &scan, err);
     if (status == OST_OK)

@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "phantom/scan.h"
 
-void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]),
-                     void *user)
+ost_status ost_scan_blocks(const ost_scan *scan, double mm,
+                           void (*block)(void *user, const int lo[3], const int hi[3]), void *user, ost_error *err)
 {
+    const ost_phantom_options *o = scan->options;
     const ost_geometry *g = &scan->volume->geometry;
     const int dims[3] = {g->dims.x, g->dims.y, g->dims.z};
     const ost_pm spacing[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
     int size[3];
     for (int a = 0; a < 3; a++)
         size[a] = (int)ost_clamp(mm * scan->scale / ost_pm_to_mm(spacing[a]), 1, 64);
-    for (int k = 0; k < dims[2]; k += size[2])
+    for (int k = 0; k < dims[2]; k += size[2]) {
+        if (o->progress && !o->progress(o->progress_user, "generating", (double)k / dims[2]))
+            return ost_fail(err, OST_ERR_CANCELLED, "generating the phantom was cancelled");
         for (int j = 0; j < dims[1]; j += size[1])
             for (int i = 0; i < dims[0]; i += size[0]) {
                 const int lo[3] = {i, j, k};
@@ -19,4 +22,6 @@ void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, 
                     hi[a] = lo[a] + size[a] < dims[a] ? lo[a] + size[a] : dims[a];
                 block(user, lo, hi);
             }
+    }
+    return OST_OK;
 }

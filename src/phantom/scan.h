@@ -21,6 +21,7 @@ typedef struct ost_scan {
     double scale;       /* scale of the anatomy */
     uint64_t seed;
     bool has_humerus;   /* a humerus touches the glenoid */
+    const ost_phantom_options *options; /* for progress */
 } ost_scan;
 
 #define OST_SCAN_HEAD "phantom_head_mm" /* fact: centre of the humeral head */
@@ -39,10 +40,10 @@ ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error 
 
 /*
  * Calls block for boxes lo <= (i, j, k) < hi that partition the grid.  A box is about `mm`
- * millimetres of the anatomy wide.
+ * millimetres of the anatomy wide.  Returns OST_ERR_CANCELLED if the progress callback cancels.
  */
-void ost_scan_blocks(const ost_scan *scan, double mm, void (*block)(void *user, const int lo[3], const int hi[3]),
-                     void *user);
+ost_status ost_scan_blocks(const ost_scan *scan, double mm,
+                           void (*block)(void *user, const int lo[3], const int hi[3]), void *user, ost_error *err);
 
 /*
  * Returns the partial volume: the part of a voxel that lies inside a surface. d is the signed distance

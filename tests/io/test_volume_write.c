@@ -5,6 +5,8 @@
  *
  * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, AR-FILE-8, REQ-CT-SAME
  */
+#include <unistd.h>
+
 #include "backends.h"
 #include "volume_files.h"
 
@@ -474,6 +476,55 @@ static void bones_come_down_in_slabs(void **state)
     ost_volume_free(&v);
 }
 
+/* ---------------------------------------------------------------- progress */
+
+typedef struct watcher {
+    const char *stage;
+    double last;
+    int calls, cancel_at; /* cancel_at: number of the call that cancels; 0: none */
+} watcher;
+
+static bool watch(void *user, const char *stage, double share)
+{
+    watcher *w = user;
+    assert_string_equal(stage, w->stage);
+    assert_true(share >= w->last && share < 1);
+    w->last = share;
+    return ++w->calls != w->cancel_at;
+}
+
+/*
+ * Reading reports every slice, here 9, and writing every 2^20 voxels, of which the volume has 9.3 times as many. A
+ * cancelled call returns OST_ERR_CANCELLED; it leaves no file, and no voxels.
+ */
+static void progress_is_reported_and_can_cancel(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    ost_volume v, back;
+    const ost_geometry g = {.dims = {1200, 900, 9}, .spacing = {pm("0.5"), pm("0.5"), pm("1")}};
+    test_rng rng = rng_seeded("progress");
+    make_volume(&v, &g, &rng);
+    for (int cancel = 0; cancel < 2; cancel++) {
+        watcher w = {.stage = "writing", .cancel_at = cancel ? 5 : 0};
+        const ost_write_options write = {.progress = watch, .progress_user = &w};
+        assert_int_equal(ost_volume_write(at(cancel ? "cancelled.nrrd" : "watched.nrrd"), &v, &write, &err),
+                         cancel ? OST_ERR_CANCELLED : OST_OK);
+        assert_int_equal(w.calls, cancel ? 5 : 10);
+    }
+    assert_int_equal(access(at("cancelled.nrrd"), F_OK), -1);
+    for (int cancel = 0; cancel < 2; cancel++) {
+        watcher w = {.stage = "reading", .cancel_at = cancel ? 5 : 0};
+        const ost_volume_options read = {.progress = watch, .progress_user = &w};
+        assert_int_equal(ost_volume_read(at("watched.nrrd"), &read, &back, NULL, &err),
+                         cancel ? OST_ERR_CANCELLED : OST_OK);
+        assert_int_equal(w.calls, cancel ? 5 : 9);
+        assert_int_equal(back.voxels == NULL, cancel);
+        ost_volume_free(&back);
+    }
+    ost_volume_free(&v);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -489,6 +540,7 @@ int main(void)
         cmocka_unit_test(a_tool_of_an_odd_voxel),
         cmocka_unit_test(foreign_tools),
         cmocka_unit_test(bones_come_down_in_slabs),
+        cmocka_unit_test(progress_is_reported_and_can_cancel),
     };
     return run_on_backends(tests, make_scratch, drop_scratch);
 }

@@ -206,6 +206,30 @@ static void test_bad_options(void **state)
     assert_non_null(strstr(err.text, "2^31"));
 }
 
+static bool cancel_halfway(void *user, const char *stage, double share)
+{
+    assert_string_equal(stage, "generating");
+    *(double *)user = share;
+    return share < 0.5;
+}
+
+static void test_progress(void **state)
+{
+    (void)state;
+    static const ost_phantom_kind kinds[] = {OST_PHANTOM_GLENOID, OST_PHANTOM_TRABECULAR};
+    for (int k = 0; k < 2; k++) {
+        ost_error err = {0};
+        ost_volume v;
+        double last = -1;
+        const ost_pm spacing = 3 * MM / 10;
+        const ost_phantom_options o = {
+            .spacing = {spacing, spacing, spacing}, .progress = cancel_halfway, .progress_user = &last};
+        assert_int_equal(ost_phantom_make(kinds[k], &o, &v, &err), OST_ERR_CANCELLED);
+        assert_null(v.voxels);
+        assert_true(last >= 0.5 && last < 0.7);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -217,6 +241,7 @@ int main(void)
         cmocka_unit_test(test_seeds_keep_the_bone_whole),
         cmocka_unit_test(test_distances_can_be_relied_on),
         cmocka_unit_test(test_bad_options),
+        cmocka_unit_test(test_progress),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "app/common/help.h"
+#include "app/common/progress.h"
 
 enum { COMMON_MAX = 6, NAMES_MAX = 128 };
 
@@ -303,5 +304,7 @@ bool options_parse(app_state *app, const usage_text *usage, int argc, char **arg
         return false;
     }
     *status = parse_all(app, usage, argc, argv, common, &help, err);
+    if (*status == OST_OK)
+        progress_begin(app);
     return *status == OST_OK;
 }

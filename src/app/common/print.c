@@ -39,6 +39,7 @@ void print_line(const app_state *app, const char *format, ...)
 {
     if (app->json || app->quiet)
         return;
+    progress_clear();
     va_list args;
     va_start(args, format);
     write_line(stdout, "", format, args);

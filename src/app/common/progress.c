@@ -1,35 +1,90 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/common/progress.h"
 
+#include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "core/clock.h"
 #include "core/printable.h"
 
+/* HOLD_MS: time without a line after other text, so that the line does not interrupt a text of several lines */
+enum { QUIET_MS = 1000, PERIOD_MS = 100, HOLD_MS = 300 };
+/* A remaining time is printed only from this time and share of a stage on, because earlier it would vary too much. */
+static const double LEFT_MS = 300, LEFT_SHARE = 0.001;
+
 static struct {
+    pthread_mutex_t lock; /* protects all fields and the terminal's line */
     bool on, drawn;
-    char stage[32];
-    double stage_start, last_draw;
-} line;
+    char stage[32];       /* "" between two stages */
+    double share;
+    double begin, stage_begin, not_before; /* ms */
+} line = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 double now_ms(void)
 {
     return (double)ost_clock_ns() * 1e-6;
 }
 
-void progress_begin(const app_state *app)
-{
-    line.on = !app->quiet && isatty(STDERR_FILENO);
-    line.stage[0] = '\0';
-}
-
-void progress_clear(void)
+static void erase(void)
 {
     if (line.drawn)
         fputs("\r\033[K", stderr);
     line.drawn = false;
+}
+
+static void draw(double now)
+{
+    const double spent = now - line.stage_begin;
+    if (!line.stage[0] || now - line.begin < QUIET_MS || now < line.not_before)
+        return;
+    if (line.share < LEFT_SHARE || line.share > 1)
+        fprintf(stderr, "\r%s, %.0f s so far\033[K", line.stage, spent / 1000);
+    else if (spent < LEFT_MS)
+        fprintf(stderr, "\r%s %3.0f %%\033[K", line.stage, line.share * 100);
+    else
+        fprintf(stderr, "\r%s %3.0f %%, %.0f s left\033[K", line.stage, line.share * 100,
+                spent / line.share * (1 - line.share) / 1000);
+    fflush(stderr);
+    line.drawn = true;
+}
+
+static void *draw_lines(void *unused)
+{
+    (void)unused;
+    const struct timespec period = {.tv_nsec = PERIOD_MS * 1000000L};
+    for (;;) {
+        nanosleep(&period, NULL);
+        pthread_mutex_lock(&line.lock);
+        draw(now_ms());
+        pthread_mutex_unlock(&line.lock);
+    }
+    return NULL;
+}
+
+/* Starts the thread. It blocks all signals, so that they interrupt the verb's own threads as they would without it. */
+static bool start_thread(void)
+{
+    pthread_t thread;
+    sigset_t all, old;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &old);
+    const bool started = pthread_create(&thread, NULL, draw_lines, NULL) == 0;
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+    if (started)
+        pthread_detach(thread);
+    return started;
+}
+
+void progress_begin(const app_state *app)
+{
+    if (line.on || app->quiet || !isatty(STDERR_FILENO))
+        return;
+    line.begin = now_ms();
+    line.on = start_thread();
 }
 
 bool progress_show(void *user, const char *stage, double share)
@@ -37,24 +92,32 @@ bool progress_show(void *user, const char *stage, double share)
     (void)user;
     if (!line.on)
         return true;
-    double now = now_ms();
-    if (strncmp(stage, line.stage, sizeof line.stage - 1) != 0) {
-        snprintf(line.stage, sizeof line.stage, "%s", stage);
-        ost_make_printable(line.stage);
-        line.stage_start = line.last_draw = now;
-        return true;
+    char name[sizeof line.stage];
+    snprintf(name, sizeof name, "%s", stage);
+    ost_make_printable(name);
+    pthread_mutex_lock(&line.lock);
+    if (strcmp(name, line.stage) != 0 || share < line.share) {
+        memcpy(line.stage, name, sizeof name);
+        line.stage_begin = now_ms();
     }
-    double spent = now - line.stage_start;
-    if (spent < 1000 || now - line.last_draw < 100)
-        return true;
-    line.last_draw = now;
-    if (share > 0.001 && share <= 1) {
-        double left = spent / share * (1 - share) / 1000;
-        fprintf(stderr, "\r%s %3.0f %%, %.0f s left\033[K", line.stage, share * 100, left);
-    } else {
-        fprintf(stderr, "\r%s, %.0f s so far\033[K", line.stage, spent / 1000);
-    }
-    fflush(stderr);
-    line.drawn = true;
+    line.share = share;
+    pthread_mutex_unlock(&line.lock);
     return true;
+}
+
+void progress_clear(void)
+{
+    pthread_mutex_lock(&line.lock);
+    erase();
+    line.not_before = now_ms() + HOLD_MS;
+    pthread_mutex_unlock(&line.lock);
+}
+
+void progress_end(void)
+{
+    pthread_mutex_lock(&line.lock);
+    erase();
+    line.stage[0] = '\0';
+    line.share = 0;
+    pthread_mutex_unlock(&line.lock);
 }

@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints a progress line with the remaining time on standard error, for work of more than a second.
- * Prints nothing if standard error is not a terminal or --quiet is given.
+ * Prints a progress line on standard error for work of more than a second: the stage, the completed
+ * share and the remaining time, or the time so far if the share is not known.
+ *
+ *   verb, callbacks of the library --progress_show--> stage, share --thread, ten times a second--> line
+ *
+ * A thread draws the line, so that it appears also during a stage that reports no share. Nothing is
+ * printed, and there is no thread, if standard error is not a terminal or --quiet is given.
  */
 #ifndef OST_APP_COMMON_PROGRESS_H
 #define OST_APP_COMMON_PROGRESS_H
@@ -10,10 +15,16 @@
 
 double now_ms(void);
 
-/* Implements ost_progress; user is not used. */
-bool progress_show(void *user, const char *stage, double share);
+/* Begins the time of a verb. Called once, when the options have been parsed. */
 void progress_begin(const app_state *app);
-/* Erases the progress line. Called before other text is printed, and at the end. */
+/*
+ * Sets the stage and the completed share, from 0 to 1; a share of 0 also means that none is known.
+ * Implements ost_progress; user is not used. May be called on any thread. Returns true.
+ */
+bool progress_show(void *user, const char *stage, double share);
+/* Erases the line. Called before other text is printed; a stage that goes on is drawn again later. */
 void progress_clear(void);
+/* Erases the line and ends the stage. */
+void progress_end(void);
 
 #endif

@@ -6,7 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
+#include "app/common/progress.h"
 #include "core/file.h"
 
 static void check(int failed)
@@ -83,14 +85,21 @@ ost_status file_digest(const char *path, ost_digest *out, ost_error *err)
 {
     ost_hasher *hasher = NULL;
     FILE *file;
+    struct stat st;
+    double done = 0;
     ost_status status = ost_file_stream(path, &file, NULL, err);
     if (status != OST_OK)
         return status;
     status = ost_hasher_open(&hasher, err);
+    const double size = fstat(fileno(file), &st) == 0 && st.st_size > 0 ? (double)st.st_size : 1;
     static unsigned char block[1 << 16];
     size_t n;
-    while (status == OST_OK && (n = fread(block, 1, sizeof block, file)) > 0)
+    while (status == OST_OK && (n = fread(block, 1, sizeof block, file)) > 0) {
+        progress_show(NULL, "digest", done / size);
         status = ost_hasher_add(hasher, block, n, err);
+        done += (double)n;
+    }
+    progress_end();
     if (status == OST_OK && ferror(file))
         status = ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     fclose(file);

@@ -186,6 +186,7 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
         status = ost_fail(err, OST_ERR_INPUT,
                           "%s is a tool and %s is not; expected two grids, two tools or two bundles",
                           a.kind == LOAD_TOOL ? name_a : name_b, a.kind == LOAD_TOOL ? name_b : name_a);
+    progress_show(NULL, "comparing", 0);
     if (status == OST_OK)
         status = diff_compare(&a, &b, 16 << chunk, (size_t)limit, &r, err);
     if (status == OST_OK && html)

@@ -137,7 +137,8 @@ static ost_status phantom_volume(const char *kind_name, ost_volume *out, ost_err
 {
     for (int k = 0; k < OST_PHANTOM_COUNT; k++)
         if (strcmp(kind_name, ost_phantom_name((ost_phantom_kind)k)) == 0)
-            return ost_phantom_make((ost_phantom_kind)k, NULL, out, err);
+            return ost_phantom_make((ost_phantom_kind)k, &(ost_phantom_options){.progress = progress_show}, out,
+                                    err);
     return ost_fail(err, OST_ERR_USAGE, "builtin:%s: unknown bone; see osteon phantom --help", kind_name);
 }
 
@@ -247,7 +248,6 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
     ost_status status = load_import_options(app, ct, digests, &options, err);
     if (status != OST_OK)
         return status;
-    progress_begin(app);
     const char *kind = builtin_name(name);
     if (kind) {
         const dicom_options *d = &ct->dicom;
@@ -263,7 +263,7 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
     } else {
         status = ost_import(backend, name, &options, out, result, err);
     }
-    progress_clear();
+    progress_end();
     if (status == OST_OK)
         load_warn_import(app, name, result);
     return status;
@@ -393,7 +393,7 @@ ost_status load_volume(const app_state *app, const char *name, loaded_volume *ou
     const char *what = ost_meta_get(&meta, OST_META_KIND);
     if (what && strcmp(what, "tool") == 0)
         return load_tool_volume(name, out, err);
-    status = ost_volume_read(name, NULL, &out->volume, &report, err);
+    status = ost_volume_read(name, &(ost_volume_options){.progress = progress_show}, &out->volume, &report, err);
     if (status == OST_OK) {
         load_warn_orientation(app, name, &out->volume.meta);
         load_warn_dicom(app, name, &report.dicom);

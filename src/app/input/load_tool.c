@@ -22,6 +22,7 @@ static ost_status load_part(const char *name, ost_unit unit, ost_tool_part part,
                             ost_error *err)
 {
     const ost_tool_kind k = builtin_tool(name);
+    progress_show(NULL, "reading the mesh", 0);
     if (!builtin_name(name))
         return ost_mesh_read(name, unit, out, report, err);
     if (k == OST_TOOL_KIND_COUNT)
@@ -111,9 +112,11 @@ static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, co
         status = ost_snapped_mesh_digest(&snapped, &report->snapped, err);
     if (status == OST_OK) {
         double start = now_ms();
+        progress_show(NULL, "voxelizing", 0);
         status = ost_voxelize(backend, &snapped, shaft.triangle_count ? &snapped_shaft : NULL,
                               (ost_fill_rule)options->rule, &report->voxels, out, err);
         report->time_ms = now_ms() - start;
+        progress_end();
     }
     if (status == OST_OK) {
         report->triangles = mesh.triangle_count + shaft.triangle_count;

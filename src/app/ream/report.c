@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "app/common/print.h"
+#include "app/common/progress.h"
 #include "app/common/result.h"
 
 static int ascending(const void *a, const void *b)
@@ -63,7 +64,7 @@ static void warn_nothing(const app_state *app, const ream_job *j)
 
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err)
 {
-    const ost_write_options write = {.compress = args->compress};
+    const ost_write_options write = {.compress = args->compress, .progress = progress_show};
     ost_status status = ost_bone_digest(j->bone, NULL, &j->root, err);
     if (status == OST_OK)
         status = ost_bone_info_get(j->bone, &j->after, err);

@@ -43,7 +43,6 @@ ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_e
     j->bone = bone;
     j->backend = cpu;
     j->failed_over = true;
-    progress_clear();
     warn(app, "%s; failover to backend cpu after %zu complete ticks; the result is the same", err->text, ticks);
     ream_record_note(j, ticks, "the device failed; backend cpu continues");
     put(app->result, "failover", json_pack("{s:I,s:s}", "ticks", (json_int_t)ticks, "reason", err->text));
@@ -57,7 +56,6 @@ ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, os
     j->tick_ns = malloc(j->path.count * sizeof *j->tick_ns);
     if (!j->tick_ns)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of %zu ticks", j->path.count);
-    progress_begin(app);
     double start = now_ms();
     for (size_t i = 0; i < j->path.count; i++) {
         ost_step_result step;
@@ -84,6 +82,6 @@ ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, os
             status = ream_fail_over(app, j, j->path.count, err);
     }
     j->run_ms = now_ms() - start;
-    progress_clear();
+    progress_end();
     return status;
 }

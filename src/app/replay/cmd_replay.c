@@ -340,7 +340,7 @@ static ost_status run(app_state *app, const replay_args *args, replay *r, debrie
     e.compared = e.complete && !r->differs && r->done == s->ticks;
     /* The bone is not written if it differs or if its verification is incomplete. */
     if (args->out && !r->differs && !end_differs(&e) && !verified_in_part(args, r, &e)) {
-        const ost_write_options write = {.compress = args->compress};
+        const ost_write_options write = {.compress = args->compress, .progress = progress_show};
         ost_digest file;
         status = ost_bone_write(args->out, r->bone, &r->imported.meta, &write, err);
         if (status == OST_OK && (status = file_digest(args->out, &file, err)) == OST_OK) {
@@ -448,7 +448,6 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK) {
         setup.bone = args.bone ? args.bone : setup.bone;
         setup.tools = args.tools.count ? args.tools : setup.tools;
-        progress_begin(app);
         status = replay_open(app, session, args.session, &setup, &r, err);
     }
     debrief d = {0};

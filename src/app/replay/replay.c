@@ -89,7 +89,7 @@ ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err)
     }
     if (status == OST_OK)
         status = ost_backend_finish(r->backend, err);
-    progress_clear();
+    progress_end();
     return status;
 }
 

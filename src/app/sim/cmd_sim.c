@@ -11,7 +11,6 @@
  * By default, the command opens a window, whose mouse is the device unless another one is given;
  * --headless runs without a window.
  */
-#include "app/common/progress.h"
 #include "app/common/print.h"
 #include "app/input/removal_options.h"
 #include "app/sim/appearance.h"
@@ -221,7 +220,6 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         return OST_OK;
     }
     simulation s = {0};
-    progress_begin(app);
     sim_pin(&args, &s);
     if (!args.headless)
         status = sim_window_open(app, &args, &s, err);

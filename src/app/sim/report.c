@@ -7,6 +7,7 @@
 #include "app/common/interrupt.h"
 #include "app/common/result.h"
 #include "app/common/print.h"
+#include "app/common/progress.h"
 
 static void put_times(const app_state *app, bool stats, const char *key, const char *what, const ost_times *times)
 {
@@ -208,7 +209,7 @@ ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s,
         return status;
     start_check_report(app, &s->site, voxel * voxel * voxel);
     if (args->out) {
-        const ost_write_options write = {.compress = args->compress};
+        const ost_write_options write = {.compress = args->compress, .progress = progress_show};
         status = ost_bone_write(args->out, s->bone, &s->imported.meta, &write, err);
         if (status == OST_OK && (status = file_digest(args->out, &file, err)) == OST_OK) {
             put_text(o, "out", args->out);

@@ -65,6 +65,6 @@ ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err)
         if (s->before % 16 == 0)
             progress_show(NULL, "resuming", (double)s->before / (double)count);
     }
-    progress_clear();
+    progress_end();
     return status;
 }

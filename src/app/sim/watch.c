@@ -33,10 +33,8 @@ static void print_progress(sim_watch *w)
         return;
     ost_recorder_state_get(w->recorder, &state);
     const char *line = recorder_watch_update(&w->seen, w->name, &state, w->capacity, now_ms(), text);
-    if (line) {
-        progress_clear();
+    if (line)
         warn(w->app, "%s", line);
-    }
 }
 
 static void *work(void *user)
@@ -50,7 +48,7 @@ static void *work(void *user)
         progress_show(NULL, "simulating", w->seconds > 0 ? (now_ms() - begin) * 1e-3 / w->seconds : 0);
     }
     print_progress(w);
-    progress_clear();
+    progress_end();
     return NULL;
 }
 

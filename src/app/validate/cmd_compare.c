@@ -263,9 +263,8 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK) {
         const campaign_options how = {
             .program = program, .limit_s = (double)args.limit_s, .apart = args.apart, .show = show};
-        progress_begin(app);
         status = campaign_run(&p, &subjects, &how, &run, err);
-        progress_clear();
+        progress_end();
     }
     if (status == OST_OK)
         status = report(app, &run, args.apart, err);

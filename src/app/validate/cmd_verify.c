@@ -83,9 +83,8 @@ static ost_status rerun_all(app_state *app, const user_files *own, const char *b
                                .backend = backend,
                                .limit_s = LIMIT_S,
                                .show = show};
-        progress_begin(app);
         status = check_again(folder, &how, list_problem, l, found, err);
-        progress_clear();
+        progress_end();
     }
     user_store_free(store);
     json_decref(again);

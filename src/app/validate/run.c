@@ -267,11 +267,10 @@ ost_status validate_run(app_state *app, const validate_args *args, const plan *p
     if (status == OST_OK && j.b && from_file)
         status = bundle_put_json(j.b, "case.json", from_file, err);
     if (status == OST_OK) {
-        progress_begin(app);
         status = run_all(&j, args, p, err);
         if (status == OST_OK)
             status = run_suite(args, j.run.jobs, &j.suite, err);
-        progress_clear();
+        progress_end();
     }
     if (status == OST_OK)
         status = common_check(p->seed, &j.common, err);
@@ -308,11 +307,10 @@ ost_status validate_faults(app_state *app, const validate_args *args, ost_error 
 {
     sensitivity s;
     json_t *faults;
-    progress_begin(app);
     ost_status status = sensitivity_run(
         (uint64_t)args->seed, args->faults ? (uint64_t)args->faults : sensitivity_injections((plan_tier)args->tier),
         args->jobs ? (int)args->jobs : campaign_cores(), show, NULL, &s, err);
-    progress_clear();
+    progress_end();
     if (status == OST_OK)
         status = faults_json(&s, &faults, err);
     if (status != OST_OK)

@@ -387,7 +387,6 @@ ost_status user_files_read(const app_state *app, const user_files *u, json_t *ho
     put(*record, "tools", made);
     put(*record, "cases", cases);
     put(*record, "how", json_incref(how));
-    progress_begin(app);
     ost_status status = check_counts(app, u, err);
     if (status == OST_OK)
         status = ream_period(app, &u->rate, &tools.world.removal_period_ns, err);
@@ -414,7 +413,7 @@ ost_status user_files_read(const app_state *app, const user_files *u, json_t *ho
         status = still_the_same(u, files, err);
     if (status == OST_OK)
         status = user_store_end(*store, err);
-    progress_clear();
+    progress_end();
     tools.path = (ost_path){0};
     scene_free(&tools);
     return status;

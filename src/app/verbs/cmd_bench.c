@@ -262,7 +262,7 @@ static void show_rows(app_state *app, const bench_options *options, const char *
                       tally *all, bool markdown)
 {
     const bool first = all->rows == 0;
-    progress_clear();
+    progress_end();
     if (table->count && first && markdown)
         print_markdown_heading(app, options, suite);
     else if (table->count && first)
@@ -393,6 +393,5 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
     how.show = show_row;
 
     put_setting(app, &how, names[suite]);
-    progress_begin(app);
     return run_suites(app, &how, names[suite], markdown, err);
 }

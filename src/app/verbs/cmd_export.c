@@ -36,6 +36,7 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
     ost_pm3 lo, hi;
     /* A bone stores zeros instead of densities below its threshold, so there is nothing to interpolate. */
     ost_surface_placement placement = in->kind == LOAD_CT ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
+    progress_show(NULL, "extracting the surface", 0);
     ost_status status = ost_surface_extract(&in->volume, in->threshold, placement, &mesh, err);
     if (status != OST_OK)
         ost_fail_context(err, "%s", args->bone);
@@ -147,6 +148,7 @@ static ost_status export_picture(const app_state *app, const export_args *args, 
             status = ost_fail(err, OST_ERR_INPUT, "%s and %s have other dims, spacing or origin", args->before,
                               args->bone);
     }
+    progress_show(NULL, "drawing", 0);
     if (status == OST_OK && args->view.view_given)
         status = draw_view(app, args, in, &before, &picture, err);
     else if (status == OST_OK)
@@ -167,7 +169,8 @@ static ost_status export_volume(const app_state *app, const export_args *args, c
 {
     if (in->kind == LOAD_TOOL)
         return usage_error(app, err, "%s is a tool: it can be exported as .stl, .ply or .png", args->bone);
-    const ost_write_options write = {.compress = args->compress, .text_decimals = (int)args->decimals};
+    const ost_write_options write = {.compress = args->compress, .text_decimals = (int)args->decimals,
+                                     .progress = progress_show};
     ost_status status = ost_volume_write(args->out, &in->volume, &write, err);
     if (status == OST_OK) {
         char d[FORMAT_TEXT], s[FORMAT_TEXT];

@@ -191,7 +191,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     ost_import_result result = {0};
     ost_bone_info info;
     ost_digest file;
-    const ost_write_options write = {.compress = compress};
+    const ost_write_options write = {.compress = compress, .progress = progress_show};
     segment_job job;
     if ((status = segment_job_init(&job, app, &segment, err)) != OST_OK)
         return status;

@@ -173,6 +173,7 @@ static ost_status info_mesh(const app_state *app, const char *name, ost_error *e
     ost_pm3 lo, hi;
     size_t open_edges = 0;
     /* Any size is accepted, because the mesh is only described. */
+    progress_show(NULL, "reading the mesh", 0);
     ost_status status = ost_mesh_read(name, OST_UNIT_MM, &mesh, &report, err);
     if (status == OST_OK)
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);
@@ -294,7 +295,6 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     const bool readable = stat(name, &st) == 0, folder = readable && S_ISDIR(st.st_mode);
     if (readable && !folder)
         put_integer(app->result, "file_bytes", st.st_size);
-    progress_begin(app);
     switch (kind) {
     case OST_FILE_NRRD: status = info_volume(app, name, "NRRD", digest, err); break;
     case OST_FILE_NIFTI: status = info_volume(app, name, "NIfTI", digest, err); break;

@@ -56,7 +56,7 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
 {
     const char *kind_name = NULL, *out = NULL;
     int64_t seed = 1, decimals = 0;
-    ost_phantom_options make = {0};
+    ost_phantom_options make = {.progress = progress_show};
     option_decimal scale = {0};
     int side = 1;
     bool compress = false;
@@ -112,7 +112,8 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
     double start = now_ms();
     status = ost_phantom_make(kind, &make, &volume, err);
     double made_ms = now_ms() - start;
-    const ost_write_options write = {.compress = compress, .text_decimals = (int)decimals};
+    const ost_write_options write = {.compress = compress, .text_decimals = (int)decimals,
+                                     .progress = progress_show};
     if (status == OST_OK)
         status = ost_volume_write(out, &volume, &write, err);
     if (status == OST_OK)

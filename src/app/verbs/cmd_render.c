@@ -145,6 +145,7 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
 {
     ost_glenoid glenoid;
     ost_camera camera;
+    progress_show(NULL, "drawing", 0);
     ost_status status = ost_live_create(d->bone, &d->live, err);
     if (status != OST_OK)
         return status;
@@ -274,7 +275,6 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
     if (!options_parse(app, &usage, argc, argv, &status, err) || (status = check_args(app, &args, err)) != OST_OK)
         return status;
     drawing d = {0};
-    progress_begin(app);
     status = backend_choose(app, &d.backend, err);
     if (status == OST_OK && args.tool)
         status = load_tool(app, d.backend, args.tool, NULL, &args.how, &d.tool, NULL, err);

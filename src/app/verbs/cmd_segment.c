@@ -7,6 +7,7 @@
 #include "app/input/load.h"
 #include "app/input/segment_options.h"
 #include "app/common/print.h"
+#include "app/common/progress.h"
 #include "app/common/result.h"
 
 enum { THRESHOLD = 120 };
@@ -63,7 +64,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
     if (!options_parse(app, &usage, argc, argv, &status, err) ||
         (status = out_check(app, out, "nrrd|nii|nii.gz", err)) != OST_OK)
         return status;
-    ost_volume_options read = {.clamp = false};
+    ost_volume_options read = {.progress = progress_show};
     ost_volume_report report;
     ost_volume ct = {0}, labels = {0};
     segment_job job;
@@ -79,6 +80,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = ost_volume_read(name, &read, &ct, &report, err);
     if (status == OST_OK) {
+        progress_show(NULL, "segmenting", 0);
         status = segment_job_run(&job, &ct, (int32_t)threshold, &labels, err);
         if (status == OST_OK)
             status = add_facts(&labels.meta, &ct.meta, err);
@@ -86,7 +88,8 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
             (void)ost_fail_context(err, "%s", name);
     }
     if (status == OST_OK)
-        status = ost_volume_write(out, &labels, &(ost_write_options){.compress = compress}, err);
+        status = ost_volume_write(out, &labels,
+                                  &(ost_write_options){.compress = compress, .progress = progress_show}, err);
     if (status == OST_OK) {
         load_warn_orientation(app, name, &ct.meta);
         load_warn_dicom(app, name, &report.dicom);

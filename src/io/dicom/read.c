@@ -40,6 +40,7 @@ static ost_status read_voxels(const ost_dicom_stack *stack, const ost_dicom_laun
     ost_status status = ost_memory_check(stack->scan->path, "volume", geometry->dims, err);
     if (status == OST_OK) {
         status = ost_dicom_slices_open(stack, launch, options && options->clamp, slices, err);
+        slices->rows.options = options;
         if (status == OST_OK)
             status = ost_volume_fill(&slices->rows, &stack->affine, placement, geometry, target, err);
         report->rounded_values = slices->table.rounded;

@@ -26,6 +26,7 @@ static ost_status read_voxels(const char *path, const ost_metaimage_header *head
     ost_rows rows = {
         .next = ost_rows_next_binary,
         .path = path,
+        .options = options,
         .parts = &parts,
         .converter = {.element = header->element, .swap = header->swap, .clamp = options && options->clamp}};
     memcpy(rows.sizes, header->sizes, sizeof rows.sizes);

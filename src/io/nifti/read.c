@@ -91,7 +91,7 @@ static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, 
     uint64_t voxels = (uint64_t)header->sizes[0] * (uint64_t)header->sizes[1] * (uint64_t)header->sizes[2];
     ost_parts parts = {
         .open = open_image, .user = &im, .count = 1, .part_bytes = voxels * ost_element_bytes(header->element)};
-    ost_rows rows = {.next = ost_rows_next_binary, .path = path, .parts = &parts};
+    ost_rows rows = {.next = ost_rows_next_binary, .path = path, .options = options, .parts = &parts};
     memcpy(rows.sizes, header->sizes, sizeof rows.sizes);
     rows.converter = (ost_converter){.element = header->element,
                                      .swap = header->swap,

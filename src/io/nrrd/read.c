@@ -30,7 +30,10 @@ static ost_status read_voxels(const char *path, const ost_nrrd_text *text, const
     if (status != OST_OK)
         return status;
     ost_nrrd_text_rows all = {
-        .rows = {.next = parts.text ? ost_nrrd_text_rows_next : ost_rows_next_binary, .path = path, .parts = &parts}};
+        .rows = {.next = parts.text ? ost_nrrd_text_rows_next : ost_rows_next_binary,
+                 .path = path,
+                 .options = options,
+                 .parts = &parts}};
     memcpy(all.rows.sizes, header->sizes, sizeof all.rows.sizes);
     all.in_part = (uint64_t)header->sizes[0] * (uint64_t)header->sizes[1] * (uint64_t)header->sizes[2] / parts.count;
     all.rows.converter = (ost_converter){

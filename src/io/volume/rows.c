@@ -156,8 +156,12 @@ static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, in
         own.base -= placement->flip[2] ? count * (slices - 1) : 0;
         own.stride[2] = 0;
     }
+    const ost_volume_options *o = rows->options;
     for (int32_t k = 0; status == OST_OK && k < slices; k++) {
-        status = fill_slice(rows, &own, k, row, voxels ? voxels : slice, err);
+        if (o && o->progress && !o->progress(o->progress_user, "reading", (double)k / slices))
+            status = ost_fail(err, OST_ERR_CANCELLED, "%s: reading was cancelled", rows->path);
+        if (status == OST_OK)
+            status = fill_slice(rows, &own, k, row, voxels ? voxels : slice, err);
         if (status == OST_OK && !voxels)
             status = target->slice(target->user, placement->flip[2] ? slices - 1 - k : k, slice, err);
     }

@@ -23,6 +23,7 @@ struct ost_rows {
     /* Reads the next row of densities; `first` is the number of its first voxel in the file. */
     ost_status (*next)(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
     const char *path; /* path of the header, for messages */
+    const ost_volume_options *options; /* for progress; may be NULL */
     int32_t sizes[3]; /* sizes in the file's order */
     ost_parts *parts; /* NULL if `next` reads from elsewhere */
     ost_converter converter;

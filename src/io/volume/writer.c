@@ -10,11 +10,14 @@
 #include "io/outfile.h"
 
 enum { PACKED_BYTES = 1 << 16, LEVEL = 6 };
+enum { PIECE = 1 << 20 }; /* voxels between two calls of the progress callback */
 
 struct ost_volume_writer {
     ost_outfile *file;
     size_t element_bytes;
-    int64_t left; /* remaining voxels */
+    int64_t all, left; /* number of voxels of the file; number of remaining voxels */
+    ost_progress *progress;
+    void *progress_user;
     bool packing;
     z_stream z;
     unsigned char packed[PACKED_BYTES];
@@ -64,8 +67,8 @@ ost_status ost_volume_writer_pack(ost_volume_writer *w, ost_error *err)
 
 /* ------------------------------------------------------------------ writer */
 
-ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count, ost_volume_writer **out,
-                                   ost_error *err)
+ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count,
+                                   const ost_write_options *options, ost_volume_writer **out, ost_error *err)
 {
     *out = NULL;
     ost_volume_writer *w = malloc(sizeof *w);
@@ -73,7 +76,9 @@ ost_status ost_volume_writer_start(const char *path, ost_element element, int64_
         return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for an output buffer", path);
     memset(w, 0, offsetof(ost_volume_writer, packed));
     w->element_bytes = ost_element_bytes(element);
-    w->left = count;
+    w->all = w->left = count;
+    w->progress = options ? options->progress : NULL;
+    w->progress_user = options ? options->progress_user : NULL;
     ost_status status = ost_outfile_open(path, &w->file, err);
     if (status != OST_OK) {
         ost_volume_writer_discard(w);
@@ -86,8 +91,18 @@ ost_status ost_volume_writer_start(const char *path, ost_element element, int64_
 ost_status ost_volume_writer_put(ost_volume_writer *w, const void *voxels, size_t count, ost_error *err)
 {
     assert((int64_t)count <= w->left);
-    w->left -= (int64_t)count;
-    return ost_volume_writer_bytes(w, voxels, count * w->element_bytes, err);
+    const unsigned char *at = voxels;
+    ost_status status = OST_OK;
+    while (count > 0 && status == OST_OK) {
+        const size_t piece = count < PIECE ? count : PIECE;
+        if (w->progress && !w->progress(w->progress_user, "writing", (double)(w->all - w->left) / (double)w->all))
+            return ost_fail(err, OST_ERR_CANCELLED, "%s: writing was cancelled", ost_outfile_path(w->file));
+        status = ost_volume_writer_bytes(w, at, piece * w->element_bytes, err);
+        at += piece * w->element_bytes;
+        count -= piece;
+        w->left -= (int64_t)piece;
+    }
+    return status;
 }
 
 ost_status ost_volume_writer_commit(ost_volume_writer *w, ost_error *err)

@@ -18,9 +18,12 @@
 
 typedef struct ost_volume_writer ost_volume_writer;
 
-/* Opens the file. count is the number of voxels to be written after the header of the format. */
-ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count, ost_volume_writer **out,
-                                   ost_error *err);
+/*
+ * Opens the file. count is the number of voxels to be written after the header of the format. options: for progress;
+ * may be NULL.
+ */
+ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count,
+                                   const ost_write_options *options, ost_volume_writer **out, ost_error *err);
 ost_status ost_volume_writer_put(ost_volume_writer *writer, const void *voxels, size_t count, ost_error *err);
 /* Completes the file and frees the writer, also after an error. Every voxel must have been put. */
 ost_status ost_volume_writer_commit(ost_volume_writer *writer, ost_error *err);
