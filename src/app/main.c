@@ -219,6 +219,7 @@ static int run_verb(const app_verb *which, int argc, char **argv)
         verdict = text;
     }
     json_decref(app.result);
+    json_decref(app.warnings);
     if (verdict) {
         ost_error unwritten = {0};
         if (finish_output(&unwritten) != OST_OK)

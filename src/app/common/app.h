@@ -28,6 +28,9 @@ typedef struct app_state {
        out (validation/worker.h) */
     bool worker;
     json_t *result;      /* owned by main */
+    /* texts of the warnings so far, also of those that --quiet suppresses; owned by main; NULL unless the verb records
+       them */
+    json_t *warnings;
     /* set if result is complete although the status is an error; --json then prints it before the error message */
     bool answered;
 } app_state;

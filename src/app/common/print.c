@@ -8,15 +8,18 @@
 #include <string.h>
 
 #include "app/common/progress.h"
+#include "app/common/result.h"
 #include "core/printable.h"
 
 enum { LINE = 4096 };
 
-static void write_line(FILE *to, const char *before, const char *format, va_list args) OST_PRINTF(3, 0);
+static void write_line(FILE *to, const char *before, json_t *record, const char *format, va_list args)
+    OST_PRINTF(4, 0);
 
-/* Prints one line. Replaces every character that is not printable, newlines included, by '?'.
-   Allocates memory only if the line has more than LINE bytes. */
-static void write_line(FILE *to, const char *before, const char *format, va_list args)
+/* Prints one line, unless `to` is NULL, and appends it to the array record, unless this is NULL. Replaces every
+   character that is not printable, newlines included, by '?'. Allocates memory only if the line has more than LINE
+   bytes. */
+static void write_line(FILE *to, const char *before, json_t *record, const char *format, va_list args)
 {
     char line[LINE], *text = line;
     va_list again;
@@ -30,7 +33,10 @@ static void write_line(FILE *to, const char *before, const char *format, va_list
         exit(2);
     }
     ost_make_printable(text);
-    fprintf(to, "%s%s\n", before, text);
+    if (to)
+        fprintf(to, "%s%s\n", before, text);
+    if (record)
+        append(record, json_string_nocheck(text));
     if (text != line)
         free(text);
 }
@@ -42,20 +48,18 @@ void print_line(const app_state *app, const char *format, ...)
     progress_clear();
     va_list args;
     va_start(args, format);
-    write_line(stdout, "", format, args);
+    write_line(stdout, "", NULL, format, args);
     va_end(args);
 }
 
 void warn(const app_state *app, const char *format, ...)
 {
-    if (app->quiet)
-        return;
     progress_clear();
     char before[64];
     va_list args;
     va_start(args, format);
     snprintf(before, sizeof before, "osteon %s: warning: ", app->verb);
-    write_line(stderr, before, format, args);
+    write_line(app->quiet ? NULL : stderr, before, app->warnings, format, args);
     va_end(args);
 }
 
@@ -63,7 +67,7 @@ void print_line_to(FILE *to, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    write_line(to, "", format, args);
+    write_line(to, "", NULL, format, args);
     va_end(args);
 }
 

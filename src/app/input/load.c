@@ -63,6 +63,22 @@ const char *builtin_name(const char *name)
     return strncmp(name, "builtin:", 8) == 0 ? name + 8 : NULL;
 }
 
+const char *load_kind_name(ost_file_kind kind)
+{
+    switch (kind) {
+    case OST_FILE_CT_TEXT: return "text";
+    case OST_FILE_NRRD: return "NRRD";
+    case OST_FILE_NIFTI: return "NIfTI";
+    case OST_FILE_METAIMAGE: return "MetaImage";
+    case OST_FILE_DICOM: return "DICOM";
+    case OST_FILE_MESH: return "mesh";
+    case OST_FILE_PATH_CSV: return "path";
+    case OST_FILE_SESSION: return "session";
+    case OST_FILE_UNKNOWN: break;
+    }
+    return "built in";
+}
+
 /* ------------------------------------------------------------------ bones */
 
 /* Parses --crop, such as "0:128,0:128,20:60". */

@@ -110,6 +110,9 @@ const char *builtin_name(const char *name);
 ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests,
                      ost_bone **out, ost_import_result *result, ost_error *err);
 
+/* Returns a word for the kind of a file: "NRRD", "text" and so on; "built in" for OST_FILE_UNKNOWN. */
+const char *load_kind_name(ost_file_kind kind);
+
 /* Converts the options of a verb to those of ost_import. */
 ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
                                ost_error *err);

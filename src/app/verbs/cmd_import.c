@@ -10,22 +10,7 @@
 #include "app/common/progress.h"
 #include "app/common/result.h"
 #include "app/common/print.h"
-
-static const char *kind_text(ost_file_kind kind)
-{
-    switch (kind) {
-    case OST_FILE_CT_TEXT: return "text";
-    case OST_FILE_NRRD: return "NRRD";
-    case OST_FILE_NIFTI: return "NIfTI";
-    case OST_FILE_METAIMAGE: return "MetaImage";
-    case OST_FILE_DICOM: return "DICOM";
-    case OST_FILE_MESH: return "mesh";
-    case OST_FILE_PATH_CSV: return "path";
-    case OST_FILE_SESSION: return "session";
-    case OST_FILE_UNKNOWN: break;
-    }
-    return "built in";
-}
+#include "app/picture/previews.h"
 
 /*
  * Warns if a grid is too small or too large for a patient's bone, as the mesh reader does, and
@@ -49,7 +34,7 @@ static void warn_size(const app_state *app, const char *name, const ost_import_r
 static void put_result(const app_state *app, const ost_import_result *r, const ost_bone_info *info)
 {
     json_t *o = app->result;
-    put_text(o, "format", kind_text(r->kind));
+    put_text(o, "format", load_kind_name(r->kind));
     put_dims(o, "rect_dims", r->rect.dims);
     put_mm3(o, "rect_spacing_mm", r->rect.spacing);
     put(o, "spacing_inferred",
@@ -112,7 +97,7 @@ static void print_result(const app_state *app, const char *ct, const char *out, 
 {
     char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT], d[FORMAT_TEXT];
     bool found = r->spacing_inferred[0] || r->spacing_inferred[1] || r->spacing_inferred[2];
-    print_line(app, "%s: %s, %s voxels at %s%s%s", ct, kind_text(r->kind), format_dims(a, r->rect.dims),
+    print_line(app, "%s: %s, %s voxels at %s%s%s", ct, load_kind_name(r->kind), format_dims(a, r->rect.dims),
                format_spacing(b, r->rect.spacing), found ? " (spacing found from the positions)" : "",
                r->volume.reoriented ? " (axes turned to LPS)" : "");
     const ost_dicom_report *dicom = &r->volume.dicom;
@@ -138,7 +123,7 @@ static void print_result(const app_state *app, const char *ct, const char *out, 
 
 ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
 {
-    const char *name = NULL, *out = NULL;
+    const char *name = NULL, *out = NULL, *preview = NULL;
     ct_options ct = CT_OPTIONS_DEFAULT;
     segment_options segment = SEGMENT_OPTIONS_DEFAULT;
     patient_options patient = {.landmarks = NULL};
@@ -161,6 +146,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         HEADING("landmarks, stored in the bone's header"),
         PATIENT_OPTIONS(patient),
         HEADING("writing"),
+        PREVIEW_OPTION(preview),
         COMPRESS_OPTION(compress),
         {.name = NULL}};
     const usage_text usage = {
@@ -183,7 +169,8 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err) ||
         (status = out_check(app, out, "nrrd|nii|nii.gz|txt", err)) != OST_OK ||
-        (status = patient_check(app, &patient, err)) != OST_OK)
+        (status = patient_check(app, &patient, err)) != OST_OK ||
+        (status = preview_check(app, preview, err)) != OST_OK)
         return status;
 
     ost_backend *backend = NULL;
@@ -206,16 +193,21 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         status = patient_take(app, &patient, bone, name, &result.cubic, &result.meta, err);
     if (status == OST_OK)
         status = ost_bone_info_get(bone, &info, err);
-    if (status == OST_OK)
-        status = ost_bone_write(out, bone, &result.meta, &write, err);
     if (status == OST_OK && info.active_voxels == 0)
         warn(app, "%s: no voxel has %d HU or more; the bone is empty", name, info.threshold);
+    if (status == OST_OK)
+        warn_size(app, name, &result);
+    if (status == OST_OK && preview)
+        status = preview_import(app, preview, name, out, &ct, bone, &result, err);
+    if (status == OST_OK)
+        status = ost_bone_write(out, bone, &result.meta, &write, err);
     if (status == OST_OK && (status = file_digest(out, &file, err)) == OST_OK) {
         put_text(app->result, "in", name);
         put_text(app->result, "out", out);
         put_result(app, &result, &info);
         put_digest(app->result, "file_sha256", &file);
-        warn_size(app, name, &result);
+        if (preview)
+            put_text(app->result, "preview", preview);
         if (ct.labels)
             segment_job_report(&job, name);
         print_result(app, name, out, &result, &info);

@@ -9,6 +9,7 @@
 #include "app/common/print.h"
 #include "app/common/progress.h"
 #include "app/common/result.h"
+#include "app/picture/previews.h"
 
 enum { THRESHOLD = 120 };
 
@@ -25,7 +26,7 @@ static ost_status add_facts(ost_meta *meta, const ost_meta *of_ct, ost_error *er
 
 ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
 {
-    const char *name = NULL, *out = NULL, *orientation = NULL;
+    const char *name = NULL, *out = NULL, *orientation = NULL, *preview = NULL;
     int64_t threshold = THRESHOLD;
     segment_options segment = SEGMENT_OPTIONS_DEFAULT;
     ost_pm3 at = {0, 0, 0};
@@ -45,6 +46,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "orientation", .kind = OPTION_TEXT, .out = &orientation, .value = "XYZ",
          .help = "directions of the axes of a CT whose file does not state them, such as LPS or RAS"},
         DICOM_OPTIONS(dicom),
+        PREVIEW_OPTION(preview),
         COMPRESS_OPTION(compress),
         {.name = NULL}};
     const usage_text usage = {
@@ -62,7 +64,8 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err) ||
-        (status = out_check(app, out, "nrrd|nii|nii.gz", err)) != OST_OK)
+        (status = out_check(app, out, "nrrd|nii|nii.gz", err)) != OST_OK ||
+        (status = preview_check(app, preview, err)) != OST_OK)
         return status;
     ost_volume_options read = {.progress = progress_show};
     ost_volume_report report;
@@ -88,13 +91,22 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
             (void)ost_fail_context(err, "%s", name);
     }
     if (status == OST_OK)
+        load_warn_orientation(app, name, &ct.meta);
+    if (status == OST_OK)
+        load_warn_dicom(app, name, &report.dicom);
+    if (status == OST_OK && preview)
+        status = preview_segment(app, preview,
+                                 &(preview_labels){name, out, &ct, &labels, &report, job.segments, job.count,
+                                                   (int32_t)threshold, has_at, at},
+                                 err);
+    if (status == OST_OK)
         status = ost_volume_write(out, &labels,
                                   &(ost_write_options){.compress = compress, .progress = progress_show}, err);
     if (status == OST_OK) {
-        load_warn_orientation(app, name, &ct.meta);
-        load_warn_dicom(app, name, &report.dicom);
         put_text(app->result, "in", name);
         put_text(app->result, "out", out);
+        if (preview)
+            put_text(app->result, "preview", preview);
         segment_job_report(&job, out);
         if (!job.found)
             warn(app, "%s: no bone is so large; a lower --threshold or --min-volume finds more", name);

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A chart: a picture that contains other pictures and a table of text.
+ *
+ *   chart_begin --> chart_put, chart_text, chart_table --> chart_end --> picture
+ */
+#ifndef OST_APP_PICTURE_CHART_H
+#define OST_APP_PICTURE_CHART_H
+
+#include <osteon/picture.h>
+
+#include "render/lettering.h"
+
+enum { CHART_ROWS_MAX = 48, CHART_KEY = 24, CHART_TEXT = 480, CHART_MARGIN = 20 };
+enum { CHART_NO_COLOUR = 0x7fffffff };
+
+/* A row of a table: a key, or a square of a colour, and the text to the right of it. */
+typedef struct chart_row {
+    char key[CHART_KEY];
+    char text[CHART_TEXT];
+    uint32_t colour; /* 0xBBGGRR, or CHART_NO_COLOUR */
+    bool warning;    /* draws the text in the colour of warnings */
+} chart_row;
+
+typedef struct chart_table {
+    int count;
+    int omitted; /* number of rows for which there was no room */
+    chart_row row[CHART_ROWS_MAX];
+} chart_table;
+
+/* Appends a row and returns it. The text is truncated to CHART_TEXT - 1 bytes. */
+chart_row *chart_add(chart_table *table, const char *key, const char *format, ...) OST_PRINTF(3, 4);
+
+typedef struct chart {
+    ost_sheet sheet; /* owned */
+    ost_lettering *text, *title;
+} chart;
+
+/* Makes an empty chart. Free with chart_free, also after an error. */
+ost_status chart_begin(chart *c, int width, int height, ost_error *err);
+void chart_free(chart *c);
+/* Copies a picture to the chart; x, y: upper left corner. Pixels beyond the chart are omitted. */
+void chart_put(chart *c, const ost_picture *picture, int x, int y);
+void chart_title(chart *c, const char *text);
+/* Draws a line of text. y: baseline. */
+void chart_text(chart *c, int x, int y, const char *text);
+/* Draws a table into a box. Long texts are wrapped; the last line states how many rows do not fit. */
+void chart_put_table(chart *c, const chart_table *table, int x, int y, int width, int height);
+/* Makes a picture of the chart. The caller owns *out. */
+ost_status chart_end(const chart *c, ost_picture *out, ost_error *err);
+
+#endif

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Draws one picture of a CT and of the parts that a verb made of it: three planes, a surface and a
+ * table.
+ *
+ *   .--------------------------------------------.
+ *   | title                                      |
+ *   | axial    | coronal    | sagittal           |   greys of the CT, outlines of the parts,
+ *   |          |            |                    |   orientation letters, scale bar
+ *   | caption                                    |
+ *   | surface of the parts  | table              |
+ *   '--------------------------------------------'
+ *
+ * The picture depends only on its input: not on the backend, the number of threads, the machine, or
+ * the names of folders.
+ */
+#ifndef OST_APP_PICTURE_PREVIEW_H
+#define OST_APP_PICTURE_PREVIEW_H
+
+#include "app/common/app.h"
+#include "app/picture/chart.h"
+
+enum { PREVIEW_WIDTH = 1600, PREVIEW_HEIGHT = 1000 };
+
+/* The row of --preview in a verb's table of options. */
+#define PREVIEW_OPTION(path)                                                                                         \
+    {.name = "preview", .kind = OPTION_TEXT, .out = &(path), .value = "FILE.png",                                    \
+     .help = "also write a picture of the result: three planes of the CT with outlines, a view of the surface, and " \
+             "a table of what was read and what was left out"}
+
+/* The input of a preview. All pointers are borrowed. */
+typedef struct preview_input {
+    const char *out;         /* name of the verb's output; only the part after the last '/' is drawn */
+    const ost_volume *ct;    /* densities; NULL: the densities of the parts are drawn */
+    const ost_volume *parts; /* labels of the CT's voxels; or the densities of a bone, whose voxels are cubes */
+    bool labels;             /* parts contains labels; voxels greater than 0 belong to a part */
+    int32_t threshold;       /* lowest density of bone */
+    bool nearest;            /* a density is that of the nearest voxel of the CT; otherwise it is interpolated */
+    bool left_out;           /* dense voxels of the CT that belong to no part are coloured */
+    bool unoriented;         /* the directions of the axes are assumed; no orientation letters are drawn */
+    const ost_meta *meta;    /* facts about the patient: the glenoid's position and axis, the side */
+    bool at_given;
+    ost_pm3 at;              /* position through which the planes pass, if at_given and the glenoid is not known */
+    int threads;
+    const chart_table *table;
+} preview_input;
+
+/* Draws the preview. The caller owns *out. */
+ost_status preview_draw(const preview_input *in, ost_picture *out, ost_error *err);
+
+/* Draws the preview and writes it as a PNG file. */
+ost_status preview_write(const preview_input *in, const char *path, ost_error *err);
+
+/* Appends the warnings that the verb has issued so far. A warning that begins with "NAME: " is written without it. */
+void preview_add_warnings(const app_state *app, const char *name, chart_table *table);
+
+/* Appends the size of a grid in voxels and in millimetres, and the size of its voxels. */
+void preview_add_grid(chart_table *table, const char *key, const ost_geometry *geometry);
+
+#endif

@@ -1,0 +1,76 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# --preview of osteon import and osteon segment: one picture of 1600 x 1000 pixels, with the same
+# bytes from every backend and number of threads, and for the same CT in another folder.
+# tests/app/test_preview checks what the pictures show.
+# Covers: REQ-PREVIEW
+. "${srcdir:-.}/tests/app/lib.sh"
+
+run 0 phantom glenoid --out ct.nrrd
+refuse 2 "must end in .png" import ct.nrrd --out bone.nrrd --preview p.jpg
+refuse 2 "cannot write" import ct.nrrd --out bone.nrrd --preview absent/p.png
+if ! "$osteon" devices | grep -q '^  png *yes'; then
+    refuse 3 "without libpng" import ct.nrrd --out bone.nrrd --preview p.png
+    check "no bone without its picture" "$(ls)" "$(printf 'ct.nrrd\nerr\nout')"
+    finish
+fi
+
+# size PNG: prints the width and the height that the header of the file states
+size() {
+    od -An -tu1 -j16 -N8 "$1" | awk '{ print $3 * 256 + $4, $7 * 256 + $8 }'
+}
+
+run 0 import ct.nrrd --out bone.nrrd
+plain=$(cksum <bone.nrrd)
+run 0 import ct.nrrd --out bone.nrrd --preview p.png --threads 1 --json
+check "the picture's name" "$(value preview)" p.png
+check "the picture's size" "$(size p.png)" "1600 1000"
+check "the bone with a preview" "$(cksum <bone.nrrd)" "$plain"
+first=$(cksum <p.png)
+mkdir elsewhere
+cp ct.nrrd elsewhere/other.nrrd
+export OSTEON_ISA=scalar
+run 0 import elsewhere/other.nrrd --out elsewhere/bone.nrrd --preview q.png --threads 3 --quiet
+unset OSTEON_ISA
+check "by other threads, from another folder, quietly" "$(cksum <q.png)" "$first"
+run 0 import ct.nrrd --out bone.nrrd --preview q.png --backend ref
+check "by the reference" "$(cksum <q.png)" "$first"
+run 0 import ct.nrrd --out bone.nrrd --preview q.png --threshold 400
+[ "$(cksum <q.png)" != "$first" ] || fail "another threshold gives the same picture"
+checks=$((checks + 1))
+
+# Every kind of CT has a picture: a text, a built-in one, a bone, an empty one, one without orientation.
+run 0 export ct.nrrd --out ct.txt
+run 0 import ct.txt --out bone.nrrd --preview text.png
+run 0 import builtin:glenoid --out bone.nrrd --preview builtin.png
+run 0 import bone.nrrd --out again.nrrd --preview bone.png
+run 0 import ct.nrrd --out empty.nrrd --threshold 30000 --preview empty.png
+run 0 import ct.nrrd --out crop.nrrd --crop 5:40,5:60,5:30 --spacing 1 --cubic 0.8 --preview crop.png
+printf 'NRRD0004\ntype: int16\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 2\nencoding: text\n\n' >bare.nrrd
+awk 'BEGIN { for (i = 0; i < 64; i++) print i * 20 }' >>bare.nrrd
+run 0 import bare.nrrd --out bone.nrrd --preview bare.png
+run 0 segment bare.nrrd --out labels.nrrd --min-volume 0 --preview bare2.png
+for name in text builtin bone empty crop bare bare2; do
+    check "$name" "$(size $name.png)" "1600 1000"
+done
+
+# A segmentation, with a part cut away, and an import of one label.
+at=$("$osteon" info ct.nrrd --json | "$json_get" meta.glenoid_at_mm | tr ' ' ,)
+run 0 segment ct.nrrd --out labels.nrrd
+plain=$(cksum <labels.nrrd)
+run 0 segment ct.nrrd --out labels.nrrd --preview s.png --json
+check "the picture's name" "$(value preview)" s.png
+check "the labels with a preview" "$(cksum <labels.nrrd)" "$plain"
+run 0 segment ct.nrrd --out labels.nrrd --cut-ball "$at,6" --preview cut.png
+[ "$(cksum <s.png)" != "$(cksum <cut.png)" ] || fail "a cut is not seen"
+checks=$((checks + 1))
+run 0 import ct.nrrd --mask labels.nrrd:1 --out bone.nrrd --preview mask.png
+check "sizes" "$(size s.png) $(size cut.png) $(size mask.png)" "1600 1000 1600 1000 1600 1000"
+
+# A CT that cannot be read leaves neither file.
+mkdir none && cd none || exit 99
+head -c 2000 ../ct.nrrd >short.nrrd
+refuse 2 "short.nrrd" import short.nrrd --out bone.nrrd --preview p.png
+refuse 2 "short.nrrd" segment short.nrrd --out labels.nrrd --preview p.png
+check "files" "$(ls)" "$(printf 'err\nout\nshort.nrrd')"
+finish
