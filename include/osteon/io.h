@@ -73,6 +73,7 @@ typedef struct ost_volume_report {
     ost_dicom_report dicom;
 } ost_volume_report;
 
+    uint64_t nan_values;       /* number of NaN, which became -1024 if the options allow this */
 /*
  * Selects which of the two transforms of a NIfTI file determines the position of the grid. AUTO selects the transform
  * by the codes of the two transforms. With AUTO, transforms that differ by more than a voxel are an error.
@@ -91,6 +92,7 @@ typedef struct ost_volume_options {
     void *progress_user;
 } ost_volume_options;
 
+    bool nan_as_air;        /* convert NaN to -1024 HU, the density of air, instead of failing */
 /*
  * Reads an NRRD, NIfTI or MetaImage file, a multi-frame DICOM file, or a DICOM series in a folder, as int16
  * with axes in LPS+. options may be NULL (all false); report may be NULL. DICOM is parsed by processes,

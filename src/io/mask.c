@@ -188,9 +188,9 @@ static ost_status apply_mask(const char *path, const ost_import_options *options
     ost_status status = find_names(options, list + numbers, err);
     if (status == OST_OK)
         status = ost_volume_read(options->mask, &how, &labels, &read, err);
-    if (status == OST_OK && read.rounded_values)
+    if (status == OST_OK && (read.rounded_values || read.nan_values))
         status = ost_fail(err, OST_ERR_INPUT, "%s: is no label map: %llu values are no integers", options->mask,
-                          (unsigned long long)read.rounded_values);
+                          (unsigned long long)(read.rounded_values + read.nan_values));
     placed where = {.is_equal = true};
     if (status == OST_OK)
         status = place(path, options->mask, &volume->geometry, &labels.geometry, &where, err);

@@ -92,6 +92,25 @@ static void floats_round_half_to_even(void **state)
     }
 }
 
+/* The density of NaN is -1024 by definition (AR-FILE-4); the slope does not apply to it. */
+static void nan_is_air_by_option(void **state)
+{
+    (void)state;
+    const float single = -NAN;
+    const double twice = (double)NAN, infinite = (double)INFINITY;
+    ost_converter c = {.element = OST_ELEMENT_FLOAT32, .nan_as_air = true};
+    assert_int_equal(convert_one(&c, &single, OST_BAD_NONE), -1024);
+    c.element = OST_ELEMENT_FLOAT64;
+    assert_int_equal(convert_one(&c, &twice, OST_BAD_NONE), -1024);
+    convert_one(&c, &infinite, OST_BAD_INFINITE);
+    c.scaled = true;
+    c.slope = (ost_binary){1, 4};
+    c.intercept = (ost_binary){100, 0};
+    assert_int_equal(convert_one(&c, &twice, OST_BAD_NONE), -1024);
+    assert_int_equal(c.nan, 3);
+    assert_int_equal(c.rounded + c.clamped, 0);
+}
+
 static void nan_and_infinity_are_never_densities(void **state)
 {
     (void)state;
@@ -164,7 +183,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(integers_and_their_borders), cmocka_unit_test(floats_round_half_to_even),
-        cmocka_unit_test(nan_and_infinity_are_never_densities), cmocka_unit_test(scaling_is_exact),
+        cmocka_unit_test(nan_and_infinity_are_never_densities), cmocka_unit_test(nan_is_air_by_option),
+        cmocka_unit_test(scaling_is_exact),
         cmocka_unit_test(scaling_at_its_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -145,6 +145,38 @@ static void floats_are_rounded_and_counted(void **state)
     }
 }
 
+static void nan_in_both_encodings(void **state)
+{
+    (void)state;
+    static bytes file;
+    ost_error err = {0};
+    ost_volume v;
+    ost_volume_report report;
+    const ost_volume_options as_air = {.nan_as_air = true};
+    for (int as_text = 0; as_text < 2; as_text++) {
+        char text[200];
+        file.size = 0;
+        snprintf(text, sizeof text,
+                 "NRRD0005\ntype: float\ndimension: 3\nsizes: 2 1 1\nspacings: 1 1 1\nencoding: %s\nendian: little\n\n",
+                 as_text ? "text" : "raw");
+        put_text(&file, text);
+        if (as_text) {
+            put_text(&file, "-NaN 7");
+        } else {
+            put_bits(&file, 0x7fc00000, 4, false);
+            put_bits(&file, float_bits(7.0f), 4, false);
+        }
+        write_file("n.nrrd", file.data, file.size);
+        assert_refused(at("n.nrrd"), NULL, OST_ERR_INPUT, "--nan-as-air");
+        assert_ok(ost_volume_read(at("n.nrrd"), &as_air, &v, &report, &err));
+        assert_int_equal(v.voxels[0], -1024);
+        assert_int_equal(v.voxels[1], 7);
+        assert_int_equal(report.nan_values, 1);
+        assert_int_equal(report.rounded_values, 0);
+        ost_volume_free(&v);
+    }
+}
+
 static void beyond_int16_is_said_or_clamped(void **state)
 {
     (void)state;
@@ -469,7 +501,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_order_and_encoding),
         cmocka_unit_test(floats_are_rounded_and_counted),
-        cmocka_unit_test(beyond_int16_is_said_or_clamped),
+        cmocka_unit_test(beyond_int16_is_said_or_clamped), cmocka_unit_test(nan_in_both_encodings),
         cmocka_unit_test(ends_of_types_are_values),
         cmocka_unit_test(detached_in_one_file),
         cmocka_unit_test(detached_in_many_files),

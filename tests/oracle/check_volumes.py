@@ -59,9 +59,13 @@ def orient(sizes, directions, origin):
     return [sizes[axis[w]] for w in range(3)], spacing, first, list(zip(axis, flipped))
 
 
-def density(value, kind, clamp):
-    """Converts a file's value, a Fraction, to a density by AR-FILE-4."""
+def density(value, kind, clamp, nan_as_air):
+    """Converts a file's value, a Fraction or None for NaN, to a density by AR-FILE-4."""
     low, high = TYPES[kind][1:]
+    if value is None:
+        if low is not None or not nan_as_air:
+            raise oracle.Refused("NaN")
+        return -1024
     if low is not None and (value.denominator != 1 or not low <= value <= high):
         raise oracle.Refused(f"{value} is no {kind}")
     value = oracle.rhe(value)
@@ -70,7 +74,7 @@ def density(value, kind, clamp):
     return min(max(value, -32768), 32767)
 
 
-def rect_of(sizes, directions, origin, values, kind, clamp):
+def rect_of(sizes, directions, origin, values, kind, clamp, nan_as_air):
     dims, spacing, first, axes = orient(sizes, directions, origin)
     oracle.check_limits(dims, spacing, first)
     voxels = []
@@ -78,7 +82,7 @@ def rect_of(sizes, directions, origin, values, kind, clamp):
         at = [0, 0, 0]
         for (a, flip), index in zip(axes, (i, j, k)):
             at[a] = sizes[a] - 1 - index if flip else index
-        voxels.append(density(values[at[0] + sizes[0] * (at[1] + sizes[1] * at[2])], kind, clamp))
+        voxels.append(density(values[at[0] + sizes[0] * (at[1] + sizes[1] * at[2])], kind, clamp, nan_as_air))
     return oracle.Grid(dims, spacing, first, voxels)
 
 
@@ -106,29 +110,32 @@ def random_file(rng):
     origin = [rng.randrange(-300 * 10**9, 300 * 10**9) for _ in range(3)]
     space = rng.choice(tuple(SIGNS))
     kind, as_text, clamp = rng.choice(tuple(TYPES)), rng.random() < 0.6, rng.random() < 0.6
+    nan_as_air = rng.random() < 0.5
     code, low, high = TYPES[kind]
     count = sizes[0] * sizes[1] * sizes[2]
     if low is None:
         words = [f"{rng.randrange(-70000, 70000)}e-{rng.randrange(1, 3)}" for _ in range(count)]
+        if rng.random() < 0.4:
+            words[rng.randrange(count)] = rng.choice(("nan", "-nan", "+NaN"))
     else:
         words = [str(rng.randrange(max(low, -1000), min(high, 1000) + 1)) for _ in range(count)]
         if clamp:
             words[rng.randrange(count)] = str(rng.choice((low, high)))
         if as_text and rng.random() < 0.2:
-            words[rng.randrange(count)] = rng.choice((f"{low - 1}", f"{high + 1}", "1.5", "70e-1", "5.000", "1e30"))
-    values = [Fraction(word) for word in words]
+            words[rng.randrange(count)] = rng.choice((f"{low - 1}", f"{high + 1}", "1.5", "70e-1", "5.000", "1e30", "nan"))
+    values = [None if "nan" in word.lower() else Fraction(word) for word in words]
     head = (f"NRRD0005\ntype: {kind}\ndimension: 3\nspace: {space}\nsizes: {' '.join(map(str, sizes))}\nspace directions: "
             + " ".join(f"({','.join(mm(c) for c in d)})" for d in directions)
             + f"\nspace origin: ({','.join(mm(c) for c in origin)})\nencoding: {'text' if as_text else 'raw'}\nendian: little\n\n")
     if as_text:
         body = (rng.choice((" ", "\n")).join(words) + "\n").encode()
     else:
-        numbers = [float(v) if low is None else int(v) for v in values]
+        numbers = [float("nan") if v is None else float(v) if low is None else int(v) for v in values]
         body = struct.pack(f"<{count}{code}", *numbers)
-        values = [Fraction(n) for n in struct.unpack(f"<{count}{code}", body)]
+        values = [None if n != n else Fraction(n) for n in struct.unpack(f"<{count}{code}", body)]
     signs = SIGNS[space]
     return head.encode() + body, ([list(sizes)] + [[[c * s for c, s in zip(d, signs)] for d in directions]]
-                                  + [[c * s for c, s in zip(origin, signs)], values, kind, clamp])
+                                  + [[c * s for c, s in zip(origin, signs)], values, kind, clamp, nan_as_air])
 
 
 def case(rng, program, folder):
@@ -137,7 +144,8 @@ def case(rng, program, folder):
     content, arguments = random_file(rng)
     with open(path, "wb") as file:
         file.write(content)
-    words = [program, "import", path, "--out", out, "--backend", "ref", "--json", "--cubic", "1"] + ["--clamp"] * arguments[-1]
+    words = [program, "import", path, "--out", out, "--backend", "ref", "--json", "--cubic", "1"]
+    words += ["--clamp"] * arguments[-2] + ["--nan-as-air"] * arguments[-1]
     done = subprocess.run(words, capture_output=True, check=False)
     if done.returncode == 0:
         got = next(stage["sha256"] for stage in json.loads(done.stdout)["stages"] if stage["name"] == "rect")

@@ -117,7 +117,7 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
         .has_resample = ct->resample >= 0,
         .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,
         .duplicates = (ost_duplicates)ct->duplicates,
-        .volume = {.clamp = ct->clamp, .resample_oblique = ct->resample_oblique},
+        .volume = {.clamp = ct->clamp, .nan_as_air = ct->nan_as_air, .resample_oblique = ct->resample_oblique},
         .digests = digests,
         .progress = progress_show,
         .labels = ct->labels,
@@ -252,6 +252,9 @@ void load_warn_import(const app_state *app, const char *name, const ost_import_r
     if (r->volume.rounded_values)
         warn(app, "%s: %s densities were not whole numbers and were rounded", name,
              format_count(text, (int64_t)r->volume.rounded_values));
+    if (r->volume.nan_values)
+        warn(app, "%s: %s voxels had no value (NaN) and were set to -1024 HU", name,
+             format_count(text, (int64_t)r->volume.nan_values));
     if (r->volume.clamped_values)
         warn(app, "%s: %s densities lay beyond int16 and were cut to its ends", name,
              format_count(text, (int64_t)r->volume.clamped_values));

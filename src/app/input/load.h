@@ -36,7 +36,7 @@ typedef struct ct_options {
     int chunk; /* index in "16|32|64" */
     int resample; /* an ost_resample, index in "linear|nearest|thesis"; negative: depends on the file's contents */
     int duplicates; /* an ost_duplicates, index in "error|first|last|max" */
-    bool clamp, resample_oblique;
+    bool clamp, nan_as_air, resample_oblique;
     const char *orientation; /* NULL if not given */
     int form;                /* an ost_nifti_form, index in "auto|qform|sform" */
     const char *mask;        /* FILE[:LABEL,...] with numbers or names; NULL if not given */
@@ -67,6 +67,8 @@ typedef struct ct_options {
     {.name = "clamp", .kind = OPTION_FLAG, .out = &(c).clamp,                                                    \
      .help = "clamp densities outside the range of int16 (default: refuse the CT)"},                             \
     {.name = "resample-oblique", .kind = OPTION_FLAG, .out = &(c).resample_oblique,                              \
+    {.name = "nan-as-air", .kind = OPTION_FLAG, .out = &(c).nan_as_air,                                          \
+     .help = "convert NaN, a voxel without a value, to -1024 HU (default: refuse the CT)"},                      \
      .help = "resample a rotated CT onto the patient's axes (default: refuse the CT)"},                          \
     {.name = "orientation", .kind = OPTION_TEXT, .out = &(c).orientation, .value = "XYZ",                        \
      .help = "directions of the axes of a CT whose file does not state them, such as LPS or RAS (default: LPS, " \

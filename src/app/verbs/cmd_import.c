@@ -66,6 +66,7 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
         put_bool(o, "labels", r->volume.labels);
         put_integer(o, "rounded_values", (int64_t)r->volume.rounded_values);
         put_integer(o, "clamped_values", (int64_t)r->volume.clamped_values);
+        put_integer(o, "nan_values", (int64_t)r->volume.nan_values);
     }
     if (r->kind == OST_FILE_DICOM)
         put_dicom_report(o, &r->volume.dicom);

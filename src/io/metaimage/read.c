@@ -28,12 +28,16 @@ static ost_status read_voxels(const char *path, const ost_metaimage_header *head
         .path = path,
         .options = options,
         .parts = &parts,
-        .converter = {.element = header->element, .swap = header->swap, .clamp = options && options->clamp}};
+        .converter = {.element = header->element,
+                      .swap = header->swap,
+                      .clamp = options && options->clamp,
+                      .nan_as_air = options && options->nan_as_air}};
     memcpy(rows.sizes, header->sizes, sizeof rows.sizes);
     status = ost_volume_fill(&rows, &header->affine, placement, geometry, target, err);
     ost_parts_close(&parts);
     report->rounded_values = rows.converter.rounded;
     report->clamped_values = rows.converter.clamped;
+    report->nan_values = rows.converter.nan;
     return status;
 }
 

@@ -96,6 +96,7 @@ static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, 
     rows.converter = (ost_converter){.element = header->element,
                                      .swap = header->swap,
                                      .clamp = options && options->clamp,
+                                     .nan_as_air = options && options->nan_as_air,
                                      .scaled = header->scaled,
                                      .slope = header->slope,
                                      .intercept = header->intercept};
@@ -103,6 +104,7 @@ static ost_status read_voxels(ost_input *input, const ost_nifti_header *header, 
     ost_parts_close(&parts);
     report->rounded_values = rows.converter.rounded;
     report->clamped_values = rows.converter.clamped;
+    report->nan_values = rows.converter.nan;
     return status;
 }
 

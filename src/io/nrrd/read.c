@@ -37,11 +37,15 @@ static ost_status read_voxels(const char *path, const ost_nrrd_text *text, const
     memcpy(all.rows.sizes, header->sizes, sizeof all.rows.sizes);
     all.in_part = (uint64_t)header->sizes[0] * (uint64_t)header->sizes[1] * (uint64_t)header->sizes[2] / parts.count;
     all.rows.converter = (ost_converter){
-        .element = header->element, .swap = header->swap, .clamp = options && options->clamp};
+        .element = header->element,
+        .swap = header->swap,
+        .clamp = options && options->clamp,
+        .nan_as_air = options && options->nan_as_air};
     status = ost_volume_fill(&all.rows, &header->affine, placement, geometry, target, err);
     ost_parts_close(&parts);
     report->rounded_values = all.rows.converter.rounded;
     report->clamped_values = all.rows.converter.clamped;
+    report->nan_values = all.rows.converter.nan;
     return status;
 }
 

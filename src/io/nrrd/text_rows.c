@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "core/conditions.h"
 
@@ -33,6 +34,12 @@ static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *l
     }
     word[*length] = 0;
     return status;
+}
+
+/* Returns true if a word is NaN as programs print it: nan with any sign and in any case. */
+static bool is_nan(const char *word)
+{
+    return strcasecmp(word + (*word == '-' || *word == '+'), "nan") == 0;
 }
 
 /* Returns true if the decimal's value is an integer within the range of the type (AR-FILE-4). */
@@ -67,8 +74,16 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     ost_decimal d;
     ost_bad bad = {OST_BAD_NAN, ""};
     snprintf(bad.value, sizeof bad.value, "%.30s", word);
-    if (ost_decimal_read(word, word + length, &d) != word + length)
+    if (ost_decimal_read(word, word + length, &d) != word + length) {
+        if (!is_nan(word) || !ost_element_is_float(c->element))
+            bad.kind = OST_BAD_INFINITE;
+        else if (c->nan_as_air) {
+            c->nan++;
+            *out = OST_AIR;
+            return OST_OK;
+        }
         return ost_rows_bad(rows, number, ost_input_path(input), location, &bad, err);
+    }
     int64_t value;
     bool exact = true;
     bool fits = ost_decimal_scale(&d, 1, &value, &exact);

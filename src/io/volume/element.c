@@ -212,6 +212,11 @@ static size_t convert_general(ost_converter *c, const unsigned char *bytes, size
         load(c, bytes, &l);
         if (ost_element_is_float(c->element)) {
             if (!ost_binary_from_double(l.value, &b)) {
+                if (c->nan_as_air && l.value != l.value) {
+                    out[i] = OST_AIR;
+                    c->nan++;
+                    continue;
+                }
                 describe(c, &l, bad);
                 bad->kind = l.value != l.value ? OST_BAD_NAN : OST_BAD_INFINITE;
                 return i;

@@ -3,8 +3,8 @@
  * The elements of a volume file and their conversion to int16 densities.
  *
  *   integers    unchanged; values beyond int16 are an error, or saturated if allowed
- *   floats      rounded half to even to an integer, then as above; NaN and
- *               infinity are always errors
+ *   floats      rounded half to even to an integer, then as above; infinity is
+ *               always an error, and NaN is one unless the options define it as air
  *   scaled      (NIfTI) value * slope + intercept: each of the two terms is
  *               computed from the exact binary numbers and rounded down to a
  *               multiple of 2^-78 (exact whenever slope and intercept are
@@ -47,13 +47,16 @@ typedef struct ost_binary {
 /* Splits a finite number into mantissa and exponent. Returns false for NaN and infinity. */
 bool ost_binary_from_double(double value, ost_binary *out);
 
+enum { OST_AIR = -1024 }; /* HU of a voxel without a value, if NaN is defined as air */
+
 typedef struct ost_converter {
     ost_element element;
     bool swap;  /* the file's bytes are big-endian */
     bool clamp; /* saturate values beyond int16 */
+    bool nan_as_air; /* convert NaN to OST_AIR, also if the values are scaled */
     bool scaled;
     ost_binary slope, intercept;
-    uint64_t rounded, clamped; /* numbers of rounded and of clamped values, counted by ost_convert */
+    uint64_t rounded, clamped, nan; /* numbers of rounded and clamped values and of NaN, counted by ost_convert */
 } ost_converter;
 
 typedef enum ost_bad_kind { OST_BAD_NONE, OST_BAD_NAN, OST_BAD_INFINITE, OST_BAD_RANGE } ost_bad_kind;

@@ -91,7 +91,8 @@ ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, 
     int64_t i = number % rows->sizes[0];
     int64_t j = number / rows->sizes[0] % rows->sizes[1];
     int64_t k = number / rows->sizes[0] / rows->sizes[1];
-    const char *wrong = "is no density; a finite number was expected";
+    const char *wrong = bad->kind == OST_BAD_NAN ? "is no density; --nan-as-air converts it to -1024"
+                                                 : "is no density; expected a finite number";
     if (bad->kind == OST_BAD_RANGE)
         wrong = rows->converter.scaled
                     ? "is beyond int16 (-32768..32767) after slope and intercept; --clamp cuts it to these ends"
