@@ -31,13 +31,15 @@ typedef enum ost_file_kind {
     OST_FILE_PATH_CSV,
     OST_FILE_SESSION, /* session.h */
     OST_FILE_METAIMAGE,
-    OST_FILE_DICOM /* a DICOM file, or any folder */
+    OST_FILE_DICOM, /* a DICOM file, or any folder that is no stack */
+    OST_FILE_STACK  /* slices as TIFF or PNG: a folder, a pattern with '*', or one file */
 } ost_file_kind;
 
 /*
- * Determines the kind of a file by its content or, without a signature, by its name. A folder has the
- * kind OST_FILE_DICOM, without being searched. For a format that osteon does not read (TIFF, compressed
- * files and others), returns OST_ERR_INPUT with a message that names a program for its conversion.
+ * Determines the kind of a file by its content or, without a signature, by its name. A folder is a
+ * stack if all its regular files are TIFF or PNG; any other folder has the kind OST_FILE_DICOM, without
+ * being searched. For a format that osteon does not read (compressed files and others), returns
+ * OST_ERR_INPUT with a message that names a program for its conversion.
  */
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);
 
@@ -71,9 +73,10 @@ typedef struct ost_volume_report {
     uint64_t rounded_values;   /* number of non-integer densities, which were rounded RHE */
     uint64_t clamped_values;   /* number of densities beyond int16, which were saturated if the options allow this */
     ost_dicom_report dicom;
+    uint64_t nan_values;       /* number of NaN, which became -1024 if the options allow this */
+    double pixel_mm[2];        /* size of a pixel that a stack's first slice states, which is not used; 0: none */
 } ost_volume_report;
 
-    uint64_t nan_values;       /* number of NaN, which became -1024 if the options allow this */
 /*
  * Selects which of the two transforms of a NIfTI file determines the position of the grid. AUTO selects the transform
  * by the codes of the two transforms. With AUTO, transforms that differ by more than a voxel are an error.
@@ -88,15 +91,16 @@ typedef struct ost_volume_options {
     const char *series;     /* of DICOM: number, description or UID; NULL: the only series that is a volume */
     bool even_slices;       /* resample unevenly spaced slices of DICOM (linear) instead of failing */
     bool untilt;            /* shear tilted slices of DICOM back (linear) instead of failing */
+    bool nan_as_air;        /* convert NaN to -1024 HU, the density of air, instead of failing */
+    ost_pm3 stack_spacing;  /* spacing of a stack's columns, rows and slices, which states none; else unused */
     ost_progress *progress; /* called with the stage "reading"; may be NULL */
     void *progress_user;
 } ost_volume_options;
 
-    bool nan_as_air;        /* convert NaN to -1024 HU, the density of air, instead of failing */
 /*
- * Reads an NRRD, NIfTI or MetaImage file, a multi-frame DICOM file, or a DICOM series in a folder, as int16
- * with axes in LPS+. options may be NULL (all false); report may be NULL. DICOM is parsed by processes,
- * which have ended when the function returns.
+ * Reads an NRRD, NIfTI or MetaImage file, a multi-frame DICOM file, a DICOM series in a folder, or a
+ * stack, as int16 with axes in LPS+. options may be NULL (all false); report may be NULL. DICOM is parsed by
+ * processes, which have ended when the function returns. A stack needs options->stack_spacing.
  */
 OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out,
                                    ost_volume_report *report, ost_error *err);
@@ -265,7 +269,8 @@ typedef ost_status ost_import_labels(void *user, const ost_volume *ct, int32_t t
                                      ost_error *err);
 /* Options of an import. A zero-initialised struct selects the defaults. */
 typedef struct ost_import_options {
-    /* replaces the spacing in the file; 0: the spacing is read from the file, or inferred for text */
+    /* replaces the spacing in the file; 0: the spacing is read from the file, or inferred for text; a stack
+       has volume.stack_spacing instead */
     ost_pm3 spacing;
     ost_pm cubic;             /* spacing of the cubic grid; 0 selects the x spacing of the rect grid */
     int32_t threshold;        /* 0 selects the threshold in the file if the file is a bone, and otherwise 120 */
@@ -323,7 +328,7 @@ typedef struct ost_import_result {
     ost_geometry cubic;
     ost_meta meta;                 /* facts copied from the file; the import sets kind, threshold and resample */
     ost_resample resample;         /* the resampling rule that was used */
-    ost_volume_report volume;      /* set for NRRD, NIfTI, MetaImage and DICOM */
+    ost_volume_report volume;      /* set for NRRD, NIfTI, MetaImage, DICOM and stacks */
     ost_scatter_report scatter;    /* for text */
     bool spacing_inferred[3];
     uint64_t rounded_positions;    /* number of coordinates with more than nine decimals */

@@ -144,7 +144,7 @@ static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_
         if (box->lo[a] < 0 || box->lo[a] >= box->hi[a] || box->hi[a] > *dims[a])
             return ost_fail(err, OST_ERR_USAGE,
                             "%s: a crop of voxels %" PRId32 " to %" PRId32 " along %c; expected 0 <= from < to <= %d",
-                            path, box->lo[a], box->hi[a], "xyz"[a], (int)*dims[a]);
+                            path, box->lo[a], box->hi[a], "xyz"[a], *dims[a]);
         *origin[a] += box->lo[a] * spacing[a];
         *dims[a] = box->hi[a] - box->lo[a];
     }
@@ -206,8 +206,8 @@ static ost_status check_sparse(const job *j, uint64_t samples, ost_dims dims, os
         return OST_OK;
     return ost_fail(err, OST_ERR_INPUT,
                     "%s: %" PRIu64 " samples span %d x %d x %d voxels, of which all but one in %" PRIu64
-                    " would be empty; check the positions and the spacing", j->path, samples, (int)dims.x,
-                    (int)dims.y, (int)dims.z, voxels / samples);
+                    " would be empty; check the positions and the spacing", j->path, samples, dims.x, dims.y, dims.z,
+                    voxels / samples);
 }
 
 static ost_status rect_from_text(job *j, ost_error *err)
@@ -218,7 +218,7 @@ static ost_status rect_from_text(job *j, ost_error *err)
     ost_geometry full;
     const ost_volume_options *volume = &j->options->volume;
     if (volume->orientation[0] || volume->form != OST_FORM_AUTO)
-        return ost_fail(err, OST_ERR_USAGE, "%s: --orientation and --form need a NIfTI or NRRD file; the positions "
+        return ost_fail(err, OST_ERR_USAGE, "%s: --orientation and --form need another format; the positions "
                         "in a text CT are always LPS", j->path);
     if (volume->series || volume->even_slices || volume->untilt)
         return ost_fail(err, OST_ERR_USAGE, "%s: is not DICOM; omit --series, --even-slices and --untilt", j->path);
@@ -269,7 +269,9 @@ static ost_status rect_from_text(job *j, ost_error *err)
 /* Sets the rect grid to the grid of the file with the spacing that the options state. */
 static ost_status set_rect(job *j, const ost_geometry *geometry, ost_error *err)
 {
-    const ost_pm3 stated = j->options->spacing;
+    static const ost_pm3 none;
+    /* The spacing of a stack belongs to its columns, rows and slices, which its reader has used. */
+    const ost_pm3 stated = j->result->kind == OST_FILE_STACK ? none : j->options->spacing;
     ost_geometry *rect = &j->result->rect;
     *rect = *geometry;
     rect->spacing.x = stated.x ? stated.x : rect->spacing.x;
@@ -357,10 +359,9 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
                         "%s: threshold '%.40s' in the header; expected a whole number from 1 to %d", j->path, text,
                         INT16_MAX);
     if (requested && requested < threshold)
-        return ost_fail(err, OST_ERR_INPUT, "%s: is a bone that was cut at %" PRId64
-                        " HU: values below it are not stored, so a threshold of %" PRId32
-                        " is impossible; import the CT again with --threshold %" PRId32, j->path, threshold,
-                        requested, requested);
+        return ost_fail(err, OST_ERR_INPUT, "%s: is a bone that was cut at %" PRId64 " HU: values below it are not "
+                        "stored, so a threshold of %d is impossible; import the CT again with --threshold %d", j->path,
+                        threshold, requested, requested);
     *out = requested ? requested : (int32_t)threshold;
     return OST_OK;
 }
@@ -487,7 +488,7 @@ static ost_status check_options(const ost_import_options *options, const char *p
             return ost_fail(err, OST_ERR_RANGE, "%s: %s of %.9g mm; expected 0.001 to 100 mm", path,
                             i < 3 ? "a spacing" : "a cubic voxel", ost_pm_to_mm(lengths[i]));
     if (options->threshold < 0 || options->threshold > INT16_MAX)
-        return ost_fail(err, OST_ERR_RANGE, "%s: a threshold of %" PRId32 "; expected 1 to %d", path,
+        return ost_fail(err, OST_ERR_RANGE, "%s: a threshold of %d; expected 1 to %d", path,
                         options->threshold, INT16_MAX);
     if (options->has_resample && !ost_resample_name(options->resample))
         return ost_fail(err, OST_ERR_USAGE, "%s: unknown rule %d for resampling", path, (int)options->resample);
@@ -506,6 +507,7 @@ static ost_status rect_from_file(job *j, ost_error *err)
     case OST_FILE_NIFTI:
     case OST_FILE_METAIMAGE:
     case OST_FILE_DICOM:
+    case OST_FILE_STACK:
         return rect_from_volume(j, err);
     case OST_FILE_MESH:
         return ost_fail(err, OST_ERR_INPUT, "%s: is a mesh, not a CT; 'osteon voxelize' reads meshes", j->path);
@@ -515,8 +517,8 @@ static ost_status rect_from_file(job *j, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s: is a session, not a CT; 'osteon replay' makes a bone of it", j->path);
     case OST_FILE_UNKNOWN: break;
     }
-    return ost_fail(err, OST_ERR_INPUT, "%s: not a CT; expected text (x y z density), NRRD, NIfTI, MetaImage, DICOM",
-                    j->path);
+    return ost_fail(err, OST_ERR_INPUT, "%s: not a CT; expected text (x y z density), NRRD, NIfTI, MetaImage, DICOM, "
+                    "TIFF or PNG slices", j->path);
 }
 
 ost_status ost_import(ost_backend *backend, const char *path, const ost_import_options *options, ost_bone **out,

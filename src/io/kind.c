@@ -6,6 +6,7 @@
  *   "ObjectType =", "NDims =" or "Comment =" MetaImage, with attached data or only the header
  *   "DICM" at byte 128; a folder             DICOM
  *   348 or 540, "n+1" "ni1" "n+2" "ni2"      NIfTI; also inside gzip
+ *   TIFF or PNG                              a stack; also a folder of such files, and a pattern with '*'
  *   "ply", 4D 4D, "solid ... facet",
  *   84 + 50 n bytes                          meshes
  *   89 "OSTSES" 0A at a multiple of 64       a session, whose first block may be damaged
@@ -27,6 +28,8 @@
 #include "io/foreign.h"
 #include "io/metaimage/header.h"
 #include "io/session/layout.h"
+#include "io/stack/names.h"
+#include "io/stack/slice.h"
 #include "io/text/fields.h"
 
 enum { HEAD = 4096, GZIP_HEAD = 1024 };
@@ -173,6 +176,8 @@ static ost_file_kind plain_kind(const unsigned char *head, size_t size, off_t fi
         return OST_FILE_METAIMAGE;
     if (ost_dicom_sniff(head, size))
         return OST_FILE_DICOM;
+    if (ost_slice_sniff(head, size) != OST_SLICE_NONE)
+        return OST_FILE_STACK;
     if (is_session(head, size))
         return OST_FILE_SESSION;
     if (is_nifti(head, size))
@@ -217,12 +222,19 @@ ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *e
 {
     *out = OST_FILE_UNKNOWN;
     struct stat info;
-    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) {
-        *out = OST_FILE_DICOM;
+    ost_status status = OST_OK;
+    const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    bool stack = false;
+    if (folder || ost_stack_is_pattern(path))
+        status = ost_stack_find(path, &stack, err);
+    if (status != OST_OK)
+        return status;
+    if (stack || folder) {
+        *out = stack ? OST_FILE_STACK : OST_FILE_DICOM;
         return OST_OK;
     }
     ost_file file;
-    ost_status status = ost_file_open(path, &file, err);
+    status = ost_file_open(path, &file, err);
     if (status != OST_OK)
         return status;
     unsigned char head[HEAD];

@@ -13,6 +13,9 @@
 #include "io/metaimage/read.h"
 #include "io/nifti/read.h"
 #include "io/nrrd/read.h"
+#include "io/stack/names.h"
+#include "io/stack/read.h"
+#include "io/stack/slice.h"
 #include "io/volume/input.h"
 #include "io/volume_read.h"
 
@@ -75,10 +78,17 @@ static ost_status read_target(const char *path, const ost_volume_options *option
     memset(meta, 0, sizeof *meta);
     memset(report, 0, sizeof *report);
     struct stat info;
-    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+    bool stack = false;
+    const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    ost_status status = folder || ost_stack_is_pattern(path) ? ost_stack_find(path, &stack, err) : OST_OK;
+    if (status == OST_OK && stack && (status = check_not_dicom(path, options, err)) == OST_OK)
+        return ost_stack_read(path, options, target, geometry, meta, report, element, err);
+    if (status != OST_OK)
+        return status;
+    if (folder)
         return ost_dicom_read(path, options, target, geometry, meta, report, element, err);
     path = header_of(path, pair, sizeof pair);
-    ost_status status = ost_input_open(path, &input, err);
+    status = ost_input_open(path, &input, err);
     if (status != OST_OK)
         return status;
     status = ost_input_read(input, head, sizeof head, &got, err);
@@ -88,6 +98,10 @@ static ost_status read_target(const char *path, const ost_volume_options *option
     }
     if (status == OST_OK)
         status = check_not_dicom(path, options, err);
+    if (status == OST_OK && ost_slice_sniff(head, got) != OST_SLICE_NONE) {
+        ost_input_close(input);
+        return ost_stack_read(path, options, target, geometry, meta, report, element, err);
+    }
     if (status == OST_OK && got >= 4 && memcmp(head, "NRRD", 4) == 0) {
         status = ost_input_seek(input, 0, err);
         if (status == OST_OK)

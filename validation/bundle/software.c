@@ -33,6 +33,8 @@ static const known table[] = {
      "https://github.com/NIFTI-Imaging/nifti_clib/issues"},
     {"libpng", "libpng", "PNG Development Group", "libpng-2.0", "pictures",
      "pictures illustrate; what is compared are voxels", "https://github.com/pnggroup/libpng/issues"},
+    {"libtiff", "libtiff", "S. Leffler and Silicon Graphics", "libtiff", "reads stacks of TIFF slices",
+     "not used by generated cases", "https://gitlab.com/libtiff/libtiff/-/issues"},
     {"libembree", "Embree", "Intel Corporation", "Apache-2.0",
      "finds candidate triangles for the voxelizer cpu:voxelizer=embree",
      "not exact at edges by design; proposes only, integers decide", "https://github.com/RenderKit/embree/issues"},

@@ -71,6 +71,7 @@ const char *load_kind_name(ost_file_kind kind)
     case OST_FILE_NIFTI: return "NIfTI";
     case OST_FILE_METAIMAGE: return "MetaImage";
     case OST_FILE_DICOM: return "DICOM";
+    case OST_FILE_STACK: return "stack";
     case OST_FILE_MESH: return "mesh";
     case OST_FILE_PATH_CSV: return "path";
     case OST_FILE_SESSION: return "session";
@@ -117,7 +118,8 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
         .has_resample = ct->resample >= 0,
         .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,
         .duplicates = (ost_duplicates)ct->duplicates,
-        .volume = {.clamp = ct->clamp, .nan_as_air = ct->nan_as_air, .resample_oblique = ct->resample_oblique},
+        .volume = {.clamp = ct->clamp, .nan_as_air = ct->nan_as_air, .resample_oblique = ct->resample_oblique,
+                   .stack_spacing = ct->spacing},
         .digests = digests,
         .progress = progress_show,
         .labels = ct->labels,
@@ -401,7 +403,8 @@ ost_status load_volume(const app_state *app, const char *name, loaded_volume *ou
         return status;
     if (kind == OST_FILE_CT_TEXT)
         return load_text_volume(app, name, out, err);
-    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI && kind != OST_FILE_METAIMAGE && kind != OST_FILE_DICOM)
+    if (kind != OST_FILE_NRRD && kind != OST_FILE_NIFTI && kind != OST_FILE_METAIMAGE && kind != OST_FILE_DICOM &&
+        kind != OST_FILE_STACK)
         return ost_fail(err, OST_ERR_INPUT, "%s: no voxels; expected a CT, a bone or a tool grid", name);
     ost_meta meta = {0};
     ost_volume_report report = {0};

@@ -52,7 +52,8 @@ typedef struct ct_options {
 /* Rows for a verb's table of options. */
 #define CT_OPTIONS(c)                                                                                            \
     {.name = "spacing", .kind = OPTION_LENGTHS, .out = &(c).spacing, .value = "MM[,MM,MM]",                      \
-     .help = "voxel spacing of the CT (default: as in the file; of a text, derived from its positions)"},        \
+     .help = "voxel spacing of the CT (default: as in the file; of a text, derived from its positions); required " \
+             "for a stack of TIFF or PNG slices: columns, rows, slices"},                                        \
     {.name = "threshold", .kind = OPTION_INTEGER, .out = &(c).threshold, .value = "HU", .min = 1, .max = 32767,  \
      .help = "lowest density of bone (default: as in the bone's file, else 120)"},                               \
     {.name = "cubic", .kind = OPTION_LENGTH, .out = &(c).cubic, .value = "MM",                                   \
@@ -66,9 +67,9 @@ typedef struct ct_options {
      .help = "density to use if a text contains a voxel twice with different densities (default: error)"},       \
     {.name = "clamp", .kind = OPTION_FLAG, .out = &(c).clamp,                                                    \
      .help = "clamp densities outside the range of int16 (default: refuse the CT)"},                             \
-    {.name = "resample-oblique", .kind = OPTION_FLAG, .out = &(c).resample_oblique,                              \
     {.name = "nan-as-air", .kind = OPTION_FLAG, .out = &(c).nan_as_air,                                          \
      .help = "convert NaN, a voxel without a value, to -1024 HU (default: refuse the CT)"},                      \
+    {.name = "resample-oblique", .kind = OPTION_FLAG, .out = &(c).resample_oblique,                              \
      .help = "resample a rotated CT onto the patient's axes (default: refuse the CT)"},                          \
     {.name = "orientation", .kind = OPTION_TEXT, .out = &(c).orientation, .value = "XYZ",                        \
      .help = "directions of the axes of a CT whose file does not state them, such as LPS or RAS (default: LPS, " \

@@ -237,9 +237,14 @@ static void list_libraries(const app_state *app)
     one(app, array, "nifti", false, "NIfTI volumes cannot be read; install libnifti-dev and build again");
 #endif
 #ifdef HAVE_PNG
-    one(app, array, "png", true, "pictures: export to .png, diff --html");
+    one(app, array, "png", true, "pictures: export to .png, diff --html; stacks of PNG slices");
 #else
-    one(app, array, "png", false, "no pictures; install libpng-dev and build again");
+    one(app, array, "png", false, "no pictures, no stacks of PNG slices; install libpng-dev and build again");
+#endif
+#ifdef HAVE_TIFF
+    one(app, array, "tiff", true, "stacks of TIFF slices");
+#else
+    one(app, array, "tiff", false, "stacks of TIFF slices cannot be read; install libtiff-dev and build again");
 #endif
     list_gl(app, array);
     const char *missing = ost_window_missing();

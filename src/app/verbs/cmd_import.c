@@ -67,6 +67,8 @@ static void put_result(const app_state *app, const ost_import_result *r, const o
         put_integer(o, "rounded_values", (int64_t)r->volume.rounded_values);
         put_integer(o, "clamped_values", (int64_t)r->volume.clamped_values);
         put_integer(o, "nan_values", (int64_t)r->volume.nan_values);
+        if (r->kind == OST_FILE_STACK)
+            put(o, "pixel_mm", json_pack("[f,f]", r->volume.pixel_mm[0], r->volume.pixel_mm[1]));
     }
     if (r->kind == OST_FILE_DICOM)
         put_dicom_report(o, &r->volume.dicom);
@@ -101,6 +103,9 @@ static void print_result(const app_state *app, const char *ct, const char *out, 
     print_line(app, "%s: %s, %s voxels at %s%s%s", ct, load_kind_name(r->kind), format_dims(a, r->rect.dims),
                format_spacing(b, r->rect.spacing), found ? " (spacing found from the positions)" : "",
                r->volume.reoriented ? " (axes turned to LPS)" : "");
+    if (r->volume.pixel_mm[0] > 0 && r->volume.pixel_mm[1] > 0)
+        print_line(app, "  its first slice states %.6g x %.6g mm per pixel, which is not used", r->volume.pixel_mm[0],
+                   r->volume.pixel_mm[1]);
     const ost_dicom_report *dicom = &r->volume.dicom;
     const bool thick = dicom->thickness && dicom->thickness != r->rect.spacing.z;
     if (dicom->images)
@@ -154,7 +159,8 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         .synopsis = "CT --out BONE.nrrd [options]",
         .about = "Converts a CT into a bone: cubic voxels, of which those below the threshold are\n"
                  "empty. CT is a text of lines \"x y z density\", an NRRD, a NIfTI, a MetaImage or a\n"
-                 "folder of DICOM files.",
+                 "folder of DICOM files, or a stack of TIFF or PNG slices: a folder, a pattern in quotes,\n"
+                 "or a TIFF with pages.",
         .operands = operands,
         .options = options,
         .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"
@@ -164,6 +170,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
                    "  osteon import scan/ --series 3 --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --mask labels.nrrd:1 --landmarks auto --out scapula.nrrd\n"
+                   "  osteon import 'scan/*.tif' --spacing 0.0195 --threshold 63 --out core.nrrd\n"
                  "  osteon import shoulder.nii.gz --cut-head auto --bone -98,200,-159 --out scapula.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
     };

@@ -14,6 +14,7 @@
 #include "app/common/print.h"
 #include "app/replay/session_info.h"
 #include "app/verbs/info_dicom.h"
+#include "io/stack/read.h"
 
 static void put_geometry(const app_state *app, const ost_geometry *g)
 {
@@ -166,6 +167,28 @@ static ost_status info_text(const app_state *app, const char *name, ost_error *e
     return OST_OK;
 }
 
+/* Describes slices, which state neither spacing nor position. */
+static ost_status info_stack(const app_state *app, const char *name, ost_error *err)
+{
+    ost_stack_facts facts;
+    char text[FORMAT_TEXT];
+    const ost_status status = ost_stack_describe(name, &facts, err);
+    if (status != OST_OK)
+        return status;
+    put_text(app->result, "kind", "ct");
+    put_text(app->result, "format", "stack");
+    put_text(app->result, "element_type", facts.type);
+    put_text(app->result, "encoding", facts.encoding);
+    put_dims(app->result, "dims", facts.dims);
+    put(app->result, "pixel_mm", json_pack("[f,f]", facts.pixel_mm[0], facts.pixel_mm[1]));
+    print_line(app, "%s: a stack of %d slices, %s, %s", name, facts.dims.z, facts.type, facts.encoding);
+    print_line(app, "  %s voxels; osteon import --spacing states their size", format_dims(text, facts.dims));
+    if (facts.pixel_mm[0] > 0 && facts.pixel_mm[1] > 0)
+        print_line(app, "  its first slice states %.6g x %.6g mm per pixel, which may be wrong", facts.pixel_mm[0],
+                   facts.pixel_mm[1]);
+    return OST_OK;
+}
+
 static ost_status info_mesh(const app_state *app, const char *name, ost_error *err)
 {
     ost_mesh mesh = {0};
@@ -300,6 +323,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     case OST_FILE_NIFTI: status = info_volume(app, name, "NIfTI", digest, err); break;
     case OST_FILE_METAIMAGE: status = info_volume(app, name, "MetaImage", digest, err); break;
     case OST_FILE_DICOM: status = info_folder(app, name, &dicom, digest, err); break;
+    case OST_FILE_STACK: status = info_stack(app, name, err); break;
     case OST_FILE_CT_TEXT: status = info_text(app, name, err); break;
     case OST_FILE_MESH: status = info_mesh(app, name, err); break;
     case OST_FILE_PATH_CSV: status = info_path(app, name, err); break;
@@ -307,7 +331,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     case OST_FILE_UNKNOWN: status = ost_fail(err, OST_ERR_INPUT, "%s: unknown kind of file; expected a CT, a bone, a "
                                              "mesh, a tool grid, a path or a session", name); break;
     }
-    if (status != OST_OK || !digest || folder)
+    if (status != OST_OK || !digest || folder || kind == OST_FILE_STACK)
         return status;
     ost_digest file;
     if ((status = file_digest(name, &file, err)) == OST_OK)
