@@ -144,6 +144,7 @@ OST_API void ost_dicom_list_free(ost_dicom_list *list);
 typedef struct ost_write_options {
     bool compress;        /* compress .nrrd by gzip; .nii.gz is always compressed */
     int text_decimals;    /* number of decimals in .txt, up to 9; 0: as many as the positions need */
+    bool omit_empty;      /* .txt has no lines for voxels of density 0; it is then read as the box of the others */
     ost_progress *progress; /* called with the stage "writing"; may be NULL; not used for .txt */
     void *progress_user;
 } ost_write_options;

@@ -34,7 +34,7 @@ static ost_status write_text(const char *path, const ost_bone *bone, const ost_b
         status = ost_bone_download(bone, 0, info->geometry.dims.z, volume.voxels, err);
     volume.meta = *meta;
     if (status == OST_OK)
-        status = ost_text_write_volume(path, &volume, options ? options->text_decimals : 0, err);
+        status = ost_text_write_volume(path, &volume, options, err);
     ost_volume_free(&volume);
     return status;
 }

@@ -67,7 +67,7 @@ ost_status ost_volume_write(const char *path, const ost_volume *volume, const os
     if (!volume->voxels)
         return ost_fail(err, OST_ERR_USAGE, "%s: the volume to write has no voxels", path);
     if (format == OST_FORMAT_TEXT)
-        return ost_text_write_volume(path, volume, options ? options->text_decimals : 0, err);
+        return ost_text_write_volume(path, volume, options, err);
     ost_volume_writer *w;
     status = ost_volume_writer_open(path, &volume->geometry, &volume->meta, OST_ELEMENT_INT16, false, options, &w, err);
     if (status != OST_OK)

@@ -15,6 +15,14 @@
 #include "io/text/write.h"
 #include "io/scratch_group.h"
 
+/* Returns options for a text with so many decimals. They are valid until the next call. */
+static const ost_write_options *with_decimals(int decimals)
+{
+    static ost_write_options options;
+    options.text_decimals = decimals;
+    return &options;
+}
+
 static char path[600];
 
 static int set_up(void **state)
@@ -37,7 +45,7 @@ static void the_bytes(void **state)
     assert_ok(ost_meta_set(&volume.meta, "spacing_mm", "3 3 3", &err));
     assert_ok(ost_meta_set(&volume.meta, OST_META_SIDE, " left ", &err));
     assert_ok(ost_meta_set(&volume.meta, "origin_mm", "3 3 3", &err));
-    assert_ok(ost_text_write_volume(path, &volume, 0, &err));
+    assert_ok(ost_text_write_volume(path, &volume, with_decimals(0), &err));
     char *text = scratch_read(path, NULL);
     assert_string_equal(text, "# osteon dims: 2 2 2\n"
                               "# osteon spacing_mm: 0.47 0.5 1\n"
@@ -54,13 +62,13 @@ static void the_bytes(void **state)
     free(text);
     /* One decimal: values are rounded half to even, and zero has no minus sign. */
     volume.geometry = (ost_geometry){{2, 1, 1}, {450000000, 500000000, 1000000000}, {-450000000, -20000000, 350000000}};
-    assert_ok(ost_text_write_volume(path, &volume, 1, &err));
+    assert_ok(ost_text_write_volume(path, &volume, with_decimals(1), &err));
     text = scratch_read(path, NULL);
     assert_non_null(strstr(text, "\n-0.4 0.0 0.4 -32768\n0.0 0.0 0.4 -1\n"));
     free(text);
     /* Integer millimetres are written without a decimal point. */
     volume.geometry = (ost_geometry){{1, 1, 1}, {1000000000, 1000000000, 1000000000}, {-3000000000, 0, 12000000000}};
-    assert_ok(ost_text_write_volume(path, &volume, 0, &err));
+    assert_ok(ost_text_write_volume(path, &volume, with_decimals(0), &err));
     text = scratch_read(path, NULL);
     assert_non_null(strstr(text, "\n-3 0 12 -32768\n"));
     free(text);
@@ -72,11 +80,11 @@ static void too_few_decimals_are_refused(void **state)
     ost_error err = {0};
     int16_t voxel = 1;
     ost_volume volume = {.geometry = {{1, 1, 1}, {470000000, 32000000, 1000000000}, {0, 0, 0}}, .voxels = &voxel};
-    assert_int_equal(ost_text_write_volume(path, &volume, 2, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_text_write_volume(path, &volume, with_decimals(2), &err), OST_ERR_USAGE);
     assert_non_null(strstr(err.text, "2 decimals are too few for voxels of 0.032 mm"));
-    assert_int_equal(ost_text_write_volume(path, &volume, 10, &err), OST_ERR_USAGE);
-    assert_int_equal(ost_text_write_volume(path, &volume, -1, &err), OST_ERR_USAGE);
-    assert_ok(ost_text_write_volume(path, &volume, 3, &err));
+    assert_int_equal(ost_text_write_volume(path, &volume, with_decimals(10), &err), OST_ERR_USAGE);
+    assert_int_equal(ost_text_write_volume(path, &volume, with_decimals(-1), &err), OST_ERR_USAGE);
+    assert_ok(ost_text_write_volume(path, &volume, with_decimals(3), &err));
 }
 
 /* For any volume and any number of decimals the import must restore geometry and densities. */
@@ -101,7 +109,7 @@ static void what_is_written_reads_back(void **state)
         for (int64_t i = 0; i < count; i++)
             volume.voxels[i] = (int16_t)rng_range(&rng, INT16_MIN, INT16_MAX);
         int decimals = (int)rng_range(&rng, 2, 9);
-        assert_ok(ost_text_write_volume(path, &volume, decimals, &err));
+        assert_ok(ost_text_write_volume(path, &volume, with_decimals(decimals), &err));
         ost_bone *bone;
         ost_import_result result;
         assert_ok(ost_import(backend, path, &(ost_import_options){.digests = true}, &bone, &result, &err));
@@ -112,6 +120,61 @@ static void what_is_written_reads_back(void **state)
         assert_int_equal(result.scatter.off_lattice, 0);
         ost_bone_free(bone);
         ost_volume_free(&volume);
+    }
+    ost_backend_close(backend);
+}
+
+/*
+ * Without lines for empty voxels, the text gives the box of the other voxels: the expected grid is cropped here by
+ * a search of the least and greatest indices.
+ */
+static void without_empty_voxels(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("without_empty_voxels");
+    ost_error err = {0};
+    ost_backend *backend;
+    assert_ok(ost_backend_open(test_backend, &backend, &err));
+    for (int round = 0; round < 30; round++) {
+        const int32_t n = (int32_t)rng_range(&rng, 2, 9);
+        const ost_geometry g = {{n, n, n}, {470000000, 500000000, 1000000000}, {-57340000000, 123456789, -3}};
+        ost_volume volume, box;
+        assert_ok(ost_volume_init(&volume, &g, &err));
+        int32_t lo[3] = {n, n, n}, hi[3] = {0, 0, 0};
+        for (int i = 0; i < 3; i++) {
+            const int32_t at[3] = {(int32_t)rng_range(&rng, 0, n - 1), (int32_t)rng_range(&rng, 0, n - 1),
+                                   (int32_t)rng_range(&rng, 0, n - 1)};
+            volume.voxels[at[0] + n * (at[1] + n * at[2])] = (int16_t)rng_range(&rng, 1, 3000);
+            for (int a = 0; a < 3; a++) {
+                lo[a] = at[a] < lo[a] ? at[a] : lo[a];
+                hi[a] = at[a] + 1 > hi[a] ? at[a] + 1 : hi[a];
+            }
+        }
+        const ost_geometry cropped = {
+            {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]},
+            g.spacing,
+            {g.origin.x + lo[0] * g.spacing.x, g.origin.y + lo[1] * g.spacing.y, g.origin.z + lo[2] * g.spacing.z}};
+        assert_ok(ost_volume_init(&box, &cropped, &err));
+        for (int32_t k = lo[2]; k < hi[2]; k++)
+            for (int32_t j = lo[1]; j < hi[1]; j++)
+                for (int32_t i = lo[0]; i < hi[0]; i++)
+                    box.voxels[i - lo[0] + cropped.dims.x * (j - lo[1] + cropped.dims.y * (k - lo[2]))] =
+                        volume.voxels[i + n * (j + n * k)];
+        const ost_write_options options = {.text_decimals = (int)rng_range(&rng, 0, 1) * 3, .omit_empty = true};
+        assert_ok(ost_text_write_volume(path, &volume, &options, &err));
+        ost_bone *bone;
+        ost_import_result result;
+        ost_digest digest;
+        assert_ok(ost_import(backend, path, &(ost_import_options){.digests = true}, &bone, &result, &err));
+        assert_ok(ost_digest_volume(OST_GRID_RECT, &box, &digest, &err));
+        assert_true(ost_digest_equal(&digest, &result.stages[1].digest));
+        assert_true(result.scatter.samples <= 3);
+        memset(volume.voxels, 0, (size_t)(n * n * n) * sizeof *volume.voxels);
+        assert_int_equal(ost_text_write_volume(path, &volume, &options, &err), OST_ERR_INPUT);
+        assert_non_null(strstr(err.text, "every voxel is empty"));
+        ost_bone_free(bone);
+        ost_volume_free(&volume);
+        ost_volume_free(&box);
     }
     ost_backend_close(backend);
 }
@@ -131,7 +194,7 @@ static void a_cut_text_is_refused(void **state)
         voxels[i] = (int16_t)(100 + i * 37);
     ost_volume volume = {.geometry = {{3, 2, 2}, {470000000, 470000000, 1000000000}, {-57340000000, 0, 0}},
                          .voxels = voxels};
-    assert_ok(ost_text_write_volume(path, &volume, 4, &err));
+    assert_ok(ost_text_write_volume(path, &volume, with_decimals(4), &err));
     size_t size;
     char *text = scratch_read(path, &size);
     /* If the text ends before the first fact is complete, the expected number of lines is unknown. */
@@ -167,7 +230,7 @@ static void a_full_disk_leaves_nothing(void **state)
         ost_error err = {0};
         signal(SIGXFSZ, SIG_IGN);
         setrlimit(RLIMIT_FSIZE, &(struct rlimit){500000, 500000});
-        ost_status status = ost_text_write_volume(path, &volume, 4, &err);
+        ost_status status = ost_text_write_volume(path, &volume, with_decimals(4), &err);
         _exit(status == OST_ERR_IO && strstr(err.text, "out.txt: write failed after 500000 bytes") ? 0 : 1);
     }
     int ended;
@@ -176,7 +239,7 @@ static void a_full_disk_leaves_nothing(void **state)
     assert_int_equal(scratch_count(folder), before);
     if (access("/dev/full", W_OK) == 0) {
         ost_error err = {0};
-        assert_int_equal(ost_text_write_volume("/dev/full", &volume, 4, &err), OST_ERR_IO);
+        assert_int_equal(ost_text_write_volume("/dev/full", &volume, with_decimals(4), &err), OST_ERR_IO);
         assert_non_null(strstr(err.text, "the disk is full"));
     }
     ost_volume_free(&volume);
@@ -189,14 +252,14 @@ static void a_kill_leaves_nothing(void **state)
     ost_volume volume = large_volume();
     struct stat complete;
     ost_error err = {0};
-    assert_ok(ost_text_write_volume(path, &volume, 4, &err));
+    assert_ok(ost_text_write_volume(path, &volume, with_decimals(4), &err));
     assert_int_equal(stat(path, &complete), 0);
     for (int round = 0; round < 25; round++) {
         unlink(path);
         pid_t child = fork();
         assert_true(child >= 0);
         if (child == 0)
-            _exit(ost_text_write_volume(path, &volume, 4, NULL) == OST_OK ? 0 : 1);
+            _exit(ost_text_write_volume(path, &volume, with_decimals(4), NULL) == OST_OK ? 0 : 1);
         usleep((useconds_t)rng_range(&rng, 0, 10000));
         kill(child, SIGKILL);
         int ended;
@@ -214,6 +277,7 @@ int main(void)
         cmocka_unit_test(the_bytes),
         cmocka_unit_test(too_few_decimals_are_refused),
         cmocka_unit_test(what_is_written_reads_back),
+        cmocka_unit_test(without_empty_voxels),
         cmocka_unit_test(a_cut_text_is_refused),
         cmocka_unit_test(a_full_disk_leaves_nothing),
         cmocka_unit_test(a_kill_leaves_nothing),

@@ -91,15 +91,47 @@ static int decimals_needed(const ost_geometry *g)
     return decimals;
 }
 
-static ost_status write_facts(ost_outfile *out, const ost_volume *volume, ost_error *err)
+/* Computes the lowest indices of the voxels that are not 0. Returns false if there are none. */
+static bool first_voxels(const ost_volume *volume, int32_t lo[3])
+{
+    const ost_dims dims = volume->geometry.dims;
+    const int16_t *voxel = volume->voxels;
+    lo[0] = dims.x;
+    lo[1] = dims.y;
+    lo[2] = dims.z;
+    for (int32_t k = 0; k < dims.z; k++)
+        for (int32_t j = 0; j < dims.y; j++, voxel += dims.x) {
+            int32_t i = 0;
+            while (i < dims.x && voxel[i] == 0)
+                i++;
+            if (i == dims.x)
+                continue;
+            lo[0] = i < lo[0] ? i : lo[0];
+            lo[1] = j < lo[1] ? j : lo[1];
+            lo[2] = k < lo[2] ? k : lo[2];
+        }
+    return lo[2] < dims.z;
+}
+
+static ost_status write_facts(ost_outfile *out, const ost_volume *volume, bool omit_empty, ost_error *err)
 {
     const ost_geometry *g = &volume->geometry;
     char s[3][OST_PM_TEXT], o[3][OST_PM_TEXT];
-    ost_status status = ost_outfile_printf(
-        out, err, "# osteon dims: %d %d %d\n# osteon spacing_mm: %s %s %s\n# osteon origin_mm: %s %s %s\n",
-        (int)g->dims.x, (int)g->dims.y, (int)g->dims.z, ost_pm_format(g->spacing.x, s[0]),
-        ost_pm_format(g->spacing.y, s[1]), ost_pm_format(g->spacing.z, s[2]), ost_pm_format(g->origin.x, o[0]),
-        ost_pm_format(g->origin.y, o[1]), ost_pm_format(g->origin.z, o[2]));
+    int32_t lo[3] = {0, 0, 0};
+    if (omit_empty && !first_voxels(volume, lo))
+        return ost_fail(err, OST_ERR_INPUT, "%s: every voxel is empty, so the text would have no line",
+                        ost_outfile_path(out));
+    ost_status status = OST_OK;
+    if (!omit_empty)
+        status = ost_outfile_printf(out, err, "# osteon dims: %d %d %d\n", (int)g->dims.x, (int)g->dims.y,
+                                    (int)g->dims.z);
+    if (status == OST_OK)
+        status = ost_outfile_printf(out, err, "# osteon spacing_mm: %s %s %s\n# osteon origin_mm: %s %s %s\n",
+                                    ost_pm_format(g->spacing.x, s[0]), ost_pm_format(g->spacing.y, s[1]),
+                                    ost_pm_format(g->spacing.z, s[2]),
+                                    ost_pm_format(g->origin.x + lo[0] * g->spacing.x, o[0]),
+                                    ost_pm_format(g->origin.y + lo[1] * g->spacing.y, o[1]),
+                                    ost_pm_format(g->origin.z + lo[2] * g->spacing.z, o[2]));
     for (int i = 0; i < volume->meta.count && status == OST_OK; i++)
         if (!ost_meta_key_is_geometry(volume->meta.entry[i].key))
             status = ost_outfile_printf(out, err, "# osteon %s: %s\n", volume->meta.entry[i].key,
@@ -108,7 +140,7 @@ static ost_status write_facts(ost_outfile *out, const ost_volume *volume, ost_er
 }
 
 static ost_status write_rows(ost_outfile *out, const ost_volume *volume, const number *x, const number *y,
-                             const number *z, char *row, ost_error *err)
+                             const number *z, bool omit_empty, char *row, ost_error *err)
 {
     const ost_dims dims = volume->geometry.dims;
     const int16_t *voxel = volume->voxels;
@@ -122,6 +154,10 @@ static ost_status write_rows(ost_outfile *out, const ost_volume *volume, const n
             c = put(c, z[k].text, z[k].length);
             *c++ = ' ';
             for (int32_t i = 0; i < dims.x; i++) {
+                if (omit_empty && *voxel == 0) {
+                    voxel++;
+                    continue;
+                }
                 to = put(to, x[i].text, x[i].length);
                 to = put(to, common, (int)(c - common));
                 to = put_density(to, *voxel++);
@@ -133,8 +169,11 @@ static ost_status write_rows(ost_outfile *out, const ost_volume *volume, const n
     return status;
 }
 
-ost_status ost_text_write_volume(const char *path, const ost_volume *volume, int decimals, ost_error *err)
+ost_status ost_text_write_volume(const char *path, const ost_volume *volume, const ost_write_options *options,
+                                 ost_error *err)
 {
+    int decimals = options ? options->text_decimals : 0;
+    const bool omit_empty = options && options->omit_empty;
     const ost_geometry *g = &volume->geometry;
     ost_status status = ost_geometry_check(g, path, err);
     if (status != OST_OK)
@@ -163,9 +202,9 @@ ost_status ost_text_write_volume(const char *path, const ost_volume *volume, int
     if (status == OST_OK)
         status = ost_outfile_open(path, &out, err);
     if (status == OST_OK)
-        status = write_facts(out, volume, err);
+        status = write_facts(out, volume, omit_empty, err);
     if (status == OST_OK)
-        status = write_rows(out, volume, x, y, z, row, err);
+        status = write_rows(out, volume, x, y, z, omit_empty, row, err);
     if (status == OST_OK)
         status = ost_outfile_commit(out, err);
     else

@@ -15,13 +15,18 @@
 #ifndef OST_IO_TEXT_WRITE_H
 #define OST_IO_TEXT_WRITE_H
 
-#include <osteon/grid.h>
+#include <osteon/io.h>
 
 /*
- * decimals: number of digits after the point, 1 to 9; 0 = as many as the positions
+ * options->text_decimals: number of digits after the point, 1 to 9; 0 = as many as the positions
  * need.  Returns OST_ERR_USAGE if they are so few that a position would be more than
  * 1/8 of a voxel off.
+ *
+ * With options->omit_empty, voxels of density 0 have no line, there is no comment dims, and origin_mm
+ * is the corner of the box of the other voxels, because this is the grid that a reader finds. Returns
+ * OST_ERR_INPUT if every voxel is 0.  options may be NULL.
  */
-ost_status ost_text_write_volume(const char *path, const ost_volume *volume, int decimals, ost_error *err);
+ost_status ost_text_write_volume(const char *path, const ost_volume *volume, const ost_write_options *options,
+                                 ost_error *err);
 
 #endif
