@@ -150,8 +150,9 @@ typedef struct ost_write_options {
 } ost_write_options;
 
 /*
- * Writes a volume. The file name selects the format: .nrrd, .nii, .nii.gz or .txt (the text format of the thesis, with
- * one line "x y z density" per voxel). options may be NULL.
+ * Writes a volume. The file name selects the format: .nrrd, .nii, .nii.gz, .mha or .txt (the text format of the
+ * thesis, with one line "x y z density" per voxel). A volume of kind labels is written so that 3D Slicer opens it as a
+ * segmentation: with a field group for each label in a NRRD, with the intent 1002 in a NIfTI. options may be NULL.
  */
 OST_API ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options,
                                     ost_error *err);
@@ -348,7 +349,7 @@ OST_API ost_status ost_import(ost_backend *backend, const char *path, const ost_
 
 /*
  * Writes the cubic grid of a bone as int16, with meta and the facts kind = bone, threshold and arithmetic. The format
- * is NRRD unless the file name ends in .nii, .nii.gz or .txt. meta and options may be NULL.
+ * is NRRD unless the file name ends in .nii, .nii.gz, .mha or .txt. meta and options may be NULL.
  */
 OST_API ost_status ost_bone_write(const char *path, const ost_bone *bone, const ost_meta *meta,
                                   const ost_write_options *options, ost_error *err);

@@ -51,7 +51,8 @@ static ost_status write_slabs(const char *path, const ost_bone *bone, const ost_
     ost_status status = slab ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %d slices of %zu voxels",
                                                  path, slices, slice);
     if (status == OST_OK)
-        status = ost_volume_writer_open(path, &info->geometry, meta, OST_ELEMENT_INT16, false, options, &writer, err);
+        status = ost_volume_writer_open(path, &info->geometry, meta, NULL, OST_ELEMENT_INT16, false, options, &writer,
+                                        err);
     for (int32_t z = 0; status == OST_OK && z < dims.z; z += slices) {
         int32_t count = dims.z - z < slices ? dims.z - z : slices;
         status = ost_bone_download(bone, z, count, slab, err);

@@ -12,6 +12,7 @@ typedef enum ost_volume_format {
     OST_FORMAT_NRRD,
     OST_FORMAT_NIFTI,
     OST_FORMAT_NIFTI_GZIP,
+    OST_FORMAT_METAIMAGE,
     OST_FORMAT_TEXT
 } ost_volume_format;
 
@@ -23,10 +24,12 @@ ost_status ost_volume_format_unknown(const char *path, ost_error *err);
 /*
  * Opens a writer for a volume in any format except text.  element is int16 or, for NRRD
  * only, uint8.  odd_voxel (NRRD only): the origin lies half a picometre further on every
- * axis, as a tool requires whose voxel size in picometres is odd (AR-FILE-3).
+ * axis, as a tool requires whose voxel size in picometres is odd (AR-FILE-3).  fields (NRRD
+ * only): further lines of the header, or NULL.
  */
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta,
-                                  ost_element element, bool odd_voxel, const ost_write_options *options,
+                                  const char *fields, ost_element element, bool odd_voxel,
+                                  const ost_write_options *options,
                                   ost_volume_writer **out, ost_error *err);
 
 #endif

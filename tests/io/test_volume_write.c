@@ -50,7 +50,8 @@ static void every_format_keeps_the_volume(void **state)
     static const struct {
         const char *name;
         bool compress;
-    } formats[] = {{"a.nrrd", false}, {"b.nrrd", true}, {"c.nii", false}, {"d.nii.gz", false}, {"E.NRRD", false}};
+    } formats[] = {{"a.nrrd", false}, {"b.nrrd", true}, {"c.nii", false}, {"d.nii.gz", false},
+                 {"E.NRRD", false}, {"f.mha", false}};
     test_rng rng = rng_seeded("volumes");
     ost_error err = {0};
     for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++) {
@@ -240,7 +241,7 @@ static void names_decide_and_nothing_is_left(void **state)
     ost_error err = {0};
     int16_t voxel = 1;
     ost_volume v = {.geometry = {{1, 1, 1}, {pm("1"), pm("1"), pm("1")}, {0, 0, 0}}, .voxels = &voxel};
-    assert_int_equal(ost_volume_write(at("x.mha"), &v, NULL, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_volume_write(at("x.mhd"), &v, NULL, &err), OST_ERR_USAGE);
     assert_non_null(strstr(err.text, ".nii.gz"));
     assert_int_equal(ost_volume_write(at("none/x.nrrd"), &v, NULL, &err), OST_ERR_IO);
     v.geometry.dims.x = 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "io/metaimage/header.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include <osteon/length.h>
@@ -49,6 +50,7 @@ typedef struct reader {
     const char *path;
     ost_header_lines *lines;
     field fields[KEY_COUNT];
+    ost_meta *meta;
     ost_error *err;
 } reader;
 
@@ -101,6 +103,19 @@ static key key_of(char *line, size_t *length, char **equals)
     return find_key(line, *length);
 }
 
+/* Stores the line of a fact. `length` is that of its key, which begins with osteon_. */
+static ost_status take_fact(reader *r, const char *line, size_t length, char *value, long number)
+{
+    char name[OST_META_KEY];
+    snprintf(name, sizeof name, "%.*s", (int)length - 7, line + 7);
+    value += 1 + strspn(value + 1, " \t");
+    if (length - 7 >= sizeof name)
+        return ost_fail(r->err, OST_ERR_INPUT, "%s:%ld: the key of a fact has more than %d bytes", r->path, number,
+                        OST_META_KEY - 1);
+    const ost_status status = ost_meta_set(r->meta, name, value, r->err);
+    return status == OST_OK ? status : ost_fail_context(r->err, "%s:%ld", r->path, number);
+}
+
 /* Stores the value of one line, which is not empty. */
 static ost_status take_line(reader *r, char *line, long number)
 {
@@ -110,7 +125,7 @@ static ost_status take_line(reader *r, char *line, long number)
     if (!value)
         return ost_fail(r->err, OST_ERR_INPUT, "%s:%ld: '%.60s' is not 'Key = Value'", r->path, number, line);
     if (k == KEY_COUNT)
-        return OST_OK;
+        return length > 7 && strncmp(line, "osteon_", 7) == 0 ? take_fact(r, line, length, value, number) : OST_OK;
     field *f = &r->fields[k];
     if (f->value)
         return ost_fail(r->err, OST_ERR_INPUT, "%s:%ld: duplicate '%.*s'; the first one is in line %ld", r->path,
@@ -364,7 +379,7 @@ static ost_status mean_space(const reader *r, ost_metaimage_header *out)
 ost_status ost_metaimage_header_read(ost_input *input, ost_metaimage_header *out, ost_error *err)
 {
     memset(out, 0, sizeof *out);
-    reader r = {.path = ost_input_path(input), .lines = &out->lines, .err = err};
+    reader r = {.path = ost_input_path(input), .lines = &out->lines, .meta = &out->meta, .err = err};
     ost_status status = read_fields(&r, input, &out->names);
     if (status == OST_OK && strcmp(out->names.value, "LOCAL") == 0)
         out->names.value = NULL;

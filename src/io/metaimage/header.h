@@ -3,6 +3,7 @@
  * The header of a MetaImage file, .mha or .mhd (itk.org/Wiki/MetaIO/Documentation).
  *
  *   Key = Value              in any order; keys that decide nothing are ignored
+ *   osteon_KEY = VALUE       a fact (AR-FILE-8)
  *   ElementDataFile = ...    the last key: LOCAL (the data follow) or the names of files (volume/data_files.h)
  *
  * Positions are those of ITK: millimetres in LPS, TransformMatrix has the direction of each axis of
@@ -31,6 +32,7 @@ typedef struct ost_metaimage_header {
     int64_t byte_skip;      /* bytes to skip before the data; -1 if the data end at the end of the file */
     ost_affine affine;      /* transform from voxels to LPS */
     bool oriented;          /* true if the header has a TransformMatrix */
+    ost_meta meta;          /* facts from the lines osteon_KEY = VALUE */
 } ost_metaimage_header;
 
 /* Returns true if a file that starts with these bytes is a MetaImage header. */

@@ -56,6 +56,7 @@ ost_status ost_metaimage_read(ost_input *input, const ost_volume_options *option
         snprintf(report->type, sizeof report->type, "%s", ost_element_name(header.element));
         snprintf(report->encoding, sizeof report->encoding, "%s", header.form == OST_DATA_ZLIB ? "zlib" : "raw");
         *element = header.element;
+        *meta = header.meta;
         status = ost_volume_orientation(path, options, &header.affine, &header.oriented, meta, report, err);
     }
     if (status == OST_OK)

@@ -30,7 +30,7 @@
  */
 enum { EXTENSION_CAPACITY = OST_META_MAX * (OST_META_KEY + OST_META_VALUE + 16) + 512 };
 
-static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_header *h)
+static void fill_header(const ost_geometry *geometry, size_t extension, bool labels, nifti_1_header *h)
 {
     const ost_pm3 s = geometry->spacing, o = geometry->origin;
     memset(h, 0, sizeof *h);
@@ -42,6 +42,7 @@ static void fill_header(const ost_geometry *geometry, size_t extension, nifti_1_
     h->dim[3] = (short)geometry->dims.z;
     for (int a = 4; a < 8; a++)
         h->dim[a] = 1;
+    h->intent_code = labels ? NIFTI_INTENT_LABEL : NIFTI_INTENT_NONE;
     h->datatype = DT_INT16;
     h->bitpix = 16;
     h->pixdim[0] = 1;
@@ -71,7 +72,8 @@ ost_status ost_nifti_write_header(ost_volume_writer *writer, const ost_geometry 
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a NIfTI header");
     size_t size = ost_nifti_extension_format(meta, geometry, extension, EXTENSION_CAPACITY);
     nifti_1_header header;
-    fill_header(geometry, size, &header);
+    const char *kind = ost_meta_get(meta, OST_META_KIND);
+    fill_header(geometry, size, kind && strcmp(kind, "labels") == 0, &header);
     ost_status status = compress ? ost_volume_writer_pack(writer, err) : OST_OK;
     if (status == OST_OK)
         status = ost_volume_writer_bytes(writer, &header, sizeof header, err);

@@ -29,8 +29,7 @@ static ost_status put_text(ost_volume_writer *writer, const char *text, ost_erro
     return ost_volume_writer_bytes(writer, text, strlen(text), err);
 }
 
-/* Escapes backslashes, which begin an escape in the format. */
-static void escape(const char *value, char out[2 * OST_META_VALUE])
+void ost_nrrd_escape(const char *value, char out[2 * OST_META_VALUE])
 {
     for (; *value; value++) {
         if (*value == '\\')
@@ -46,7 +45,7 @@ void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT])
     text[0] = 0;
     if (ost_meta_key_is_geometry(key))
         return;
-    escape(value, escaped);
+    ost_nrrd_escape(value, escaped);
     snprintf(text, OST_NRRD_FACT, "osteon_%s:=%s\n", key, escaped);
 }
 
@@ -62,7 +61,8 @@ static void format_half(ost_pm value, char text[OST_PM_TEXT])
 }
 
 ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta,
-                                 ost_element element, bool odd_voxel, bool compress, ost_error *err)
+                                 const char *fields, ost_element element, bool odd_voxel, bool compress,
+                                 ost_error *err)
 {
     char length[6][OST_PM_TEXT], text[1024];
     const ost_pm lengths[6] = {geometry->spacing.x, geometry->spacing.y, geometry->spacing.z,
@@ -92,6 +92,8 @@ ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *
         ost_nrrd_fact(meta->entry[i].key, meta->entry[i].value, text);
         status = put_text(writer, text, err);
     }
+    if (status == OST_OK && fields)
+        status = put_text(writer, fields, err);
     if (status == OST_OK)
         status = put_text(writer, "\n", err);
     if (status == OST_OK && compress)

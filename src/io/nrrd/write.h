@@ -4,9 +4,16 @@
 
 #include "io/volume/writer.h"
 
-/* Writes the header. The writer is then ready for voxels. */
+/*
+ * Writes the header. The writer is then ready for voxels. fields: further lines of the header, each of which ends with
+ * LF, or NULL.
+ */
 ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta,
-                                 ost_element element, bool odd_voxel, bool compress, ost_error *err);
+                                 const char *fields, ost_element element, bool odd_voxel, bool compress,
+                                 ost_error *err);
+
+/* Escapes backslashes, which begin an escape in the value of a field. */
+void ost_nrrd_escape(const char *value, char out[2 * OST_META_VALUE]);
 
 /*
  * Formats the line of a fact, "osteon_KEY:=VALUE\n", with backslashes escaped. The text is "" for the keys that
