@@ -2,9 +2,9 @@
 /*
  * Implements `osteon export`: writes a bone for other programs or as a picture.
  *
- *   .nrrd .nii .nii.gz .txt   the voxels
- *   .stl .ply                 the surface, closed
- *   .png                      slices, or a view of the surface
+ *   .nrrd .nii .nii.gz .mha .txt   the voxels, or a label map of the bone
+ *   .stl .ply .obj                 the surface, closed
+ *   .png                           slices, or a view of the surface
  *
  * It also writes a session as a table, .csv.
  */
@@ -18,12 +18,13 @@
 #include "app/input/load.h"
 #include "app/picture/view.h"
 #include "app/replay/session_info.h"
-#include "io/mesh/write_ply.h"
+#include "app/verbs/export_parts.h"
+#include "io/mesh/write_any.h"
 #include "mesh/surface.h"
 
 typedef struct export_args {
     const char *bone, *out, *before;
-    bool slices, compress;
+    bool slices, compress, labels, omit_empty;
     view_options view;
     int64_t threshold, decimals;
     bool threshold_given;
@@ -35,7 +36,8 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
     ost_mesh mesh = {0};
     ost_pm3 lo, hi;
     /* A bone stores zeros instead of densities below its threshold, so there is nothing to interpolate. */
-    ost_surface_placement placement = in->kind == LOAD_CT ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
+    const bool densities = in->kind == LOAD_CT && !args->before;
+    ost_surface_placement placement = densities ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
     progress_show(NULL, "extracting the surface", 0);
     ost_status status = ost_surface_extract(&in->volume, in->threshold, placement, &mesh, err);
     if (status != OST_OK)
@@ -43,8 +45,7 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
     if (status == OST_OK)
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);
     if (status == OST_OK)
-        status = ends_with(args->out, "ply") ? ost_mesh_write_ply(args->out, &mesh, err)
-                                             : ost_mesh_write_stl(args->out, &mesh, err);
+        status = ost_mesh_write_any(args->out, &mesh, in->kind == LOAD_TOOL ? OST_MESH_OWN : OST_MESH_LPS, err);
     if (status == OST_OK) {
         char n[FORMAT_TEXT];
         double volume = ost_mesh_volume_mm3(&mesh);
@@ -168,9 +169,9 @@ static ost_status export_picture(const app_state *app, const export_args *args, 
 static ost_status export_volume(const app_state *app, const export_args *args, const loaded_volume *in, ost_error *err)
 {
     if (in->kind == LOAD_TOOL)
-        return usage_error(app, err, "%s is a tool: it can be exported as .stl, .ply or .png", args->bone);
+        return usage_error(app, err, "%s is a tool: it can be exported as .stl, .ply, .obj or .png", args->bone);
     const ost_write_options write = {.compress = args->compress, .text_decimals = (int)args->decimals,
-                                     .progress = progress_show};
+                                     .omit_empty = args->omit_empty, .progress = progress_show};
     ost_status status = ost_volume_write(args->out, &in->volume, &write, err);
     if (status == OST_OK) {
         char d[FORMAT_TEXT], s[FORMAT_TEXT];
@@ -180,21 +181,44 @@ static ost_status export_volume(const app_state *app, const export_args *args, c
     return status;
 }
 
+static ost_status take_removed(const app_state *app, const export_args *args, loaded_volume *in, ost_error *err)
+{
+    int64_t removed;
+    char n[FORMAT_TEXT];
+    const ost_status status = export_removed(app, args->before, args->bone, in, &removed, err);
+    if (status != OST_OK)
+        return status;
+    put_integer(app->result, "removed_voxels", removed);
+    print_line(app, "%s: %s voxels of %s were removed", args->bone, format_count(n, removed), args->before);
+    return OST_OK;
+}
+
+static ost_status write_out(const app_state *app, const export_args *args, loaded_volume *in, ost_error *err)
+{
+    if (ends_with(args->out, "stl") || ends_with(args->out, "ply") || ends_with(args->out, "obj"))
+        return export_surface(app, args, in, err);
+    return ends_with(args->out, "png") ? export_picture(app, args, in, err) : export_volume(app, args, in, err);
+}
+
 static ost_status check_args(app_state *app, const export_args *args, ost_error *err)
 {
     bool png = ends_with(args->out, "png");
-    if (!png && (args->slices || args->view.view_given || args->before || args->view.size || args->target.at_given))
-        return usage_error(app, err, "--slices, --view, --before, --at and --size need a .png file, not %s",
-                           args->out);
+    if (!png && (args->slices || args->view.view_given || args->view.size || args->target.at_given))
+        return usage_error(app, err, "--slices, --view, --at and --size need a .png file, not %s", args->out);
     if (args->slices && args->view.view_given)
         return usage_error(app, err, "--slices and --view cannot be combined");
     if (args->decimals && !ends_with(args->out, "txt"))
         return usage_error(app, err, "--decimals needs a .txt file, not %s", args->out);
+    if (args->omit_empty && !ends_with(args->out, "txt"))
+        return usage_error(app, err, "--omit-empty needs a .txt file, not %s", args->out);
+    if (args->labels && !(ends_with(args->out, "nrrd") || ends_with(args->out, "nii") ||
+                          ends_with(args->out, "nii.gz") || ends_with(args->out, "mha")))
+        return usage_error(app, err, "--labels needs a .nrrd, .nii, .nii.gz or .mha file, not %s", args->out);
     if (ends_with(args->out, "mcap") || ends_with(args->out, "h5") || ends_with(args->out, "hdf5"))
         return usage_error(app, err,
                            "%s: osteon does not write this format: export the session to a table, --out FILE.csv",
                            args->out);
-    return out_check(app, args->out, "nrrd|nii|nii.gz|txt|stl|ply|png|csv", err);
+    return out_check(app, args->out, "nrrd|nii|nii.gz|mha|txt|stl|ply|obj|png|csv", err);
 }
 
 ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
@@ -208,7 +232,8 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
          .out = &args.out,
          .value = "FILE",
          .required = true,
-         .help = "volume: .nrrd, .nii, .nii.gz or .txt; surface: .stl or .ply; picture: .png; session: .csv"},
+         .help = "volume: .nrrd, .nii, .nii.gz, .mha or .txt; surface: .stl, .ply or .obj; picture: .png; "
+                 "session: .csv"},
         {.name = "threshold",
          .kind = OPTION_INTEGER,
          .out = &args.threshold,
@@ -227,7 +252,12 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
          .kind = OPTION_TEXT,
          .out = &args.before,
          .value = "BONE",
-         .help = ".png: the bone before removal; the bone removed since is coloured"},
+         .help = "the bone before removal: a .png colours the bone removed since; any other file contains only the "
+                 "bone removed since"},
+        {.name = "labels",
+         .kind = OPTION_FLAG,
+         .out = &args.labels,
+         .help = "write a label map for 3D Slicer: 1 for bone, 0 elsewhere"},
         TARGET_OPTIONS(*t, ".png: point through which the slices pass (default: the middle), or at which the view is "
                            "directed (default: the glenoid's centre in the file)"),
         {.name = "size",
@@ -243,6 +273,10 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
          .min = 1,
          .max = 9,
          .help = "digits after the decimal point in a .txt (default: as many as needed)"},
+        {.name = "omit-empty",
+         .kind = OPTION_FLAG,
+         .out = &args.omit_empty,
+         .help = ".txt: no lines for voxels of density 0; it is read as the box of the other voxels"},
         COMPRESS_OPTION(args.compress),
         {.name = NULL}};
     const usage_text usage = {
@@ -252,10 +286,12 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
                  "each tick.",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed. A\n"
-                 "text is read as the bone that osteon import makes of it.",
+        .notes = "Lengths are in millimetres, in the bone's frame (LPS), which a mesh states as 3D\n"
+                 "Slicer reads it (SPACE=LPS). A surface is closed. A text is read as the bone that\n"
+                 "osteon import makes of it.",
         .example = "  osteon export reamed.nrrd --out reamed.stl\n"
                    "  osteon export reamed.nrrd --before scapula.nrrd --view en-face --out reamed.png\n"
+                   "  osteon export reamed.nrrd --before scapula.nrrd --out removed.stl\n"
                    "  osteon export today.session --out today.csv",
     };
     ost_status status;
@@ -277,12 +313,12 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
         put_text(app->result, "out", args.out);
         put_dims(app->result, "dims", in.volume.geometry.dims);
         put_mm3(app->result, "spacing_mm", in.volume.geometry.spacing);
-        if (ends_with(args.out, "stl") || ends_with(args.out, "ply"))
-            status = export_surface(app, &args, &in, err);
-        else if (ends_with(args.out, "png"))
-            status = export_picture(app, &args, &in, err);
-        else
-            status = export_volume(app, &args, &in, err);
+        if (args.before && !ends_with(args.out, "png"))
+            status = take_removed(app, &args, &in, err);
+        if (status == OST_OK && args.labels)
+            status = export_labels(args.bone, &in, err);
+        if (status == OST_OK)
+            status = write_out(app, &args, &in, err);
     }
     if (status == OST_OK && (status = file_digest(args.out, &file, err)) == OST_OK)
         put_digest(app->result, "file_sha256", &file);

@@ -7,7 +7,7 @@
 #include "app/common/print.h"
 #include "app/common/result.h"
 #include "app/input/load.h"
-#include "io/mesh/write_ply.h"
+#include "io/mesh/write_any.h"
 #include "mesh/surface.h"
 
 static ost_status find_kind(const app_state *app, const char *name, ost_tool_kind *out, ost_error *err)
@@ -34,7 +34,7 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {{"KIND", &kind_name, "which tool? One of reamer, peg, burr"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
-         .help = "the mesh: .stl or .ply"},
+         .help = "the mesh: .stl, .ply or .obj"},
         {.name = "diameter", .kind = OPTION_LENGTH, .out = &make.diameter, .value = "MM",
          .help = "diameter (default: reamer 36, peg 6, burr 6)"},
         {.name = "length", .kind = OPTION_LENGTH, .out = &make.length, .value = "MM",
@@ -61,7 +61,7 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
         return status;
     ost_tool_kind kind = OST_TOOL_REAMER;
     if ((status = find_kind(app, kind_name, &kind, err)) != OST_OK ||
-        (status = out_check(app, out, "stl|ply", err)) != OST_OK)
+        (status = out_check(app, out, "stl|ply|obj", err)) != OST_OK)
         return status;
     make.segments = (int)segments;
 
@@ -71,7 +71,7 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = ost_mesh_bounds(&mesh, &lo, &hi, err);
     if (status == OST_OK)
-        status = ends_with(out, "ply") ? ost_mesh_write_ply(out, &mesh, err) : ost_mesh_write_stl(out, &mesh, err);
+        status = ost_mesh_write_any(out, &mesh, OST_MESH_OWN, err);
     if (status == OST_OK) {
         char count[FORMAT_TEXT], from[FORMAT_TEXT], to[FORMAT_TEXT];
         double volume = ost_mesh_volume_mm3(&mesh);

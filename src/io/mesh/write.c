@@ -14,6 +14,8 @@
 #include "core/conditions.h"
 #include "io/outfile.h"
 
+#include "io/mesh/write_any.h"
+
 #include <osteon/io.h>
 
 static void normal(const float v[3][3], float n[3])
@@ -46,9 +48,11 @@ static ost_status write_triangle(ost_outfile *file, const ost_mesh *mesh, const 
     return ost_outfile_write(file, record, sizeof record, err);
 }
 
-ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, ost_error *err)
+ost_status ost_mesh_write_stl_framed(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err)
 {
     char header[84] = "binary STL, millimetres, written by osteon";
+    if (frame == OST_MESH_LPS)
+        strcpy(header, "binary STL, millimetres, " OST_MESH_SPACE_LPS ", written by osteon");
     if (mesh->triangle_count > OST_MESH_TRIANGLES_MAX)
         return ost_fail(err, OST_ERR_RANGE, "%s: %zu triangles; at most %d", path, mesh->triangle_count,
                         OST_MESH_TRIANGLES_MAX);
@@ -71,4 +75,9 @@ ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, ost_error 
         return ost_outfile_commit(file, err);
     ost_outfile_discard(file);
     return status;
+}
+
+ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, ost_error *err)
+{
+    return ost_mesh_write_stl_framed(path, mesh, OST_MESH_OWN, err);
 }

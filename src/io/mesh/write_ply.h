@@ -4,7 +4,9 @@
 
 #include <osteon/mesh.h>
 
+#include "io/mesh/frame.h"
+
 /* Writes a binary little-endian PLY with vertices as float32 in millimetres. */
-ost_status ost_mesh_write_ply(const char *path, const ost_mesh *mesh, ost_error *err);
+ost_status ost_mesh_write_ply(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);
 
 #endif

@@ -1,0 +1,75 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Tests what osteon export writes for other programs: what was removed, the frame that a mesh states, label
+# maps, MetaImage, and a text without empty voxels. Every file is read again.
+#
+# Covers: REQ-EXPORT
+. "${srcdir:-.}/tests/app/lib.sh"
+needs ASSIMP
+
+run 0 phantom glenoid --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+run 0 tool peg --out peg.stl
+run 0 ream --bone bone.nrrd --tool peg.stl --path builtin:peg-hole --out drilled.nrrd --json
+removed=$("$json_get" removed_voxels <out)
+
+# ------------------------------------------------------------ what was removed
+# The removal itself counts the voxels independently of the comparison of the two files.
+for form in stl ply obj; do
+    run 0 export drilled.nrrd --before bone.nrrd --out removed.$form --json
+    check "removed voxels in $form" "$("$json_get" removed_voxels <out)" "$removed"
+    volume=$("$json_get" volume_mm3 <out)
+    run 0 info removed.$form --json
+    check "open edges of removed.$form" "$("$json_get" open_edges <out)" 0
+    # The coordinates of STL and PLY are float32, so the volume is equal to 0.1 per cent.
+    check "volume of removed.$form" "$(awk "BEGIN { print ($volume / $("$json_get" volume_mm3 <out) - 1) ^ 2 < 1e-6 }")" 1
+done
+run 0 export drilled.nrrd --before bone.nrrd --out removed.nrrd
+run 0 info removed.nrrd --digest --json
+check "solid voxels of removed.nrrd" "$("$json_get" solid_voxels <out)" "$removed"
+refuse 2 "nothing was removed" export bone.nrrd --before bone.nrrd --out none.stl
+refuse 2 "other dims" export ct.nrrd --before removed.nrrd --out none.stl
+[ ! -e none.stl ] || fail "none.stl exists"
+
+# -------------------------------------------------------------- the mesh's frame
+# 3D Slicer searches for this text in the 80 bytes of an STL and in the comments of a PLY and an OBJ.
+run 0 export bone.nrrd --out bone.stl
+run 0 export bone.nrrd --out bone.ply
+run 0 export bone.nrrd --out bone.obj
+check "the frame in an STL" "$(head -c 80 bone.stl | tr -d '\0' | grep -c 'SPACE=LPS')" 1
+check "the frame in a PLY" "$(head -4 bone.ply | grep -a -c '^comment SPACE=LPS$')" 1
+check "the frame in an OBJ" "$(head -1 bone.obj | grep -c '^#.*SPACE=LPS')" 1
+# A tool has no patient's frame.
+check "no frame in a tool" "$(head -c 80 peg.stl | grep -a -c 'SPACE')" 0
+run 0 tool burr --out burr.obj
+run 0 voxelize burr.obj --voxel 0.5 --out burr.nrrd
+
+# ------------------------------------------------------------------- label maps
+run 0 info bone.nrrd --digest --json
+solid=$("$json_get" solid_voxels <out)
+for form in nrrd nii.gz mha; do
+    case $form in nii.gz) grep -q '^#define HAVE_NIFTI 1' "$build/config.h" || continue ;; esac
+    run 0 export bone.nrrd --labels --out labels.$form
+    run 0 import bone.nrrd --mask labels.$form:1 --out masked.nrrd --json
+    check "voxels of labels.$form" "$("$json_get" mask_voxels <out)" "$solid"
+done
+check "the segment's value" "$(grep -a -c '^Segment0_LabelValue:=1$' labels.nrrd)" 1
+check "the segment's name" "$(grep -a -c '^Segment0_Name:=' labels.nrrd)" 1
+check "one segment" "$(grep -a -c '^Segment1_' labels.nrrd)" 0
+# A reader takes these fields as those of a label map, which is not interpolated.
+run 0 import labels.nrrd --threshold 1 --out back.nrrd --json
+check "labels" "$("$json_get" labels <out)" true
+refuse 2 "--labels needs" export bone.nrrd --labels --out labels.txt
+
+# ------------------------------------------------------------------- MetaImage
+run 0 export bone.nrrd --out bone.mha
+run 0 import bone.mha --out again.nrrd
+cmp -s bone.nrrd again.nrrd || fail "a bone as .mha is imported as another bone"
+
+# -------------------------------------------------------- text without empty voxels
+run 0 export bone.nrrd --omit-empty --out sparse.txt
+check "lines of sparse.txt" "$(grep -v -c '^#' sparse.txt)" "$solid"
+run 0 import sparse.txt --out sparse.nrrd --json
+check "voxels of sparse.txt" "$("$json_get" active_voxels <out)" "$solid"
+refuse 2 "--omit-empty needs" export bone.nrrd --omit-empty --out sparse.nrrd
+finish
