@@ -3,10 +3,24 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+int64_t ost_file_spool_max = INT64_C(16) << 30;
+
+/* The stream that ost_file_spool has made a file of: its name, and the descriptor of the file. */
+static struct {
+    char name[64]; /* "" before the call */
+    int fd;
+} stream = {"", -1};
+
+bool ost_file_is_stream(const char *path)
+{
+    return stream.name[0] && strcmp(path, stream.name) == 0;
+}
 
 static ost_status cannot_open(const char *path, ost_file *out, ost_error *err)
 {
@@ -24,10 +38,32 @@ static ost_status check_type(const char *path, const struct stat *info, ost_erro
                     path);
 }
 
+/* Opens the file of the stream once more. A duplicate of its descriptor would share the position with it. */
+static ost_status open_stream(const char *path, ost_file *out, ost_error *err)
+{
+    char again[40];
+    struct stat info;
+    snprintf(again, sizeof again, "/proc/self/fd/%d", stream.fd);
+    const int fd = open(again, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || fstat(fd, &info) != 0) {
+        const ost_status status = ost_fail(err, OST_ERR_IO, "%s: cannot open its copy: %s", path, strerror(errno));
+        if (fd >= 0)
+            close(fd);
+        return status;
+    }
+    out->fd = fd;
+    out->size = info.st_size;
+    return OST_OK;
+}
+
 static ost_status open_at(int folder, const char *path, bool follow, ost_file *out, ost_error *err)
 {
     struct stat info;
     *out = (ost_file){.fd = -1};
+    if (folder == AT_FDCWD && ost_file_is_stream(path))
+        return open_stream(path, out, err);
+    if (folder == AT_FDCWD && strcmp(path, "-") == 0)
+        return ost_fail(err, OST_ERR_IO, "-: standard input is not read here; save it to a file first");
     /*
      * The type is checked before the file is opened, because an open can have side effects: it may
      * change the state of a device, and it unblocks the writer of a pipe.
@@ -137,4 +173,113 @@ ost_status ost_file_read(const char *path, size_t max, char **bytes, size_t *siz
         status = ost_file_bytes(path, &file, bytes, size, err);
     close(file.fd);
     return status;
+}
+
+/* ----------------------------------------------------------------- streams */
+
+/* Returns the descriptor that a name of a stream stands for, or -1. */
+static int descriptor_of(const char *path)
+{
+    if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdin") == 0)
+        return STDIN_FILENO;
+    if (strncmp(path, "/dev/fd/", 8) != 0 || strspn(path + 8, "0123456789") != strlen(path + 8) || !path[8] ||
+        strlen(path) > 12)
+        return -1;
+    return (int)strtol(path + 8, NULL, 10);
+}
+
+/* Opens an unnamed file for reading and writing. */
+static int open_unnamed(const char *folder)
+{
+    int fd = -1;
+#ifdef O_TMPFILE
+    fd = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+#endif
+    if (fd < 0) {
+        char name[4096];
+        const int n = snprintf(name, sizeof name, "%s/osteon-XXXXXX", folder);
+        fd = n < (int)sizeof name ? mkstemp(name) : -1;
+        if (fd >= 0) {
+            unlink(name);
+            fcntl(fd, F_SETFD, FD_CLOEXEC);
+        }
+    }
+    return fd;
+}
+
+/* Writes all bytes. Returns false after a failure, with errno set. */
+static bool write_all(int fd, const char *bytes, size_t size)
+{
+    while (size > 0) {
+        const ssize_t n = write(fd, bytes, size);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return false;
+        bytes += n;
+        size -= (size_t)n;
+    }
+    return true;
+}
+
+static ost_status copy_stream(const char *path, int from, int to, const char *folder, ost_error *err)
+{
+    static char block[1 << 16];
+    int64_t size = 0;
+    for (;;) {
+        const ssize_t n = read(from, block, sizeof block);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return ost_fail(err, OST_ERR_IO, "%s: cannot read at byte %lld: %s", path, (long long)size,
+                            strerror(errno));
+        if (n == 0)
+            return OST_OK;
+        size += n;
+        if (size > ost_file_spool_max)
+            return ost_fail(err, OST_ERR_RANGE, "%s: more than %lld bytes from a pipe; save them to a file first", path,
+                            (long long)ost_file_spool_max);
+        if (!write_all(to, block, (size_t)n))
+            return ost_fail(err, OST_ERR_IO, "%s: cannot store %lld bytes in %s: %s; TMPDIR selects another folder",
+                            path, (long long)size, folder, strerror(errno));
+    }
+}
+
+ost_status ost_file_spool(const char *path, ost_error *err)
+{
+    const int from = descriptor_of(path);
+    const bool dash = strcmp(path, "-") == 0;
+    struct stat info;
+    if (from < 0 || ost_file_is_stream(path) || strlen(path) >= sizeof stream.name)
+        return OST_OK;
+    if (fstat(from, &info) != 0)
+        return ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", path, strerror(errno));
+    if (S_ISREG(info.st_mode) && !dash)
+        return OST_OK;
+    if (!S_ISREG(info.st_mode) && !S_ISFIFO(info.st_mode) && !S_ISSOCK(info.st_mode))
+        return ost_fail(err, OST_ERR_USAGE, "%s: is %s; expected a pipe or a redirected file", path,
+                        isatty(from) ? "a terminal" : "a folder or a device");
+    int fd;
+    ost_status status = OST_OK;
+    if (S_ISREG(info.st_mode)) {
+        fd = fcntl(from, F_DUPFD_CLOEXEC, 3);
+        if (fd < 0)
+            return ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", path, strerror(errno));
+    } else {
+        const char *chosen = getenv("TMPDIR"), *folder = chosen && *chosen ? chosen : "/tmp";
+        fd = open_unnamed(folder);
+        if (fd < 0)
+            return ost_fail(err, OST_ERR_IO, "%s: cannot create a temporary file in %s: %s", path, folder,
+                            strerror(errno));
+        status = copy_stream(path, from, fd, folder, err);
+    }
+    if (status != OST_OK) {
+        close(fd);
+        return status;
+    }
+    if (stream.fd >= 0)
+        close(stream.fd);
+    snprintf(stream.name, sizeof stream.name, "%s", path);
+    stream.fd = fd;
+    return OST_OK;
 }

@@ -6,7 +6,8 @@
  * Only regular files are opened, including those behind symbolic links.  Readers check
  * the size of a file before they allocate memory, read some files twice, and must not
  * wait for the writer of a pipe or read an endless device.  /dev/stdin is accepted
- * if the shell redirects it from a regular file.
+ * if the shell redirects it from a regular file.  A verb that accepts a pipe as its
+ * input passes the name to ost_file_spool first, which copies the pipe to a file.
  *
  * A failure says nothing about the content of a file.  Three outcomes are
  * therefore distinct: the file is absent, the file cannot be read (no
@@ -34,6 +35,25 @@ typedef struct ost_file {
  * and the reason in err.
  */
 ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
+
+/*
+ * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. Afterwards, every opening of
+ * `path` opens this file from its start. Only streams that are already open are copied, so the function
+ * never waits for a program to open a pipe: "-" and /dev/stdin, which are standard input, and
+ * /dev/fd/N, which a shell passes for <(command). For any other path, and for a redirected regular
+ * file, it does nothing, apart from giving "-" its meaning. A process has one such stream.
+ *
+ * Called by the command before a file is read; must not be called while another thread opens files.
+ * Returns OST_ERR_USAGE if standard input is a terminal or a device, OST_ERR_RANGE if more than
+ * ost_file_spool_max bytes follow, and OST_ERR_IO.
+ */
+ost_status ost_file_spool(const char *path, ost_error *err);
+
+/* Returns true if ost_file_spool gave this name a meaning, so that no other file can be found next to it. */
+bool ost_file_is_stream(const char *path);
+
+/* The greatest size of a stream in bytes: 16 GiB. Tests set a smaller one. */
+extern int64_t ost_file_spool_max;
 
 /*
  * Opens a regular file by its name within the open folder `folder`. A symbolic link

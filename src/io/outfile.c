@@ -141,13 +141,18 @@ static ost_status cannot_write(const ost_outfile *file, int number, ost_error *e
     return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", file->path, strerror(number));
 }
 
+bool ost_outfile_is_stdout(const char *path)
+{
+    return strncmp(path, "-.", 2) == 0 && !strchr(path, '/');
+}
+
 /*
  * Duplicates the process's own stream, because /dev/stdout may be a file to which a shell appends and which must not be
  * replaced. Returns -1 for any other path.
  */
 static int standard_stream(const char *path)
 {
-    if (strcmp(path, "/dev/stdout") == 0)
+    if (strcmp(path, "/dev/stdout") == 0 || ost_outfile_is_stdout(path))
         return dup(STDOUT_FILENO);
     if (strcmp(path, "/dev/stderr") == 0)
         return dup(STDERR_FILENO);

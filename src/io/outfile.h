@@ -24,7 +24,9 @@
  * and renaming when an old file is replaced.
  *
  * A target that exists and is not a regular file (/dev/null, a pipe, a terminal)
- * is written in place; /dev/stdout and /dev/stderr are the process's own streams.
+ * is written in place; /dev/stdout, /dev/stderr and "-.ENDING", in which the ending
+ * selects the format, are the process's own streams.  A reader of a stream has
+ * received the first bytes when a later one fails.
  * A symbolic link is followed, not replaced.  Permissions follow the umask.
  *
  * Signals: a process that may be ended by SIGINT, SIGTERM, SIGHUP or SIGXFSZ
@@ -56,6 +58,9 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
  */
 ost_status ost_outfile_write(ost_outfile *file, const void *bytes, size_t size, ost_error *err);
 ost_status ost_outfile_printf(ost_outfile *file, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
+
+/* Returns true for "-.ENDING", such as "-.nrrd", which is standard output ("./-.nrrd" is a file). */
+bool ost_outfile_is_stdout(const char *path);
 
 /* Returns the name as the caller passed it to open, for messages. */
 const char *ost_outfile_path(const ost_outfile *file);

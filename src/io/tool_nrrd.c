@@ -141,7 +141,8 @@ ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, 
                                    .origin = {t->corner.x + h, t->corner.y + h, t->corner.z + h}};
     ost_volume_writer *writer;
     const ost_write_options options = {.compress = true};
-    status = ost_volume_writer_open(path, &geometry, &meta, NULL, OST_ELEMENT_UINT8, t->voxel % 2 != 0, &options, &writer,
+    status = ost_volume_writer_open(path, &geometry, &meta, NULL, OST_ELEMENT_UINT8, t->voxel % 2 != 0, &options,
+                                    &writer,
                                     err);
     if (status != OST_OK)
         return status;

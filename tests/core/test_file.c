@@ -151,6 +151,39 @@ static void read_completely(void **state)
     }
 }
 
+/* A pipe is opened as a file of its bytes, from the start and more than once, up to the limit. */
+static void a_stream_is_a_file(void **state)
+{
+    (void)state;
+    int ends[2];
+    ost_error err = {0};
+    ost_file file;
+    char bytes[8];
+    char name[32];
+    for (int64_t limit = 3; limit <= 4; limit++) {
+        assert_int_equal(pipe(ends), 0);
+        assert_int_equal(write(ends[1], "four", 4), 4);
+        close(ends[1]);
+        snprintf(name, sizeof name, "/dev/fd/%d", ends[0]);
+        ost_file_spool_max = limit;
+        assert_int_equal(ost_file_spool(name, &err), limit < 4 ? OST_ERR_RANGE : OST_OK);
+        assert_int_equal(ost_file_is_stream(name), limit == 4);
+        close(ends[0]);
+    }
+    for (int i = 0; i < 2; i++) {
+        assert_ok(ost_file_open(name, &file, &err));
+        assert_int_equal(file.size, 4);
+        assert_ok(ost_file_fill(name, &file, bytes, &err));
+        assert_memory_equal(bytes, "four", 4);
+        close(file.fd);
+    }
+    /* Names of other files have no new meaning. */
+    put("plain", "four");
+    assert_ok(ost_file_spool(at("plain"), &err));
+    assert_false(ost_file_is_stream(at("plain")));
+    assert_int_equal(ost_file_spool("/dev/fd/999", &err), OST_ERR_IO);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -158,6 +191,7 @@ int main(void)
         cmocka_unit_test(within_a_folder_no_link),
         cmocka_unit_test(without_descriptors),
         cmocka_unit_test(read_completely),
+        cmocka_unit_test(a_stream_is_a_file),
     };
     char command[128];
     if (!mkdtemp(folder))

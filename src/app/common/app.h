@@ -27,6 +27,7 @@ typedef struct app_state {
     /* set if a campaign started this process: it then uses a separate exit status when resources run
        out (validation/worker.h) */
     bool worker;
+    bool to_stdout;      /* the output file is standard output, so no line of text is printed there */
     json_t *result;      /* owned by main */
     /* texts of the warnings so far, also of those that --quiet suppresses; owned by main; NULL unless the verb records
        them */

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "app/common/help.h"
+#include "core/file.h"
 #include "app/common/progress.h"
 
 enum { COMMON_MAX = 6, NAMES_MAX = 128 };
@@ -276,6 +277,9 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
     }
     if (next && next->name)
         return usage_error(app, err, "%s", next->missing);
+    for (const operand *o = usage->operands; usage->streams && o && o->name; o++)
+        if ((status = ost_file_spool(*o->out, err)) != OST_OK)
+            return status;
     for (const option *o = usage->options; o->name; o++)
         if (o->required && !seen[o - usage->options])
             return usage_error(app, err, "--%s %s is missing", o->name, o->value);

@@ -68,6 +68,7 @@ typedef struct usage_text {
     const char *about;
     const operand *operands; /* all operands are required; the array ends with a NULL name; may be NULL */
     const option *options;   /* the array ends with a NULL name */
+    bool streams;            /* an operand may be "-" or a pipe, which is copied to a temporary file (core/file.h) */
     const char *notes;       /* text about units and coordinate systems; may be NULL */
     const char *example;
 } usage_text;

@@ -43,7 +43,7 @@ static void write_line(FILE *to, const char *before, json_t *record, const char 
 
 void print_line(const app_state *app, const char *format, ...)
 {
-    if (app->json || app->quiet)
+    if (app->json || app->quiet || app->to_stdout)
         return;
     progress_clear();
     va_list args;

@@ -12,6 +12,7 @@
 #include "app/common/backend_choice.h"
 #include "app/common/progress.h"
 #include "app/common/print.h"
+#include "io/outfile.h"
 #include "app/input/mask_option.h"
 
 enum { THRESHOLD = 120 }; /* threshold of the thesis; AR-CHK-1 */
@@ -41,6 +42,14 @@ static bool ends_with_one_of(const char *path, const char *ends)
 ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err)
 {
     struct stat st;
+    if (strcmp(path, "-") == 0)
+        return usage_error(app, err, "--out -: expected the format too; -.%.*s writes standard output",
+                           (int)strcspn(ends, "|"), ends);
+    if (ost_outfile_is_stdout(path) && app->json)
+        return usage_error(app, err, "--out %s and --json both write standard output", path);
+    if (ost_outfile_is_stdout(path) && isatty(STDOUT_FILENO))
+        return usage_error(app, err, "--out %s: standard output is a terminal; expected a pipe or a file", path);
+    app->to_stdout = ost_outfile_is_stdout(path);
     const bool exists = stat(path, &st) == 0;
     /* Without this check, a name that is too long would fail only after all the work. */
     if (!exists && errno == ENAMETOOLONG)

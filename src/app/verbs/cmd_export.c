@@ -285,6 +285,7 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
                  "may also be a CT or a tool grid. A session is written as a table with a row for\n"
                  "each tick.",
         .operands = operands,
+        .streams = true,
         .options = options,
         .notes = "Lengths are in millimetres, in the bone's frame (LPS), which a mesh states as 3D\n"
                  "Slicer reads it (SPACE=LPS). A surface is closed. A text is read as the bone that\n"

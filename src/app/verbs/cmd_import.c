@@ -162,6 +162,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
                  "folder of DICOM files, or a stack of TIFF or PNG slices: a folder, a pattern in quotes,\n"
                  "or a TIFF with pages.",
         .operands = operands,
+        .streams = true,
         .options = options,
         .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"
                  "patient's left, back and head (LPS); a text is not turned. The positions of a\n"

@@ -14,6 +14,7 @@
 #include "app/common/print.h"
 #include "app/replay/session_info.h"
 #include "app/verbs/info_dicom.h"
+#include "core/file.h"
 #include "io/stack/read.h"
 
 static void put_geometry(const app_state *app, const ost_geometry *g)
@@ -295,6 +296,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
                  "the header of a volume is read; a session is read completely, and what is\n"
                  "missing in it is printed. For a folder of DICOM files, lists its series.",
         .operands = operands,
+        .streams = true,
         .options = options,
         .example =
             "  osteon info scapula.nrrd\n  osteon info scan/\n"
@@ -311,6 +313,8 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--repair needs a session; %s is not a session", name);
     if ((dicom.series || dicom.even_slices || dicom.untilt) && kind != OST_FILE_DICOM)
         return usage_error(app, err, "--series, --even-slices and --untilt need DICOM; %s is not DICOM", name);
+    if (sets.count && ost_file_is_stream(name))
+        return usage_error(app, err, "--set needs a file; %s is standard input", name);
     if (sets.count && (status = set_facts(app, name, kind, &sets, err)) != OST_OK)
         return status;
     struct stat st;

@@ -263,6 +263,7 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
                  "renderer. The picture of the default renderer is bit-identical on every machine;\n"
                  "that of OpenGL differs in a few pixels.",
         .operands = operands,
+        .streams = true,
         .options = options,
         .notes = "Bones and tools are read as by osteon ream.",
         .example = "  osteon render builtin:scapula --view en-face --out face.png\n"

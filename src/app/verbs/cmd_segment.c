@@ -56,6 +56,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
                  "--mask LABELS.nrrd:1 makes a bone of it; osteon import also accepts the options that\n"
                  "select a bone.",
         .operands = operands,
+        .streams = true,
         .options = options,
         .notes = "Lengths are in millimetres in the patient's axes (LPS), densities in HU. The label map\n"
                  "is equal on every machine.",

@@ -41,8 +41,9 @@ ost_status ost_slice_check(const ost_slice *slice, ost_error *err)
     const uint64_t bytes = row * (uint64_t)slice->height;
     const uint64_t most = (uint64_t)slice->bytes * (slice->packed ? OST_SLICE_UNPACK_MAX : 1);
     if (bytes > most)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %d x %d pixels of %s need %llu bytes; a file of %lld bytes has at most "
-                        "%llu", name, (int)slice->width, (int)slice->height, ost_element_name(slice->element),
+        return ost_fail(err, OST_ERR_INPUT,
+                        "%s: %d x %d pixels of %s need %llu bytes; a file of %lld bytes has at most %llu", name,
+                        (int)slice->width, (int)slice->height, ost_element_name(slice->element),
                         (unsigned long long)bytes, (long long)slice->bytes, (unsigned long long)most);
     return OST_OK;
 }

@@ -27,7 +27,7 @@ typedef enum ost_slice_kind { OST_SLICE_NONE, OST_SLICE_TIFF, OST_SLICE_PNG } os
 
 typedef struct ost_slice ost_slice;
 struct ost_slice {
-    /* Reads row y as width elements. Rows are read in order, each once. Checks the end of the data after the last row. */
+    /* Reads row y as width elements. Rows are read in order, each once. The last row also ends the data. */
     ost_status (*row)(ost_slice *slice, int32_t y, void *out, ost_error *err);
     /* Moves to the next page and describes it, or sets *more to false. */
     ost_status (*next)(ost_slice *slice, bool *more, ost_error *err);

@@ -8,6 +8,8 @@
 
 #include <osteon/length.h>
 
+#include "core/file.h"
+
 /* ------------------------------------------------------------------- names */
 
 static ost_status check_name(const ost_data_files *files, const char *name, ost_error *err)
@@ -34,6 +36,10 @@ static ost_status check_name(const ost_data_files *files, const char *name, ost_
 static ost_status join(const ost_data_files *files, const char *name, char out[OST_DATA_NAME_MAX], ost_error *err)
 {
     ost_status status = check_name(files, name, err);
+    if (status == OST_OK && ost_file_is_stream(files->path))
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s:%ld: data file '%.100s': a header from a pipe has no folder; its data must follow it",
+                          files->path, files->names.line, name);
     if (status != OST_OK)
         return status;
     const char *slash = strrchr(files->path, '/');
