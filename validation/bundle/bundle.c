@@ -147,7 +147,7 @@ ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost
     if (!text)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     const size_t size = strlen(text);
-    text[size] = '\n'; /* replaces the NUL */
+    text[size] = '\n'; /* the newline replaces the terminating NUL */
     ost_status status = bundle_put(b, name, text, size + 1, err);
     free(text);
     return status;
@@ -248,7 +248,7 @@ void bundle_abandon(bundle *b)
     free(b);
 }
 
-/* ---------------------------------------------------------------- checking */
+/* ------------------------------------------------------- checking a bundle */
 
 static ost_status check_log(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err)
 {

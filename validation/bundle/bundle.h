@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A folder of evidence, which exists under its name only when it is complete.
+ * A bundle: a folder of evidence that appears under its name only when it is complete.
  *
  *   bundle_begin --> folder OUT.part-XXXXXX --files, log--> bundle_end: manifest, fsync, rename
  *
- * audit.log is a chain: a line is
+ * audit.log is a hash chain.  Each line has the form
  *
- *   SHA-256 of the line before (64 digits; of nothing in the first line) TAB UTC TAB action TAB detail
+ *   SHA-256 TAB UTC TAB action TAB detail
  *
- * so that a line that is changed, removed or moved invalidates all lines after
- * it.  It is written line by line while the campaign runs; log.h lists the lines.
+ * where SHA-256 is that of the previous line, as 64 hexadecimal digits.  In the first
+ * line it is the SHA-256 of the empty string.  A line that is changed, removed or
+ * moved therefore invalidates all lines after it.  The log is written line by line
+ * while the campaign runs; log.h lists the lines.
  */
 #ifndef OST_VALIDATION_BUNDLE_H
 #define OST_VALIDATION_BUNDLE_H
@@ -25,7 +27,7 @@ enum { BUNDLE_PATH = 1024 };
 
 /* Creates the folder OUT.part-XXXXXX. Returns OST_ERR_IO if `out` exists or cannot be created. */
 ost_status bundle_begin(const char *out, bundle **b, ost_error *err);
-/* Returns the folder that has the files until bundle_end. */
+/* Returns the path of the folder in which the files are until bundle_end renames it. */
 const char *bundle_folder(const bundle *b);
 ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t size, ost_error *err);
 /* Writes a file with sorted keys, one space of indentation and a newline at the end, so that equal values give equal
@@ -36,13 +38,13 @@ ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char 
 ost_status bundle_end(bundle *b, ost_error *err);
 void bundle_abandon(bundle *b); /* b may be NULL */
 
-/* ---------------------------------------------------------------- checking */
+/* ------------------------------------------------------- checking a bundle */
 
-/* An absent file makes a bundle incomplete; a different file means that it is not the bundle that was written. */
+/* BUNDLE_ABSENT: a file is missing, so the bundle is incomplete. BUNDLE_DIFFERENT: the bundle is not the one that
+   was written. */
 typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
 
-/* Called for each problem. A file that cannot be read is not reported here, because it is an error of the check and not
-   of the bundle. */
+/* Called for each problem. A file that cannot be read is not a problem of the bundle; the check itself fails. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
 /* Reports every problem of the folder's files, of the manifest and of the log's chain, and adds their number to

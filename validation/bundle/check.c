@@ -23,7 +23,8 @@ typedef struct derivation {
     bundle_problem *problem;
     void *user;
     int *found;
-    /* a note that begins with "; " if another build made the bundle, whose files may then differ; otherwise "" */
+    /* a note, beginning with "; ", that another build made the bundle, so its files may differ; "" if this build
+       made it */
     char other_build[160];
 } derivation;
 
@@ -80,7 +81,7 @@ static void report_verdict(void *user, const char *text)
         report_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, text);
 }
 
-/* Reads a file into *out. If it is invalid, this is reported as a problem and *out is NULL. */
+/* Reads a file into *out. If the file is not valid, reports a problem and sets *out to NULL. */
 static ost_status read_protocol(const derivation *d, json_t **out, ost_error *err)
 {
     ost_error why = {0};
@@ -92,7 +93,7 @@ static ost_status read_protocol(const derivation *d, json_t **out, ost_error *er
         *out = NULL;
         return OST_OK;
     }
-    /* Another JSON file in the place of protocol.json has no format number. */
+    /* protocol.json may have been replaced by another JSON file, which has no format number. */
     if (status == OST_OK && !json_is_integer(json_object_get(*out, "schema"))) {
         report_problem(d, BUNDLE_DIFFERENT, EVIDENCE_PROTOCOL, "has no number of a format ('schema')");
         json_decref(*out);

@@ -2,12 +2,13 @@
 /*
  * Checks a bundle without the machine that made it:
  *
- *   the folder has exactly the files of the manifest, with the allowed kinds and sizes (folder.h)
- *   the log's chain and lines (log.h)
- *   the protocol and its cases against the plan; measured files against each other (planned.h)
- *   every verdict, from the digests that were made of each backend's trace (judge.h)
- *   every derived file, derived again from protocol and cases
- *   on request the results of the reference or of any backend, computed again
+ *   folder              contains exactly the files of the manifest, of allowed types and sizes (folder.h)
+ *   log                 its hash chain and its lines (log.h)
+ *   protocol, cases     compared with the plan (planned.h)
+ *   measured files      compared with each other (planned.h)
+ *   verdicts            follow from the digests of each backend's trace (judge.h)
+ *   derived files       derived again from the protocol and the cases, and compared
+ *   results             on request, those of the reference or of any other backend are computed again
  */
 #ifndef OST_VALIDATION_CHECK_H
 #define OST_VALIDATION_CHECK_H
@@ -21,7 +22,7 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
                         ost_error *err);
 
 typedef struct check_how {
-    const char *program;   /* this program's file, for workers */
+    const char *program;   /* path of this program's file, which workers run */
     const plan_user *own;  /* the user's own cases; NULL if the bundle has none */
     const char *backend;   /* a backend that ost_backend_open takes; NULL: only the reference */
     double limit_s;        /* time limit in seconds for the complete run of each backend */
@@ -31,9 +32,9 @@ typedef struct check_how {
 
 /*
  * Runs the cases again in workers.  On the reference, the digests of the inputs
- * and of all records must be those of the bundle.  On how->backend, the digests
- * must be those of the bundle's results on it or, if the bundle does not have
- * this backend, those of the reference.
+ * and of all records must equal those in the bundle.  On how->backend, the digests
+ * must equal those of the bundle's results for this backend or, if the bundle has
+ * no such results, those of the reference.
  */
 ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found,
                        ost_error *err);

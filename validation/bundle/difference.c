@@ -47,7 +47,7 @@ static bool leaf_at(const json_t *leaves, size_t i, json_int_t *number, const ch
     return *digest != NULL;
 }
 
-/* Returns the least leaf that differs or that only one side changed; -1 if there is none. */
+/* Returns the least number of a leaf that differs or that only one side changed; -1 if there is no such leaf. */
 static json_int_t first_leaf(const json_t *a, const json_t *b)
 {
     size_t i = 0, j = 0;
@@ -100,7 +100,7 @@ static bool own_dims(const json_t *protocol, const char *id, const char *stage, 
     return false;
 }
 
-/* Finds the dims for a generated case. Returns false if this program makes another case with that name. */
+/* Finds the dims for a generated case. Returns false if this program generates a different case with the same name. */
 static bool generated_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
 {
     const char *tier = evidence_text(protocol, "tier");

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Compares two bundles from different sites by the digests of the reference's
- * results: those of records and of leaves of 32^3 voxels.  No voxel is exchanged,
- * and still the stage, the tick and the chunk that differ are found.
+ * results.  There is a digest for each record and for each leaf of 32^3 voxels.  They
+ * are sufficient to find the stage, the tick and the chunk that differ, although the
+ * sites exchange no voxels.
  *
  *   A/protocol.json, cases.jsonl --.
  *                                   '--case by case, record by record--> first stage, tool or tick, leaf
  *   B/protocol.json, cases.jsonl --'
  *
- * A case is compared if both bundles have a case with that name and the same
- * input; the others are listed, and then the bundles are not called equal.
- * Bundles may come from anybody, so nothing in them is trusted.  Whether they
- * are unchanged is checked by osteon verify, not here.
+ * A case is compared if both bundles have a case with the same name and the same
+ * input.  All other cases are listed; if there are any, the bundles are not reported
+ * as equal.  Bundles may come from untrusted sources, so all their content is checked.
+ * This code does not check that a bundle is unchanged; osteon verify does.
  */
 #ifndef OST_VALIDATION_DIFFERENCE_H
 #define OST_VALIDATION_DIFFERENCE_H

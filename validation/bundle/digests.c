@@ -14,7 +14,7 @@ static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_
     } leaf;
     const size_t size = b->voxel_bytes, wide = (size_t)b->dims.x, high = (size_t)b->dims.y;
     const int32_t n = b->dims.x - from[0] < OST_LEAF ? b->dims.x - from[0] : OST_LEAF;
-    uint8_t *bytes = (uint8_t *)&leaf; /* the bytes of the member that is used, wide or narrow */
+    uint8_t *bytes = (uint8_t *)&leaf; /* the bytes of the union member that is used, `wide` or `narrow` */
     memset(&leaf, 0, sizeof leaf);
     for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)
         for (int32_t j = 0; j < OST_LEAF && from[1] + j < b->dims.y; j++)

@@ -4,12 +4,13 @@
  *
  *   {stage, item, sha256 of the body, leaves}
  *
- * leaves are those of AR-DIG-2, of 32^3 voxels: all in order for a complete
- * grid, and [number, digest] for the leaves that a tick changed.  Two sites that
- * exchange only these digests find the stage, the tick and the chunk that differ.
+ * The `leaves` member lists the digests of leaves of 32^3 voxels (AR-DIG-2).  For a
+ * complete grid it lists all leaves in order; for a tick it lists a pair [number,
+ * digest] for each leaf that the tick changed.  Two sites that exchange only these
+ * digests can find the stage, the tick and the chunk that differ.
  *
- * The same digests without leaves are the lines of a case, one per record, made
- * from a backend's own trace; the SHA-256 of these lines identifies all results
+ * The digest lines of a case are the same digests without leaves, one line per record,
+ * made from a backend's own trace.  The SHA-256 of these lines identifies all results
  * of the backend in this case:
  *
  *   case 0 SHA-256 of the input\n

@@ -23,7 +23,8 @@
 
 #define EVIDENCE_PROTOCOL "protocol.json"
 #define EVIDENCE_CASES "cases.jsonl"
-enum { EVIDENCE_FORMAT = 2 }; /* format of a bundle; format 1 had words in place of the backends' digests */
+/* version of the bundle's format; in version 1 a word such as "equal" was in place of each backend's digest */
+enum { EVIDENCE_FORMAT = 2 };
 
 /* Makes protocol.json; the caller owns *out. chosen: the requested backends, "" for all available ones. */
 ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only,
@@ -33,8 +34,8 @@ ost_status evidence_case(const campaign *c, int case_index, json_t **out, ost_er
 /* Adds the results to the lines of all cases. The lines must be in the plan's order. */
 ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err);
 
-/* Makes the digests of a case's records in the form that they have in the case's line. The caller owns *out, which is
-   NULL on failure. */
+/* Makes the digests of a case's records in the form in which the case's line stores them. The caller owns *out,
+   which is NULL on failure. */
 ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err);
 
 /* Returns true if the reference refused this case's input at some stage. A backend that also refuses the input is
@@ -59,19 +60,19 @@ ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t 
    caller. */
 json_t *evidence_result(const case_result *r);
 
-/* Returns the text of a key of an object; "" if there is none. */
+/* Returns the text that an object has under a key; "" if there is none. */
 const char *evidence_text(const json_t *o, const char *key);
 
 /*
- * Returns part `number` of a file; NULL after the last part. If the file itself has the key, it
- * comes from one run and is part 0. Otherwise it comes from merged shards, and the parts are its
- * values.
+ * Returns part `number` of a file, or NULL after the last part. A file that contains the key itself
+ * comes from one run and is its own part 0. Any other file comes from merged shards, and its values
+ * are the parts.
  */
 const json_t *evidence_part(const json_t *file, const char *key, size_t number);
 
 /*
- * Returns the options that a command needs for the user's own cases, " --ct FILE --tool FILE
- * --cubic=0.5"; the names of the files are not recorded. If how is true, the text includes the
+ * Returns the options that a command needs for the user's own cases, such as " --ct FILE --tool
+ * FILE --cubic=0.5". The names of the files are not recorded. If how is true, the text includes the
  * options by which osteon validate reads the files. Returns "" if there are no such cases, NULL if
  * memory is exhausted. The caller frees the text with free().
  */
@@ -94,7 +95,7 @@ ost_status evidence_write(const json_t *protocol, const json_t *cases, evidence_
 
 /* -------------------------------------------------- reading: evidence_read.c */
 
-/* Returns OST_ERR_INPUT, with a message of one line, if protocol.json has another format than EVIDENCE_FORMAT. */
+/* Returns OST_ERR_INPUT, with a message of one line, if the format of protocol.json is not EVIDENCE_FORMAT. */
 ost_status evidence_check_format(const char *folder, const json_t *protocol, ost_error *err);
 
 /*

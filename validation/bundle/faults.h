@@ -13,8 +13,8 @@
 #define FAULTS_FILE "sensitivity.json"
 
 /*
- * Writes one sentence with the number of all kinds of mistakes, of those detected, and of those that changed
- * nothing; it states that the mistakes were made in the second implementation and in no backend.
+ * Writes a sentence that states how many kinds of mistakes there are, how many of them were detected and how
+ * many changed nothing, and that the mistakes were made in the second implementation and in no backend.
  */
 enum { FAULTS_STATEMENT = 240 };
 void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);

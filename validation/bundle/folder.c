@@ -84,7 +84,7 @@ bool folder_describe(const char *name, folder_about *out)
     return picture || one || signature;
 }
 
-/* ----------------------------------------------------------------- opening */
+/* ----------------------------------------------------------- opening files */
 
 static ost_status open_folder(int above, const char *name, const char *path, bool follow, int *fd, bool *absent,
                               ost_error *err)
@@ -180,7 +180,7 @@ ost_status folder_compare(const char *folder, const char *name, const void *byte
     return status;
 }
 
-/* ----------------------------------------------------------------- listing */
+/* ----------------------------------------------------------- listing files */
 
 typedef struct listing {
     folder_files *out;
@@ -272,7 +272,7 @@ static ost_status list_folder(listing *l, int top, const char *folder, const cha
         struct stat info;
         snprintf(name, sizeof name, "%s%s%.255s", inside, *inside ? "/" : "", e->d_name);
         if (!*inside && strcmp(name, "signatures") == 0)
-            continue; /* sign_check reads it */
+            continue; /* sign_check reads the folder signatures/ */
         if (!*inside && known_folder(name) && fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 &&
             S_ISDIR(info.st_mode))
             status = list_folder(l, top, folder, name, err);

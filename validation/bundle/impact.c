@@ -42,7 +42,7 @@ static void add_change(json_t *list, const char *what, const char *a, const char
         json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "what", what, "old", a, "new", b));
 }
 
-/* Adds the change of a value of the protocol as text. The value of the key "arithmetic" is a number. */
+/* Adds the change of a value of the protocol as text. The value of the "arithmetic" key is a number. */
 static void add_protocol(json_t *list, const char *key, const json_t *a, const json_t *b)
 {
     const json_t *x = json_object_get(a, key), *y = json_object_get(b, key);
@@ -53,7 +53,7 @@ static void add_protocol(json_t *list, const char *key, const json_t *a, const j
                json_is_integer(y) ? new : evidence_text(b, key));
 }
 
-/* Makes {name: text} of all elements of a list. */
+/* Makes an object {name: text} with a member for each element of a list. */
 static json_t *index_of(const json_t *list, const char *key, const char *value, const char *other)
 {
     json_t *o = json_object();
@@ -84,7 +84,7 @@ static json_t *compare_indexes(json_t *a, json_t *b)
     return list;
 }
 
-/* Makes {backend: driver, version, fingerprint} of devices.json. */
+/* Makes an object {backend: driver, version, fingerprint} from devices.json. */
 static json_t *devices_in(const json_t *file)
 {
     const json_t *list = json_object_get(json_object_get(file, "opencl"), "devices");
@@ -101,7 +101,7 @@ static json_t *devices_in(const json_t *file)
     return o;
 }
 
-/* Makes {id: remainder of the line} of requirements.csv. */
+/* Makes an object {id: remainder of the line} from requirements.csv. */
 static ost_status requirements_in(const char *folder, json_t **out, ost_error *err)
 {
     char *bytes;

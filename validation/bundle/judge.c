@@ -96,7 +96,7 @@ bool judge_reference(const json_t *one, ost_digest *out)
     return ost_hasher_close(h, out, &none) == OST_OK && ok;
 }
 
-/* ------------------------------------------------------------- own lines */
+/* -------------------------------------------------- lines of the backend */
 
 /* Computes the SHA-256 of a backend's own lines. Returns false if there are no lines or if a line is malformed. */
 static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
@@ -132,10 +132,10 @@ static bool line_is_of(const char *line, trace_stage stage, int *item)
 /*
  * Returns true if a backend may lack the record of a line.
  *
- *   dump             any record: a folder has the files that its owner wrote
+ *   dump             any record, because a dump contains only the files that its author wrote
  *   cl               densities of single voxels, the even items of sampling (perform_sample.c)
  *   plugin, dense    sampling: densities and occupancy
- *   dense            ticks, collisions and the bone at the end, where a case is large (perform_second)
+ *   dense            in large cases also ticks, collisions and the bone at the end (perform_second)
  *   cpu, ref         none
  */
 static bool may_lack(const char *backend, const char *line)

@@ -7,14 +7,16 @@
  * Each backend's digest was made from that backend's own trace (digests.h), so
  * that a verdict is a comparison of two digests and not a statement to be trusted:
  *
- *   equal     the SHA-256 of its lines is that of the reference's
- *   differs   its lines are present and have this SHA-256; the first one that is not the
- *             reference's gives stage and item
- *   failed    as for differs, and its lines end with "failed" where the reference's continue; or it has no lines
+ *   equal     the SHA-256 of the backend's lines equals that of the reference's lines
+ *   differs   the backend's lines are present and have the stated SHA-256; the first line that differs
+ *             from the reference's line gives the stage and the item
+ *   failed    as for `differs`, and the backend's lines end with "failed" where those of the reference
+ *             continue; or the backend has no lines
  *
- * A backend that crashed, exceeded its time limit or did not run has no complete result.  A line
- * that ends in "-" is compared with nothing; it is accepted if the backend may
- * lack the record: any of a dump (dump.h), none of cpu and ref (may_lack).
+ * A backend that crashed, exceeded its time limit or did not run has no complete result.
+ * A line that ends in "-" stands for a record that the backend lacks and is not compared.
+ * It is accepted only if may_lack allows it: a dump (dump.h) may lack any record, cpu and
+ * ref may lack none.
  */
 #ifndef OST_VALIDATION_JUDGE_H
 #define OST_VALIDATION_JUDGE_H

@@ -2,8 +2,8 @@
 /*
  * junit.xml: the verdicts in the format of test harnesses, with a suite per
  * backend, the seconds of each case, and the time of day and the host of the run.
- * These come from times.json and environment.json, so the file differs from run
- * to run.
+ * The times and the host come from times.json and environment.json, so junit.xml
+ * differs from run to run.
  */
 #ifndef OST_VALIDATION_JUNIT_H
 #define OST_VALIDATION_JUNIT_H

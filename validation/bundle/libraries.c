@@ -113,9 +113,9 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 /* ----------------------------------------------------------- the packages */
 
 /*
- * Reads the output of a program, cut at PROGRAM_TEXT bytes. The caller frees *text, which is NULL
- * if the program is not installed. It is an error if the program cannot be started or read, or if
- * it fails, because its list would be incomplete.
+ * Reads the output of a program, cut off after PROGRAM_TEXT bytes. The caller frees *text, which is
+ * NULL if the program is not installed. If the program cannot be started or read, or if it fails,
+ * this is an error, because the list of libraries would be incomplete.
  */
 static ost_status output_of(char *const argv[], char **text, ost_error *err)
 {
@@ -223,7 +223,7 @@ static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
         char *path = strstr(line, ": /");
         if (!path || strncmp(line, "diversion", 9) == 0)
             continue;
-        /* keeps the name of the first package, without its architecture (libc6:amd64) */
+        /* cuts the line after the name of the first package, before its architecture (libc6:amd64) */
         line[strcspn(line, ":,")] = '\0';
         if (json_object_set_new(out, path + 2, json_string(line)) != 0)
             status = no_memory(err);
@@ -233,7 +233,7 @@ static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
     return status;
 }
 
-/* Makes {package: [version, maintainer]}. */
+/* Makes an object {package: [version, maintainer]}. */
 static ost_status versions(json_t *packages, json_t *out, ost_error *err)
 {
     const char *path;
@@ -283,7 +283,7 @@ static ost_status name_package(json_t *row, const json_t *owner, const json_t *v
     const ost_status status = copyright_of(package ? package : "", licence, err);
     if (status != OST_OK)
         return status;
-    if (!its) { /* the file name has the version: libz.so.1.2.13 */
+    if (!its) { /* the file name contains the version, as in libz.so.1.2.13 */
         its = strstr(real, ".so.");
         its = its ? its + 4 : "";
     }

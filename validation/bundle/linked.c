@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks that the measured files agree with each other and with the protocol: they must be of one run and one build. */
+/* Checks that the measured files agree with each other and with the protocol: they must come from one run and one
+   build. */
 #include "validation/bundle/planned.h"
 
 #include <stdio.h>
@@ -38,7 +39,7 @@ static ost_status load(const check *c, const char *name, bool needed, json_t **o
     ost_error why = {0};
     const ost_status status = bundle_find_json(c->folder, name, out, &why);
     if (status == OST_ERR_INPUT) {
-        const char *text = strstr(why.text, name); /* after the folder's name */
+        const char *text = strstr(why.text, name); /* omits the folder's name */
         report(c, name, text ? text + strlen(name) + strspn(text + strlen(name), ": ") : why.text);
         return OST_OK;
     }
@@ -207,7 +208,7 @@ static ost_status check_case_file(const check *c, ost_error *err)
     return status;
 }
 
-/* Checks that a file exists that is neither JSON nor derived. */
+/* Checks that requirements.csv is present. It is neither a JSON file nor derived, so no other check reads it here. */
 static ost_status check_requirements(const check *c, ost_error *err)
 {
     ost_file file;

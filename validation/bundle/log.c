@@ -24,8 +24,8 @@ static void counts_of(const json_t *summary, char text[TEXT])
                               case_verdict_name((case_verdict)v));
 }
 
-/* Computes the digest of the file in row `row` of the table. *there receives false if the file is not bound or
-   absent. */
+/* Computes the digest of the file in row `row` of the table. *there receives false if the file is absent or not
+   bound. */
 static ost_status bound_file(const char *folder, size_t row, char text[TEXT], bool *there, ost_error *err)
 {
     folder_about about;
@@ -61,10 +61,10 @@ ost_status log_end(bundle *b, const json_t *summary, ost_error *err)
     return status == OST_OK ? bundle_log(b, "ended", err, "files written") : status;
 }
 
-/* --------------------------------------------------------------- checking */
+/* ------------------------------------------------------- checking the log */
 
 typedef struct reader {
-    char *at;   /* the remaining log */
+    char *at;   /* the part of the log that has not been read yet */
     int number; /* number of the last line that was read */
     char *time, *action, *detail;
     char last_time[32];

@@ -9,8 +9,8 @@
  *   file             NAME SHA-256, of each file that folder.c binds, sorted
  *   ended            files written
  *
- * The lines "file" bind the measured files (tools, bill of materials, devices,
- * environment, times) to the run of this log: a file of another run is detected.
+ * The `file` lines bind the measured files (tools, bill of materials, devices,
+ * environment, times) to the run of this log, so that a file from another run is detected.
  * The chain (bundle.h) binds the lines to each other.
  */
 #ifndef OST_VALIDATION_LOG_H

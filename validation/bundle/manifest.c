@@ -146,7 +146,7 @@ char *manifest_text(const json_t *manifest)
     return line;
 }
 
-/* Makes {name: row} of a manifest; owned by the caller. */
+/* Makes an object {name: row} from a manifest; owned by the caller. */
 static json_t *rows_by_name(const json_t *manifest)
 {
     const json_t *files = json_object_get(manifest, "files");

@@ -67,7 +67,7 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
         json_decref(common);
     }
     if (status == OST_OK && strncmp(name, "1/", 2) == 0)
-        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* a bundle of selected cases lacks it */
+        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* absent from a bundle of selected cases */
     if (status == OST_OK && strncmp(name, "1/", 2) == 0 && json_object_get(protocol, "suite")) {
         m->suite_limit = json_incref(json_object_get(protocol, "suite"));
         status = bundle_find_json(folder, SUITE_FILE, &m->suite, err);

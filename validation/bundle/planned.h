@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Checks a bundle's protocol and cases against the plan of its tier, seed, shard
- * and options.  This program makes that plan again for the check.
+ * and options.  For the check, this program makes that plan again.
  *
  *   protocol.json --tier, seed, shard, only, case--> plan --> the protocol again: every key must be equal
  *                                                      '--> the cases of cases.jsonl, in this order, with the inputs
  *                                                           of the plan (except those of the user's own files)
- *   devices.json, tools.json, environment.json, times.json, sensitivity.json: must be of this run, if they name one
+ *   devices.json, tools.json, environment.json, times.json, sensitivity.json: if they name a run, it must be this one
  *
  * This detects a smoke campaign labelled as standard, a missing case or backend,
  * and a file of another run or another build.

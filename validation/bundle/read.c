@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reading the files of a bundle. */
+/* Reads the files of a bundle. */
 #include "validation/bundle/bundle.h"
 
 #include <fcntl.h>

@@ -70,7 +70,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     return status;
 }
 
-/* ----------------------------------------------------------------- shards */
+/* -------------------------------------------------------- files of shards */
 
 /* Writes the shard of the bundle's protocol: "2/8". */
 static ost_status shard_name(const char *folder, char name[32], ost_error *err)
@@ -148,7 +148,7 @@ ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost
     return status == OST_OK ? merge_one(folder, TOOLS_FILE, true, sink, user, err) : status;
 }
 
-/* ---------------------------------------------------------------- derived */
+/* ---------------------------------------------------------- derived files */
 
 /* Reads a JSON file. *out is NULL if the file is absent or exceeds the limits; linked_check reports this. */
 static ost_status find_json(const char *folder, const char *name, json_t **out, ost_error *err)

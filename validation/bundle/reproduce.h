@@ -5,9 +5,9 @@
  *
  *   campaign's differences --minimise--> cases/session-1-backend-2.json
  *
- * Only the first difference of each stage and class is taken for every backend,
- * and only a limited number in all: a defective backend differs everywhere in
- * the same way.
+ * For every backend, only the first difference of each stage and class is reduced,
+ * because a defective backend differs in the same way everywhere.  The total number
+ * of small cases is limited, too.
  */
 #ifndef OST_VALIDATION_REPRODUCE_H
 #define OST_VALIDATION_REPRODUCE_H

@@ -30,7 +30,8 @@ typedef struct claim {
     char by[SIGN_TEXT_MAX + 1], meaning[SIGN_TEXT_MAX + 1], time[SIGN_TIME];
 } claim;
 
-/* Adds "CASE on BACKEND", the name in results.tap, to the list of its result. Returns false if memory is exhausted. */
+/* Adds "CASE on BACKEND", the name used in results.tap, to the list `passed` or `failed`. Returns false if memory is
+   exhausted. */
 static bool sort_result(const char *id, const char *backend, const char *verdict, json_t *passed, json_t *failed)
 {
     char name[400];
@@ -41,8 +42,9 @@ static bool sort_result(const char *id, const char *backend, const char *verdict
                                  json_string(name)) == 0;
 }
 
-/* Returns PASSED if all results are equal and the run is evidence, and WARNED if they are equal but the run is reduced.
-   Otherwise returns FAILED, also if nothing was compared or the run is not complete. */
+/* Returns PASSED if all results are equal and the campaign covers enough to be evidence, and WARNED if all results
+   are equal but the campaign covers too little. Otherwise returns FAILED, also if nothing was compared or the
+   campaign is incomplete. */
 static const char *result_of(const json_t *summary)
 {
     if (!json_is_true(json_object_get(summary, "equal")))
@@ -203,7 +205,7 @@ ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, 
     return status;
 }
 
-/* -------------------------------------------------------------- checking */
+/* --------------------------------------------------- checking signatures */
 
 typedef struct check {
     const char *folder;

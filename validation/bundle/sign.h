@@ -28,7 +28,8 @@ typedef struct sign_key sign_key;
 ost_status sign_key_open(const char *path, const char *passphrase, sign_key **out, ost_error *err);
 void sign_key_free(sign_key *key); /* NULL is allowed */
 
-/* Maximum length in bytes of a signer's name and of a meaning; size of a file name. */
+/* SIGN_TEXT_MAX: maximum length in bytes of a signer's name and of a meaning. SIGN_NAME: size of a buffer for a file
+   name. */
 enum { SIGN_TEXT_MAX = 200, SIGN_NAME = 128 };
 
 /*
@@ -48,8 +49,9 @@ ost_status sign_trust_open(const char *const paths[], int count, const char *aut
 void sign_trust_free(sign_trust *trust); /* NULL is allowed */
 
 /*
- * Checks every file in signatures/.  With trust there must be a signature, and each must be by one of its keys; without
- * trust (NULL) envelopes are read and compared with the bundle, but no signature is verified.
+ * Checks every file in signatures/.  If trust is not NULL, there must be a signature, and
+ * each must be by a trusted key.  If trust is NULL, envelopes are read and compared with the
+ * bundle, but no signature is verified.
  * *out: [{file, by, meaning, claimed_time, result, keys[], checked, time_stamp}]; owned by the caller.
  */
 ost_status sign_check(const char *folder, const sign_trust *trust, bundle_problem *problem, void *user, int *found,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Keys of signatures: Ed25519 (RFC 8032) and ECDSA over P-256 with SHA-256, as PEM files. */
+/* Signing keys: Ed25519 (RFC 8032) and ECDSA over P-256 with SHA-256, as PEM files. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -122,7 +122,7 @@ static bool is_trusted(const sign_trust *t, const char *fingerprint)
     return false;
 }
 
-/* Reads every block PUBLIC KEY of a PEM file. */
+/* Reads every PUBLIC KEY block of a PEM file. */
 static ost_status trust_file(const char *path, sign_trust *t, ost_error *err)
 {
     char *bytes;

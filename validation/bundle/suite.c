@@ -81,7 +81,7 @@ void suite_count(json_t *o)
         json_object_set_new(o, results[r], json_integer(count_of(o, results[r])));
 }
 
-/* ---------------------------------------------------------------- checking */
+/* ----------------------------------------------------- checking suite.json */
 
 typedef struct check {
     bundle_problem *problem;

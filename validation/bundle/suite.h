@@ -7,8 +7,9 @@
  * suite.json has one object for each test that a requirement names, sorted by
  * path: result, exit status, seconds, and size and SHA-256 of its output.  The
  * result follows from the status as in automake's harness: 0 is passed, 77 is
- * skipped, anything else, and a test that was stopped, is failed.  protocol.json
- * states that the suite is to be run, so that a missing file is detected.
+ * skipped, any other status is failed.  A test that was stopped is failed, too.
+ * protocol.json states that the suite is to be run, so that a missing file is
+ * detected.
  */
 #ifndef OST_VALIDATION_BUNDLE_SUITE_H
 #define OST_VALIDATION_BUNDLE_SUITE_H

@@ -64,8 +64,8 @@ static bool has_word(const char *words, const char *word)
 
 typedef struct outcome {
     json_int_t equal;     /* number of records of the cases in which a backend was equal, over all backends */
-    json_int_t different; /* cases in which a backend first differed at this stage */
-    json_int_t known;     /* records of the reference */
+    json_int_t different; /* number of cases in which a backend first differed at this stage */
+    json_int_t known;     /* number of records of the reference */
 } outcome;
 
 typedef struct outcomes {
