@@ -24,7 +24,8 @@ static void record_list(lab *l, const char *name, const char *requirements, cons
                list(got, count, b));
 }
 
-/* Scatters samples of a 2 x 2 x 2 grid, spacing 1, 1, 2 mm from (10, 20, 30), in reverse order, one of them twice. */
+/* Scatters the samples of a 2 x 2 x 2 grid in reverse order, one of them twice. The grid has the spacing 1, 1, 2 mm
+   and the origin (10, 20, 30). */
 static void scatter(lab *l)
 {
     static const int16_t expected[8] = {101, 102, 103, 104, 105, 106, 107, 108};
@@ -59,7 +60,7 @@ static void scatter(lab *l)
  * layers, the first at (1 - 2.5) / 2 = -0.75 mm. Linear: t = (2 k - 1.5) / 5 is
  * below 0, then 0.1, 0.5, 0.9, 1.3, 1.7, then 2 and beyond: 119.5 is a tie and
  * becomes 120, and 120 + 180 x 0.3 = 174, 120 + 180 x 0.7 = 246. Nearest:
- * floor((2 k + 1) / 5), at most 2. Thesis: floor(k / 2.5). The threshold follows.
+ * floor((2 k + 1) / 5), at most 2. Thesis: floor(k / 2.5). Then the threshold is applied.
  */
 static void layers(lab *l)
 {
@@ -156,8 +157,8 @@ static void gone(lab *l, const char *name, const char *what, const char *expecte
                "%d of 512 voxels as expected, %d removed", right, removed);
 }
 
-/* A row under the tool classes cutting, cutting, cutting, not cutting and void. Density classes are half-open, so
-   150 is cancellous and 650 cortical. */
+/* A row of bone voxels lies under tool voxels of the classes cutting, cutting, cutting, not cutting and void.
+   Density classes are half-open, so 150 is cancellous and 650 cortical. */
 static void classes(lab *l)
 {
     static const int16_t expected[5] = {0, 0, 0, 700, 700};
@@ -241,7 +242,8 @@ static void digests(lab *l)
                strcmp(tool_hex, tool_expected) == 0, tool_expected, "%s", tool_hex);
 }
 
-/* The example of section 11: |d|^2 = 2.5 * 10^17, and n = 3 is the least n with 10^18 <= n^2 * 2.209 * 10^17. */
+/* The example of docs/spec/arithmetic.md, section 11: |d|^2 = 2.5 * 10^17, and n = 3 is the least n with 10^18 <=
+   n^2 * 2.209 * 10^17. */
 static void sweep(lab *l)
 {
     const ost_pose a = ost_pose_identity();

@@ -24,8 +24,8 @@ typedef struct lab {
     ost_error *err;
 } lab;
 
-/* Adds the result of a check. requirements are separated by blanks. Only `passed` decides; expected and got are for
-   readers. */
+/* Adds the result of a check. Names in `requirements` are separated by blanks. Only `passed` determines the result;
+   `expected` and `got` are texts for readers. */
 void lab_record(lab *l, const char *kind, const char *name, const char *requirements, const char *what, bool passed,
                 const char *expected, const char *got, ...) OST_PRINTF(8, 9);
 
@@ -35,7 +35,7 @@ ost_geometry lab_cube(int32_t nx, int32_t ny, int32_t nz, ost_pm spacing);
 ost_tool *lab_tool(lab *l, ost_dims dims, ost_pm voxel, ost_pm3 corner, uint8_t tool_class);
 ost_tool *lab_random_tool(lab *l, draw *d, ost_dims dims, ost_pm voxel, ost_pm3 corner);
 ost_pose lab_random_pose(lab *l, draw *d, ost_pm size);
-/* Fills voxels with densities from 120 to 1000, one in four below the threshold. */
+/* Fills voxels with random densities: 0 in one voxel out of four, 120 to 1000 in the others. */
 void lab_fill(draw *d, int16_t *voxels, int64_t count);
 
 /* Makes a bone of `voxels`, runs one event with these poses, and writes the resulting bone to `voxels`. report may be

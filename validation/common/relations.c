@@ -53,7 +53,7 @@ static int64_t differ(const int16_t *a, const int16_t *b)
 
 typedef struct law {
     const char *name, *requirements, *what;
-    void (*two_ways)(lab *l, draw *d, scene *s); /* makes the two results s->a and s->b */
+    void (*two_ways)(lab *l, draw *d, scene *s); /* computes s->a and s->b in two ways that must give equal results */
 } law;
 
 static void chunk_sizes(lab *l, draw *d, scene *s)
@@ -99,8 +99,8 @@ static void moved(lab *l, draw *d, scene *s)
     lab_remove(l, &s->g, 32, s->b, s->tool, s->poses, POSES, NULL);
 }
 
-/* Moves the tool by complete voxels in its own frame, and the pose (not turned) by the same distance in the opposite
-   direction. */
+/* Moves the tool by complete voxels in its own frame. Moves the pose, which has no rotation, by the same distance in
+   the opposite direction. */
 static void shifted(lab *l, draw *d, scene *s)
 {
     ost_tool_volume v = {.voxels = NULL};
@@ -205,7 +205,8 @@ static void mesh_laws(lab *l)
         if (l->status == OST_OK) {
             reversed += differ_tools(&v[0], &v[1]);
             for (int64_t i = 0; i < ost_dims_count(grid.dims); i++) {
-                halves += (v[2].voxels[i] + v[3].voxels[i]) != v[0].voxels[i]; /* in exactly one half */
+                /* a voxel of the box must be in exactly one half */
+                halves += (v[2].voxels[i] + v[3].voxels[i]) != v[0].voxels[i];
                 solid += v[0].voxels[i];
             }
             moved_by += differ_tools(&v[0], &v[4]);

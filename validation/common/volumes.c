@@ -9,7 +9,7 @@
 
 #define PI 3.14159265358979323846
 
-/* 7 x 5 x 3 mm at 0.5 mm: the faces lie on borders of voxels, so 14 x 10 x 6 centres are inside. */
+/* A box of 7 x 5 x 3 mm with voxels of 0.5 mm: its faces lie on voxel borders, so 14 x 10 x 6 centres are inside. */
 static void box(lab *l)
 {
     ost_mesh mesh;
@@ -82,7 +82,8 @@ static void ball(lab *l)
     ost_mesh_free(&mesh);
 }
 
-/* A cube of 4 mm moves from x = 2 to x = 26 in steps of less than a voxel: 28 x 4 x 4 voxels of 1 mm, without a gap. */
+/* A cube of 4 mm moves from x = 2 to x = 26 in steps of less than a voxel. It must remove 28 x 4 x 4 voxels of 1 mm,
+   without a gap. */
 static void slot(lab *l)
 {
     enum { STEPS = 61 };
