@@ -15,14 +15,15 @@ typedef struct deviant {
     deviation how;
     deviation_record record;
     uint64_t calls[DEVIATION_STAGES];
-    /* of the current call */
+    /* stage of the current call */
     deviation_stage stage;
     uint64_t call;
     ost_dims dims;
     int chunk_size; /* 0 if there are no chunks */
 } deviant;
 
-/* Begins a new call of the stage on a grid with these dims. Does nothing if m is NULL. */
+/* Called when the stage begins to process a grid with these dims; this call of the stage becomes the current call.
+   Does nothing if m is NULL. */
 void deviant_begin(deviant *m, deviation_stage stage, ost_dims dims, int chunk_size);
 /* Makes an earlier call of the stage the current call again. Does nothing if m is NULL. */
 void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims dims, int chunk_size);

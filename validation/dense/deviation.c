@@ -22,7 +22,7 @@ const char *deviation_stage_name(deviation_stage stage)
     return names[stage];
 }
 
-/* --------------------------------------------------------------- at work */
+/* ------------------------------------------------------ the current call */
 
 void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims dims, int chunk_size)
 {
@@ -72,7 +72,7 @@ bool deviant_thesis(const deviant *m, bool *fused)
     return *fused || (m && m->how.kind == DEVIATION_THESIS_F32);
 }
 
-/* ---------------------------------------------------------------- places */
+/* ------------------------------------------------------------- positions */
 
 static int64_t number(const ost_dims d, int32_t x, int32_t y, int32_t z)
 {

@@ -265,7 +265,7 @@ const char *deviation_stage_name(deviation_stage stage);
  * if the position is not a voxel, but a line of the report or a complete call.
  * chunk is the bone's chunk; -1 if there is none.  If one call has several
  * positions, the least voxel in the order of AR-GRID-2, the least leaf and the least
- * chunk are stored, each independently of the others.
+ * chunk are stored, each independently.
  */
 typedef struct deviation_position {
     deviation_stage stage;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Determines the tool voxel of every active bone voxel at one pose (AR-MAP).  Works
- * by blocks, as in docs/spec/arithmetic.md, and in 64 bits, but without far blocks
- * and without the event's boxes, so that voxels which these omit by mistake are
- * found.  A block is skipped only if the coordinates of all its corners lie beyond
- * one side of the tool, which is sufficient because the coordinates are linear.
+ * Determines the tool voxel of every active bone voxel at one pose (AR-MAP).  The bone
+ * is processed in blocks, as in docs/spec/arithmetic.md, with 64-bit integers.  The
+ * rule of far blocks and the event's boxes are not used, so that voxels which a backend
+ * omits because of them by mistake are found.  A block is skipped only if the
+ * coordinates of all its corners lie beyond one side of the tool.  This is sufficient
+ * because the coordinates are linear.
  */
 #include "validation/dense/parts.h"
 
@@ -151,7 +152,7 @@ static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
     return false;
 }
 
-/* Marks the voxels of a block. previous is the base of the previous block, which is used by the kind MISSED_BARRIER. */
+/* Marks the voxels of a block. previous is the base of the previous block, which the mistake MISSED_BARRIER uses. */
 static void map_block(const pose *p, const dense_bone *bone, const dense_tool *tool, uint64_t item, const int32_t f[3],
                       const int64_t base[3], const int64_t previous[3], bool wraps, dense_marks marks)
 {

@@ -87,8 +87,8 @@ static inline int128 dense_floor(int128 n, int128 d)
     return -((-n + d - 1) / d);
 }
 
-/* Returns the integer nearest to n / d, or the even one if two integers are equally near. Compares twice the remainder
-   with d; d is below 2^98 in all uses. */
+/* Returns the integer nearest to n / d, or the even one if two integers are equally near. Compares twice the
+   remainder with d, which is below 2^98 in all uses. */
 static inline int128 dense_nearest(int128 n, int128 d)
 {
     const int128 below = dense_floor(n, d), twice = 2 * (n - below * d);
@@ -99,9 +99,10 @@ static inline int128 dense_nearest(int128 n, int128 d)
     return below % 2 == 0 ? below : below + 1;
 }
 
-/* ------------------------------------------------------------- the parts */
+/* ------------------------------------------------ functions of the parts */
 
-/* Records the changes that the deviation made in a rect grid, once after its last batch. */
+/* Called after the last batch of a rect grid. Records the changes that the deviation made in the grid. Further calls
+   for the grid have no effect. */
 void dense_grid_finish(dense_grid *grid);
 
 ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
@@ -162,7 +163,7 @@ static inline void dense_mark(const dense_bone *bone, dense_marks marks, const i
 void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map,
                     const ost_voxel_box *box, int number, dense_marks marks);
 
-/* ----------------------------------------------------------- the thesis */
+/* ----------------------------------------- the arithmetic of the thesis */
 
 /* Computes Alg. 2.4 on the grid of Alg. 2.3. Returns false if the sample lies beyond the end of the array. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3]);

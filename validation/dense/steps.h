@@ -70,8 +70,8 @@ typedef struct steps_history {
     const ost_tick *ticks; /* borrowed */
     size_t *taken;         /* owned; indices of the ticks that were not refused */
     size_t count;
-    size_t begin[STEPS_TOOLS]; /* for each tool, index into taken of the pose at which its next sweep begins */
-    size_t last_event;         /* index into taken */
+    size_t begin[STEPS_TOOLS]; /* for each tool, index into `taken` of the pose at which its next sweep begins */
+    size_t last_event;         /* index into `taken` */
 } steps_history;
 
 typedef struct steps_event {

@@ -36,7 +36,7 @@ bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *
         ost_pm least = 0, most = 0;
         if (voxel < 1000000 || voxel > 100000000000 || !ends(meshes, a, &least, &most))
             return false;
-        /* In voxels: RHE(least / s - 1/2) - 1 and RHE(most / s + 1/2) + 1. */
+        /* In voxels, the ends of the grid are RHE(least / s - 1/2) - 1 and RHE(most / s + 1/2) + 1. */
         const wide s = wide_of(voxel), two_s = wide_of(2 * voxel);
         const wide near = wide_minus(wide_nearest(wide_minus(wide_of(2 * least), s), two_s), wide_of(1));
         const wide far = wide_plus(wide_nearest(wide_plus(wide_of(2 * most), s), two_s), wide_of(1));

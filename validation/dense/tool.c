@@ -43,7 +43,7 @@ void dense_tool_free(ost_tool *base)
 
 /* ------------------------------------------------------------- one row */
 
-/* The way in which a call reads its meshes. */
+/* The way in which a call reads its meshes, correctly or with a mistake. */
 typedef struct manner {
     deviant *m;
     bool own;     /* true if m makes a mistake in this stage */
@@ -169,7 +169,8 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
 
 /* ------------------------------------------------------------- all rows */
 
-/* Writes the solid voxels of one mesh. Where the kind UNCLEARED_COUNTS acts, the counts of the previous row remain. */
+/* Writes the solid voxels of one mesh. Where the mistake UNCLEARED_COUNTS is made, the counts of the previous row
+   remain. */
 static void add_mesh(const manner *how, const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t tool_class,
                      const row *r, uint8_t *voxels, ost_voxelize_report *report)
 {
