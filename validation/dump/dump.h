@@ -10,8 +10,9 @@
  *   reference's trace, DIR --dump_trace--> a trace to compare with it
  *   trace --dump_write--> DIR
  *
- * Grids that a dump lacks are not compared: its trace gets the reference's
- * records there, which are marked (trace.h).  A dump never contains reports.
+ * Grids that a dump lacks are not compared.  In their place its trace contains the
+ * reference's records, which are marked as stand-ins (trace.h).  A dump never
+ * contains reports.
  */
 #ifndef OST_VALIDATION_DUMP_H
 #define OST_VALIDATION_DUMP_H
@@ -23,7 +24,7 @@ enum { DUMP_NAME = 200 };
 typedef struct dump_head {
     plan_tier tier;
     uint64_t seed;
-    char only[PLAN_ID];       /* prefix of the ids of its cases, as plan_make takes it; "" for all cases */
+    char only[PLAN_ID];       /* prefix of the ids of the dump's cases, as plan_make takes it; "" for all cases */
     char program[DUMP_NAME];  /* the program that made the dump, one line */
 } dump_head;
 

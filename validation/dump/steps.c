@@ -33,7 +33,7 @@ enum {
 
 /* ---------------------------------------------------------- values of members */
 
-/* The file that is read. After the first mistake, which is described in err, all functions that read members return
+/* The file that is read. After the first error, which is described in err, all functions that read members return
    false. */
 typedef struct reader {
     const char *path;
