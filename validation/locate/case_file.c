@@ -161,7 +161,7 @@ ost_status case_of_json(const json_t *o, const char *where, const plan_user *use
     return status;
 }
 
-/* ------------------------------------------------------------------ writing */
+/* ----------------------------------------------------------- writing a case */
 
 static json_t *list_json(const cut_list *list)
 {
@@ -208,7 +208,7 @@ json_t *case_to_json(const plan_case *c, const scene_cut *cut)
     return o;
 }
 
-/* ------------------------------------------------------------------ reading */
+/* ----------------------------------------------------------- reading a case */
 
 static ost_status load(const char *path, json_t **out, ost_error *err)
 {

@@ -8,7 +8,7 @@
  *             "ticks": [[from, to], ...], "no_tools": [0], "triangles": [[tool, part, from, to], ...]},
  *    "shows": {...}}
  *
- * Without "keep" the file is the entire case.  Ranges are half-open and ascending.
+ * Without "keep" the entire case is retained.  Ranges are half-open and ascending.
  * "shows" is only information and has no effect.  A file with several cases is an
  * object with "cases", a list of such objects.  Files are not trusted, so all their
  * values are checked.

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* The table was made with osteon validate --faults-only --tier standard --json, seed 1: 2,767 mistakes changed a
-   result. test_locate makes the table again. */
+   result. test_locate computes the table again. */
 static const causes known[] = {
     {"byte-order", 49, 1, {{"byte-order", 49}}},
     {"axis-swap", 66, 2, {{"swapped-axis", 64}, {"excluded-crossing", 2}}},

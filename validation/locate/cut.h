@@ -16,7 +16,7 @@
 
 enum { CUT_RANGES = 64 };
 
-/* Half-open ranges, ascending and disjoint. If the member `some` is false, all items are retained. */
+/* Half-open ranges, ascending and disjoint. If `some` is false, all items are retained. */
 typedef struct cut_list {
     bool some;
     int count;
@@ -29,7 +29,8 @@ struct scene_cut {
     int32_t lo[3], hi[3]; /* range of voxels of the rect grid */
     cut_list samples, ticks;
     uint32_t no_tools;    /* one bit per tool: 1 if it is removed */
-    cut_list triangles[SCENE_TOOLS_MAX][2]; /* second index 0: cutting mesh, 1: mesh that does not cut */
+    /* ranges of triangles for each tool and mesh; mesh 0 cuts, mesh 1 does not cut */
+    cut_list triangles[SCENE_TOOLS_MAX][2];
 };
 typedef struct scene_cut scene_cut;
 

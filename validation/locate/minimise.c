@@ -204,7 +204,8 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
     return try_all(j, &list, found, err);
 }
 
-/* Finds the rect voxel that contains the centre of a bone voxel. The rule linear also reads its neighbours. */
+/* Finds the rect voxel that contains the centre of a bone voxel. The `linear` rule also reads the neighbours of this
+   voxel. */
 static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3], int32_t at[3])
 {
     const ost_pm spacing[3] = {s->rect.spacing.x, s->rect.spacing.y, s->rect.spacing.z};

@@ -23,7 +23,7 @@ static void add(operands *o, const char *name, const char *format, ...)
     va_end(args);
 }
 
-/* ------------------------------------------------------------------- rect */
+/* ---------------------------------------------------------- the rect grid */
 
 static void rect_operands(const scene *s, const compare_difference *d, operands *o)
 {
@@ -53,7 +53,7 @@ static void rect_operands(const scene *s, const compare_difference *d, operands 
         add(o, "duplicates", "%s", rules[s->duplicates]);
 }
 
-/* ------------------------------------------------------------------ cubic */
+/* --------------------------------------------------------- the cubic grid */
 
 /* Adds the operands of a voxel of TRACE_CUBIC, or of TRACE_RESAMPLE, whose source is the cubic grid. */
 static void cubic_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
@@ -105,7 +105,7 @@ static void cubic_operands(const scene *s, const trace *ref, compare_range in_re
             (long long)ost_rhe_div(sum, INT64_C(1) << 45));
 }
 
-/* ----------------------------------------------------------------- chunks */
+/* ------------------------------------------------------------- the chunks */
 
 static void chunk_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
                            operands *o)
@@ -122,7 +122,7 @@ static void chunk_operands(const scene *s, const trace *ref, compare_range in_re
         density >= s->threshold ? "active, stored as it is" : "below it, stored as 0");
 }
 
-/* ------------------------------------------------------------------- tool */
+/* ----------------------------------------------------------------- a tool */
 
 typedef struct crossing_sums {
     int32_t winding, total;
@@ -137,7 +137,7 @@ static bool owns(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
     return e > 0 || (e == 0 && (dz < 0 || (dz == 0 && dy > 0)));
 }
 
-/* Computes AR-VOX-1 to 3 of one triangle for the row of voxel v. The ranges are those of src/cpu/ref/voxelize.c. */
+/* Computes AR-VOX-1 to 3 for one triangle and the row of voxel v. The ranges are those of src/cpu/ref/voxelize.c. */
 static void cross(const ost_snapped_mesh *m, size_t t, const int32_t v[3], const char *part, crossing_sums *sums,
                   operands *o)
 {
@@ -205,7 +205,7 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
         mesh_operands(&t->noncutting, t->rule, d->voxel, "not cutting", o);
 }
 
-/* ------------------------------------------------------------------- tick */
+/* ----------------------------------------------------------------- a tick */
 
 /* The poses of a tick's event, determined as in ost_world_step. */
 typedef struct event_poses {

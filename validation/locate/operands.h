@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The operands that determined a voxel, which a developer would print first. They
- * are computed again by the reference's arithmetic from the case's inputs and
+ * The operands from which a voxel was computed, which a developer would print first.
+ * They are computed again by the reference's arithmetic from the case's inputs and
  * the reference's own results of the previous stages.
  *
  *   rect     the samples of the voxel, and the rule for duplicates             AR-CT

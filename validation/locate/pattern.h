@@ -12,7 +12,7 @@
  * reference's grid and B the other one.
  *
  *   byte-order      every voxel of D is the correct one with its two bytes swapped
- *   axis-swap       B is A with axes exchanged or reversed, or memory was read in another order of the axes
+ *   axis-swap       B is A with axes exchanged or reversed, or memory was read with the axes in a different order
  *   shift           every voxel of D has the value of its neighbour in one common direction, or the value that
  *                   results if another voxel of the input is resampled
  *   row-pitch       D has the values that would be read if rows in memory were longer or shorter than they are

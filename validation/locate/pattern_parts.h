@@ -10,7 +10,7 @@
 
 #include "validation/locate/pattern.h"
 
-/* A pattern is not significant if fewer than this number of voxels have it. */
+/* A pattern that holds for fewer voxels than this is not significant. */
 enum { PATTERN_TELLING = 8 };
 
 /* The view, and the properties of D that all rules use. */

@@ -7,16 +7,17 @@
 
 static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
-/* A wrong way to read the input: at an offset of `step` voxels, with the axes in another order in memory, and with rows
-   (along x) of another length. */
+/* A wrong way to read the input: at an offset of `step` voxels, with the axes in a different order in memory, and
+   with rows (along x) of a different length. */
 typedef struct reading {
     int step[3];
     const int *order;
     int64_t row; /* length of a row; 0: the correct length */
 } reading;
 
-/* Resamples voxel p with the input read as in *how. Returns false if a source voxel is outside the input's dims.
-   Another order of axes or another row length can give an index beyond the input's memory; such a voxel reads as 0. */
+/* Resamples voxel p with the input read as in *how. Returns false if a source voxel is outside the input's dims. A
+   different order of axes or a different row length can give an index beyond the input's memory; a voxel with such
+   an index reads as 0. */
 static bool resample_as(const pattern_view *v, const int32_t p[3], const reading *how, int16_t *out)
 {
     const ost_dims d = v->in_dims;
