@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sections besides the comparison: common mistakes, the build, and requirements. */
+/* Writes the sections on common mistakes, on the build and on requirements. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,7 +84,7 @@ void section_common(const page *p)
     json_decref(o);
 }
 
-/* ------------------------------------------------------------ made with */
+/* ---------------------------------------------------- build and machine */
 
 static void device_rows(const page *p)
 {

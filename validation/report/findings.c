@@ -99,7 +99,7 @@ static void reproduction(const page *p, const json_t *backend, const json_t *r)
     fputs("</pre>\n", p->to);
 }
 
-/* Writes the operands that decided the first voxel, as computed by the reference. */
+/* Writes the operands from which the reference computed the first differing voxel. */
 static void operand_table(const page *p, const json_t *r)
 {
     const json_t *list = json_object_get(r, "operands"), *voxel = json_object_get(r, "voxel");

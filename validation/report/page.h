@@ -23,7 +23,8 @@ typedef struct page {
     ost_error *unread; /* error of the first file of the bundle that could not be read; the page is then not written */
 } page;
 
-/* Writes text escaped for HTML, inside text and quoted attributes; control characters become '?'. */
+/* Writes text escaped for HTML, both for the text of elements and for quoted attributes; control characters become
+   '?'. */
 void page_text(const page *p, const char *text);
 /* Writes a number as 12,345. */
 void page_count(const page *p, json_int_t value);

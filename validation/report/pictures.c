@@ -10,7 +10,7 @@
 #include "validation/report/triplet.h"
 #include "validation/scene.h"
 
-/* Widths in pixels; number of differing records that are searched for voxels. */
+/* VIEW and SLICE: widths of pictures in pixels. TRIED: number of differing records that are searched for voxels. */
 enum { VIEW = 480, SLICE = 420, TRIED = 16 };
 
 void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, picture_role role)

@@ -257,7 +257,7 @@ static void operation(const page *p)
     fputs(".</p>\n", p->to);
 }
 
-/* ------------------------------------------------- doing it, checking it */
+/* --------------------------------------------------- checking the bundle */
 
 static void checking(const page *p)
 {

@@ -89,7 +89,7 @@ static void draw_panel(const triplet *t, picture_role role, int across, int down
             const int16_t ref = at_voxel(t->reference, at), got = at_voxel(t->got, at);
             uint8_t *rgb = out->rgb + 3 * ((size_t)y * (size_t)out->width + (size_t)(left + x));
             uint8_t grey = grey_of(t, role == PICTURE_GOT ? got : ref);
-            if (role == PICTURE_DIFFERENCE) /* paler, so that the marks are distinct */
+            if (role == PICTURE_DIFFERENCE) /* draws densities paler, so that the marks are distinct */
                 grey = (uint8_t)(170 + grey / 4);
             memset(rgb, grey, 3);
             if (role == PICTURE_DIFFERENCE && ref != got)

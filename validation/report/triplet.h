@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Three pictures of one position in two volumes: the reference's, the other's,
+ * Three pictures of one position in two volumes: the reference, the other volume,
  * and the difference.  Each has an axial, a coronal and a sagittal slice through
  * the position with the most differences.  A voxel is a square, so that a single
  * difference is visible; the kind of a difference is shown by pattern and colour.
