@@ -126,7 +126,7 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu results", cells);
     if (status == OST_OK)
         status = dumps_check(out, err);
-    if (status == OST_OK) /* space for the traces of all workers and of the references, and a reserve */
+    if (status == OST_OK) /* requires space for the traces of all workers and of the references, and a reserve */
         status = scratch_check_space(cut_batches(&r) * (uint64_t)(out->jobs + ALIVE), err);
     if (status == OST_OK)
         status = run_all(&r, err);

@@ -46,7 +46,7 @@ typedef struct case_result {
     case_verdict verdict;
     compare_difference difference; /* valid for CASE_DIFFERS */
     margins *margins;              /* owned; for CASE_DIFFERS; NULL if not measured */
-    uint32_t own_steps;            /* number of records of the stages snap and steps that the backend made itself */
+    uint32_t own_steps;            /* number of records of the stages `snap` and `steps` that the backend made itself */
     finding *found;                /* owned; details of the difference for CASE_DIFFERS; NULL if there are none */
     char text[200];
     ost_digest made; /* SHA-256 of the digest lines of this backend's results (digests_of_case); valid if has_made */
@@ -79,7 +79,8 @@ typedef struct campaign {
     const subject_list *subjects;
     /* owned; index case * subjects + subject; the reference's results record whether the reference ran */
     case_result *results;
-    trace reference;       /* trace of the batch that is judged; empty outside of the callbacks differs and done */
+    /* trace of the batch that is being judged; empty outside the callbacks `differs` and `done` */
+    trace reference;
     /* owned; digest lines (digests_of_case) of each case in the trace `reference`; NULL for other cases */
     char **lines;
     /* owned; for each case its range in the trace `reference`; count 0 if the case is not in this batch */

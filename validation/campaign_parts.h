@@ -43,8 +43,8 @@ typedef struct slot {
     int batch, subject_index, trace; /* trace: descriptor of the worker's trace */
 } slot;
 
-/* Maximum number of open batches: the one being compared, and the next ones, whose references run or have run. With
-   several open batches, a case that takes the reference long does not delay the other backends. */
+/* Maximum number of open batches: the one that is being compared, and the next ones, whose references run or have
+   run. With several open batches, a case that takes a long time on the reference does not delay the other backends. */
 enum { ALIVE = 4 };
 enum { NOBODY = -1 };
 

@@ -19,7 +19,8 @@ typedef enum compare_kind {
     COMPARE_EQUAL,
     COMPARE_VOXEL,   /* voxels differ */
     COMPARE_WORD,    /* only reported words differ */
-    COMPARE_SHAPE,   /* the record is of another kind, is additional, or has blocks without a counterpart */
+    /* the kinds of the records differ, the record is additional, or some of its blocks have no counterpart */
+    COMPARE_SHAPE,
     COMPARE_MISSING  /* the other trace has no such record */
 } compare_kind;
 
@@ -28,7 +29,7 @@ typedef struct compare_difference {
     trace_stage stage;
     uint32_t item;         /* number of the tool or tick */
     size_t word;           /* for COMPARE_WORD: index of the first word that differs */
-    uint64_t line_words;   /* words in a chunk's line of this record's report; 0 if the report has no lines */
+    uint64_t line_words;   /* number of words in a chunk's line of this record's report; 0 if the report has no lines */
     uint64_t word_ref, word_got;
     int32_t voxel[3];      /* for COMPARE_VOXEL: first differing voxel in x-fastest order over the entire grid */
     int32_t voxel_ref, voxel_got;

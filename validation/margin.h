@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes how close a decision was, for every voxel that another program
- * decided differently from the reference.  This quantifies the statement "only
- * rounding at borders".
+ * For every voxel in which another program differs from the reference, computes how
+ * near the voxel's value was to the other result.  This quantifies the statement
+ * "only rounding at borders".
  *
  *        void | solid        u   position of the point as the reference computes
  *         u   |              it, an integer in units of 2^-20 of a voxel
@@ -20,8 +20,8 @@
  *
  * A voxel is counted at the stage at which it first differs.  It is counted as
  * inherited if the stage's input (the rect grid, the tool) already differs.  A
- * density below the threshold that was kept has no border.  A difference that
- * no border explains is counted as unexplained: rounding cannot be its cause.
+ * density below the threshold that was not set to 0 has no border.  A difference for
+ * which there is no border is counted as unexplained: rounding cannot be its cause.
  */
 #ifndef OST_VALIDATION_MARGIN_H
 #define OST_VALIDATION_MARGIN_H
@@ -43,7 +43,8 @@ typedef struct margin_stage {
     uint64_t decided; /* number of voxels that have a margin */
     uint64_t inherited, below_threshold, unexplained, unmeasured;
     uint64_t bins[MARGIN_BINS];
-    uint64_t max; /* greatest margin of the decided voxels; max_item and max_voxel identify its record and voxel */
+    /* greatest margin of the voxels that have one; max_item and max_voxel identify its record and voxel */
+    uint64_t max;
     uint32_t max_item;
     int32_t max_voxel[3];
 } margin_stage;

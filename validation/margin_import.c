@@ -7,7 +7,7 @@
 #include "core/integer.h"
 #include "validation/resample.h"
 
-/* ------------------------------------------------------------------- rect */
+/* ---------------------------------------------------------- the rect grid */
 
 /* A voxel of the rect grid that differs, and the smallest distances by which samples would have to move to give the
    other backend's value. */
@@ -105,7 +105,7 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
     return OST_OK;
 }
 
-/* ------------------------------------------------------------------ cubic */
+/* --------------------------------------------------------- the cubic grid */
 
 /* The source along one axis, and the distances from the quotient to the neighbouring sources below and above. */
 typedef struct source {
@@ -122,7 +122,7 @@ static source source_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
     return x;
 }
 
-/* Returns the sum that the rule linear rounds, in units of 2^-45 of a density; |sum| <= 2^60. */
+/* Returns the sum that the `linear` rule rounds, in units of 2^-45 of a density; |sum| <= 2^60. */
 static int64_t weighted_sum(const trace_block_view *rect, const source s[3])
 {
     const resample_tap tap[3] = {s[0].tap, s[1].tap, s[2].tap};
@@ -168,7 +168,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
             margin_other(m, &m->inherited);
             continue;
         }
-        if (s[0].tap.weight || s[1].tap.weight || s[2].tap.weight) { /* a mean of densities */
+        if (s[0].tap.weight || s[1].tap.weight || s[2].tap.weight) { /* the voxel is a mean of densities */
             margin_decided(m, (uint64_t)rounding_gap(theirs, got), 0, at);
             continue;
         }
@@ -195,7 +195,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
     }
 }
 
-/* ----------------------------------------------------------------- chunks */
+/* ------------------------------------------------------------- the chunks */
 
 void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of events: the distance between a bone voxel's position in the tool and a tool voxel of the other kind, over
-   the event's poses. */
+/* Margins of events: the distance between a bone voxel's position in the tool and the nearest tool voxel that would
+   give the other result, over the event's poses. */
 #include "validation/margin_parts.h"
 
 #include <stdlib.h>
@@ -113,7 +113,7 @@ static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
     return maps;
 }
 
-/* Counts one voxel that is equal on both sides before this tick and differs after it. */
+/* Counts one voxel that is equal in both bones before this tick and differs after it. */
 static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint64_t poses, const int32_t at[3],
                         bool ref_removed, bool got_removed)
 {
@@ -163,7 +163,7 @@ static bool fits(const trace_block_view *b, ost_dims d)
 }
 
 /* Counts the voxels of a record that begin to differ at this tick. There are two passes, because the second pass
-   requires the state of both sides before the tick. */
+   requires both bones as they were before the tick. */
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err)
 {
     const uint32_t tick = a->item;

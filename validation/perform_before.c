@@ -2,7 +2,7 @@
 /*
  * Work that a process did before a case must not change the case's results. Before the import some
  * of the case's samples are scattered into a grid with a different lattice, and a grid is converted
- * to chunks of another size. Before the ticks each tool collides with a bone whose voxels have a
+ * to chunks of a different size. Before the ticks each tool collides with a bone whose voxels have a
  * different size. The results of this work are not recorded. If a backend retains state by mistake,
  * the records of the case change.
  */

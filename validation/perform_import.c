@@ -13,7 +13,8 @@ static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err
     const ost_dims dims = ost_grid_geometry(grid)->dims;
     const int32_t lo[3] = {0, 0, 0};
     int16_t *voxels = trace_block(p->w, lo, dims, 2);
-    return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK; /* else trace_end fails */
+    /* if memory is exhausted, trace_end fails */
+    return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK;
 }
 
 /* Uploads the samples, which are one per voxel and on the lattice, as slices. Each call uploads s->slices slices. */

@@ -34,8 +34,8 @@ typedef struct performer {
     ost_dims dims;         /* the bone's dims, as returned by the backend */
     int16_t *was, *is;    /* was: the bone as last recorded; is: the bone as downloaded */
     ost_removal_report collided, removed;
-    bool second;          /* true: the second implementation makes the steps, and there is no world */
-    bool light;           /* used only if second is true; true if only the steps of the ticks are made */
+    bool second;          /* true: the steps are made by the second implementation, which has no world */
+    bool light;           /* true if only the steps of the ticks are made; used only if second is true */
     ost_path path;        /* the ticks; freed by the performer if own_path is true */
     bool own_path;
     steps_history history; /* used only if second is true */
@@ -87,8 +87,8 @@ ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *gr
 ost_status perform_give_bone(performer *p, ost_error *err);
 /* Replaces tool i by the reference's tool. */
 ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
-/* Overwrites slices [z0, z1) of the bone, downloaded after tick i, with the reference's, so that a difference does not
-   affect later ticks. */
+/* Overwrites slices [z0, z1) of the bone, downloaded after tick i, with those of the reference's bone, so that a
+   difference does not affect later ticks. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
 
 /* ---- perform_before.c: these functions record nothing. They are not called with a watch, because a watch counts the
@@ -96,9 +96,9 @@ ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, o
 
 /* Scatters the case's first samples into a grid with a different lattice. */
 ost_status perform_other_lattice(performer *p, ost_error *err);
-/* Converts a small grid to chunks of another size than the case's. */
+/* Converts a small grid to chunks whose size differs from that of the case's chunks. */
 ost_status perform_other_chunks(performer *p, ost_error *err);
-/* Collides tool i with a bone whose voxels have another size. */
+/* Collides tool i with a bone whose voxel size differs from that of the case's bone. */
 ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
 /* ---- the stages */

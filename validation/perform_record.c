@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Records that several stages of a case write. */
+/* Writes the kinds of records that several stages of a case have in common. */
 #include "validation/perform_parts.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sampling, occupancy and upload of the bone of a case. A backend need not implement the occupancy. */
+/* Samples the bone of a case, reads its occupancy and uploads its slices to a second bone. A backend need not
+   implement the occupancy. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>

@@ -197,7 +197,7 @@ static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, boo
     const steps_event e = steps_next(&p->history, i, &p->grids[tick->tool], p->geometry.spacing.x);
     const ost_density_classes classes = classes_of(p);
     *refused = e.refused;
-    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* the empty range */
+    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* an empty range of chunks */
     ost_status status = record_steps(p, i, e.refused, e.removal, e.count, &e.from, err);
     *r = p->range;
     r->removal = e.removal;

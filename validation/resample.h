@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * AR-CUB along one axis, for the explanation of differences: the rect voxels
- * from which a cubic voxel is computed, and the division that selects them.
+ * Computes AR-CUB along one axis, to explain differences: the rect voxels from
+ * which a cubic voxel is computed, and the division that selects them.
  *
  *   linear    t = ((2i + 1) c - s) / (2s), clamped; voxel floor(t), and the next with weight RHE(2^15 (t - floor(t)))
  *   nearest   floor((2i + 1) c / (2s)), limited to the last voxel

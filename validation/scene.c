@@ -62,7 +62,7 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
         return scene_ct_drifting(s, d, (ost_dims){31, 24, 32}, err);
     }
     if (c->number % 6 == 0) {
-        /* Every index is an exact multiple, so a quotient that is slightly too small selects another layer. */
+        /* Every index is an exact multiple, so a quotient that is slightly too small selects a different layer. */
         s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x;
         s->resample = draw_one_in(d, 2) ? OST_RESAMPLE_LINEAR : OST_RESAMPLE_THESIS;
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};

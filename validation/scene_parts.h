@@ -22,10 +22,10 @@ ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err
 /* Makes static event `number`: a bone without void voxels, one tool and one pose. */
 ost_status scene_static(scene *s, int number, ost_error *err);
 
-/* Makes grids, meshes and ticks for a case of the family PLAN_STEPS: sweep, map, motor and snapping, without voxels. */
+/* Makes grids, meshes and ticks for a case of the PLAN_STEPS family: sweep, map, motor and snapping, without voxels. */
 ost_status scene_steps(scene *s, draw *d, int number, ost_error *err);
 
-/* Makes case `number` of the family PLAN_REACH (scene_reach.c). */
+/* Makes case `number` of the PLAN_REACH family (scene_reach.c). */
 ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
 
 /* Makes poses at which a corner of a cube of 8^3 voxels lies just inside a tool of one voxel (scene_corner.c). */
@@ -44,8 +44,9 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
 
 /*
  * Adds two closed plates, 32 voxels apart along x, and between them a non-cutting
- * box that lacks one face.  The rows of the box leak, and they pass through both
- * plates.  The corners of some triangles are collinear.
+ * box that lacks one face.  In the rows of the box, which pass through both plates,
+ * the mesh of the box is therefore not closed.  The corners of some triangles are
+ * collinear.
  */
 ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 
@@ -57,13 +58,13 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 ost_status scene_add_thin_tool(scene *s, ost_pm voxel, ost_error *err);
 
 typedef enum scene_shape {
-    SHAPE_REAMER,   /* this one and the next two are the parametric tools with a random size */
+    SHAPE_REAMER,   /* SHAPE_REAMER, SHAPE_PEG and SHAPE_BURR: the parametric tools with a random size */
     SHAPE_PEG,
     SHAPE_BURR,
     SHAPE_BOX,      /* a parallelepiped in any orientation */
     SHAPE_TWICE,    /* the same solid twice: winding number 2, void by parity */
     SHAPE_HOLLOW,   /* a solid that contains another solid whose faces are turned inside out */
-    SHAPE_OPEN,     /* a solid that lacks some of its triangles, so that rows leak */
+    SHAPE_OPEN,     /* a solid that lacks some of its triangles, so that its mesh is not closed */
     SHAPE_SOUP,     /* triangles that enclose nothing */
     SHAPE_SLIVERS,  /* thin and tiny triangles, many without area after snapping */
     SHAPE_COUNT
@@ -95,7 +96,7 @@ ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *er
 /*
  * Adds three ticks with the last tool, which is not rotated. In each tick a layer
  * of bone voxels lies within a few units of 2^-20 tool voxels of the tool's face,
- * so a backend that rounds differently removes another layer.
+ * so a backend that rounds differently removes a different layer.
  */
 ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err);
 /* Adds two ticks with the last tool, which moves through the middle of a chunk from one side to the other. In the

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cases for situations that require a certain size or position.  The cases have
- * six kinds in turn.  The last two kinds, lone and emptied, are in scene_lone.c:
+ * Cases for situations that require a certain size or position.  There are six kinds
+ * of cases, which alternate.  The last two kinds, `lone` and `emptied`, are in
+ * scene_lone.c; the others are:
  *
  *   large    a sparse CT of samples; 1025 x 65 x 65 bone voxels, made from 32
  *            slices, so that the last chunk, brick and vector along each axis has
@@ -17,8 +18,8 @@
  *            voxel off, outside, beyond 8 m, in conflict
  *   hollow   two plates with a gap of two blocks between them, swept until blocks
  *            in the gap are cut, and then moved out of the bone within one event;
- *            rows that leak in the mesh that does not cut and are closed in the
- *            other mesh; collinear corners; poses 2048 and 4096 tool voxels away,
+ *            rows in which the non-cutting mesh is not closed but the cutting mesh
+ *            is; collinear corners; poses 2048 and 4096 tool voxels away,
  *            where a base of 32 bits wraps; 73 bone voxels along x, made from 50
  *            voxels of the CT; a bar of 1024 voxels, rotated by 180 degrees, whose
  *            end lies in a block with a base beyond 2^30, whose rows are complete
@@ -47,7 +48,7 @@ static ost_status reserve_ticks(scene *s, size_t count, ost_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------- large */
+/* --------------------------------------------------------- the large cases */
 
 enum { LARGE_X = 1025, LARGE_Y = 65, LARGE_Z = 32, LARGE_SAMPLES = 140000, LARGE_BAR = 530 };
 
@@ -157,7 +158,7 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
     return status;
 }
 
-/* -------------------------------------------------------------------- rods */
+/* ----------------------------------------------------- the cases with rods */
 
 enum { RODS_X = 97, RODS_Y = 67, RODS_Z = 93, ROD_TICKS = 6 };
 
@@ -233,7 +234,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
     return status;
 }
 
-/* ----------------------------------------------------------------- refused */
+/* ------------------------------------------------------- the refused cases */
 
 static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
@@ -268,7 +269,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
     return OST_OK;
 }
 
-/* ------------------------------------------------------------------ hollow */
+/* -------------------------------------------------------- the hollow cases */
 
 enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33, HOLLOW_BAR = 1024 };
 

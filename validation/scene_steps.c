@@ -132,7 +132,8 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
                                   : middle.z) +
                         drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
         }
-        if (!handle_path && !wide && (i % 8 == 4 || i % 8 == 5)) /* 0 and then 90 degrees, the limit of AR-SWEEP-3 */
+        /* rotations by 0 and then by 90 degrees, the limit of AR-SWEEP-3 */
+        if (!handle_path && !wide && (i % 8 == 4 || i % 8 == 5))
             memcpy(q, i % 8 == 4 ? upright : quarter, sizeof q);
         if (status == OST_OK)
             status = ost_pose_from_doubles(none, q, &tick->pose, err);

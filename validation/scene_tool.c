@@ -183,7 +183,7 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     return status == OST_OK ? ost_mesh_snap(mesh, &grid, &tool->cutting, err) : status;
 }
 
-/* ------------------------------------------------------ solid to the border */
+/* ----------------------------------------------- a tool that fills its grid */
 
 /*
  * The edge a b of a small solid passes through the centre C of a row, and no
@@ -337,7 +337,7 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     return status == OST_OK ? ost_mesh_snap(leaking, &grid, &tool->noncutting, err) : status;
 }
 
-/* -------------------------------------------------------------------- thin */
+/* ------------------------------------------------------------- a thin tool */
 
 enum { THIN_X = 2, THIN_Y = 257, THIN_Z = 256, NEEDLES = 6, RING = 4 };
 

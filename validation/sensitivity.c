@@ -33,7 +33,7 @@ typedef struct witness {
 static void watch(void *user, trace_stage stage, uint32_t item)
 {
     witness *w = user;
-    /* A backend makes neither snapped meshes nor steps. The steps of an event are recorded after the event. */
+    /* A backend computes neither snapped meshes nor steps. The steps of an event are recorded after the event. */
     if (w->seen || stage == TRACE_SNAP ||
         stage == TRACE_STEPS)
         return;
@@ -184,8 +184,8 @@ static ost_status inject(const deviation *how, const scene *s, const plan_case *
     return OST_OK;
 }
 
-/* Draws the rate of a mistake. Even the lowest rate gives at least one mistake in the units of a few scenes, so that
-   most injections are triggered. */
+/* Draws the rate of a mistake: it is made in one of 2^k units on average. Even at the lowest rate, a few scenes have
+   enough units for at least one mistake, so that most injections are triggered. */
 static uint32_t drawn_rate(draw *d, deviation_kind kind)
 {
     static const struct {
@@ -202,14 +202,15 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
 
 /* The mistakes that are made in one scene. */
 typedef struct share {
-    /* range of the pass's numbered mistakes; every kind has the same share of the numbers */
+    /* numbers of the mistakes in this scene, within the pass; every kind of mistake has the same share of the
+       numbers */
     uint64_t first, count;
     const deviation *only;       /* if not NULL, only this mistake is made */
     const deviation_kind *kinds; /* if not NULL, each of these kinds is made once, and no numbered mistakes are made */
     bool everywhere;             /* true: the mistakes are made in every unit instead of at a random rate */
 } share;
 
-/* The scratch of one thread. */
+/* Scratch memory of one thread. */
 typedef struct bench {
     int files[2]; /* descriptors of the reference's trace and of the compared trace */
     char names[2][SCRATCH_NAME];

@@ -46,7 +46,8 @@ typedef struct sensitivity {
     uint64_t seed;
     sensitivity_counts all, of[DEVIATION_KINDS];
     uint64_t classes[DEVIATION_KINDS][SENSITIVITY_CLASSES];
-    /* number of kinds that changed a result; number of these kinds that were detected and located each time */
+    /* number of kinds of mistakes that changed a result; number of these kinds that were detected and located each
+       time */
     int kinds_changed, kinds_noticed;
     uint64_t clean_runs, false_alarms;
     char first_problem[300]; /* the first miss or false alarm, with the command that repeats it */

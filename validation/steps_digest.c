@@ -78,7 +78,7 @@ ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_
     return status != OST_OK ? status : closed;
 }
 
-/* ------------------------------------------------------------------ a bone */
+/* -------------------------------------------------------- digest of a bone */
 
 /* Computes the digest of the leaf whose first voxel is (x0, y0, z0). Voxels beyond the grid are 0 (AR-DIG-2). */
 static ost_status leaf_digest(const int16_t *voxels, ost_dims d, int32_t x0, int32_t y0, int32_t z0, ost_digest *out,

@@ -23,7 +23,7 @@ typedef struct steps_pose {
     ost_pose pose;
     ost_map map;
     bool near[3];        /* for each block of steps_blocks, true if it is near (AR-MAP-5) */
-    int32_t base[3][3];  /* bases of the near blocks; 0 for the others */
+    int32_t base[3][3];  /* bases of the near blocks; 0 for far blocks */
     bool reaches;        /* true if a voxel can be inside the tool's grid */
     ost_voxel_box box;   /* box of the voxels that can be inside the grid; empty if there are none */
 } steps_pose;

@@ -49,9 +49,9 @@ typedef struct subject_list {
 ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err);
 void subjects_free(subject_list *list);
 
-/* Returns the name of instruction set `isa` of the backend cpu; NULL after the last. */
+/* Returns the name of instruction set `isa` of the cpu backend; NULL after the last. */
 const char *subjects_isa(int isa);
-/* Adds the subjects of the backend cpu for a processor with the instruction sets `here`, in the order of
+/* Adds the subjects of the cpu backend for a processor with the instruction sets `here`, in the order of
    subjects_find. */
 ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, ost_error *err);
 /* Returns the options of the n-th subject of each usable OpenCL device in a tier; NULL after the last. A spec consists

@@ -25,15 +25,15 @@ extern char **environ;
 
 typedef struct running {
     pid_t pid;   /* process id, which is also the id of its process group */
-    int output_fd; /* read end of a pipe from its output; -1: closed */
+    int output_fd; /* read end of the pipe for the test's output; -1: closed */
     size_t number;
     double begun;
     json_int_t bytes;
     ost_hasher *hasher;
-    const char *stopped; /* reason for which it was stopped: "time" or "output"; "" if it was not */
+    const char *stopped; /* reason for which the test was stopped: "time" or "output"; "" if it was not stopped */
     bool line_ended;
     size_t used;
-    char line[SUITE_REASON]; /* the last line of output that is not empty */
+    char line[SUITE_REASON]; /* the last line of the test's output that is not empty */
 } running;
 
 typedef struct runner {
@@ -74,7 +74,7 @@ ost_status suite_find(const char *folder, ost_error *err)
     return find_program(folder, path, err);
 }
 
-/* ---------------------------------------------------------------- starting */
+/* ---------------------------------------------------------- starting tests */
 
 static ost_status start(runner *r, size_t number, ost_error *err)
 {
@@ -129,7 +129,7 @@ static void stop(running *t, const char *why)
     kill(-t->pid, SIGKILL);
 }
 
-/* ----------------------------------------------------------------- reading */
+/* ------------------------------------------------------ reading the output */
 
 static void store_line(running *t, const char *bytes, ssize_t count)
 {
@@ -173,7 +173,7 @@ static ost_status read_output(running *t, ost_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------ ending */
+/* ------------------------------------------------------------ ending tests */
 
 static void reason_of(const runner *r, const running *t, json_int_t status, char reason[2 * SUITE_REASON])
 {
@@ -198,7 +198,7 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
     char reason[2 * SUITE_REASON], hex[OST_DIGEST_HEX];
     ost_digest digest = {{0}};
     const json_int_t code = WIFSIGNALED(state) ? -(json_int_t)WTERMSIG(state) : (json_int_t)WEXITSTATUS(state);
-    ost_status status = read_output(t, err); /* the remaining output */
+    ost_status status = read_output(t, err); /* reads the remaining output */
     if (t->output_fd >= 0)
         close(t->output_fd);
     const ost_status closed = ost_hasher_close(t->hasher, &digest, status == OST_OK ? err : NULL);
@@ -274,7 +274,7 @@ static ost_status run_all(runner *r, ost_error *err)
         if (status == OST_OK)
             status = reap(r, err);
     }
-    for (int i = 0; i < r->count; i++) { /* after an error */
+    for (int i = 0; i < r->count; i++) { /* after an error, stops the tests that are still running */
         running *t = &r->slots[i];
         stop(t, "time");
         waitpid(t->pid, NULL, 0);

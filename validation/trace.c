@@ -82,7 +82,7 @@ bool trace_word_is_bound(trace_stage stage, size_t word)
 {
     return stage == TRACE_STEPS
                ? steps_word_is_bound(word)
-               : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10)); /* boxes_meet, range of chunks */
+               : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10)); /* boxes_meet; range of chunks */
 }
 
 bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const uint8_t *least)
@@ -97,7 +97,7 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
                                       : has >= needs;
 }
 
-/* ------------------------------------------------------------------ writing */
+/* ---------------------------------------------------------- writing a trace */
 
 /* A writer with the record that is being written. The record's counts are set when it ends. */
 struct trace_writer {
@@ -225,7 +225,7 @@ ost_status trace_end(trace_writer *w, ost_error *err)
     return OST_OK;
 }
 
-/* ------------------------------------------------------------------ reading */
+/* ---------------------------------------------------------- reading a trace */
 
 static uint64_t u64_at(const uint8_t *p)
 {

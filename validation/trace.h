@@ -41,7 +41,7 @@ typedef enum trace_stage {
     TRACE_STEPS,   /* words: the poses of a tick's event and the map of each pose (steps_record.h) */
     TRACE_TICK,
     TRACE_SAMPLE,  /* words: densities of single voxels (even items), a hash of each chunk's occupancy (odd items) */
-    TRACE_UPLOAD,  /* a second bone, uploaded as slices of the first */
+    TRACE_UPLOAD,  /* counts, digest and voxels of a second bone, made by uploading the first bone's slices */
     TRACE_FINAL,
     TRACE_FAILED,  /* a stage failed and ended the case; words: the status; a block of bytes: the error line */
     TRACE_END,     /* end of the list; paths.h describes its words; preceded by an end record with item TRACE_TIMES */
@@ -60,7 +60,7 @@ size_t trace_report_head(trace_stage stage);
 enum { TRACE_WORD = 48 };
 const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words, char text[TRACE_WORD]);
 
-/* ------------------------------------------------------------------ writing */
+/* ---------------------------------------------------------- writing a trace */
 
 typedef struct trace_writer trace_writer;
 
@@ -81,7 +81,7 @@ ost_status trace_end(trace_writer *w, ost_error *err);
 /* Sets the flags of the current record. */
 void trace_flags(trace_writer *w, uint64_t flags);
 
-/* ------------------------------------------------------------------ reading */
+/* ---------------------------------------------------------- reading a trace */
 
 /*
  * A dump (dump.h) may be incomplete. For missing data its trace gets records of

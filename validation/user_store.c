@@ -48,7 +48,7 @@ struct user_store {
     store_head *head; /* owned while the file is written; afterwards the beginning of `map` */
 };
 
-/* ------------------------------------------------------------------ writing */
+/* ---------------------------------------------------------- writing a store */
 
 /* Least number of the store's descriptor. It is above the descriptors that workers use, so that worker_start does not
    replace the store's descriptor before passing it on. */
@@ -194,7 +194,7 @@ ost_status user_store_end(user_store *u, ost_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------ reading */
+/* ---------------------------------------------------------- reading a store */
 
 static bool lies_within(const user_store *u, uint64_t at, uint64_t count, uint64_t each)
 {

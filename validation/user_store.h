@@ -18,7 +18,7 @@
 enum { USER_CASES_MAX = 16 };
 typedef struct user_store user_store;
 
-/* ------------------------------------------------------------------ writing */
+/* ---------------------------------------------------------- writing a store */
 
 ost_status user_store_begin(user_store **out, ost_error *err);
 /* Adds samples of the next case, in the order in which they are scattered. This function sets the line number of each
@@ -29,7 +29,7 @@ ost_status user_case_end(user_store *u, const scene *head, ost_error *err);
 /* Completes the store. Afterwards user_scene can make the cases. */
 ost_status user_store_end(user_store *u, ost_error *err);
 
-/* ------------------------------------------------------------------ reading */
+/* ---------------------------------------------------------- reading a store */
 
 /* Opens the store in a worker. fd remains owned by the caller. Returns OST_ERR_INPUT if fd is not a user store. */
 ost_status user_store_open(int fd, user_store **out, ost_error *err);

@@ -66,7 +66,8 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
         else if (why.status != OST_OK)
         {
             ost_error line;
-            (void)ost_fail(&line, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text); /* makes it printable */
+            /* makes the text printable */
+            (void)ost_fail(&line, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text);
             fprintf(stderr, "%s\n", line.text);
         }
     }

@@ -27,7 +27,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
 
 typedef enum worker_end {
     WORKER_DONE,
-    WORKER_FAILED,  /* exit status other than 0; text is the last line that it wrote to stderr */
+    WORKER_FAILED,  /* exit status other than 0; text is the last line that the worker wrote to stderr */
     WORKER_CRASHED, /* ended by a signal */
     WORKER_LATE     /* killed because it exceeded its time limit */
 } worker_end;
@@ -36,16 +36,16 @@ typedef struct worker_result {
     worker_end end;
     int code;        /* exit status or signal */
     double seconds;
-    char text[512];  /* the last line that it wrote to stderr */
+    char text[512];  /* the last line that the worker wrote to stderr */
 } worker_result;
 
 typedef struct worker {
     pid_t pid;
-    int stderr_fd;   /* read end of a pipe from its stderr */
+    int stderr_fd;   /* read end of a pipe from the worker's stderr */
     double begun, limit_s;
     bool complete;   /* true if the line in text is complete */
     size_t used;
-    char text[512];  /* the last line that it wrote to stderr, cut off after 511 bytes */
+    char text[512];  /* the last line that the worker wrote to stderr, cut off after 511 bytes */
 } worker;
 
 /* Exit status of a worker that could not allocate memory or open a descriptor or a file. It allows no verdict on the
