@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the request to end the program. It comes from a signal, or from another thread while
+ * Tests the request to end the program. The request comes from a signal, or from another thread while
  * the loop polls for it (checked by ThreadSanitizer). The previous handler handles a second
  * signal.
  * Covers: REQ-WINDOW

@@ -179,7 +179,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
         assert_memory_not_equal(a, b, sizeof a);
         *shown[i] = 0;
     }
-    /* The times of the loop and of the frames are displayed on request. */
+    /* On request, the HUD also displays the times of the loop and of the frames. */
     const sim_hud_layout with = sim_hud_arrange(hud, W, H, &f);
     f.timings = false;
     const sim_hud_layout without = sim_hud_arrange(hud, W, H, &f);
