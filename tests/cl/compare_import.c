@@ -150,7 +150,8 @@ static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
             samples[i].y = some_coordinate(rng, g.geometry.origin.y, g.geometry.spacing.y, g.geometry.dims.y, clean);
             samples[i].z = some_coordinate(rng, g.geometry.origin.z, g.geometry.spacing.z, g.geometry.dims.z, clean);
             samples[i].density = (int32_t)rng_range(rng, -spread - 1, spread);
-            samples[i].line = (uint32_t)(mixed ? rng_range(rng, 0, 20) : (int64_t)i); /* equal lines */
+            /* if mixed, several samples may have the same line */
+            samples[i].line = (uint32_t)(mixed ? rng_range(rng, 0, 20) : (int64_t)i);
         }
         if (mixed)
             duplicates = (ost_duplicates)rng_range(rng, 0, 3);
@@ -252,7 +253,7 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
 
 typedef struct pool {
     ost_cl_bone bone;
-    size_t chunks, used, voxels; /* voxels: number per chunk */
+    size_t chunks, used, voxels; /* voxels: number of voxels in a chunk */
     uint32_t *slots, *words;
     int16_t *density;
 } pool;
@@ -331,7 +332,8 @@ static void chunks_round(machine *m, test_rng *rng)
     const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
-    const int solid = (int)rng_range(rng, 0, 20); /* number of active voxels in 21, where kind is not 0 */
+    /* where kind is not 0, about this many of 21 voxels are active */
+    const int solid = (int)rng_range(rng, 0, 20);
     int16_t *voxels = zeros(count, 2);
     for (size_t v = 0, left = 0, kind = 0; v < count; v++, left--) {
         if (left == 0) {

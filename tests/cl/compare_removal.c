@@ -142,9 +142,9 @@ static void plan_free(plan *e)
 
 /* Cells and windows of a tool, computed by the kernels. */
 typedef struct tool_tables {
-    uint8_t *cells[2]; /* [0] is the result */
+    uint8_t *cells[2]; /* cells[0] is the result */
     uint8_t *windows;
-    size_t bytes; /* size of windows */
+    size_t bytes; /* size of `windows` in bytes */
     bool touches;
 } tool_tables;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions shared by the tests of the backend cl. These tests need OpenCL and a device;
+ * Functions shared by the tests of the cl backend. These tests need OpenCL and a device;
  * otherwise they are skipped, and the reason is printed. Binaries are cached in the build
  * folder. OST_TEST_CL selects the device, OST_TEST_ONLY the tests:
  *

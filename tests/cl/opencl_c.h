@@ -27,7 +27,7 @@ static inline size_t get_global_id(uint dimension)
     return test_item[dimension];
 }
 
-/* Reinterpret bits. AR-CC-1 defines the result of narrowing. */
+/* These functions reinterpret the bits of their argument. AR-CC-1 defines the result of a narrowing conversion. */
 static inline int as_int(uint x) { return (int)x; }
 static inline uint as_uint(int x) { return (uint)x; }
 static inline long as_long(ulong x) { return (long)x; }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A device fails at a random OpenCL call, once or permanently, while a world steps on it. The
- * backend cpu or the reference then continues from the last completed tick. The final grid and
+ * cpu backend or the reference then continues from the last completed tick. The final grid and
  * totals must equal those of a reference that never failed, and every OpenCL object must be
  * released.
  * Covers: REQ-FAILOVER

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares every stage of the backend cl with the reference through the public API: grids, bones,
+ * Compares every stage of the cl backend with the reference through the public API: grids, bones,
  * tools, digests and reports, byte by byte. The tests use both kernel sets, several work-group
- * sizes, another order of items, and large data in parts. The tests of a kernel set together enter
- * every path that core/paths.h lists.
+ * sizes, a different order of work items, and large data in parts. All tests of a kernel set
+ * together enter every path that core/paths.h lists.
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7,
  * AR-REM-1, AR-REM-2, AR-REM-3,
  * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL, REQ-CL-SETS
@@ -267,8 +267,8 @@ static void bones(void **state)
     }
 }
 
-/* A grid that was resampled along z may share voxels with its source. Writing to one or freeing it must not change the
-   other. */
+/* A grid that was resampled along z may share voxels with its source grid. If one of the two grids is written or
+   freed, the other must not change. */
 static void shared(void **state)
 {
     (void)state;
@@ -294,11 +294,11 @@ static void shared(void **state)
             assert_ok(ost_grid_create(b ? p.cl : p.ref, &g, &rect[b], &err));
             assert_ok(ost_grid_upload(rect[b], 0, g.dims.z, voxels, &err));
             assert_ok(ost_rect_to_cubic(rect[b], side, rule, &first[b], &err));
-            if (order == 0) { /* write below */
+            if (order == 0) { /* writes to the source grid */
                 const ost_sample one = {.density = 777, .line = 1};
                 ost_scatter_report report = {0};
                 assert_ok(ost_ct_to_rect(rect[b], &one, 1, 1, OST_DUPLICATES_LAST, &report, &err));
-            } else if (order == 1) { /* write above */
+            } else if (order == 1) { /* writes to the resampled grid */
                 assert_ok(ost_grid_upload(first[b], 0, 1, others, &err));
             } else if (order == 2) {
                 assert_ok(ost_grid_upload(rect[b], g.dims.z / 2, g.dims.z - g.dims.z / 2, others, &err));
@@ -352,7 +352,7 @@ static void voxelizer(void **state)
                                                 (uint32_t)rng_range(&rng, 3, 8));
             ost_snapped_mesh shaft = make_closed(&rng, dims, 3, 5);
             if (round % 4 == 1)
-                mesh.triangle_count--; /* makes a hole, so that rows leak */
+                mesh.triangle_count--; /* makes a hole, so that the mesh is not closed */
             const ost_snapped_mesh *other = round % 3 ? &shaft : NULL;
             const ost_fill_rule rule = round % 2 ? OST_FILL_PARITY : OST_FILL_WINDING;
             ost_tool *tool[2];

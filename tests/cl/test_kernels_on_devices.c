@@ -46,7 +46,8 @@ static const struct {
     int rows;
     size_t group;
 } ways[] = {{256, 1}, {1, 64}, {16, 16}, {4, 7}};
-enum { WAYS = sizeof ways / sizeof *ways, SMALL_WAYS = 2 }; /* for a simulator: removal by blocks and by rows */
+/* SMALL_WAYS: the first ways, which are tested on a simulator: removal by blocks and by rows */
+enum { WAYS = sizeof ways / sizeof *ways, SMALL_WAYS = 2 };
 static machine *machines[DEVICES * WAYS];
 static int machine_count, rounds_given;
 
