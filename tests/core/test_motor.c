@@ -120,7 +120,7 @@ static void rows_become_ticks(void **state)
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
     path.ticks[3].lifted = true;                /* a lifted row is one tick, whatever the interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
-    path.ticks[4].tool = 1;                     /* a row with another tool is also one tick */
+    path.ticks[4].tool = 1;                     /* a row whose tool is not that of the previous row is also one tick */
     path.ticks[5] = row(3137, 50, 70);          /* a row with its own speed, as from a session, is unchanged */
     path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));

@@ -113,7 +113,7 @@ static void borders_begin_at_one(void **state)
     assert_int_equal(ost_density_classes_check(&c, &err), OST_ERR_USAGE);
 }
 
-/* Each documented limit is accepted; a value beyond it is refused without changing anything. */
+/* Each documented limit is accepted. A value beyond a limit is refused without changing anything. */
 static void limits_of_classes_are_where_they_are_said(void **state)
 {
     (void)state;
