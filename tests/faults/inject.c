@@ -150,7 +150,7 @@ __attribute__((destructor)) static void end(void)
     fclose(file);
 }
 
-/* ------------------------------------------------------------------ decision */
+/* ---------------------------------------------- choosing the call that fails */
 
 static bool module_is_excepted(const char *module)
 {
