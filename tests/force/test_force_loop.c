@@ -190,8 +190,8 @@ static void no_hand_swings(void **state)
         for (int k = 0; k < 24; k++) {
             const int grip = k % 3, drag = k / 3 % 2, mode = k / 6 % 2, friction = k / 12;
             /*
-             * Tests all grips with a real device's friction. Without friction, which every
-             * device has, only the least stable grip is tested.
+             * Every real device has friction, so all grips are tested with friction. Without
+             * friction, only the least stable grip is tested.
              */
             if (!all && (mode || (!friction && grip)))
                 continue;

@@ -138,9 +138,9 @@ static void a_turning_handle_rests(void **state)
 }
 
 /*
- * Compares two runs with and without runout in which the motor turns the pose, as in an operation: by -phi about the
- * tool's z axis.  The difference must follow the formula in the handle's axes, so it makes one turn per turn of the
- * tool.  The tool is a point on its axis, whose contact does not depend on the rotation.
+ * Compares two runs, one with and one without runout. As in an operation, the motor turns the pose by -phi about the
+ * tool's z axis. The difference must follow the formula in the handle's axes, so it turns once per revolution of the
+ * tool. The tool is a point on its axis, whose contact does not depend on the rotation.
  */
 static void runout_follows_the_handle(void **state)
 {
@@ -258,7 +258,7 @@ static void vibration_is_within_the_rules(void **state)
     }
 }
 
-/* ------------------------------------------------------------------- a file */
+/* ---------------------------------------------------------- parameter files */
 
 static void write_text(const char *path, const char *text)
 {

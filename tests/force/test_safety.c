@@ -168,7 +168,8 @@ static void a_silent_device_gets_nothing(void **state)
     double f;
     ost_safety_begin(&s, &p);
     give(&s, 0, true, 0, 1, &f);
-    assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_GIVEN); /* one tick is bridged */
+    /* a single tick without a sample is bridged */
+    assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_GIVEN);
     assert_true(f > 0.9);
     assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_WITHHELD);
     assert_true(f == 0);
@@ -226,8 +227,8 @@ static void a_passive_wall_is_left_alone(void **state)
     for (int i = 0; i < 1000; i++) {
         const double z = 1e-3 * sin(i * 0.01), next = 1e-3 * sin((i + 1) * 0.01);
         /*
-         * This is the spring's force at the middle of the step from z to next, which gives
-         * exactly the spring's energy, plus a damper.
+         * The force is that of the spring in the middle of the step from z to next, which gives
+         * exactly the spring's energy, plus that of a damper.
          */
         give(&s, z * 1e3, true, 0, -300 * (z + next) / 2 - 0.01 * (next - z) / T, &f);
     }
