@@ -115,7 +115,7 @@ static void scripts_and_sessions_row_by_row(void **state)
             assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
             assert_memory_equal(&s.pose, &path.ticks[i].pose, sizeof s.pose);
             assert_int_equal(s.tool, path.ticks[i].tool);
-            ost_haptic_write(device, &(ost_wrench){{1, 2, 3}, {0}}); /* has no effect */
+            ost_haptic_write(device, &(ost_wrench){{1, 2, 3}, {0}}); /* writing a force has no effect */
         }
         ost_haptic_state s;
         assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_ENDED);
@@ -125,7 +125,7 @@ static void scripts_and_sessions_row_by_row(void **state)
     ost_path_free(&path);
 }
 
-/* -------------------------------------------------------------------- sim */
+/* --------------------------------------------------------- the sim device */
 
 static ost_haptic *open_sim(const char *spec, const ost_path *path)
 {

@@ -102,7 +102,7 @@ static void nothing_else_passes(void **state)
         assert_int_equal(link_unseal(key, bytes, size + 1, &back), LINK_MALFORMED);
         /*
          * These packets are signed correctly but invalid: their pose is not a rotation or is
-         * beyond 8 m, their flag or type is unknown, or their tool is impossible.
+         * beyond 8 m, their flag or type is unknown, or their tool number is invalid.
          */
         link_packet bad = p;
         bad.pose.qw = 0;
@@ -194,11 +194,12 @@ static void a_plane_presses_and_never_pulls(void **state)
     /* The device is 2 mm deeper than in the previous call and displaced along the plane. */
     bridge_press(&s, (double[3]){0.5, -0.2, -1e-3}, (double[3]){0}, 1000, f);
     assert_true(fabs(f[2] - 2.6) < 1e-9 && f[0] == 0);
-    bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){1, 0, -0.2}, 1000, f); /* inward at 0.2 m/s */
+    /* the device moves inward at 0.2 m/s */
+    bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){1, 0, -0.2}, 1000, f);
     assert_true(fabs(f[2] - 2.1) < 1e-9);
     bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* the device allows only 100 N/m */
     assert_true(fabs(f[2] - 2.2) < 1e-9);
-    bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f); /* outside the bone */
+    bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f); /* the device is outside the bone */
     assert_true(f[2] == 0);
     memset(s.force_un, 0, sizeof s.force_un);
     bridge_press(&s, (double[3]){0, 0, -1}, (double[3]){0}, 1000, f);

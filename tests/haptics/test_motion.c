@@ -311,7 +311,7 @@ static void files_that_are_no_motion(void **state)
     ost_haptic_close(device);
 }
 
-/* ----------------------------------------------------------- in a world */
+/* --------------------------------------------------- motions in a world */
 
 static ost_servo_report report;
 
@@ -402,7 +402,7 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
         assert_true(ost_step_digest(&step, ost_world_classes(worlds[1])->count) == record.as.tick.digest);
     }
     ost_session_close(session);
-    assert_int_equal(notes, 7); /* the last drop-out has no end */
+    assert_int_equal(notes, 7); /* there is no note for the last drop-out, because it does not end */
     assert_int_equal(dark, (353 + 104) * 1000000);
     const ost_digest a = digest_of(bones[0]), b = digest_of(bones[1]);
     assert_true(ost_digest_equal(&a, &b));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the device mouse. A distant target is approached in steps that the operation's pose
+ * Tests the `mouse` device. A distant target is approached in steps that the operation's pose
  * guard allows, until it is reached. A tool that is selected or lifted moves to its new pose at
  * once. The pedal is a button. If two threads use the device, no partial state is read.
  * Covers: REQ-MOUSE

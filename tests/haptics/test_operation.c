@@ -111,11 +111,11 @@ static void what_is_no_hands_is_left_out(void **state)
         ost_pose pose;
         int32_t tool;
     } cases[] = {
-        /* Away and back. */
+        /* The tool jumps away and comes back. */
         {OST_FAULT_JUMP, 100, 105, {{-100 * MM, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 0},
-        /* Half a turn within one tick, at the same position. */
+        /* The tool rotates by half a turn within one tick, at the same position. */
         {OST_FAULT_TURN, 100, 101, {{-5 * MM + 100 * MM / 10, 10 * MM, 5 * MM}, 0, OST_Q30_ONE, 0, 0}, 0},
-        /* Not a rotation. */
+        /* The quaternion is zero and therefore no rotation. */
         {OST_FAULT_TURN, 50, 60, {{0, 0, 0}, 0, 0, 0, 0}, 0},
         {OST_FAULT_TOOL, 30, 33, {{-5 * MM + 30 * MM / 10, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 9},
     };
@@ -509,7 +509,7 @@ static void a_motor_belongs_to_the_operation(void **state)
     free_fixture(&by_hand);
 }
 
-/* The actions next tool, clutch and home must have the same effect with a button and with a key. */
+/* The actions `next tool`, `clutch` and `home` must have the same effect with a button and with a key. */
 static void buttons_do_what_their_table_says(void **state)
 {
     ost_error err = {0};
@@ -539,7 +539,7 @@ static void buttons_do_what_their_table_says(void **state)
         TICK(0);
         assert_int_equal(s.tool, 0);
         TICK(tool);
-        TICK(tool); /* once per press */
+        TICK(tool); /* the button or key is still held, so nothing more happens */
         assert_int_equal(s.tool, 1);
         TICK(0);
         TICK(tool);
@@ -558,7 +558,7 @@ static void buttons_do_what_their_table_says(void **state)
         x += MM;
         TICK(0);
         assert_true(llabs(s.pose.t.x + 9 * MM) <= 1);
-        /* The action home moves the tool out of the bone without removing anything on the way. */
+        /* The `home` action moves the tool out of the bone without removing anything on the way. */
         for (int i = 0; i < 20; i++, x += MM)
             TICK(0);
         ost_world_totals before, after;

@@ -121,9 +121,9 @@ static const haptic_driver absent = {.name = "absent", .usable = never, .open = 
 
 typedef struct seen {
     uint64_t ticks, declared, tracking_lost, done, missed;
-    uint64_t stop_at;  /* 0: never */
+    uint64_t stop_at;  /* the loop is stopped at this tick; 0: never */
     uint64_t sleep_at; /* this tick takes 12 ms */
-    uint64_t rehearsals, rehearsed; /* rehearsals in total; ticks with a rehearsal before them */
+    uint64_t rehearsals, rehearsed; /* number of rehearsals; number of ticks that a rehearsal preceded */
     uint64_t rehearsals_before;
     ost_haptic_state last;
     int64_t t_ns;
@@ -374,9 +374,9 @@ static void the_thread_is_afterwards_as_it_was(void **state)
 }
 
 typedef struct placed {
-    int core;   /* of the loop */
+    int core;   /* core of the loop */
     int away;   /* number of ticks that ran on another core */
-    bool apart; /* a thread created in the meantime may not run on the core */
+    bool apart; /* true if a thread created in the meantime may not run on that core */
 } placed;
 
 static void *where_am_i(void *user)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the device udp and the bridge over loopback, on ports that the system selects: packets
+ * Tests the `udp` device and the bridge over loopback, on ports that the system selects: packets
  * that are accepted, packets that are dropped and counted, silence, poses that no hand can
  * reach, and two bridges at once. The tests wait for answers; none depends on time.
  * Covers: REQ-LINK
@@ -155,7 +155,7 @@ static void poses_in_and_states_out(void **state)
     for (int i = 0; i < 20; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     client c = greet(where, 77);
-    assert_true(c.pose.pose.t.x == MM && c.pose.pose.t.z == 3 * MM); /* the tool's start */
+    assert_true(c.pose.pose.t.x == MM && c.pose.pose.t.z == 3 * MM); /* the start position of the tool */
     send_pose_packet(&c, MM, 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     c.pose.buttons = 6;
@@ -190,7 +190,7 @@ static void what_is_dropped_is_counted(void **state)
     const uint64_t good = counted(device, "good");
     assert_int_equal(good, 2);
     link_packet p = c.pose;
-    /* Another key. */
+    /* Sends a packet that is signed with a wrong key. */
     p.sequence = 100;
     send_sealed(c.socket, other, &p);
     await_count(device, "wrong_key", 1);
@@ -482,7 +482,7 @@ static ost_haptic *a_hand(ost_path *path)
     ost_error err = {0};
     ost_haptic *device;
     assert_ok(ost_path_init(path, PATH_TICKS, &err));
-    for (size_t i = 0; i < path->count; i++) /* at 0.1 m/s down, from far away */
+    for (size_t i = 0; i < path->count; i++) /* the hand moves down at 0.1 m/s, beginning far away */
         path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
                                     .rpm = OST_RPM_ON,
                                     .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};

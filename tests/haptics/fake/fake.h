@@ -19,13 +19,13 @@ typedef struct fake_note {
     int count;
     double position[3];     /* position in the device's own unit */
     double column[3][3];    /* axes of the handle in the device's frame */
-    double force[3], torque[3]; /* as written last */
-    double limit, continuous; /* N, as the library reports them */
+    double force[3], torque[3]; /* force and torque of the last write */
+    double limit, continuous; /* force limits in N, as the library reports them */
     int type;               /* device type that the library reports */
     double most_force;      /* largest force component written so far */
     int forces_on;
     int buttons;
-    /* numbers of frames; 0: never */
+    /* numbers of the frames at which the stand-in fails in one of these ways; 0: never */
     _Atomic int fail_open, fail_read_at, fail_write_at, warm_at, hang_at, no_number_at;
     _Atomic int frames;
 } fake_note;
