@@ -245,7 +245,8 @@ static void packed_bits_turned(void **state)
     size_t start = file.size;
     int padding = 0;
     put_gzip(&file, sixteen, 16);
-    for (size_t n = start + 10; n < file.size; n++) { /* after gzip's header, whose time and name have no effect */
+    /* begins after gzip's header, whose time and name have no effect */
+    for (size_t n = start + 10; n < file.size; n++) {
         for (int bit = 0; bit < 8; bit++) {
             file.data[n] ^= (unsigned char)(1 << bit);
             write_file("bit.nrrd", file.data, file.size);
@@ -430,7 +431,7 @@ static void nifti_extensions(void **state)
     static const struct {
         int size, code;
         const char *text;
-        int metas; /* -1: the file is refused */
+        int metas; /* number of facts; -1: the file is refused */
     } cases[] = {
         {32, 6, "osteon side: left\n", 1},
         {32, 4, "osteon side: left\n", 0},

@@ -94,7 +94,7 @@ static void bad_ends(void **state)
     refused("echo secret >&2; ulimit -a >&2; exit 1", "the DICOM parser ended early (exit status 1)");
 }
 
-/* A script sees the limits that the library sets. */
+/* The scripts check the resource limits that the library has set. */
 static void limits(void **state)
 {
     (void)state;
@@ -274,7 +274,7 @@ static void no_program(void **state)
     assert_int_equal(ost_dicom_program("scan", path, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "scan: reading DICOM needs the program osteon-dicom"));
     scratch_write(folder, "osteon-dicom", "#!/bin/sh\n", 10);
-    assert_int_equal(ost_dicom_program("scan", path, &err), OST_ERR_UNAVAILABLE); /* it is not executable */
+    assert_int_equal(ost_dicom_program("scan", path, &err), OST_ERR_UNAVAILABLE); /* the file is not executable */
     snprintf(program, 4096, "%s/osteon-dicom", folder);
     assert_int_equal(chmod(program, 0700), 0);
     assert_ok(ost_dicom_program("scan", path, &err));

@@ -89,7 +89,7 @@ static void selection(void **state)
     snprintf(other.description, sizeof other.description, "Bone");
     other.series_number = 9;
     add(&other);
-    /* A series of one image is no volume, so the other one is still selected. */
+    /* A series of one image is not a volume, so the other series is selected. */
     assert_ok(ost_dicom_series_select(&scan, NULL, &series, &err));
     assert_int_equal(series, 0);
     add(&other);
@@ -135,7 +135,7 @@ static void nothing(void **state)
 
 /* -------------------------------------------------------------------- order */
 
-/* The files are in another order than the slices; the numbers are decimals of different lengths. */
+/* The order of the files differs from that of the slices; the numbers are decimals of different lengths. */
 static void order_and_geometry(void **state)
 {
     (void)state;
@@ -257,7 +257,7 @@ static void tilted(void **state)
     refused("tilted by 14.04 degrees (each lies 0.25 mm beside the one before it)");
     assert_ok(make(&untilt, &stack, &report));
     assert_true(stack.untilted);
-    /* 1 mm in all is less than two rows of 0.75 mm, which follow the last row. */
+    /* The slices move by 1 mm in total. This is less than two rows of 0.75 mm, so two rows follow the last row. */
     assert_int_equal(stack.sizes[0], 4);
     assert_int_equal(stack.sizes[1], 5);
     assert_int_equal(stack.margin[1], 0);
@@ -490,11 +490,11 @@ static void mixing(void **state)
     const int16_t before[] = {0, 10, -32768, 1}, after[] = {10, 0, 32767, 2};
     int16_t out[4];
     ost_dicom_mix(before, after, 4, 1, 4, out);
-    const int16_t quarter[] = {2, 8, -16384, 1}; /* 2.5 and 7.5 to even, -16384.25, 1.25 */
+    const int16_t quarter[] = {2, 8, -16384, 1}; /* 2.5 and 7.5 are rounded to even; -16384.25; 1.25 */
     assert_memory_equal(out, quarter, sizeof out);
     ost_dicom_mix(before, after, 4, 0, 4, out);
     assert_memory_equal(out, before, sizeof out);
-    /* A gap with a large prime takes the path of 128 bits; its result is that of the simple fraction next to it. */
+    /* The fraction 2^60 / (2^61 - 1) cannot be reduced and is computed in 128 bits. Its results equal those of 1/2. */
     ost_dicom_mix(before, after, 2, INT64_C(1) << 60, (INT64_C(1) << 61) - 1, out);
     assert_int_equal(out[0], 5);
     assert_int_equal(out[1], 5);

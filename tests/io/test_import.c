@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the way from a file to a bone: no layer is lost or doubled, every format gives the same bone, every invalid
+ * Tests the import of a file as a bone: no layer is lost or doubled, every format gives the same bone, every invalid
  * file is refused, and memory is bounded by the size of the grid.
  *
  * Covers: REQ-CT-BIG, AR-GRID-5, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
@@ -43,7 +43,7 @@ static const char *in_folder(const char *name)
 
 /* ---------------------------------------------------------- no layer is lost */
 
-/* Makes the rect grid of a text by the two passes alone. */
+/* Makes the rect grid of a text with only the two passes. */
 static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **voxels, ost_scatter_report *report,
                           ost_error *err)
 {
@@ -258,7 +258,7 @@ static void a_written_bone_reads_back_the_same(void **state)
         if (n == 1 && status == OST_ERR_UNAVAILABLE)
             continue;
         assert_int_equal(status, OST_OK);
-        /* If no threshold is given, the bone's own one is used. */
+        /* If no threshold is given, the threshold in the bone's file is used. */
         assert_ok(import(in_folder(names[n]), &(ost_import_options){.digests = true}, &again, &err));
         assert_same_stage(&first, &again, "chunks");
         assert_string_equal(ost_meta_get(&again.meta, OST_META_THRESHOLD), "333");
@@ -266,7 +266,7 @@ static void a_written_bone_reads_back_the_same(void **state)
     ost_bone_free(bone);
 }
 
-/* -------------------------------------------------------------- what is reported */
+/* ----------------------------------------------------------------------- reports */
 
 static void the_result_tells_all(void **state)
 {
@@ -570,7 +570,7 @@ static void the_rest_of_a_crop_is_checked(void **state)
     ost_volume_free(&volume);
 }
 
-/* ------------------------------------------------------- progress, cancel, change */
+/* ------------------------------------------ progress, cancellation, changed files */
 
 typedef struct watcher {
     const char *path;        /* file that is changed at the start of the second pass */
@@ -625,7 +625,7 @@ static void a_change_between_the_passes_is_seen(void **state)
     assert_non_null(strstr(err.text, "file changed while it was read"));
 }
 
-/* ------------------------------------------------------------------- other files */
+/* -------------------------------------------------------- files that are refused */
 
 static void other_files_are_refused(void **state)
 {
@@ -659,7 +659,8 @@ static void other_files_are_refused(void **state)
         if (status != cases[i].status || !strstr(err.text, cases[i].says) || !strstr(err.text, cases[i].name))
             fail_msg("%s: %s '%s', expected '%s'", cases[i].name, ost_status_name(status), err.text, cases[i].says);
     }
-    assert_int_equal(setenv("OSTEON_LIBEXECDIR", folder, 1), 0); /* no DICOM is read here */
+    /* makes osteon search for osteon-dicom in a folder that lacks it */
+    assert_int_equal(setenv("OSTEON_LIBEXECDIR", folder, 1), 0);
     assert_int_equal(import(folder, NULL, &result, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "reading DICOM needs the program osteon-dicom"));
     assert_int_equal(unsetenv("OSTEON_LIBEXECDIR"), 0);
@@ -691,7 +692,7 @@ static long peak_kib(void)
 
 enum { BOUNDED = 0, UNREADABLE = 1, GREW = 2, UNKNOWN = 77 };
 
-/* Runs in the second process: imports the text and returns an exit status that tells if the peak was bounded. */
+/* Runs in the second process: imports the text and returns an exit status that states whether the peak was bounded. */
 static int import_within_bounds(const char *spec, const char *path)
 {
     ost_error err = {0};
@@ -723,7 +724,7 @@ static void memory_is_bounded_by_the_grid(void **state)
     skip(); /* with a sanitizer, the measurement would include the sanitizer's own memory */
 #endif
     if (strncmp(test_backend, "cl", 2) == 0)
-        skip(); /* the measurement would include the driver's compiler */
+        skip(); /* skipped, because the measurement would include the driver's compiler */
     const char *path = in_folder("large.txt");
     FILE *file = fopen(path, "w");
     assert_non_null(file);

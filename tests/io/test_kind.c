@@ -65,7 +65,7 @@ static void binary_signatures(void **state)
     char *folder = scratch_folder(), path[600];
     unsigned char dicom[132] = {0};
     memcpy(dicom + 128, "DICM", 4);
-    assert_int_equal(kind_of(folder, "a.nii", dicom, sizeof dicom), OST_FILE_DICOM); /* whatever its name */
+    assert_int_equal(kind_of(folder, "a.nii", dicom, sizeof dicom), OST_FILE_DICOM); /* the name has no effect */
     unsigned char header[540] = {348 & 255, 348 >> 8};
     memcpy(header + 344, "n+1", 4);
     assert_int_equal(kind_of(folder, "a.txt", header, 352), OST_FILE_NIFTI);

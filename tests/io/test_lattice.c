@@ -205,7 +205,7 @@ static void axes_share_a_spacing(void **state)
     assert_true(found[2] == 1000000000);
     /*
      * The spacing of an axis may be undetermined. The axis must then not adopt the spacing of
-     * another axis that fits only by chance.
+     * another axis if that spacing fits only by chance.
      */
     fill(&z, 0, 500000000, 3, 1, NULL);
     fill(&x, 0, 470000000, 256, 4, NULL);

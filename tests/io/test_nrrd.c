@@ -232,7 +232,7 @@ static void ends_of_types_are_values(void **state)
     }
 }
 
-/* ---------------------------------------------------------------- detached */
+/* ----------------------------------------------------------- detached data */
 
 static void write_header(const char *name, const char *fields)
 {
@@ -338,7 +338,7 @@ static void data_files_stay_in_the_folder(void **state)
     assert_refused(at("bad.nhdr"), NULL, OST_ERR_INPUT, "one %d");
 }
 
-/* ------------------------------------------------------------------- space */
+/* -------------------------------------------------------- spaces and units */
 
 static void read_grid(const char *fields, ost_geometry *g, ost_volume_report *report, int16_t voxels[8])
 {

@@ -192,7 +192,7 @@ static void rows_far_apart_are_a_gap(void **state)
         {"", {10000000, 0}, 4, {0, 10, 20.001, 30}, {0, 1, 2, 3}, {[2] = true}},
         {"", {10000000, OST_PM_PER_MM / 2}, 4, {0, 1, 2, 13}, {0, 0.5, 1.001, 1}, {[2] = true, [3] = true}},
         {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
-        /* If the file contains the column `lifted`, gaps are searched only if an option gives a limit. */
+        /* If the file has a `lifted` column, gaps are searched only if an option gives a limit. */
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n",
          {100000000, 0},

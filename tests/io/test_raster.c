@@ -131,7 +131,7 @@ static void replace(text *t, size_t at, size_t length, const char *with)
     t->size += n - length;
 }
 
-/* --------------------------------------------------------------- two passes, one pass */
+/* --------------------------------------------------- reading in two passes and in one */
 
 typedef struct outcome {
     ost_status status;
@@ -584,7 +584,8 @@ static void kernels_agree(void **state)
                                                                   &have_next),
                                  good);
                 assert_memory_equal(want, have, (most + 1) * sizeof *want);
-                for (size_t i = good; i <= most; i++) /* these elements may belong to another thread */
+                /* these elements must be unchanged, because they may belong to another thread */
+                for (size_t i = good; i <= most; i++)
                     assert_int_equal(have[i], 12345);
                 assert_ptr_equal(have_next, want_next);
                 assert_true(want_next <= copy + behind && (want_next == copy || want_next[-1] == '\n'));
