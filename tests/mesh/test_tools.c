@@ -133,8 +133,8 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
     ost_mesh_free(&mesh);
     make(OST_TOOL_BURR, &(ost_tool_options){.segments = 1024}, &mesh);
     /*
-     * A sphere of radius 3 and a shaft of radius 1, which begins where its side meets the sphere
-     * and ends at 26, minus the cap of the sphere within the shaft.
+     * The volume of a sphere of radius 3 and of a shaft of radius 1, minus the cap of the sphere
+     * within the shaft. The shaft begins where its side meets the sphere, and ends at 26.
      */
     const double pi = 3.14159265358979, root = 3 + sqrt(8.0), cap = 6 - root;
     const double volume = pi * 4 / 3 * 27 - pi * cap * cap * (9 - cap) / 3 + pi * (26 - root);

@@ -71,7 +71,7 @@ static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all
     }
 }
 
-/* Fills the oracle's grid and returns the number of its leaking rows. */
+/* Fills the oracle's grid and returns the number of rows in which the mesh is not closed. */
 static uint64_t oracle_grid(const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t *voxels)
 {
     const ost_dims d = mesh->grid.dims;
@@ -425,8 +425,8 @@ static void shells_nest(void **state)
 }
 
 /*
- * One of the two triangles of the face x = hi is missing. The rows that would cross it leak and
- * stay void; the other rows are filled.
+ * One of the two triangles of the face x = hi is missing. The mesh is not closed in the rows that
+ * would cross this triangle, so these rows stay void. The other rows are filled.
  */
 static void a_hole_leaks_and_is_not_filled(void **state)
 {
@@ -463,7 +463,7 @@ static void cutting_wins_over_not_cutting(void **state)
     assert_int_equal(grid[5 + 9 * (1 + 7 * 1)], OST_TOOL_CUTTING);
     assert_int_equal(grid[7 + 9 * (1 + 7 * 1)], OST_TOOL_NONCUTTING);
     assert_int_equal(grid[8 + 9 * (1 + 7 * 1)], OST_TOOL_VOID);
-    shaft.triangle_count = 10; /* the shaft leaks and is omitted; the head is complete */
+    shaft.triangle_count = 10; /* removes a face of the shaft, whose rows stay void; the head is complete */
     free(grid);
     free(make_grid_of_two(&head, &shaft, OST_FILL_WINDING, &report));
     assert_int_equal(report.leaking_rows, 5 * 4);
