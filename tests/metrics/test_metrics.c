@@ -149,7 +149,8 @@ static void a_straight_one(void **state)
     assert_true(m.removed_by_class_mm3[0] > m.removed_by_class_mm3[2] && m.removed_by_class_mm3[1] > 0);
 }
 
-/* The measured tilt and the measured entry position must be those of the cut. Neither may affect the other. */
+/* The measured tilt and the measured entry position must be those of the cut. An error of one must not affect the
+   other. */
 static void tilted_and_displaced_ones(void **state)
 {
     (void)state;
