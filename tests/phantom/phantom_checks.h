@@ -15,7 +15,7 @@ typedef struct chunk_count {
 } chunk_count;
 
 /*
- * Counts the chunks of the bone that an import makes by the rule AR-CUB, written out here: cubic
+ * Counts the chunks of the bone that an import makes by AR-CUB, which is repeated here: cubic
  * dims = ceil(dims * rect / cubic), source = floor(i * cubic / rect).
  */
 static inline chunk_count count_chunks(const ost_volume *v)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the trabecular cores at the thesis' size: Tables 3.1 and 3.2, and the spongy structure,
- * that is the proportion of bone, the thickness of struts and the width of spaces.
+ * Tests the trabecular cores at the thesis' size: Tables 3.1 and 3.2, and the spongy structure
+ * (the proportion of bone, the thickness of the struts and the width of the spaces).
  *
  * Measured for seed 1: 250 of 250 chunks of core 1 and 1051 of 1200 chunks of core 2 are active
  * (the thesis: 1060 for core 2). A cylinder of 5 mm radius in the box of 314 x 316 voxels reaches
