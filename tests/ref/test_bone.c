@@ -31,7 +31,7 @@ static void what_goes_up_comes_down(void **state)
         ost_bone *bone;
         assert_ok(ost_bone_create(*state, &g, sizes[s], 120, &bone, &err));
         size_t slice = (size_t)g.dims.x * (size_t)g.dims.y;
-        for (int32_t z = 0; z < g.dims.z;) { /* in slabs of different sizes */
+        for (int32_t z = 0; z < g.dims.z;) { /* uploads the bone in slabs of different sizes */
             int32_t count = (int32_t)rng_range(&rng, 0, g.dims.z - z);
             assert_ok(ost_bone_upload(bone, z, count, voxels + slice * (size_t)z, &err));
             z += count;

@@ -89,7 +89,8 @@ static void borders_of_the_offsets(void **state)
     } cases[] = {
         {1000000, 0, 0, 0},   {1000001, 1, 0, 0},   {3000000, 1, 0, 0},  {3000001, 1, 7, -1}, {4000000, 1, 7, -1},
         {15000000, 0, 0, 2},  {14999999, 1, 0, 2},  {13000000, 1, 0, 2}, {12999999, 1, 7, -1}, {-3000000, 1, 0, 0},
-        {-4000001, 1, 7, -1}, {59000000, 1, 0, 7},  {60000000, 1, 7, -1}, /* 7.5 -> 8, outside */
+        /* 7.5 is rounded to 8, which is outside the grid */
+        {-4000001, 1, 7, -1}, {59000000, 1, 0, 7},  {60000000, 1, 7, -1},
         {61000000, 1, 7, -1}, {64000000, 0, 7, -1}, {-8000000, 0, 7, -1}, {OST_LENGTH_MAX, 0, 7, -1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -182,7 +183,7 @@ static void every_voxel_finds_its_place(void **state)
     ost_grid_free(grid);
 }
 
-/* ------------------------------------------------------------- to cubic */
+/* ---------------------------------------------- rect grid to cubic grid */
 
 static ost_grid *line_grid(ost_backend *backend, int axis, int32_t n, ost_pm spacing)
 {
@@ -208,12 +209,12 @@ static ost_pm3 origin_of(const ost_grid *grid)
 static void filler_voxels(void **state)
 {
     /*
-     * Three layers of 1 mm at 0.47 mm give ceil(3 / 0.47) = 7 layers, the first at (0.47 - 1) / 2
-     * = -0.265 mm. The centres in units of layers are -0.265, 0.205, 0.675, 1.145, 1.615, 2.085
-     * and 2.555. The rule `linear` clamps the first to 0 and the last to 2. The rule `nearest`
-     * uses the layers' boxes, which begin at -0.5: the centres lie in 0 0 1 1 2 2 and, clamped,
-     * 2. The rule `thesis` divides 0, 0.47, 0.94, 1.41, 1.88, 2.35 and 2.82 by 1. Each layer is
-     * 1000 denser than the one before, and 1000 weights of 2^-15 round to the same value.
+     * Three layers of 1 mm at 0.47 mm give ceil(3 / 0.47) = 7 layers, the first at (0.47 - 1) / 2 =
+     * -0.265 mm. The centres in units of layers are -0.265, 0.205, 0.675, 1.145, 1.615, 2.085 and
+     * 2.555. The `linear` rule clamps the first to 0 and the last to 2. The `nearest` rule uses the
+     * layers' boxes, which begin at -0.5: the centres lie in 0 0 1 1 2 2 and, clamped, 2. The
+     * `thesis` rule divides 0, 0.47, 0.94, 1.41, 1.88, 2.35 and 2.82 by 1. Each layer is 1000
+     * denser than the one before, and 1000 weights of 2^-15 round to the same value.
      */
     static const int expected[3][7] = {
         [OST_RESAMPLE_LINEAR] = {100, 305, 775, 1245, 1715, 2100, 2100},
@@ -247,12 +248,11 @@ static void filler_voxels(void **state)
 static void coarser_than_the_scan(void **state)
 {
     /*
-     * Seven layers of 0.3 mm at 0.47 mm give ceil(2.1 / 0.47) = 5 layers, the first at (0.47 -
-     * 0.3) / 2 = 0.085 mm. For the rule `linear`, the centres are at 0.2833, 1.85, 3.4167,
-     * 4.9833 and 6.55 layers; the last is clamped to 6. For the rule `nearest`, the boxes begin
-     * half a layer earlier, and the centres lie in the layers 0 2 3 5 and 7.05; the last is
-     * clamped to 6. The rule `thesis` divides 0, 0.47, 0.94, 1.41 and 1.88 by 0.3, which gives 0
-     * 1 3 4 6.
+     * Seven layers of 0.3 mm at 0.47 mm give ceil(2.1 / 0.47) = 5 layers, the first at (0.47 - 0.3)
+     * / 2 = 0.085 mm. For the `linear` rule, the centres are at 0.2833, 1.85, 3.4167, 4.9833 and
+     * 6.55 layers; the last is clamped to 6. For the `nearest` rule, the boxes begin half a layer
+     * earlier, and the centres lie in the layers 0 2 3 5 and 7.05; the last is clamped to 6. The
+     * `thesis` rule divides 0, 0.47, 0.94, 1.41 and 1.88 by 0.3, which gives 0 1 3 4 6.
      */
     static const int expected[3][5] = {
         [OST_RESAMPLE_LINEAR] = {383, 1950, 3517, 5083, 6100},
@@ -363,10 +363,10 @@ static void means_stay_between_their_neighbours(void **state)
 static void a_seventh_digit_moves_nothing_by_a_voxel(void **state)
 {
     /*
-     * 60 layers of 0.4882812 or 0.4882813 mm, each 500 denser than the one before, become cubes
-     * of 0.4882812 mm. The last centre is off by 59.5 * 2 * 10^-7 of a layer, which is 500 * 1.2
-     * * 10^-5 densities. Therefore densities differ by at most one rounding. The rule `thesis`
-     * uses another layer from the first one on: floor(i c / s) = i - 1.
+     * 60 layers of 0.4882812 or 0.4882813 mm, each 500 denser than the one before, become cubes of
+     * 0.4882812 mm. The last centre is off by 59.5 * 2 * 10^-7 of a layer, which is 500 * 1.2 *
+     * 10^-5 densities. Therefore densities differ by at most one rounding. The `thesis` rule uses a
+     * different layer from the first one on: floor(i c / s) = i - 1.
      */
     static const ost_pm near[2] = {488281200, 488281300};
     ost_error err = {0};

@@ -7,7 +7,7 @@
 
 static const int sizes[] = {16, 32, 64};
 
-/* ---------------------------------------------------- computed by hand */
+/* -------------------------------------------- results computed by hand */
 
 static void assert_gone(const int16_t *voxels, const ost_geometry *g, const int32_t lo[3], const int32_t hi[3])
 {
