@@ -187,7 +187,7 @@ static size_t cells_in(const ost_cells *c)
 
 typedef struct drawn {
     int frames, parts; /* number of frames, and number of those that were drawn only in part */
-    size_t cells;      /* cells drawn in the partly drawn frames */
+    size_t cells;      /* number of cells drawn in the frames that were drawn only in part */
 } drawn;
 
 /* Draws a frame and compares it with the same picture drawn in a new frame. */

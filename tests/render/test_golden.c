@@ -2,11 +2,11 @@
 /*
  * Golden pictures: a hash of the voxel and the face that each pixel shows. The hashes were
  * computed not by the renderer but by walk() in this file, which follows a ray of doubles through
- * each pixel's middle from voxel to voxel of the dense volume. It uses no points, rectangles,
- * order or lists. The test repeats the walk, which must give the hash. Every instruction set and
- * number of threads must give the same hash. Pixels whose rays pass within a thousandth of a
- * pixel of an edge are not part of the hash; the walk finds these pixels, which are fewer than
- * one in a hundred.
+ * each pixel's middle from voxel to voxel of the dense volume. Unlike the renderer, walk() uses no
+ * points, rectangles, drawing order or lists. The test repeats the walk, which must give the hash.
+ * The renderer must give the same hash with every instruction set and number of threads. Pixels
+ * whose rays pass within a thousandth of a pixel of an edge are not part of the hash; the walk
+ * finds these pixels, which are fewer than one in a hundred.
  *
  * Covers: REQ-VIEWER
  */
@@ -56,12 +56,12 @@ static bool tool(int i, int j, int k)
     return (k < 24 && r + square(24 - k) < square(24)) || (k >= 24 && r < 30);
 }
 
-/* --------------------------------------------------------------------- walk */
+/* ------------------------------------------------------------------- walk() */
 
 typedef struct hit {
     int face;     /* OST_NO_FACE if the ray hits nothing */
     long voxel;
-    double depth; /* along forward, in voxels */
+    double depth; /* distance along the eye's forward vector, in voxels */
 } hit;
 
 /* Returns the first voxel that the ray through pixel (x, y) hits. x and y may be fractions. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the features of a picture other than shape. Each is compared with a separate definition
- * in this file, which visits all voxels.
+ * Tests the features of a picture other than shape, such as colours, clip planes and ghosts. Each
+ * is compared with a separate definition in this file, which visits all voxels.
  *
  * Covers: REQ-LOOK
  */
@@ -723,7 +723,7 @@ static void all_sets_show_the_same(void **state)
 static void opengl_shows_the_same(void **state)
 {
     (void)state;
-    /* MOST: at most 30 pixels in 921,600 may differ, and one for each object drawn */
+    /* MOST: at most 30 pixels in 921,600 may differ, plus one for each object drawn */
     enum { W = 160, H = 120, MOST = 2 };
     ost_error err = {0};
     test_rng rng = rng_seeded("gl");

@@ -129,8 +129,8 @@ static int openness(int value)
 }
 
 /*
- * Uses the wide slope if it agrees with the fine slope to within 45 degrees, the fine slope if
- * they are 53 degrees apart or more, and a mixture of both otherwise.
+ * Mixes the slopes of the coarse-scale average (w) and the fine-scale average (f). If they are at
+ * most 45 degrees apart, w alone is used; if they are at least 53 degrees apart, f alone is used.
  */
 static uint32_t shade_from(const float f[3], const float w[3], int fine, int wide_value)
 {

@@ -113,7 +113,7 @@ static void what_is_nearer_is_seen(void **state)
     assert_int_equal(steel_pixels(&v.frame), 0);
     put_tool(&v, (ost_pose){.t = {35 * MM, 30 * MM, 15 * MM}, .qw = OST_Q30_ONE});
     assert_ok(ost_viewer_draw(&v, &c, &err));
-    assert_in_range(steel_pixels(&v.frame), 0, before / 4); /* visible through the slots */
+    assert_in_range(steel_pixels(&v.frame), 0, before / 4); /* the tool is visible only through the slots */
     /* The tool lies on its side: it is rotated by a quarter turn about the line of sight. */
     put_tool(&v, (ost_pose){.t = {25 * MM, 0, 25 * MM}, .qw = 759250125, .qy = 759250125});
     assert_ok(ost_viewer_draw(&v, &c, &err));
@@ -195,7 +195,7 @@ static void views_look_where_they_say(void **state)
         if (i == OST_VIEW_ANTERIOR)
             assert_true(back[1] < -0.9999);
         if (i == OST_VIEW_INFERIOR)
-            assert_true(back[2] < -0.999); /* STEEPEST */
+            assert_true(back[2] < -0.999); /* not -1, because the elevation is limited to STEEPEST */
         const bool all = i == OST_VIEW_OVERVIEW || i == OST_VIEW_MEDIAL || i == OST_VIEW_INFERIOR;
         assert_true(fabs(o.at[0] - (all ? 0 : 30)) < 1e-9);
     }
