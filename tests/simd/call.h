@@ -21,7 +21,7 @@ typedef enum call_end { CALL_RETURNED, CALL_FAULT, CALL_STATE } call_end;
  * most twice this time. Must be called once before the first call_kernel.
  */
 void call_watch(double seconds);
-/* Calls `kernel` by means of the function `call`. If the result is not CALL_RETURNED, `text` describes the error. */
+/* Calls `kernel` through `call`. If the result is not CALL_RETURNED, `text` describes the error. */
 call_end call_kernel(check_call_fn *call, check_fn *kernel, void *arguments, char *text, size_t size);
 /* Returns true if this machine and build can detect that upper halves of vector registers are left in use. */
 bool call_watches_halves(void);

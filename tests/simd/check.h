@@ -69,7 +69,7 @@ typedef struct check_kernel {
 extern const check_kernel *const check_kernels[];
 extern const int check_kernel_count;
 
-/* ------------------------------------------------------- within a case */
+/* ------------------------------------------------ functions for a test */
 
 static inline int64_t check_range(check *c, int64_t lo, int64_t hi)
 {
@@ -109,13 +109,13 @@ bool check_same(check *c, const char *what, check_type type, const void *expecte
  */
 bool check_that(check *c, bool holds, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* ------------------------------------------------------------- running */
+/* ------------------------------------------------------- running cases */
 
 /* Runs the cases first to first + count - 1, stopping at the first one that fails. */
 check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *other, const char *isa, uint64_t seed,
                        int first, int count, bool quiet);
 
-/* --------------------------------------------------------------- times */
+/* -------------------------------------------------------------- timing */
 
 /*
  * Times one workload with every instruction set in turn and prints a line. `prepare`, if not

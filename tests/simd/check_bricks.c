@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of brick_row, any_active and drain, which process rows of voxels and bricks.
+ * Checks of the kernels brick_row, any_active and drain, which process rows of voxels and bricks.
  *
  * Densities come from the entire range of int16. Most of them are the threshold, one below the
  * threshold, or an end of the range.

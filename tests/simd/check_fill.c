@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of vox_fill and vox_expand, which convert crossings to solid bits and solid bits to
- * classes.
+ * Checks of the kernels vox_fill and vox_expand, which convert crossings to solid bits and solid
+ * bits to classes.
  *
  * The check allows what the contract of vox_fill allows. An instruction set may report all rows
  * of a block as unproven if one row is unproven, or if the rows begin differently. The bits of
@@ -31,7 +31,7 @@ static void call_fill(check_fn *kernel, void *with)
 
 /*
  * Makes the crossings of one row. `kind` selects them: 0 none; 1 alternately entering and
- * leaving; 2 leaking; 3 random; 4 at every centre; 5 of both signs at one centre. If the mesh is
+ * leaving; 2 not closed; 3 random; 4 at every centre; 5 of both signs at one centre. If the mesh is
  * inside out, the caller exchanges the planes.
  */
 static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)

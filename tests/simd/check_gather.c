@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of gather_row: counts from 0 to 64 in order, maps from all elements equal to far apart,
- * and spans close to a register's width.
+ * Checks of the kernel gather_row. The cases have counts from 0 to 64 in order, maps whose elements
+ * are between equal and far apart, and spans close to a register's width.
  */
 #include "simd/check.h"
 

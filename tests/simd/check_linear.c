@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of blend_rows, stretch_row and weigh_rows: densities and weights at both ends of their
- * ranges, and sums that are ties or adjacent to ties.
+ * Checks of the kernels blend_rows, stretch_row and weigh_rows, with densities and weights at both
+ * ends of their ranges, and with sums that are ties or adjacent to ties.
  */
 #include "simd/check.h"
 

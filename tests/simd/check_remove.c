@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of blocks, split, match and take.
+ * Checks of the kernels `blocks`, `split`, `match` and `take`.
  *
- * blocks is tested with random parts. Their sums lie near the borders at which a base becomes
- * uncertain and must be computed by division, no longer exists, or is out of reach.
+ * `blocks` computes the base of a block as the sum of parts. It is tested with random parts whose
+ * sums lie near the borders at which a base is uncertain and must be computed by division, at which
+ * it no longer exists, and at which it is out of reach.
  *
- * split may write its lists in any order, so the lists are compared as sets: both are sorted by
+ * `split` may write its lists in any order, so the lists are compared as sets: both are sorted by
  * the numbers of the parts, which are all different. The previous content of the lists must
  * remain, and nothing beyond the slack may be written.
  *
- * match is tested with bricks in cells that a split classifies as mixed, up to the cells' edges.
+ * `match` is tested with bricks in cells that a split classifies as mixed, up to the cells' edges.
  * Half of the bricks are moved so that a voxel lies on a border of tool voxels or a few units
  * from it, where the 16-bit sums tie.
  */

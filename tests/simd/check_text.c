@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of text_match.
+ * Checks of the kernel text_match.
  *
  * Lines that match are followed at some point by a line that does not match. There are many
  * reasons: a byte is changed, missing or added; a density is out of range, or has six digits, no
@@ -100,7 +100,7 @@ static size_t some_line(check *c, const ost_text_pattern *p, const ost_text_colu
         memmove(out + at + 1, out + at, n - at);
         out[at] = some_byte(c);
         n++;
-    } else if (way == 5) { /* only the beginning of the line */
+    } else if (way == 5) { /* only the beginning of the line is written */
         n = check_chance(c, 3) ? 0 : at;
     }
     return n;

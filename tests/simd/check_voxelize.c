@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of vox_mark and vox_keys: triangles of every kind in tiles.
+ * Checks of the kernels vox_mark and vox_keys with triangles of every kind in tiles.
  *
  * Meshes need not be closed, because a kernel marks triangles one by one. The triangles tested are
  * small triangles, slivers, triangles with corners and edges on the centres of rows, triangles
@@ -52,7 +52,7 @@ static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner
     int32_t at[3];
     for (int a = 0; a < 3; a++)
         at[a] = (int32_t)check_range(c, 0, end[a]);
-    if (kind == 3) /* across the grid */
+    if (kind == 3) /* a triangle across the entire grid */
         size = end[0] > end[1] ? end[0] : end[1];
     if (kind == 4) {
         corners_at_the_limit(c, f, end, corner);
@@ -70,7 +70,7 @@ static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner
     if (kind == 6) /* a sliver */
         for (int a = 0; a < 3; a++)
             corner[2][a] = within(corner[check_range(c, 0, 1)][a] + check_range(c, -1, 1), end[a]);
-    if (kind == 7) { /* flat along an axis */
+    if (kind == 7) { /* a triangle that is flat along an axis */
         const int64_t a = check_range(c, 0, 2);
         corner[1][a] = corner[2][a] = corner[0][a];
     }

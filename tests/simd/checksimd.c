@@ -11,7 +11,7 @@
  * A slot that contains the scalar function or the function of a lower level is not
  * tested again. The scalar functions themselves are tested for staying within the
  * buffers of their contracts. The exit status is 0 for success, 1 if a case failed,
- * 2 for wrong usage, and 77 if only scalar code runs on this machine or if the
+ * 2 for a usage error, and 77 if only scalar code runs on this machine or if the
  * requested instruction set does not.
  *
  * Covers: AR-LAW-1

@@ -36,7 +36,7 @@ enum {
 };
 _Static_assert(sizeof check_kernels / sizeof check_kernels[0] == CPU_SLOTS + TEXT_KERNELS, "a kernel has no check");
 
-/* ------------------------------------------------------- within a case */
+/* ------------------------------------------------ functions for a test */
 
 void *check_input(check *c, const char *name, size_t count, size_t size, size_t align)
 {
@@ -91,7 +91,7 @@ bool check_both(check *c, check_call_fn *call, void *a, void *b)
     return call_one(c, call, c->scalar, a, "the scalar kernel ") && call_one(c, call, c->other, b, "");
 }
 
-/* ------------------------------------------------------------ comparing */
+/* ---------------------------------------------------- comparing results */
 
 static size_t size_of(check_type type)
 {
@@ -177,7 +177,7 @@ bool check_that(check *c, bool holds, const char *format, ...)
     return false;
 }
 
-/* -------------------------------------------------------------- running */
+/* -------------------------------------------------------- running cases */
 
 static uint64_t seed_of_case(uint64_t seed, const char *name, int number)
 {

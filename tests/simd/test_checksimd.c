@@ -202,7 +202,7 @@ static bool any_not_the_last(const int16_t *base, const size_t *row, int count, 
     return ost_any_active_scalar(base, row, count, width - 1, threshold);
 }
 
-/* ------------------------------------------------------------------ state */
+/* -------------------------------------------------------- processor state */
 
 static void drain_traps(void)
 {
@@ -561,7 +561,7 @@ static size_t match_reads_past_the_margin(const ost_text_pattern *pattern, const
     return text_match(pattern, columns, lengths, text, end, lines, density, next);
 }
 
-/* ------------------------------------------------------------------- list */
+/* ------------------------------------------------------ the wrong kernels */
 
 /* A set of two results. */
 #define OR(a, b) (1u << (a) | 1u << (b))
