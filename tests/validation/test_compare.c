@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares pairs of traces written by hand. The result must name the record, the word or the
- * least voxel, and both values.
+ * Compares pairs of hand-written traces. The result must name the record, the differing word or the
+ * differing voxel with the least index, and the values on both sides.
  */
 #include "harness.h"
 

@@ -163,7 +163,7 @@ static void of_events(void **state)
     for (int y = 9; y < 19; y++)
         p->b[at(19, y, 12)] = p->in[at(19, y, 12)];
     looks_like(&v, PATTERN_BOUNDARY_LAYER, "the cut's border");
-    p->b[at(12, 14, 14)] = p->in[at(12, 14, 14)]; /* inside the cut */
+    p->b[at(12, 14, 14)] = p->in[at(12, 14, 14)]; /* a voxel inside the cut, away from the cut's border */
     looks_like(&v, PATTERN_UNCLASSIFIED, "and a voxel within");
 }
 
@@ -482,8 +482,8 @@ static deviation_kind kind_by_name(const char *name)
 }
 
 /*
- * Tests the table of causes. Every kind of deviation in it must exist, the parts must not exceed
- * the sum, and no sentence may state a cause as certain.
+ * Tests the table of causes. Every kind of deviation in it must exist. The counts of the named
+ * kinds must not exceed the count of their class. No sentence may state a cause as certain.
  */
 static void causes_are_possibilities(void **state)
 {

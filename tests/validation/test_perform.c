@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Performs a case with missing functions and with failing functions. Only a missing function may
- * lead to a record that is not compared. The reference is changed slot by slot and compared with
- * itself.
+ * Runs a case on backends that lack functions and on backends whose functions fail. Only a missing
+ * function may lead to a record that is not compared. Each backend is the reference with one slot
+ * changed, and is compared with the unchanged reference.
  * Covers: REQ-EVIDENCE
  */
 #include "harness.h"

@@ -5,7 +5,7 @@
  * computed with gcc 12 on x86-64. The test shows that clang computes the same ones: if one list
  * of arguments contained two random draws, their order would depend on the compiler.
  *
- * The bone of the family for operations is generated in floating point (phantom), so it is not
+ * The bone of the `operation` family is generated in floating point (phantom), so it is not
  * tested here.
  * Covers: REQ-EVIDENCE
  */
@@ -178,8 +178,8 @@ static void ratios_decide_a_voxel(void **state)
 
 /*
  * Tests the case import/7. Only y is interpolated, and the bone has 32 or 31 voxels along each
- * axis. The offsets of the samples increase through odd and even ppm of an odd spacing and stay
- * below 2.2 um.
+ * axis. The spacing is an odd number of picometres. The offsets of the samples increase, take odd
+ * and even values in ppm of the spacing, and stay below 2.2 um.
  */
 static void drifting_samples(void **state)
 {
@@ -282,7 +282,7 @@ static void corners_of_cubes(void **state)
 }
 
 /*
- * Tests that each case of the family `reach` has the properties for which it was made. The
+ * Tests that each case of the `reach` family has the properties for which it was made. The
  * expected numbers are those of the description of the case.
  */
 static void reach_has_what_it_is_for(void **state)

@@ -199,11 +199,11 @@ static void events_by_hand(void **state)
     const ost_pose at = {{0, 0, 0}, OST_Q30_ONE, 0, 0, 0};
     ost_tick ticks[] = {
         {.t_ns = 0, .rpm = 200, .pose = at},         /* the first tick of its tool */
-        {.t_ns = 1000000, .rpm = 200, .pose = at},   /* in the same period */
+        {.t_ns = 1000000, .rpm = 200, .pose = at},   /* in the same removal period as the tick before */
         {.t_ns = 3000000, .rpm = 0, .pose = at},     /* motor off: no removal */
         {.t_ns = 3500000, .rpm = 200, .pose = at},   /* the first tick after the motor was off */
         {.t_ns = 3600000, .rpm = 200, .pose = at, .lifted = true},
-        {.t_ns = 6000000, .rpm = 200, .pose = at},   /* the next period */
+        {.t_ns = 6000000, .rpm = 200, .pose = at},   /* in the next removal period */
         /* the tool has turned by a third of a revolution: the tick is refused */
         {.t_ns = 106000000, .rpm = 200, .pose = at},
         {.t_ns = 46000000, .rpm = 200, .pose = at, .tool = 1},

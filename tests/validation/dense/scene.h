@@ -5,7 +5,7 @@
  *
  * The scenes are made so that every mistake of validation/dense can have an effect: densities at
  * the threshold and at the borders of classes, duplicates, voxels without a sample, vertices on
- * voxel centres, leaks, meshes within meshes, poses within a rounding error of the borders of
+ * voxel centres, open meshes, meshes within meshes, poses within a rounding error of the borders of
  * tool voxels, sweeps, and distant tools.
  */
 #ifndef OST_TESTS_VALIDATION_SCENE_H
@@ -16,7 +16,7 @@
 enum { EVENTS = 4, POSES = 8, LATTICE = 1024 };
 
 typedef struct scene {
-    /* import */
+    /* the inputs of the import */
     ost_geometry rect;
     ost_sample *samples;
     size_t count, first_batch; /* the second batch begins at sample first_batch */
@@ -30,7 +30,7 @@ typedef struct scene {
     bool two_meshes;
     ost_fill_rule fill;
     ost_tool_volume given;
-    /* events */
+    /* the events, in order */
     struct {
         ost_pose poses[POSES];
         int count;
@@ -38,7 +38,7 @@ typedef struct scene {
     } events[EVENTS];
 } scene;
 
-/* ------------------------------------------------------------------ make */
+/* -------------------------------------------------------- making a scene */
 
 /* Densities of a scene: varied, uniform, or almost no bone. Many mistakes have no effect in UNIFORM and EMPTY. */
 typedef enum flavour { VARIED, UNIFORM, EMPTY } flavour;
@@ -259,7 +259,7 @@ static inline void make_events(scene *s, test_rng *rng)
         s->events[e].collide = rng_range(rng, 0, 5) == 0;
         const ost_tool_geometry *g = s->events[e].given ? &s->given.geometry : &s->cutting.grid;
         ost_pose to = scene_pose(s, rng, g->voxel), from = to;
-        if (e > 0 && rng_range(rng, 0, 2) == 0) { /* continues from the last event */
+        if (e > 0 && rng_range(rng, 0, 2) == 0) { /* the event continues from the last one */
             from = s->events[e - 1].poses[s->events[e - 1].count - 1];
             to = from;
         }
@@ -299,7 +299,7 @@ static inline void free_scene(scene *s)
     free(s);
 }
 
-/* ------------------------------------------------------------------- run */
+/* ------------------------------------------------------- running a scene */
 
 typedef struct outcome {
     int16_t *rect, *cubic, *chunks, *after[EVENTS];

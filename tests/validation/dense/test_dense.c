@@ -51,7 +51,7 @@ static void equals_the_reference(void **state)
         free_outcome(a);
         free_scene(s);
     }
-    assert_true(hit > 0 && touched > 0 && leaks > 0); /* the scenes must contain hits, touched voxels and leaks */
+    assert_true(hit > 0 && touched > 0 && leaks > 0); /* the scenes must contain hits, touched voxels and open meshes */
     const deviation_record record = dense_record(dense);
     assert_int_equal(record.acted, 0);
     assert_int_equal(record.changed, 0);

@@ -483,7 +483,7 @@ static void shards_bring_their_pictures(void **state)
     json_decref(cases);
 }
 
-/* -------------------------------------------------------- nothing to say */
+/* -------------------------------------------------------- nothing was compared */
 
 typedef struct written {
     char verdict[16], junit[2048], tap[2048];
