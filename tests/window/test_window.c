@@ -65,7 +65,7 @@ static void what_is_missing_is_said(void **state)
     the_fake.plain_version = 21;
     refused("needs OpenGL 3.3, found 2.1 of a test (a fake)");
     refused("LIBGL_ALWAYS_SOFTWARE=1");
-    /* The driver reports another reason, but also supports only 2.1. */
+    /* The driver reports a different reason, but also supports only 2.1. */
     the_fake.why = "no visual";
     refused("found 2.1 of a test");
     /* The version is sufficient, so it must not be reported as the reason. */
