@@ -78,8 +78,9 @@ ost_status ost_dicom_series_select(const ost_dicom_scan *scan, const char *wante
     if (count == 1)
         return scan->series[*out].images >= 2 ? OST_OK : too_few(scan, *out, err);
     if (scan->series_count == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: contains no DICOM image; %zu file%s examined", scan->path,
-                        scan->files.count, scan->files.count == 1 ? " was" : "s were");
+        return ost_fail(err, OST_ERR_INPUT, "%s: contains no DICOM image; %zu file%s examined; a pattern such as "
+                        "'%s/*.tif' selects slices among other files", scan->path, scan->files.count,
+                        scan->files.count == 1 ? " was" : "s were", scan->path);
     for (size_t s = 0; s < scan->series_count; s++)
         if (scan->series[s].images)
             return too_few(scan, s, err);
