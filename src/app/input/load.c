@@ -283,8 +283,8 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
         const dicom_options *d = &ct->dicom;
         if (ct->crop || ct->spacing.x || ct->orientation || ct->form || ct->mask || ct->labels || d->series ||
             d->even_slices || d->untilt)
-            return usage_error(app, err, "--crop, --spacing, --orientation, --form, --mask, options that select a bone "
-                               "and the options for DICOM need a file; write %s with osteon phantom first", name);
+            return usage_error(app, err, "--crop, --spacing, --orientation, --form, the options for DICOM, --mask and "
+                               "options that select a bone need a file; write %s with osteon phantom first", name);
         ost_volume volume = {0};
         status = phantom_volume(kind, &volume, err);
         if (status == OST_OK)
